@@ -1,0 +1,53 @@
+# Front door. Every target sets up .venv first when that is needed.
+.DEFAULT_GOAL := help
+SHELL := /bin/bash
+BIN := .venv/bin
+READY := .venv/.ready
+PACKAGES := geometry fem tmm validation
+
+.PHONY: help setup report report-quick test test-heavy lint format lock clean
+
+help: ## show this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-13s %s\n", $$1, $$2}' Makefile
+
+setup: $(READY) ## prepare .venv and the system libraries (the other targets do so by themselves)
+
+# the stamp names its checkout, so a copied or moved one is set up anew
+ifneq ($(shell tail -n 1 $(READY) 2>/dev/null),$(CURDIR))
+.PHONY: $(READY)
+endif
+$(READY): .setup/lock.txt .setup/bootstrap.sh pyproject.toml
+	@PYTHON='$(PYTHON)' bash .setup/bootstrap.sh
+
+report: $(READY) ## write the full report to report/
+	$(BIN)/tactgen report --out report
+
+report-quick: $(READY) ## write the reduced report to report-quick/
+	$(BIN)/tactgen report --quick --out report-quick
+
+test: $(READY) ## run the tests, less the heavy ones
+	$(BIN)/pytest
+
+test-heavy: $(READY) ## run the heavy tests
+	$(BIN)/pytest -m heavy
+
+lint: $(READY) ## check style, types and layering
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(READY) ## put the code in shape
+	$(BIN)/ruff check --fix-only
+	$(BIN)/ruff format
+
+lock: $(READY) ## renew .setup/lock.txt from pyproject.toml (UPGRADE=1: newest versions)
+	$(BIN)/uv pip compile --quiet --no-config --universal --fork-strategy fewest \
+		--python-version 3.11 --group dev --generate-hashes \
+		--custom-compile-command 'make lock' $(if $(UPGRADE),--upgrade) \
+		--output-file .setup/lock.txt pyproject.toml
+
+clean: ## remove reports and caches (not .venv)
+	rm -rf report report-quick dist .hypothesis .import_linter_cache .mypy_cache .pytest_cache \
+		.ruff_cache
+	find $(PACKAGES) tests -name __pycache__ -prune -exec rm -rf {} +
