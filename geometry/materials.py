@@ -1,0 +1,282 @@
+"""Elastic and piezoelectric materials, in the axes of the device.
+
+Library materials are stated in the IEEE 176 frame (poled along 3).  The device's
+axes are x = poling direction, y = width, z = length, so tensors are turned on the
+way out: (x, y, z) = (3, 2, 1).  Voigt order is that of the axes in use:
+xx, yy, zz, yz, xz, xy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import InputError
+
+Array = NDArray[np.float64]
+
+#: Vacuum permittivity (F/m), CODATA 2018.
+EPS0 = 8.8541878128e-12
+
+#: Voigt positions in the device's axes of the IEEE components 11, 22, 33, 23, 13, 12:
+#: 1 -> z, 2 -> y, 3 -> x turns (11 22 33 23 13 12) into (zz yy xx xy xz yz).
+_VOIGT = np.array([2, 1, 0, 5, 4, 3])
+_AXES = np.array([2, 1, 0])
+
+
+@dataclass(frozen=True)
+class PiezoTensors:
+    """Constitutive tensors in the device's axes, poled along +x.
+
+    T = c S − eᵀ E,  D = e S + ε E, with engineering shear strains.
+
+    Attributes
+    ----------
+    c : (6, 6) array
+        Stiffness at constant field (Pa).
+    e : (3, 6) array
+        Piezoelectric stress constants (C/m²).
+    eps : (3, 3) array
+        Permittivity at constant strain (F/m).
+    """
+
+    c: NDArray[np.number]
+    e: NDArray[np.number]
+    eps: NDArray[np.number]
+
+
+@dataclass(frozen=True)
+class Piezoceramic:
+    """A poled ceramic (class 6mm), compliance form, IEEE 176 frame.
+
+    Attributes
+    ----------
+    s : (6, 6) array
+        Compliance at constant field (m²/N).
+    d : (3, 6) array
+        Piezoelectric strain constants (m/V).
+    eps_t : (3, 3) array
+        Permittivity at constant stress (F/m).
+    density, quality_factor, loss_tangent : float
+        Mass density (kg/m³), mechanical Q, dielectric tan δ.
+    """
+
+    name: str
+    s: Array
+    d: Array
+    eps_t: Array
+    density: float
+    quality_factor: float
+    loss_tangent: float
+    origin: str
+    stated: dict[str, str] = field(default_factory=dict)
+
+    def reduced(self) -> dict[str, float]:
+        """Return the constants that a one-dimensional model uses (SI, eps33 relative)."""
+        return {
+            "s11": float(self.s[0, 0]),
+            "s55": float(self.s[4, 4]),
+            "d31": float(self.d[2, 0]),
+            "eps33": float(self.eps_t[2, 2]) / EPS0,
+            "density": self.density,
+            "quality_factor": self.quality_factor,
+            "loss_tangent": self.loss_tangent,
+        }
+
+    def sources(self) -> dict[str, str]:
+        """Return the source of each reduced constant."""
+        return {name: self.stated.get(name, self.origin) for name in self.reduced()}
+
+    def with_values(
+        self,
+        *,
+        s11: float,
+        s55: float,
+        d31: float,
+        eps33: float,
+        density: float,
+        quality_factor: float,
+        loss_tangent: float,
+    ) -> Piezoceramic:
+        """Return this ceramic with the reduced constants replaced exactly.
+
+        The constants that a reduced set does not contain follow from this ceramic's by
+        ratio: compliances with s11, all of d with d31 (d15 so that the shear coupling k15
+        stays), eps11 with eps33.  With unchanged values the tensors are unchanged.
+        """
+        s = self.s * (s11 / self.s[0, 0])
+        s[3, 3] = s[4, 4] = s55
+        s[5, 5] = 2.0 * (s[0, 0] - s[0, 1])
+        eps_t = self.eps_t * (eps33 * EPS0 / self.eps_t[2, 2])
+        d = np.zeros((3, 6))
+        d[2] = self.d[2] * (d31 / self.d[2, 0])
+        shear = np.sqrt(s55 / self.s[4, 4] * eps_t[0, 0] / self.eps_t[0, 0])
+        d[0, 4] = d[1, 3] = self.d[0, 4] * shear
+        return replace(
+            self,
+            s=s,
+            d=d,
+            eps_t=eps_t,
+            density=density,
+            quality_factor=quality_factor,
+            loss_tangent=loss_tangent,
+        )
+
+    def tensors(self, *, lossy: bool = False) -> PiezoTensors:
+        """Return the stiffness-form tensors in the device's axes, poled along +x.
+
+        Losses (time factor e^{+jΩt}): all compliances divided by (1 + j/Q), permittivity
+        at constant stress times (1 − j tan δ), d real.
+
+        Raises
+        ------
+        InputError
+            If stiffness or clamped permittivity is not positive definite.
+        """
+        self._check_admissible()
+        stiffening = 1.0 + 1j / self.quality_factor if lossy else 1.0
+        permittivity = 1.0 - 1j * self.loss_tangent if lossy else 1.0
+        c = np.linalg.inv(self.s) * stiffening
+        e = self.d @ c
+        eps = self.eps_t * permittivity - self.d @ c @ self.d.T
+        c, e, eps = (
+            np.asarray(turned)
+            for turned in (c[np.ix_(_VOIGT, _VOIGT)], e[np.ix_(_AXES, _VOIGT)], eps[::-1, ::-1])
+        )
+        return PiezoTensors(c=c, e=e, eps=eps)
+
+    def _check_admissible(self) -> None:
+        if np.linalg.eigvalsh(self.s).min() <= 0.0:
+            raise InputError(
+                f"piezo.s11 = {self.s[0, 0]:.4g} m^2/N and piezo.s55 = {self.s[4, 4]:.4g} m^2/N "
+                "do not give a positive definite stiffness; change one of them"
+            )
+        clamped = self.eps_t - self.d @ np.linalg.inv(self.s) @ self.d.T
+        if np.linalg.eigvalsh(clamped).min() <= 0.0:
+            raise InputError(
+                f"piezo.d31 = {self.d[2, 0]:.4g} m/V with piezo.eps33 = "
+                f"{self.eps_t[2, 2] / EPS0:.4g} and piezo.s11 = {self.s[0, 0]:.4g} m^2/N stores "
+                "negative energy (clamped permittivity not positive); raise piezo.eps33 or "
+                "lower |piezo.d31|"
+            )
+
+
+def _transversely_isotropic(s11: float, s12: float, s13: float, s33: float, s44: float) -> Array:
+    s = np.zeros((6, 6))
+    s[:3, :3] = [[s11, s12, s13], [s12, s11, s13], [s13, s13, s33]]
+    s[3, 3] = s[4, 4] = s44
+    s[5, 5] = 2.0 * (s11 - s12)
+    return s
+
+
+def _strain_constants(d31: float, d33: float, d15: float) -> Array:
+    d = np.zeros((3, 6))
+    d[2, :3] = d31, d31, d33
+    d[0, 4] = d[1, 3] = d15
+    return d
+
+
+def _pzt_5h() -> Piezoceramic:
+    """Return PZT-5H from its usual stiffness-form constants (c66 follows from c11, c12)."""
+    c = np.zeros((6, 6))
+    c[:3, :3] = np.array([[127.2, 80.2, 84.7], [80.2, 127.2, 84.7], [84.7, 84.7, 117.4]]) * 1e9
+    c[3, 3] = c[4, 4] = 23.0e9
+    c[5, 5] = 23.5e9
+    e = _strain_constants(-6.62, 23.24, 17.03)
+    s = np.linalg.inv(c)
+    d = e @ s
+    eps_s = np.diag([1704.0, 1704.0, 1433.0]) * EPS0
+    return Piezoceramic(
+        name="PZT-5H",
+        s=s,
+        d=d,
+        eps_t=eps_s + d @ c @ d.T,
+        density=7500.0,
+        quality_factor=65.0,
+        loss_tangent=0.02,
+        origin="PZT-5H, published full tensor (c, e, eps at constant strain)",
+    )
+
+
+def _pzt_5a() -> Piezoceramic:
+    return Piezoceramic(
+        name="PZT-5A",
+        s=_transversely_isotropic(16.4e-12, -5.74e-12, -7.22e-12, 18.8e-12, 47.5e-12),
+        d=_strain_constants(-171e-12, 374e-12, 584e-12),
+        eps_t=np.diag([1730.0, 1730.0, 1700.0]) * EPS0,
+        density=7750.0,
+        quality_factor=75.0,
+        loss_tangent=0.02,
+        origin="PZT-5A, Berlincourt's constants as used in IEEE Std 176",
+    )
+
+
+def _m1876() -> Piezoceramic:
+    """Return M1876: the paper's three constants, the rest a soft PZT by ratio to PZT-5H."""
+    assumed = "assumed: typical of soft PZT with this d31 (no M1876 data sheet is public)"
+    ceramic = _pzt_5h().with_values(
+        s11=15.8e-12,
+        s55=57.8e-12,
+        d31=-385e-12,
+        eps33=6000.0,
+        density=7900.0,
+        quality_factor=60.0,
+        loss_tangent=0.03,
+    )
+    return replace(
+        ceramic,
+        name="M1876",
+        origin="assumed: PZT-5H scaled to the paper's s11, s55 and d31",
+        stated={
+            "s11": "paper table 2",
+            "s55": "paper table 2",
+            "d31": "paper table 2",
+            "eps33": assumed,
+            "density": assumed,
+            "quality_factor": assumed,
+            "loss_tangent": assumed,
+        },
+    )
+
+
+#: Library of piezoceramics by name.
+LIBRARY: dict[str, Piezoceramic] = {c.name: c for c in (_m1876(), _pzt_5h(), _pzt_5a())}
+
+
+def orthotropic_stiffness(
+    axial_modulus: float, transverse_modulus: float, shear_modulus: float, poisson_ratio: float
+) -> Array:
+    """Return the (6, 6) stiffness (Pa) of a transversely isotropic solid with its axis along z.
+
+    Poisson's ratio is the same along and across the axis; with equal moduli and
+    ``shear_modulus = E / (2 (1 + nu))`` the solid is isotropic.
+
+    Raises
+    ------
+    InputError
+        If the constants do not give a positive definite stiffness.
+    """
+    nu = poisson_ratio
+    s = np.zeros((6, 6))
+    across, along = 1.0 / transverse_modulus, 1.0 / axial_modulus
+    s[0, 0] = s[1, 1] = across
+    s[2, 2] = along
+    s[0, 1] = s[1, 0] = -nu * across
+    s[0, 2] = s[2, 0] = s[1, 2] = s[2, 1] = -nu * along
+    s[3, 3] = s[4, 4] = 1.0 / shear_modulus
+    s[5, 5] = 2.0 * (1.0 + nu) * across
+    if np.linalg.eigvalsh(s).min() <= 0.0:
+        raise InputError(
+            f"shim.transverse_modulus = {transverse_modulus:.4g} Pa with shim.youngs_modulus = "
+            f"{axial_modulus:.4g} Pa and shim.poisson_ratio = {nu:g} does not give a positive "
+            "definite stiffness; lower the transverse modulus or the Poisson ratio"
+        )
+    return np.asarray(np.linalg.inv(s))
+
+
+def isotropic_stiffness(youngs_modulus: float, poisson_ratio: float) -> Array:
+    """Return the (6, 6) stiffness (Pa) of an isotropic solid."""
+    shear = youngs_modulus / (2.0 * (1.0 + poisson_ratio))
+    return orthotropic_stiffness(youngs_modulus, youngs_modulus, shear, poisson_ratio)

@@ -1,0 +1,320 @@
+"""Every parameter of the device and of its operating conditions, with its source.
+
+Frozen pydantic models in SI units.  The defaults are the paper's lateral actuator
+(20 mm long) on the reconstructed normal actuator.  ``Field(description=...)`` says
+what a number means, :func:`sources` where it comes from.  Nothing is computed here
+but what the geometry itself implies.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from geometry import units as u
+from geometry.errors import InputError
+from geometry.materials import LIBRARY, Piezoceramic
+
+#: Gap at which the reconstructed normal actuator's axial positions are stated (m).
+NOMINAL_GAP = 0.2e-3
+
+_PAPER_2 = "paper table 2"
+_PAPER_4 = "paper section 4"
+_PAPER_5 = "paper section 5.1"
+_RECONSTRUCTED = "assumed: reconstructed normal actuator (the paper gives only 2.3 mm and the gap)"
+
+
+def _field(default: Any, source: str, description: str) -> Any:
+    return Field(default, description=description, json_schema_extra={"source": source})
+
+
+class Parameters(BaseModel):
+    """Base of all parameter groups: immutable, no unknown keys, finite numbers only."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Bimorph(Parameters):
+    """The lateral actuator: piezo / shim / piezo, the shim's tab below the ceramic."""
+
+    length: u.Length = _field(20e-3, _PAPER_4, "active (ceramic) length")
+    width: u.Length = _field(2.1e-3, _PAPER_2, "width b")
+    piezo_thickness: u.Length = _field(0.26e-3, _PAPER_2, "thickness of one piezo layer h_p")
+    shim_thickness: u.Length = _field(0.25e-3, _PAPER_2, "thickness of the shim h_s")
+    tab_length: u.LengthOrZero = _field(
+        0.0, "assumed: no bare shim below the ceramic", "length of the bare shim below the ceramic"
+    )
+    wiring: Literal["parallel", "series"] = _field(
+        "parallel",
+        "assumed: the paper does not say (its 50 V start near the parallel model's value)",
+        "parallel: the voltage lies across each layer; series: across both in a row",
+    )
+    poling: Literal["-x", "+x"] = _field(
+        "-x",
+        "assumed: gives the signs of the paper's matrix A (positive U bends towards +x)",
+        "direction in which both layers are poled; U is outer electrodes minus shim",
+    )
+
+    @property
+    def thickness(self) -> float:
+        """Total thickness (m)."""
+        return 2.0 * self.piezo_thickness + self.shim_thickness
+
+    @property
+    def poling_sign(self) -> float:
+        """+1 for poling along +x, −1 along −x."""
+        return 1.0 if self.poling == "+x" else -1.0
+
+
+class Piezo(Parameters):
+    """The piezoceramic: a library material, any of whose values may be replaced."""
+
+    material: str = _field("M1876", _PAPER_2, "name of a library material")
+    s11: u.Compliance = _field(None, "", "elastic compliance s11 at constant field")
+    s55: u.Compliance = _field(None, "", "shear compliance s55 at constant field")
+    d31: u.PiezoConstant = _field(None, "", "transverse piezoelectric constant")
+    eps33: u.RelativePermittivity = _field(None, "", "relative permittivity at constant stress")
+    density: u.Density = _field(None, "", "mass density")
+    quality_factor: u.QualityFactor = _field(None, "", "mechanical quality factor Q")
+    loss_tangent: u.LossTangent = _field(None, "", "dielectric loss tangent")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_from_library(cls, given: Any) -> Any:
+        if not isinstance(given, dict):
+            return given
+        name = given.get("material", "M1876")
+        if name not in LIBRARY:
+            raise InputError(
+                f'piezo.material = "{name}" is not in the library; '
+                f"use one of {', '.join(LIBRARY)} and replace single values, such as piezo.s11"
+            )
+        library = {key: u.SI(value) for key, value in LIBRARY[name].reduced().items()}
+        return {**library, **given, "material": name}
+
+    def ceramic(self) -> Piezoceramic:
+        """Return the full material that these values stand for."""
+        values = self.model_dump(exclude={"material"})
+        return LIBRARY[self.material].with_values(**values)
+
+
+class Shim(Parameters):
+    """The middle layer: elastic, electrically conducting, fibres along z."""
+
+    youngs_modulus: u.Modulus = _field(140e9, _PAPER_2, "modulus along the actuator E_s")
+    shear_modulus: u.Modulus = _field(
+        5e9, "assumed: unidirectional carbon fibre composite", "longitudinal shear modulus G_s"
+    )
+    transverse_modulus: u.Modulus | None = _field(
+        None,
+        "assumed: 2 (1 + nu) G_s, exact for an isotropic shim",
+        "modulus across the fibres (solid model only)",
+    )
+    poisson_ratio: u.PoissonRatio = _field(
+        0.3, "assumed: typical of the composite", "Poisson ratio (solid model only)"
+    )
+    density: u.Density = _field(1500.0, _PAPER_2, "mass density")
+
+
+class Glue(Parameters):
+    """The adhesive between the shim's tab and the slot in the rod's head."""
+
+    thickness: u.Length = _field(50e-6, "assumed: typical bond line", "bond line around the tab")
+    youngs_modulus: u.Modulus = _field(3e9, "assumed: epoxy", "modulus")
+    poisson_ratio: u.PoissonRatio = _field(0.35, "assumed: epoxy", "Poisson ratio")
+    density: u.Density = _field(1200.0, "assumed: epoxy", "mass density")
+
+
+class Rod(Parameters):
+    """The moving iron: shaft, head (the pole above the gap), flange, slot for the tab."""
+
+    radius: u.Length = _field(0.62e-3, _RECONSTRUCTED, "shaft radius")
+    head_radius: u.Length = _field(1.15e-3, _PAPER_5, "head radius (outer diameter 2.3 mm)")
+    head_thickness: u.Length = _field(0.5e-3, _RECONSTRUCTED, "head thickness")
+    flange_radius: u.Length = _field(0.91e-3, _RECONSTRUCTED, "flange radius")
+    flange_thickness: u.Length = _field(0.9e-3, _RECONSTRUCTED, "flange thickness")
+    flange_position: u.Position = _field(
+        2.4e-3, _RECONSTRUCTED, "flange's top below the sleeve's top at the 200 um gap"
+    )
+    length: u.Length = _field(
+        3.3e-3, _RECONSTRUCTED, "shaft's end below the sleeve's top at the 200 um gap"
+    )
+    slot_depth: u.Length = _field(
+        0.45e-3, "assumed: slot stays inside the head", "depth of the slot that takes the tab"
+    )
+    youngs_modulus: u.Modulus = _field(205e9, "assumed: low-carbon steel", "modulus")
+    poisson_ratio: u.PoissonRatio = _field(0.29, "assumed: low-carbon steel", "Poisson ratio")
+    density: u.Density = _field(7850.0, "assumed: low-carbon steel", "mass density")
+
+
+class Coil(Parameters):
+    """The winding on the rod's shaft."""
+
+    inner_radius: u.Length = _field(0.62e-3, _RECONSTRUCTED, "inner radius")
+    outer_radius: u.Length = _field(0.88e-3, _RECONSTRUCTED, "outer radius")
+    length: u.Length = _field(2.0e-3, _RECONSTRUCTED, "axial length")
+    position: u.Position = _field(
+        0.3e-3, _RECONSTRUCTED, "coil's top below the sleeve's top at the 200 um gap"
+    )
+
+
+class Sleeve(Parameters):
+    """The fixed iron around the coil, its collar at the upper end."""
+
+    inner_radius: u.Length = _field(0.96e-3, _RECONSTRUCTED, "bore radius")
+    outer_radius: u.Length = _field(1.15e-3, _PAPER_5, "outer radius (outer diameter 2.3 mm)")
+    length: u.Length = _field(3.6e-3, _RECONSTRUCTED, "axial length")
+    collar_radius: u.Length = _field(0.9e-3, _RECONSTRUCTED, "bore radius of the collar")
+    collar_thickness: u.Length = _field(0.2e-3, _RECONSTRUCTED, "axial length of the collar")
+
+
+class Device(Parameters):
+    """One tactile generator: what is built, and of what."""
+
+    bimorph: Bimorph = Bimorph()
+    piezo: Piezo = Piezo()
+    shim: Shim = Shim()
+    glue: Glue = Glue()
+    rod: Rod = Rod()
+    coil: Coil = Coil()
+    sleeve: Sleeve = Sleeve()
+    gap: u.Length = _field(0.2e-3, _PAPER_5, "working air gap")
+
+    @property
+    def ceramic_base(self) -> float:
+        """Height z of the ceramic's lower edge when the bimorph stands in the rod (m).
+
+        z = 0 is the rod's top face; the tab reaches to one bond line above the slot's floor.
+        """
+        return self.bimorph.tab_length - (self.rod.slot_depth - self.glue.thickness)
+
+
+class Support(Parameters):
+    """What holds the lower end of the lateral actuator (paper eqs 6-8)."""
+
+    kind: Literal["spring", "clamped", "rod"] = _field(
+        "spring", _PAPER_4, "the paper's springs, a rigid clamp, or the glued joint in the real rod"
+    )
+    rotational_stiffness: u.RotationalStiffness = _field(0.24, _PAPER_4, "c_s")
+    lateral_stiffness: u.LateralStiffness = _field(
+        3e6, f"{_PAPER_4} (printed with the unit Nm, meant N/m)", "c_sl"
+    )
+    rotational_damping: u.RotationalDamping = _field(4.46e-6, _PAPER_4, "d_s")
+    rotational_inertia: u.RotationalInertia = _field(1e-12, _PAPER_4, "theta")
+
+
+class Load(Parameters):
+    """What the tip pushes against."""
+
+    kind: Literal["none", "finger", "mass", "spring_damper"] = _field(
+        "finger", "paper section 3", "free tip, the paper's finger (eqs 1-5), or lumped elements"
+    )
+    mass: u.Mass = _field(0.0, "not in the paper", "tip mass, used by kind mass")
+    stiffness: u.LateralStiffness = _field(0.0, "not in the paper", "used by kind spring_damper")
+    damping: u.LateralDamping = _field(0.0, "not in the paper", "used by kind spring_damper")
+
+
+class Drive(Parameters):
+    """The electrical source."""
+
+    voltage: u.Voltage = _field(50.0, _PAPER_4, "amplitude (peak) of the drive voltage")
+
+
+class Beam(Parameters):
+    """What only the one-dimensional models need."""
+
+    shear_correction: u.PositiveNumber = _field(
+        5.0 / 6.0, "assumed: rectangular section", "Timoshenko's shear correction factor"
+    )
+
+
+def check_fit(device: Device, support: Support) -> None:
+    """Refuse a device whose parts cannot be put together.
+
+    Raises
+    ------
+    InputError
+        In one sentence, with the values in millimetres.
+    """
+    bimorph, rod, sleeve, coil = device.bimorph, device.rod, device.sleeve, device.coil
+    mm = 1e3
+    if support.kind != "clamped" and bimorph.width > 2.0 * rod.head_radius:
+        raise InputError(
+            f"bimorph.width = {bimorph.width * mm:g} mm is wider than the rod allows "
+            f"(head diameter {2 * rod.head_radius * mm:g} mm); make the bimorph narrower or "
+            'rod.head_radius larger, or study it alone with support.kind = "clamped"'
+        )
+    if support.kind == "rod":
+        _check_joint(device)
+    if not rod.radius <= coil.inner_radius < coil.outer_radius < sleeve.inner_radius:
+        raise InputError(
+            f"coil.inner_radius = {coil.inner_radius * mm:g} mm and coil.outer_radius = "
+            f"{coil.outer_radius * mm:g} mm must lie between rod.radius = {rod.radius * mm:g} mm "
+            f"and sleeve.inner_radius = {sleeve.inner_radius * mm:g} mm, in that order"
+        )
+    if not sleeve.collar_radius <= sleeve.inner_radius < sleeve.outer_radius:
+        raise InputError(
+            f"sleeve.inner_radius = {sleeve.inner_radius * mm:g} mm must lie between "
+            f"sleeve.collar_radius = {sleeve.collar_radius * mm:g} mm and "
+            f"sleeve.outer_radius = {sleeve.outer_radius * mm:g} mm"
+        )
+    if not rod.radius < rod.flange_radius < sleeve.inner_radius:
+        raise InputError(
+            f"rod.flange_radius = {rod.flange_radius * mm:g} mm must lie between rod.radius = "
+            f"{rod.radius * mm:g} mm and sleeve.inner_radius = {sleeve.inner_radius * mm:g} mm"
+        )
+    if rod.flange_position + rod.flange_thickness > rod.length + 1e-12:
+        raise InputError(
+            f"rod.length = {rod.length * mm:g} mm ends above the flange's lower face at "
+            f"{(rod.flange_position + rod.flange_thickness) * mm:g} mm; make the rod longer"
+        )
+    if coil.position + coil.length > rod.flange_position:
+        raise InputError(
+            f"coil.length = {coil.length * mm:g} mm from coil.position = {coil.position * mm:g} mm "
+            f"runs into the flange at rod.flange_position = {rod.flange_position * mm:g} mm; "
+            "shorten the coil"
+        )
+
+
+def _check_joint(device: Device) -> None:
+    """Refuse a tab that does not go into the slot, or a slot that leaves the head."""
+    bimorph, rod, glue = device.bimorph, device.rod, device.glue
+    mm = 1e3
+    slot_diagonal = math.hypot(
+        bimorph.width + 2 * glue.thickness, bimorph.shim_thickness + 2 * glue.thickness
+    )
+    if slot_diagonal >= 2.0 * rod.head_radius:
+        raise InputError(
+            f"bimorph.width = {bimorph.width * mm:g} mm is wider than the rod allows: with its "
+            f"bond line the tab needs a slot of {slot_diagonal * mm:.3g} mm across the head of "
+            f"diameter {2 * rod.head_radius * mm:g} mm; make the bimorph narrower"
+        )
+    if rod.slot_depth >= rod.head_thickness:
+        raise InputError(
+            f"rod.slot_depth = {rod.slot_depth * mm:g} mm must stay inside the head of thickness "
+            f"rod.head_thickness = {rod.head_thickness * mm:g} mm; make the slot shallower"
+        )
+    if glue.thickness >= rod.slot_depth:
+        raise InputError(
+            f"glue.thickness = {glue.thickness * mm:g} mm fills the whole slot of depth "
+            f"rod.slot_depth = {rod.slot_depth * mm:g} mm; make the bond line thinner"
+        )
+    if device.ceramic_base < 0.0:
+        raise InputError(
+            f"bimorph.tab_length = {bimorph.tab_length * mm:g} mm is too short for the rod's slot; "
+            f"it must be at least {(rod.slot_depth - glue.thickness) * mm:g} mm"
+        )
+
+
+def sources(group: Parameters) -> dict[str, str]:
+    """Return the source of each scalar of a group, as ``{field: source}``."""
+    found: dict[str, str] = {}
+    for name, info in type(group).model_fields.items():
+        extra = info.json_schema_extra
+        if isinstance(extra, dict):
+            found[name] = str(extra["source"])
+    if isinstance(group, Piezo):
+        found.update(LIBRARY[group.material].sources())
+    return found
