@@ -1,0 +1,243 @@
+"""Timoshenko beam finite elements with voltage: the discretised twin of the TMM.
+
+Weak form, for all (v, φ):  ∫ EI ψ' φ' + GA (w' + ψ)(v' + φ) − Ω² (m w v + ρI ψ φ) dz
+= U ∫ K φ' dz + end forces.  Section constants are integrated over the layers here, by
+Gauss quadrature of the constitutive law, not taken from closed forms.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.beam_pieces import Piece, beam_pieces
+from geometry.materials import EPS0
+from geometry.parameters import Beam, Device, Support
+from tmm.multiport import Multiport
+
+Complex = NDArray[np.complex128]
+Floats = NDArray[np.float64]
+
+#: Polynomial order of w and ψ (equal orders lock only at low order).
+ORDER = 5
+#: Frequencies condensed at a time; bounds the memory of the dense batch.
+_CHUNK = 64
+
+
+@dataclass(frozen=True)
+class BeamMatrices:
+    """Assembled beam, all (n, n) or (n,): dofs of w and ψ, then the scalar capacitance.
+
+    `ports` are the dofs of w and ψ at the base, then at the tip.
+    """
+
+    stiffness: Complex
+    mass: Floats
+    coupling: Complex
+    capacitance: complex
+    ports: NDArray[np.int64]
+
+
+def multiport(
+    device: Device,
+    support: Support,
+    beam: Beam,
+    frequencies: Floats,
+    *,
+    elements: int = 8,
+    lossy: bool = True,
+) -> Multiport:
+    """Return the beam-element model over its five ports (parallel wiring).
+
+    Parameters
+    ----------
+    elements : int
+        Elements per piece.
+    """
+    frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    matrices = assemble(device, support, beam, elements=elements, lossy=lossy)
+    omega = 2.0 * np.pi * frequencies
+    chunks = (omega[i : i + _CHUNK] for i in range(0, omega.size, _CHUNK))
+    return Multiport(frequencies, np.concatenate([_condense(matrices, o) for o in chunks]))
+
+
+def elements_for(device: Device, highest: float) -> int:
+    """Return a number of elements per piece that resolves waves up to `highest` Hz.
+
+    Two radians of the slowest wave per element of order five; even, at least 8.
+    """
+    piezo, bimorph = device.piezo, device.bimorph
+    slowest = math.sqrt(min(1.0 / piezo.s55, device.shim.shear_modulus) / piezo.density)
+    modulus = 1.0 / (piezo.s11 * piezo.density)
+    omega = 2.0 * math.pi * highest
+    bending = math.sqrt(omega / math.sqrt(modulus) / bimorph.thickness * math.sqrt(12.0))
+    longest = max(bimorph.length, bimorph.tab_length)
+    radians = longest * max(bending, omega / slowest)
+    return 2 * max(4, math.ceil(radians / 4.0))
+
+
+def assemble(
+    device: Device, support: Support, beam: Beam, *, elements: int, lossy: bool
+) -> BeamMatrices:
+    """Assemble the row of beams with `elements` elements in each piece."""
+    from skfem import Basis, BilinearForm, ElementLinePp, LinearForm, MeshLine, asm
+
+    pieces = beam_pieces(device, support)
+    constants = [_section(piece, device, beam, lossy=lossy) for piece in pieces]
+    ends = np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
+    nodes = [np.linspace(a, b, elements + 1)[1:] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    mesh = MeshLine(np.concatenate([[0.0], *nodes]))
+    w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
+    basis = w_space * w_space
+    ei, ga, m, rho_i, k, c = (
+        np.repeat(column, elements)[:, None] for column in zip(*constants, strict=True)
+    )
+
+    @BilinearForm(dtype=complex)
+    def elastic(w, psi, v, phi, _):  # type: ignore[no-untyped-def]
+        shear = (w.grad[0] + psi) * (v.grad[0] + phi)
+        return ei * psi.grad[0] * phi.grad[0] + ga * shear
+
+    @BilinearForm
+    def inertial(w, psi, v, phi, _):  # type: ignore[no-untyped-def]
+        return m.real * w * v + rho_i.real * psi * phi
+
+    @LinearForm(dtype=complex)
+    def moment_per_voltage(v, phi, _):  # type: ignore[no-untyped-def]
+        return k * phi.grad[0] + 0.0 * v
+
+    w_dofs = w_space.nodal_dofs[0]
+    first, last = (w_dofs[np.argmin(mesh.p[0])], w_dofs[np.argmax(mesh.p[0])])
+    return BeamMatrices(
+        stiffness=asm(elastic, basis).toarray(),
+        mass=asm(inertial, basis).toarray(),
+        coupling=asm(moment_per_voltage, basis),
+        capacitance=complex(np.sum(c[:, 0] * np.diff(np.sort(mesh.p[0])))),
+        ports=np.array([first, first + w_space.N, last, last + w_space.N]),
+    )
+
+
+def bending_frequencies(
+    matrices: BeamMatrices,
+    *,
+    clamped: bool,
+    base: tuple[float, float, float],
+    tip: tuple[float, float],
+    count: int,
+    open_circuit: bool,
+) -> Floats:
+    """Return the lowest elastic natural frequencies (Hz) of lossless matrices.
+
+    Parameters
+    ----------
+    base : tuple of float
+        Lateral and rotational stiffness and rotational inertia of the support.
+    tip : tuple of float
+        Stiffness and mass of the load.
+    """
+    from scipy.linalg import eigh
+
+    k, m = matrices.stiffness.real.copy(), matrices.mass.copy()
+    w0, psi0, w1, _ = matrices.ports
+    if open_circuit:
+        charge = matrices.coupling.real
+        k += np.outer(charge, charge) / matrices.capacitance.real
+    k[w1, w1] += tip[0]
+    m[w1, w1] += tip[1]
+    held = matrices.ports[:2] if clamped else []
+    if not clamped:
+        k[w0, w0] += base[0]
+        k[psi0, psi0] += base[1]
+        m[psi0, psi0] += base[2]
+    free = np.setdiff1d(np.arange(k.shape[0]), held)
+    k, m = k[np.ix_(free, free)], m[np.ix_(free, free)]
+    rough = eigh(k, m, eigvals_only=True)
+    elastic = rough[rough > 1e-9 * rough[min(count + 2, rough.size) - 1]]
+    # the lowest values of (k, m) carry the rounding of the highest; as the highest of the
+    # inverse pencil they are exact to a few digits of machine precision
+    shift = float(elastic[0])
+    inverse = eigh(m, k + shift * m, eigvals_only=True, subset_by_index=_top(k.shape[0], count + 2))
+    values = np.sort(1.0 / inverse) - shift
+    return np.asarray(np.sqrt(values[values > 0.5 * shift][:count]) / (2.0 * np.pi))
+
+
+def _top(size: int, count: int) -> list[int]:
+    return [max(size - count, 0), size - 1]
+
+
+def _condense(matrices: BeamMatrices, omega: Floats) -> Complex:
+    """Return D (n, 5, 5): interior dofs eliminated at each frequency."""
+    ports = matrices.ports
+    inner = np.setdiff1d(np.arange(matrices.mass.shape[0]), ports)
+    dynamic = matrices.stiffness - (omega**2)[:, None, None] * matrices.mass
+    n = omega.size
+    d = np.zeros((n, 5, 5), dtype=complex)
+    d[:, :4, :4] = dynamic[:, ports][:, :, ports]
+    d[:, :4, 4], d[:, 4, :4] = -matrices.coupling[ports], matrices.coupling[ports]
+    d[:, 4, 4] = matrices.capacitance
+    right = np.zeros((n, inner.size, 5), dtype=complex)
+    right[:, :, :4] = dynamic[:, inner][:, :, ports]
+    right[:, :, 4] = -matrices.coupling[inner]
+    left = np.zeros((n, 5, inner.size), dtype=complex)
+    left[:, :4] = dynamic[:, ports][:, :, inner]
+    left[:, 4] = matrices.coupling[inner]
+    return np.asarray(d - left @ np.linalg.solve(dynamic[:, inner][:, :, inner], right))
+
+
+def _section(piece: Piece, device: Device, beam: Beam, *, lossy: bool) -> tuple[complex, ...]:
+    """Return (EI, GA, m, rhoI, K, C) of a piece by integration over its section."""
+    if piece.section == "cylinder":
+        return _cylinder_section(piece.radius, device)
+    bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
+    half, hp, b = 0.5 * bimorph.shim_thickness, bimorph.piezo_thickness, bimorph.width
+    layers: list[tuple[float, float, complex, float, float, float]] = [
+        (-half, half, shim.youngs_modulus, shim.shear_modulus, shim.density, 0.0)
+    ]
+    modulus = (1.0 + 1j / piezo.quality_factor if lossy else 1.0) / piezo.s11
+    if piece.section == "bimorph":
+        # field along x per volt between outer electrode and shim
+        layers.append((half, half + hp, modulus, 1.0 / piezo.s55, piezo.density, -1.0 / hp))
+        layers.append((-half - hp, -half, modulus, 1.0 / piezo.s55, piezo.density, 1.0 / hp))
+    d31 = bimorph.poling_sign * piezo.d31
+    eps = piezo.eps33 * EPS0 * (1.0 - 1j * piezo.loss_tangent if lossy else 1.0)
+    out = np.zeros(6, dtype=complex)
+    for low, high, e, g, rho, field in layers:
+        for x, weight in _gauss(low, high):
+            area = b * weight
+            # stress per curvature: E x; per volt: −E d31 field.  D = d31 E x ψ' + eps* field,
+            # and the charge on the electrodes is −∫ D field dA
+            out += area * np.array(
+                [
+                    e * x**2,
+                    beam.shear_correction * g,
+                    rho,
+                    rho * x**2,
+                    e * d31 * field * x,
+                    (eps - e * d31**2) * field**2,
+                ]
+            )
+    return tuple(out)
+
+
+def _cylinder_section(radius: float, device: Device) -> tuple[complex, ...]:
+    """Integrate a solid disc in strips; Cowper's (1966) shear correction."""
+    rod = device.rod
+    area = inertia = 0.0
+    for angle, weight in _gauss(-0.5 * math.pi, 0.5 * math.pi, points=16):
+        x, strip = radius * math.sin(angle), 2.0 * (radius * math.cos(angle)) ** 2
+        area += weight * strip
+        inertia += weight * strip * x**2
+    shear = rod.youngs_modulus / (2.0 * (1.0 + rod.poisson_ratio))
+    shear *= 6.0 * (1.0 + rod.poisson_ratio) / (7.0 + 6.0 * rod.poisson_ratio)
+    e, rho = rod.youngs_modulus, rod.density
+    return (e * inertia, shear * area, rho * area, rho * inertia, 0.0, 0.0)
+
+
+def _gauss(low: float, high: float, points: int = 3) -> Iterable[tuple[float, float]]:
+    x, weights = np.polynomial.legendre.leggauss(points)
+    centre, half = 0.5 * (low + high), 0.5 * (high - low)
+    return [(centre + half * float(a), half * float(b)) for a, b in zip(x, weights, strict=True)]

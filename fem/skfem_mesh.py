@@ -1,0 +1,90 @@
+"""From the project's mesh value to a scikit-fem mesh, names kept.
+
+Only a change of container; nothing is computed.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.mesh import Mesh
+
+#: VTK's eight corners in scikit-fem's order.
+_HEX_ORDER = [0, 4, 3, 1, 7, 5, 2, 6]
+
+
+def to_skfem(mesh: Mesh) -> Any:
+    """Return the scikit-fem mesh with `mesh.regions` as subdomains and `mesh.faces` as boundaries.
+
+    Curved tetrahedra become MeshTet2 with their mid-edge nodes kept.
+    """
+    from skfem import MeshHex, MeshTet
+
+    if mesh.kind == "hexahedron":
+        plain = MeshHex(
+            np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.cells.T[_HEX_ORDER])
+        )
+        renumber = np.arange(mesh.points.shape[0])
+    else:
+        corners, cells = np.unique(mesh.cells[:, :4], return_inverse=True)
+        plain = MeshTet(
+            np.ascontiguousarray(mesh.points[corners].T),
+            np.ascontiguousarray(cells.reshape(-1, 4).T),
+        )
+        renumber = np.full(mesh.points.shape[0], -1)
+        renumber[corners] = np.arange(corners.size)
+    named = plain.with_subdomains({r: mesh.cells_of(r) for r in mesh.regions}).with_boundaries(
+        {name: _facets(plain, renumber[faces]) for name, faces in mesh.faces.items()}
+    )
+    return _curved(named, mesh) if mesh.kind == "tetra10" else named
+
+
+def _facets(plain: Any, faces: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the facet number of each face given by its corners."""
+    if faces.size == 0:
+        return np.zeros(0, dtype=np.int64)
+    facets = np.sort(plain.facets, axis=0).T
+    wanted = np.sort(faces, axis=1)
+    kind = np.dtype((np.void, facets.dtype.itemsize * facets.shape[1]))
+    keys = np.ascontiguousarray(facets).view(kind).ravel()
+    order = np.argsort(keys)
+    look = np.ascontiguousarray(wanted.astype(facets.dtype)).view(kind).ravel()
+    at = order[np.searchsorted(keys, look, sorter=order)]
+    if not np.array_equal(facets[at], wanted):
+        raise ValueError("a named face is not a face of the mesh")
+    return np.asarray(at, dtype=np.int64)
+
+
+def _curved(named: Any, mesh: Mesh) -> Any:
+    """Give a tetrahedral mesh its mid-edge nodes (VTK order: 01 12 02 03 13 23)."""
+    from dataclasses import replace
+
+    from skfem import MeshTet2
+
+    quadratic = MeshTet2.from_mesh(named)
+    pairs = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+    points = quadratic.doflocs.copy()
+    dofs = quadratic.dofs.element_dofs
+    _, flat = np.unique(mesh.cells[:, :4], return_inverse=True)
+    cells = flat.reshape(-1, 4)
+    for middle, (a, b) in enumerate(pairs, start=4):
+        vtk_middle = mesh.points[mesh.cells[:, middle]]
+        # scikit-fem may have permuted the corners of an element: find the edge by its ends
+        where = _edge_dof(quadratic, dofs, cells[:, a], cells[:, b])
+        points[:, where] = vtk_middle.T
+    return replace(quadratic, doflocs=points)
+
+
+def _edge_dof(
+    quadratic: Any, dofs: NDArray[np.int64], a: NDArray[np.int64], b: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Return the mid-edge dof between global vertices a and b of each element."""
+    found = np.full(a.size, -1, dtype=np.int64)
+    for local, (i, j) in enumerate(quadratic.elem.refdom.edges):
+        ends = np.sort(quadratic.t[[i, j]], axis=0)
+        match = (ends[0] == np.minimum(a, b)) & (ends[1] == np.maximum(a, b))
+        found[match] = dofs[4 + local, match]
+    return found
