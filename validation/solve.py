@@ -1,0 +1,284 @@
+"""Evaluate quantities: models in, numbers with error bars out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import InputError
+from tmm.multiport import Multiport, Termination, blocked_force, in_series, respond, round_off
+from tmm.terminations import (
+    FINGER_RANGE,
+    outside_finger_range,
+    static_termination,
+    termination,
+)
+from validation.models import Model, Modes, Refined, make_model
+from validation.plan import Plan, Step, make_plan
+from validation.quantities import QUANTITIES
+from validation.scene import Scene
+from validation.stages import Stages
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number, or array over frequency or mode, by one model.
+
+    `uncertainty` is the numerical one, absolute, of the shape of `value`'s magnitude.
+    """
+
+    name: str
+    model: str
+    value: Array
+    unit: str
+    uncertainty: Array
+    uncertainty_method: str
+    seconds: float
+    frequency: tuple[float, ...] | None = None
+    classes: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What a request gave: quantities, the plan that gave them, and warnings."""
+
+    scene: Scene
+    quantities: tuple[Quantity, ...]
+    plan: Plan
+    warnings: tuple[str, ...]
+    models: dict[str, Model]
+    stages: Stages
+
+    def get(self, name: str, model: str) -> Quantity:
+        """Return one quantity of one model."""
+        return next(q for q in self.quantities if (q.name, q.model) == (name, model))
+
+
+def solve(
+    scene: Scene,
+    models: Sequence[str] | None = None,
+    quantities: Sequence[str] | None = None,
+    announce: Callable[[str], None] = lambda _: None,
+) -> Solution:
+    """Compute the wanted quantities with the wanted models (the scene's by default).
+
+    Raises
+    ------
+    InputError
+        If a loaded response is asked for only where the finger's load is not known.
+    """
+    models = tuple(models or scene.models)
+    quantities = tuple(quantities or scene.quantities)
+    warnings = load_warnings(scene, quantities)
+    plan = make_plan(scene, models, quantities)
+    stages = Stages(plan.stages, announce)
+    built = {name: make_model(name, scene, stages) for name in models}
+    found = [evaluate(name, built[model]) for name in quantities for model in models]
+    return Solution(scene, tuple(found), plan, warnings, built, stages)
+
+
+def load_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
+    """Check the frequencies against the range of the finger's load model.
+
+    Returns a warning if some lie outside.
+
+    Raises
+    ------
+    InputError
+        If all of them do.
+    """
+    loaded = [name for name in quantities if QUANTITIES[name].loaded]
+    outside = outside_finger_range(scene.load, np.asarray(scene.frequency))
+    if not loaded or not outside.any():
+        return ()
+    low, high = FINGER_RANGE
+    if outside.all():
+        first = scene.frequency[0]
+        raise InputError(
+            f"frequency = {first:g} Hz is outside the range of the finger's load model "
+            f"({low:g} to {high:g} Hz); choose frequencies inside it, or another load.kind"
+        )
+    return (
+        f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which the "
+        f"finger was measured ({low:g} to {high:g} Hz); there its stiffness and damping are held "
+        "at the nearer end of that range",
+    )
+
+
+def evaluate(name: str, model: Model) -> Quantity:
+    """Return one quantity of one model with its numerical error bar."""
+    info = QUANTITIES[name]
+    classes = None
+    if name in ("short_circuit_frequencies", "open_circuit_frequencies"):
+        refined = model.modes(open_circuit=name.startswith("open"))
+        value, bar, method = _judge(refined, lambda m: m.frequencies, 1e-13)
+        classes = refined.fine.classes
+    elif name == "coupling_factor":
+        value, bar, method = _coupling(model)
+    elif "static" in info.needs:
+        value, bar, method = _static(name, model)
+    else:
+        value, bar, method = _harmonic(name, model)
+    return Quantity(
+        name=name,
+        model=model.name,
+        value=value,
+        unit=info.unit,
+        uncertainty=bar,
+        uncertainty_method=method,
+        seconds=_cost(name, model),
+        frequency=model.scene.frequency if info.by_frequency else None,
+        classes=classes,
+    )
+
+
+def _cost(name: str, model: Model) -> float:
+    """Return the seconds of all stages this quantity needs, shared or not."""
+    needed = make_plan(model.scene, (model.name,), (name,)).run
+    return sum(model.stages.seconds.get(step.stage, 0.0) for step in needed)
+
+
+def _judge(
+    refined: Refined[Any], read: Callable[[Any], Array], rounding: Any
+) -> tuple[Array, Array, str]:
+    """Apply `read` to the fine and the coarser results; the bars add."""
+    value = np.asarray(read(refined.fine))
+    bar = np.abs(value) * rounding
+    for coarser, factor in refined.coarser:
+        bar = bar + factor * np.abs(value - np.asarray(read(coarser)))
+    return value, np.asarray(bar, dtype=float), refined.method
+
+
+def _coupling(model: Model) -> tuple[Array, Array, str]:
+    short, opened = model.modes(open_circuit=False), model.modes(open_circuit=True)
+    pairs = Refined(
+        (short.fine, opened.fine),
+        tuple(
+            ((s, o), factor)
+            for (s, factor), (o, _) in zip(short.coarser, opened.coarser, strict=True)
+        ),
+        short.method,
+    )
+
+    def factor(pair: tuple[Modes, Modes]) -> Array:
+        ratio = pair[0].first_bending / pair[1].first_bending
+        return np.asarray(np.sqrt(max(1.0 - ratio**2, 0.0)))
+
+    value, _, _ = _judge(pairs, factor, 0.0)
+    # k² is the difference of nearly equal numbers: rounding grows by 1/k²
+    return _judge(pairs, factor, 1e-13 / max(float(value) ** 2, 1e-12))
+
+
+def _terminations(model: Model) -> tuple[Termination, Termination]:
+    """Return what the scene attaches at its frequencies, and lossless at 0 Hz."""
+    scene = model.scene
+
+    def work() -> tuple[Termination, Termination]:
+        return (
+            termination(scene.support, scene.load, model.frequencies),
+            static_termination(scene.support, scene.load),
+        )
+
+    return model.stages.run("terminations", work)
+
+
+def _wired(model: Model, port: Multiport) -> Multiport:
+    return in_series(port) if model.scene.bimorph.wiring == "series" else port
+
+
+def _static(name: str, model: Model) -> tuple[Array, Array, str]:
+    scene = model.scene
+    refined = model.static()
+    _, end = _terminations(model)
+
+    def read(port: Multiport) -> Array:
+        wired = _wired(model, port)
+        if name == "capacitance_blocked":
+            return np.asarray(wired.stiffness[0, 4, 4].real)
+        response = respond(wired, end, 1.0)
+        if name == "capacitance_free":
+            return np.asarray(response.charge[0].real)
+        return np.asarray(response.w_tip[0].real * scene.drive.voltage)
+
+    return _judge(refined, read, round_off(refined.fine, end)[0])
+
+
+def _harmonic(name: str, model: Model) -> tuple[Array, Array, str]:
+    scene = model.scene
+    refined = model.ports()
+    end, _ = _terminations(model)
+    voltage = scene.drive.voltage
+    jw = 2j * np.pi * model.frequencies
+
+    def read(port: Multiport) -> Array:
+        wired = _wired(model, port)
+        if name == "dynamic_stiffness":
+            return wired.stiffness
+        if name == "blocked_force":
+            return blocked_force(wired, end, voltage)
+        response = respond(wired, end, 1.0 if name == "admittance" else voltage)
+        return np.asarray(
+            {
+                "tip_displacement": response.w_tip,
+                "tip_velocity": jw * response.w_tip,
+                "tip_rotation": response.psi_tip,
+                "input_current": jw * response.charge,
+                "admittance": jw * response.charge,
+            }[name]
+        )
+
+    rounding: Any = round_off(refined.fine, end)
+    if name == "dynamic_stiffness":
+        rounding = rounding[:, None, None]
+    return _judge(refined, read, rounding)
+
+
+def as_json(solution: Solution) -> dict[str, Any]:
+    """Return the solution as plain JSON values; complex numbers as [re, im]."""
+    return {
+        "scene": solution.scene.name,
+        "quantities": [_quantity_json(q) for q in solution.quantities],
+        "plan": plan_json(solution.plan),
+        "warnings": list(solution.warnings),
+    }
+
+
+def plan_json(plan: Plan) -> dict[str, Any]:
+    """Return a plan as plain JSON values."""
+
+    def entry(step: Step) -> dict[str, str]:
+        return {"stage": step.stage, "reason": step.reason, "key": step.key}
+
+    return {
+        "run": [entry(step) for step in plan.run],
+        "skipped": [{"stage": s.stage, "reason": s.reason} for s in plan.skipped],
+    }
+
+
+def _quantity_json(q: Quantity) -> dict[str, Any]:
+    out: dict[str, Any] = {
+        "name": q.name,
+        "model": q.model,
+        "value": _numbers(q.value),
+        "unit": q.unit,
+        "uncertainty": _numbers(q.uncertainty),
+        "uncertainty_method": q.uncertainty_method,
+        "seconds": q.seconds,
+    }
+    if q.frequency is not None:
+        out["frequency"] = list(q.frequency)
+    if q.classes is not None:
+        out["classes"] = list(q.classes)
+    return out
+
+
+def _numbers(values: Array) -> Any:
+    if np.iscomplexobj(values):
+        return np.stack([values.real, values.imag], axis=-1).tolist()
+    return values.tolist()
