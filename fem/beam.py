@@ -10,17 +10,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Complex, Floats, Ints
 from geometry.beam_pieces import Piece, beam_pieces
 from geometry.materials import EPS0
 from geometry.parameters import Beam, Device, Support
 from tmm.multiport import Multiport
-
-Complex = NDArray[np.complex128]
-Floats = NDArray[np.float64]
 
 #: Polynomial order of w and ψ (equal orders lock only at low order).
 ORDER = 5
@@ -39,7 +38,7 @@ class BeamMatrices:
     mass: Floats
     coupling: Complex
     capacitance: complex
-    ports: NDArray[np.int64]
+    ports: Ints
 
 
 def multiport(
@@ -77,7 +76,7 @@ def elements_for(device: Device, highest: float) -> int:
     bending = math.sqrt(omega / math.sqrt(modulus) / bimorph.thickness * math.sqrt(12.0))
     longest = max(bimorph.length, bimorph.tab_length)
     radians = longest * max(bending, omega / slowest)
-    return 2 * max(4, math.ceil(radians / 4.0))
+    return int(2 * max(4, math.ceil(radians / 4.0)))
 
 
 def assemble(
@@ -89,7 +88,7 @@ def assemble(
     pieces = beam_pieces(device, support)
     constants = [_section(piece, device, beam, lossy=lossy) for piece in pieces]
     ends = np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
-    nodes = [np.linspace(a, b, elements + 1)[1:] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    nodes = [np.linspace(a, b, elements + 1)[1:] for a, b in pairwise(ends)]
     mesh = MeshLine(np.concatenate([[0.0], *nodes]))
     w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
     basis = w_space * w_space
@@ -97,17 +96,17 @@ def assemble(
         np.repeat(column, elements)[:, None] for column in zip(*constants, strict=True)
     )
 
-    @BilinearForm(dtype=complex)
-    def elastic(w, psi, v, phi, _):  # type: ignore[no-untyped-def]
+    @BilinearForm(dtype=complex)  # type: ignore[untyped-decorator]
+    def elastic(w: Any, psi: Any, v: Any, phi: Any, _: Any) -> Any:
         shear = (w.grad[0] + psi) * (v.grad[0] + phi)
         return ei * psi.grad[0] * phi.grad[0] + ga * shear
 
-    @BilinearForm
-    def inertial(w, psi, v, phi, _):  # type: ignore[no-untyped-def]
+    @BilinearForm  # type: ignore[untyped-decorator]
+    def inertial(w: Any, psi: Any, v: Any, phi: Any, _: Any) -> Any:
         return m.real * w * v + rho_i.real * psi * phi
 
-    @LinearForm(dtype=complex)
-    def moment_per_voltage(v, phi, _):  # type: ignore[no-untyped-def]
+    @LinearForm(dtype=complex)  # type: ignore[untyped-decorator]
+    def moment_per_voltage(v: Any, phi: Any, _: Any) -> Any:
         return k * phi.grad[0] + 0.0 * v
 
     w_dofs = w_space.nodal_dofs[0]
@@ -148,7 +147,7 @@ def bending_frequencies(
         k += np.outer(charge, charge) / matrices.capacitance.real
     k[w1, w1] += tip[0]
     m[w1, w1] += tip[1]
-    held = matrices.ports[:2] if clamped else []
+    held = matrices.ports[: 2 if clamped else 0]
     if not clamped:
         k[w0, w0] += base[0]
         k[psi0, psi0] += base[1]

@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from geometry.arrays import Sparse
+
 Array = NDArray[Any]
 
 
@@ -34,7 +36,7 @@ class Factor(Protocol):
         ...
 
 
-def factorise(matrix: sparse.spmatrix, *, solver: str = "auto") -> Factor:
+def factorise(matrix: Sparse, *, solver: str = "auto") -> Factor:
     """Factorise a symmetric (not Hermitian) real or complex sparse matrix.
 
     Parameters
@@ -64,10 +66,10 @@ def available_solver() -> str:
 class _SuperLU:
     """SciPy's SuperLU in symmetric mode."""
 
-    def __init__(self, matrix: sparse.spmatrix) -> None:
+    def __init__(self, matrix: Sparse) -> None:
         from scipy.sparse.linalg import splu
 
-        self.negative_pivots = None
+        self.negative_pivots: int | None = None
         try:
             self._lu = splu(
                 sparse.csc_matrix(matrix),
@@ -105,7 +107,7 @@ def _library() -> ctypes.CDLL | None:
 class _Pardiso:
     """MKL Pardiso, matrix types −2 (real symmetric indefinite) and 6 (complex symmetric)."""
 
-    def __init__(self, matrix: sparse.spmatrix) -> None:
+    def __init__(self, matrix: Sparse) -> None:
         upper = sparse.triu(matrix, format="csr")
         upper.sort_indices()
         self._complex = bool(np.issubdtype(upper.dtype, np.complexfloating))

@@ -22,16 +22,18 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from fem.skfem_mesh import to_skfem
-from geometry.materials import PiezoTensors, isotropic_stiffness, orthotropic_stiffness
+from geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
+from geometry.materials import (
+    Piezoceramic,
+    PiezoTensors,
+    isotropic_stiffness,
+    orthotropic_stiffness,
+)
 from geometry.mesh import Mesh
 from geometry.parameters import Device
-
-Sparse = sparse.csr_matrix
-Floats = NDArray[np.float64]
 
 #: Voigt index of a pair of axes.
 _VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
@@ -82,12 +84,14 @@ class SolidSystem:
 class _Material:
     """Tensors of one region; e and eps None where there is no field."""
 
-    c: NDArray[np.number]
+    c: Numbers
     density: float
     piezo: PiezoTensors | None = None
 
 
-def assemble(device: Device, mesh: Mesh, *, lossy: bool) -> SolidSystem:
+def assemble(
+    device: Device, mesh: Mesh, *, lossy: bool, ceramic: Piezoceramic | None = None
+) -> SolidSystem:
     """Assemble the solid model of `device` on `mesh`.
 
     Parameters
@@ -98,6 +102,8 @@ def assemble(device: Device, mesh: Mesh, *, lossy: bool) -> SolidSystem:
         Regions among piezo_top, piezo_bottom, shim, glue, rod; faces as named there.
     lossy : bool
         Take the ceramic's Q and tan δ into account (complex matrices).
+    ceramic : Piezoceramic, optional
+        Full material to use instead of the device's own, for studies of the tensor.
     """
     from skfem import Basis, ElementHexS2, ElementTetP2
 
@@ -105,7 +111,7 @@ def assemble(device: Device, mesh: Mesh, *, lossy: bool) -> SolidSystem:
     element = ElementHexS2() if mesh.kind == "hexahedron" else ElementTetP2()
     # straight quadratic tetrahedra have linear gradients: order 2 is exact for stiffness
     order = 2 if mesh.kind == "tetra" else 4
-    materials = _materials(device, mesh.regions, lossy=lossy)
+    materials = _materials(device, mesh.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
     whole = Basis(domain, element, intorder=4)
     n = whole.N
     dtype = complex if lossy else float
@@ -134,14 +140,21 @@ def assemble(device: Device, mesh: Mesh, *, lossy: bool) -> SolidSystem:
         tip=np.asarray(tip),
         expand=expand,
         nodes=whole.doflocs.T,
-        node_mass=np.abs(np.asarray(mass_scalar.sum(axis=1))).ravel(),
+        node_mass=_lumped(mass_scalar),
         potentials=transform.potentials,
         volts_per_unit=unit,
     )
 
 
-def _materials(device: Device, regions: tuple[str, ...], *, lossy: bool) -> dict[str, _Material]:
-    ceramic = device.piezo.ceramic()
+def _lumped(mass: Sparse) -> Floats:
+    """Return nodal masses in proportion to the diagonal (row sums are negative at corners)."""
+    diagonal = np.asarray(mass.diagonal())
+    return np.asarray(diagonal * (mass.sum() / diagonal.sum()))
+
+
+def _materials(
+    device: Device, regions: tuple[str, ...], ceramic: Piezoceramic, *, lossy: bool
+) -> dict[str, _Material]:
     tensors = ceramic.tensors(lossy=lossy)
     turned = PiezoTensors(tensors.c, device.bimorph.poling_sign * tensors.e, tensors.eps)
     piezo = _Material(tensors.c, ceramic.density, turned)
@@ -207,7 +220,7 @@ class _Blocks:
         self._combine(3, 3, gram, -material.piezo.eps)
 
     def _combine(
-        self, p: int, q: int, gram: dict[tuple[int, int], Sparse], weights: NDArray[np.number]
+        self, p: int, q: int, gram: dict[tuple[int, int], Sparse], weights: Numbers
     ) -> None:
         for a in range(3):
             for b in range(3):
@@ -227,8 +240,8 @@ class _Blocks:
 class _Constraint:
     """Rigid base section, equipotential electrodes, no potential outside the ceramic."""
 
-    def __init__(self, whole: Any, domain: Any, active: NDArray[np.bool_], unit: float) -> None:
-        def dofs(*names: str) -> NDArray[np.int64]:
+    def __init__(self, whole: Any, domain: Any, active: Bools, unit: float) -> None:
+        def dofs(*names: str) -> Ints:
             return np.unique(np.concatenate([whole.get_dofs(name).flatten() for name in names]))
 
         self._n, self._unit, self._x = whole.N, unit, whole.doflocs[0]

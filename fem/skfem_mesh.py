@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Ints
 from geometry.mesh import Mesh
 
 #: VTK's eight corners in scikit-fem's order.
@@ -42,7 +42,7 @@ def to_skfem(mesh: Mesh) -> Any:
     return _curved(named, mesh) if mesh.kind == "tetra10" else named
 
 
-def _facets(plain: Any, faces: NDArray[np.int64]) -> NDArray[np.int64]:
+def _facets(plain: Any, faces: Ints) -> Ints:
     """Return the facet number of each face given by its corners."""
     if faces.size == 0:
         return np.zeros(0, dtype=np.int64)
@@ -75,12 +75,11 @@ def _curved(named: Any, mesh: Mesh) -> Any:
         # scikit-fem may have permuted the corners of an element: find the edge by its ends
         where = _edge_dof(quadratic, dofs, cells[:, a], cells[:, b])
         points[:, where] = vtk_middle.T
-    return replace(quadratic, doflocs=points)
+    curved = replace(quadratic, doflocs=points)
+    return curved.with_subdomains(named.subdomains).with_boundaries(named.boundaries)
 
 
-def _edge_dof(
-    quadratic: Any, dofs: NDArray[np.int64], a: NDArray[np.int64], b: NDArray[np.int64]
-) -> NDArray[np.int64]:
+def _edge_dof(quadratic: Any, dofs: Ints, a: Ints, b: Ints) -> Ints:
     """Return the mid-edge dof between global vertices a and b of each element."""
     found = np.full(a.size, -1, dtype=np.int64)
     for local, (i, j) in enumerate(quadratic.elem.refdom.edges):

@@ -6,19 +6,18 @@ Every solve here is a symmetric factorisation; how the matrices came about is
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from fem.linear_solver import Factor, factorise
 from fem.piezo_solid import BASE_PSI, BASE_W, ELECTRODE, SolidSystem
+from geometry.arrays import Complex, Floats, Ints, Sparse
 from tmm.multiport import Multiport
 
-Complex = NDArray[np.complex128]
-Floats = NDArray[np.float64]
 ModeClass = Literal["bending_x", "bending_y", "torsion", "axial", "mixed"]
 
 #: Blocks of the Krylov basis that reduces a solid to its ports.
@@ -44,8 +43,18 @@ class Attachment:
 
 @dataclass(frozen=True)
 class SolidMode:
-    """A natural mode: frequency (Hz), class, share of the class in the kinetic energy,
-    and nodal displacements (n_nodes, 3) with largest component 1.
+    """A natural mode.
+
+    Attributes
+    ----------
+    frequency : float
+        Natural frequency (Hz).
+    kind : str
+        Class, by the motion that holds most of the kinetic energy.
+    share : float
+        Share of the class in the kinetic energy.
+    displacement : (n_nodes, 3) array
+        Nodal displacements, largest component 1.
     """
 
     frequency: float
@@ -122,7 +131,7 @@ def ports_from_blocks(
     """
     stiff = np.linalg.inv(compliance)
     s = np.zeros((held.shape[0], 5, 5), dtype=complex)
-    source, tip = [0, 1, 4], [2, 3]
+    source, tip = np.array([0, 1, 4]), np.array([2, 3])
     everything = np.arange(held.shape[0])
     s[np.ix_(everything, tip, tip)] = stiff
     s[np.ix_(everything, tip, source)] = -stiff @ follows
@@ -201,7 +210,7 @@ def _orthonormal(basis: Floats, block: Complex) -> Floats:
     return np.hstack([basis, q[:, kept]])
 
 
-def _pivoted_qr(matrix: Floats) -> tuple[Floats, Floats, NDArray[np.int64]]:
+def _pivoted_qr(matrix: Floats) -> tuple[Floats, Floats, Ints]:
     from scipy.linalg import qr
 
     return qr(matrix, mode="economic", pivoting=True)  # type: ignore[no-any-return]
@@ -255,9 +264,7 @@ def natural_modes(
     return found[:count]
 
 
-def _with_attachment(
-    system: SolidSystem, attachment: Attachment
-) -> tuple[sparse.csr_matrix, sparse.csr_matrix, Floats]:
+def _with_attachment(system: SolidSystem, attachment: Attachment) -> tuple[Sparse, Sparse, Floats]:
     """Return stiffness, mass and tip functional at U = 0 with the support attached."""
     size = system.size
     n = size - 3 if attachment.base is None else size - 1
@@ -277,7 +284,7 @@ def _electrode(system: SolidSystem, n: int) -> tuple[Floats, float]:
     return -column[:n], float(-column[-1])
 
 
-def _updated(factor: Factor, updates: list[tuple[Floats, float]]):  # type: ignore[no-untyped-def]
+def _updated(factor: Factor, updates: list[tuple[Floats, float]]) -> Callable[[Floats], Floats]:
     """Return v ↦ (A + Σ weight c cᵀ)⁻¹ v by the Woodbury identity."""
     if not updates:
         return factor.solve

@@ -7,6 +7,7 @@ context ``{"units_required": True}``) must write the unit of everything that has
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,6 +16,13 @@ from pydantic import BeforeValidator, ValidationInfo
 
 if TYPE_CHECKING:
     import pint
+
+
+_NUMBER_AND_UNIT = re.compile(
+    r"\s*(?P<number>[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf))"
+    r"(?P<unit>(?:\s*[^\s\d.,;=\[\]{}][^,;=\[\]{}]*)?)",
+    re.IGNORECASE | re.ASCII,
+)
 
 
 class SI(float):
@@ -42,6 +50,8 @@ class Unit:
         A value that would be accepted, used in messages.
     above, at_least, below : float or None
         Bounds in SI units.
+    shown, per_si : str, float
+        Unit in which values are shown to people, and how many of it make one SI unit.
     """
 
     si: str
@@ -50,6 +60,13 @@ class Unit:
     above: float | None = None
     at_least: float | None = None
     below: float | None = None
+    shown: str = ""
+    per_si: float = 1.0
+
+    def show(self, value: float) -> str:
+        """Return an SI value as text in the unit that people write it in."""
+        unit = self.shown or self.si
+        return f"{value * self.per_si:.10g} {unit}".rstrip()
 
     def __call__(self, value: Any, info: ValidationInfo) -> float:
         """Return `value` in SI units.
@@ -76,29 +93,32 @@ class Unit:
         import pint
 
         registry = _registry()
+        unreadable = f'cannot be read as a {self.kind}; write for example "{self.example}"'
+        # one number, one unit: pint by itself also computes, drops commas and multiplies lists
+        parts = _NUMBER_AND_UNIT.fullmatch(text)
+        if parts is None:
+            raise ValueError(unreadable)
+        number, name = float(parts["number"]), parts["unit"].strip()
+        if not name and self.si:
+            raise ValueError(f'has no unit; a {self.kind} needs one, for example "{self.example}"')
         try:
-            quantity = registry.Quantity(text)
-            magnitude = float(quantity.magnitude)
+            unit = registry.parse_units(f"1{name}" if name.startswith("/") else name)
         except pint.UndefinedUnitError as error:
-            names = " ".join(str(name) for name in error.unit_names)
+            names = " ".join(str(unknown) for unknown in error.unit_names)
             raise ValueError(
                 f'has the unknown unit "{names}"; write for example "{self.example}"'
             ) from None
-        except Exception:
+        except Exception:  # noqa: BLE001
             # pint's parser raises whatever Python's tokenizer does on malformed text
+            raise ValueError(unreadable) from None
+        # radians count as a pure number; without this, rad/s and rpm would pass as Hz
+        angle = "radian" in str(registry.get_root_units(unit)[1]) and "rad" not in self.si
+        if angle or not unit.is_compatible_with(self.si):
             raise ValueError(
-                f'cannot be read as a {self.kind}; write for example "{self.example}"'
-            ) from None
-        if quantity.unitless and self.si and not quantity.is_compatible_with(self.si):
-            raise ValueError(f'has no unit; a {self.kind} needs one, for example "{self.example}"')
-        if quantity.unitless and self.si == "rad":
-            return magnitude
-        if not quantity.is_compatible_with(self.si):
-            raise ValueError(
-                f'has the unit "{quantity.units:~}", which is not a {self.kind}; '
+                f'has the unit "{unit:~}", which is not a {self.kind}; '
                 f'write for example "{self.example}"'
             )
-        return float(quantity.to(self.si).magnitude)
+        return float(registry.Quantity(number, unit).to(self.si).magnitude)
 
     def _in_range(self, number: float) -> float:
         unit = f" {self.si}" if self.si else ""
@@ -118,13 +138,19 @@ def _quantity(unit: Unit) -> Any:
     return Annotated[float, BeforeValidator(unit), unit]
 
 
-Length = _quantity(Unit("m", "length", "20 mm", above=0.0))
-LengthOrZero = _quantity(Unit("m", "length", "20 mm", at_least=0.0))
-Position = _quantity(Unit("m", "position", "0.3 mm"))
-Density = _quantity(Unit("kg/m**3", "density", "7900 kg/m^3", above=0.0))
-Modulus = _quantity(Unit("Pa", "modulus", "140 GPa", above=0.0))
-Compliance = _quantity(Unit("1/Pa", "elastic compliance", "15.8e-12 m^2/N", above=0.0))
-PiezoConstant = _quantity(Unit("m/V", "piezoelectric constant", "-385 pC/N"))
+Length = _quantity(Unit("m", "length", "20 mm", above=0.0, shown="mm", per_si=1e3))
+LengthOrZero = _quantity(Unit("m", "length", "20 mm", at_least=0.0, shown="mm", per_si=1e3))
+Position = _quantity(Unit("m", "position", "0.3 mm", shown="mm", per_si=1e3))
+Density = _quantity(
+    Unit("kg/m**3", "density", "7900 kg/m^3", above=0.0, shown="kg/m^3", per_si=1.0)
+)
+Modulus = _quantity(Unit("Pa", "modulus", "140 GPa", above=0.0, shown="GPa", per_si=1e-9))
+Compliance = _quantity(
+    Unit("1/Pa", "elastic compliance", "15.8e-12 m^2/N", above=0.0, shown="m^2/N", per_si=1.0)
+)
+PiezoConstant = _quantity(
+    Unit("m/V", "piezoelectric constant", "-385 pC/N", shown="pC/N", per_si=1e12)
+)
 RotationalStiffness = _quantity(
     Unit("N*m/rad", "rotational stiffness", "0.24 N*m/rad", at_least=0.0)
 )
@@ -133,10 +159,12 @@ RotationalDamping = _quantity(
     Unit("N*m*s/rad", "rotational damping", "4.46e-6 N*m*s/rad", at_least=0.0)
 )
 LateralDamping = _quantity(Unit("N*s/m", "damping coefficient", "0.5 N*s/m", at_least=0.0))
-RotationalInertia = _quantity(Unit("kg*m**2", "rotational inertia", "1e-12 kg*m^2", at_least=0.0))
-Mass = _quantity(Unit("kg", "mass", "10 mg", at_least=0.0))
+RotationalInertia = _quantity(
+    Unit("kg*m**2", "rotational inertia", "1e-12 kg*m^2", at_least=0.0, shown="kg*m^2", per_si=1.0)
+)
+Mass = _quantity(Unit("kg", "mass", "10 mg", at_least=0.0, shown="mg", per_si=1e6))
 Voltage = _quantity(Unit("V", "voltage", "50 V"))
-Current = _quantity(Unit("A", "current", "130 mA"))
+Current = _quantity(Unit("A", "current", "130 mA", shown="mA", per_si=1e3))
 Duration = _quantity(Unit("s", "time", "600 s", above=0.0))
 Frequency = _quantity(Unit("Hz", "frequency", "500 Hz", at_least=0.0))
 RelativePermittivity = _quantity(Unit("", "relative permittivity", "6000", above=1.0))

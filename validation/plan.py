@@ -35,9 +35,9 @@ class Plan:
     skipped: tuple[Skip, ...]
 
     @property
-    def stages(self) -> frozenset[str]:
-        """Names of the stages that run."""
-        return frozenset(step.stage for step in self.run)
+    def keys(self) -> dict[str, str]:
+        """Stages that run, with the key of each."""
+        return {step.stage: step.key for step in self.run}
 
 
 #: Stages that a kind of solution needs in a model, in order.

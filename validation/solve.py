@@ -65,8 +65,12 @@ def solve(
     models: Sequence[str] | None = None,
     quantities: Sequence[str] | None = None,
     announce: Callable[[str], None] = lambda _: None,
+    reuse: Solution | None = None,
 ) -> Solution:
     """Compute the wanted quantities with the wanted models (the scene's by default).
+
+    Stages whose inputs are those of an earlier solution, `reuse`, are not run again: a
+    new load, support spring or voltage needs no new field solution.
 
     Raises
     ------
@@ -77,7 +81,9 @@ def solve(
     quantities = tuple(quantities or scene.quantities)
     warnings = load_warnings(scene, quantities)
     plan = make_plan(scene, models, quantities)
-    stages = Stages(plan.stages, announce)
+    stages = Stages(plan.keys, announce)
+    if reuse is not None:
+        stages.adopt(reuse.stages)
     built = {name: make_model(name, scene, stages) for name in models}
     found = [evaluate(name, built[model]) for name in quantities for model in models]
     return Solution(scene, tuple(found), plan, warnings, built, stages)

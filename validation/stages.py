@@ -53,15 +53,15 @@ class Stages:
 
     Attributes
     ----------
-    allowed : frozenset of str
-        Stages of the plan.
+    keys : dict of str to str
+        Stages of the plan with the key of each.
     seconds : dict of str to float
         Wall-clock cost of each stage that ran.
     announce : callable
         Told the name of each stage as it starts.
     """
 
-    allowed: frozenset[str]
+    keys: dict[str, str]
     announce: Callable[[str], None] = lambda _: None
     seconds: dict[str, float] = field(default_factory=dict)
     _results: dict[str, Any] = field(default_factory=dict)
@@ -75,7 +75,7 @@ class Stages:
             If the stage is not part of the plan: a defect of the plan, not of the input.
         """
         if name not in self._results:
-            if name not in self.allowed:
+            if name not in self.keys:
                 raise RuntimeError(f"stage {name} ran although the plan skips it")
             self.announce(name)
             start, inner = time.perf_counter(), sum(self.seconds.values())
@@ -84,6 +84,13 @@ class Stages:
             self.seconds[name] = time.perf_counter() - start - spent_inside
         result: T = self._results[name]
         return result
+
+    def adopt(self, other: Stages) -> None:
+        """Take over the results of another study whose inputs, by key, were the same."""
+        for name, key in self.keys.items():
+            if other.keys.get(name) == key and name in other._results:
+                self._results[name] = other._results[name]
+                self.seconds[name] = other.seconds[name]
 
 
 def stage_key(name: str, scene: Scene) -> str:

@@ -1,0 +1,99 @@
+"""Beam elements against the independent transfer-matrix model."""
+
+import numpy as np
+import pytest
+
+from fem import beam
+from geometry.parameters import Beam, Bimorph, Device, Support
+from tmm import modes, multiport, transfer_matrix
+
+FREQUENCIES = np.array([0.0, 10.0, 445.0, 1000.0, 5000.0, 20000.0])
+CASES = {
+    "paper": (Device(), Support()),
+    "tab": (Device(bimorph=Bimorph(tab_length=1.6e-3)), Support(kind="clamped")),
+    "series and +x": (Device(bimorph=Bimorph(wiring="series", poling="+x")), Support()),
+}
+
+
+def scaled_difference(a, b):
+    """Largest difference of two D(Ω), each entry relative to its two diagonal neighbours."""
+    size = np.sqrt(np.abs(np.einsum("nii->ni", a)))
+    return (np.abs(a - b) / (size[:, :, None] * size[:, None, :])).max()
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_refined_beam_equals_transfer_matrix(case):
+    """Two discretisations of one theory must agree: all 25 entries to 1e-8 up to 20 kHz."""
+    device, support = CASES[case]
+    fine = beam.multiport(device, support, Beam(), FREQUENCIES, elements=16)
+    exact = transfer_matrix.multiport(device, support, Beam(), FREQUENCIES)
+    assert scaled_difference(exact.stiffness, fine.stiffness) < 1e-8
+
+
+def test_beam_elements_converge_at_the_expected_rate():
+    """Halving elements of order 5 divides the energy error by 2^10 before rounding."""
+    frequencies = np.array([20000.0])
+    exact = transfer_matrix.multiport(Device(), Support(), Beam(), frequencies).stiffness
+    errors = [
+        scaled_difference(
+            exact,
+            beam.multiport(Device(), Support(), Beam(), frequencies, elements=n).stiffness,
+        )
+        for n in (2, 4)
+    ]
+    # asymptotic order 2p = 10; between 7 and 10 while the coarse mesh has 0.4 waves per element
+    assert np.log2(errors[0] / errors[1]) > 7.0
+
+
+@pytest.mark.parametrize("open_circuit", [False, True])
+@pytest.mark.parametrize("kind", ["spring", "clamped"])
+def test_modes_equal_the_counted_ones(kind, open_circuit):
+    """Matrix eigenvalues and Wittrick-Williams counting find the same modes."""
+    support = Support(kind=kind)
+    clamped = kind == "clamped"
+    base = (
+        support.lateral_stiffness,
+        support.rotational_stiffness,
+        support.rotational_inertia,
+    )
+    matrices = beam.assemble(Device(), support, Beam(), elements=16, lossy=False)
+    found = beam.bending_frequencies(
+        matrices, clamped=clamped, base=base, tip=(0.0, 0.0), count=4, open_circuit=open_circuit
+    )
+    pieces = transfer_matrix.sections(Device(), support, Beam(), lossy=False)
+    fixture = modes.Fixture(clamped, *((0.0, 0.0, 0.0) if clamped else base))
+    exact = modes.bending_frequencies(pieces, fixture, 4, open_circuit=open_circuit)
+    # fourth mode: 1e-9 from the mesh; first: rounding of the eigenvalue solver
+    assert found == pytest.approx(exact, rel=1e-8)
+
+
+def test_beam_on_springs_too_soft_to_hold_it():
+    """A free beam's rigid motions at 0 Hz are left out, not returned as modes."""
+    support = Support(lateral_stiffness=0.0, rotational_stiffness=0.0, rotational_inertia=0.0)
+    matrices = beam.assemble(Device(), support, Beam(), elements=8, lossy=False)
+    found = beam.bending_frequencies(
+        matrices,
+        clamped=False,
+        base=(0.0, 0.0, 0.0),
+        tip=(0.0, 0.0),
+        count=2,
+        open_circuit=False,
+    )
+    pieces = transfer_matrix.sections(Device(), support, Beam(), lossy=False)
+    exact = modes.bending_frequencies(pieces, modes.Fixture(False), 2, open_circuit=False)
+    assert found == pytest.approx(exact, rel=1e-6)  # the mesh is half as fine as above
+
+
+def test_beam_is_reciprocal_and_passive():
+    """Energy is neither lost to asymmetry nor created."""
+    port = beam.multiport(Device(), Support(), Beam(), FREQUENCIES)
+    assert multiport.reciprocity_error(port).max() < 1e-9
+    assert multiport.passivity_margin(port).min() > -1e-9
+
+
+def test_resolution_follows_the_highest_frequency():
+    """More waves on the beam mean more elements, always an even number."""
+    low, high = (beam.elements_for(Device(), f) for f in (1e3, 1e6))
+    assert low == 8
+    assert high > 40
+    assert high % 2 == 0

@@ -1,0 +1,144 @@
+"""The command line as other programs see it: output, exit codes, what it imports."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from validation.cli import main
+
+
+def run(capsys, *arguments):
+    """Return exit code, stdout and stderr of a call in this process."""
+    code = main(list(arguments))
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_tmm_answer_loads_no_heavy_library():
+    """A cold transfer-matrix answer imports neither CAD, nor VTK, nor finite elements."""
+    script = (
+        "import sys; from validation.cli import main; "
+        "code = main(['solve', 'paper', '--model', 'tmm', '--quantity', 'tip_velocity', "
+        "'--frequency', '10:2000:200', '--json']); "
+        "heavy = [m for m in ('cadquery', 'OCP', 'vtk', 'vtkmodules', 'pyvista', 'skfem', "
+        "'scipy.sparse', 'scipy.linalg', 'scipy.optimize', 'matplotlib', 'meshio', 'pytetwild', 'fem') if m in sys.modules]; "
+        "print(heavy, file=sys.stderr); sys.exit(code)"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert result.stderr.strip().endswith("[]")
+    (quantity,) = json.loads(result.stdout)["quantities"]
+    assert len(quantity["value"]) == len(quantity["frequency"]) == 200
+
+
+def test_solve_json_contract(capsys):
+    """Keys, complex numbers as pairs, arrays as lists, classes of modes, the plan."""
+    code, out, err = run(
+        capsys, "solve", "prototype", "--model", "tmm", "--model", "lumped",
+        "--quantity", "tip_velocity", "--quantity", "short_circuit_frequencies",
+        "--quantity", "dynamic_stiffness", "--quantity", "capacitance_free",
+        "--frequency", "10,781.609", "--json",
+    )  # fmt: skip
+    assert (code, err) == (0, "")
+    result = json.loads(out)
+    assert result["scene"] == "prototype"
+    assert {"run", "skipped"} <= set(result["plan"])
+    entries = {(q["name"], q["model"]): q for q in result["quantities"]}
+    keys = {"name", "model", "value", "unit", "uncertainty", "uncertainty_method", "seconds"}
+    assert all(keys <= set(q) for q in entries.values())
+    velocity = entries["tip_velocity", "tmm"]
+    assert velocity["frequency"] == [10.0, 781.609]
+    assert abs(complex(*velocity["value"][1])) == pytest.approx(0.0227950, rel=1e-5)
+    assert entries["short_circuit_frequencies", "tmm"]["classes"] == ["bending_x"] * 4
+    matrix = entries["dynamic_stiffness", "lumped"]["value"]
+    assert (len(matrix), len(matrix[0]), len(matrix[0][0]), len(matrix[0][0][0])) == (2, 5, 5, 2)
+    assert isinstance(entries["capacitance_free", "tmm"]["value"], float)
+
+
+def test_table_for_people(capsys):
+    """Without --json a table with every quantity asked for."""
+    code, out, _ = run(capsys, "solve", "--model", "tmm", "--quantity", "capacitance_free")
+    assert code == 0
+    assert "capacitance_free" in out
+    assert "+/-" in out
+
+
+def test_frequencies_partly_outside_the_finger_warn(capsys):
+    """Some frequencies outside 10-1000 Hz: answered, with a warning on stderr and in the JSON."""
+    code, out, err = run(
+        capsys, "solve", "--model", "tmm", "--quantity", "tip_velocity",
+        "--frequency", "500,1500", "--json",
+    )  # fmt: skip
+    assert code == 0
+    assert "1 of 2 frequencies lie outside" in err
+    assert json.loads(out)["warnings"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["solve", "--frequency", "5000", "--quantity", "tip_velocity"], ["5000 Hz", "10 to 1000 Hz"]),
+        (["solve", "nowhere"], ["neither a readable file nor a built-in scene"]),
+        (["solve", "--model", "fem"], ['model "fem" is unknown']),
+        (["solve", "--quantity", "speed"], ['quantity "speed" is unknown']),
+        (["solve", "--set", "bimorph.length=25"], ["has no unit"]),
+        (["solve", "--nonsense"], ["unrecognized arguments", "--help"]),
+        (["fly"], ["invalid choice"]),
+        (["export"], ["--step"]),
+        (["plan", "--set", "gap=-1mm"], ["gap", "greater than 0"]),
+        (["report", "--out", "/proc/nowhere"], ["/proc/nowhere", "cannot be written"]),
+        (["export", "--step", "/nowhere/x.step"], ["/nowhere/x.step", "cannot be written"]),
+        (["init", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_code_2(capsys, arguments, words):
+    """No traceback, nothing on stdout, one line on stderr."""
+    code, out, err = run(capsys, *arguments)
+    assert (code, out) == (2, "")
+    assert all(word in err for word in words), err
+    assert err.startswith("tactgen: ")
+    assert err.count("\n") == 1
+
+
+def test_blocked_force_needs_no_finger(capsys):
+    """A held tip does not feel the load, so its range is no limit."""
+    code, _, err = run(
+        capsys, "solve", "--model", "tmm", "--quantity", "blocked_force", "--frequency", "5000"
+    )
+    assert (code, err) == (0, "")
+
+
+def test_init_refuses_to_overwrite(capsys, tmp_path):
+    """A scene that somebody wrote is not lost."""
+    target = tmp_path / "mine.toml"
+    assert run(capsys, "init", str(target))[0] == 0
+    before = target.read_text(encoding="utf-8")
+    code, _, err = run(capsys, "init", str(target))
+    assert code == 2
+    assert "exists already" in err
+    assert target.read_text(encoding="utf-8") == before
+    assert run(capsys, "solve", str(target), "--model", "tmm", "--quantity", "admittance")[0] == 0
+
+
+def test_plan_and_scenes_print(capsys):
+    """Both are readable without running anything."""
+    code, out, _ = run(capsys, "plan", "prototype", "--set", "models=tmm")
+    assert code == 0
+    assert "skipped:" in out
+    code, out, _ = run(capsys, "plan", "--json")
+    assert code == 0
+    assert json.loads(out)["plan"]["run"]
+    assert "generator" in run(capsys, "scenes")[1]
+
+
+def test_closed_pipe_is_no_error(tmp_path):
+    """`tactgen solve | head -1` ends quietly."""
+    command = f"{sys.executable} -m validation.cli solve --model tmm --json | true"
+    result = subprocess.run(
+        ["bash", "-c", command], capture_output=True, text=True, check=False, cwd=os.getcwd()
+    )
+    assert result.stderr == "" or "warning" in result.stderr

@@ -1,0 +1,82 @@
+"""The plan runs what is needed, skips the rest, and says why; keys follow the inputs read."""
+
+import pytest
+
+from validation.plan import make_plan
+from validation.quantities import MODELS, QUANTITIES
+from validation.scene import load_scene
+from validation.solve import solve
+from validation.stages import READS, Stages, stage_key
+
+
+def test_only_what_is_needed_runs():
+    """A static value by TMM touches no mesh, no mode, no other model."""
+    scene, _ = load_scene("paper")
+    plan = make_plan(scene, ("tmm",), ("capacitance_free",))
+    assert [s.stage for s in plan.run] == ["tmm.static", "terminations"]
+    skipped = {s.stage: s.reason for s in plan.skipped}
+    assert skipped["solid.mesh"] == "model solid is not asked for"
+    assert "static" not in skipped["tmm.modes"]
+    assert "magnetic" in skipped["magnetics"]
+
+
+@pytest.mark.parametrize("model", ["lumped", "tmm", "beam"])
+@pytest.mark.parametrize("quantity", list(QUANTITIES))
+def test_what_ran_is_what_was_planned(model, quantity):
+    """For every quantity: executed stages = planned stages."""
+    scene, _ = load_scene("prototype", ["frequency=100,500"])
+    solution = solve(scene, (model,), (quantity,))
+    assert set(solution.stages.seconds) == set(solution.plan.keys)
+
+
+def test_solid_plan_runs_as_planned():
+    """The same for the solid, all quantities at once."""
+    scene, _ = load_scene("j1", ["frequency=100", "mesh.level=2"])
+    solution = solve(scene, ("solid",))
+    assert set(solution.stages.seconds) == set(solution.plan.keys)
+
+
+def test_unplanned_stage_is_a_defect():
+    """A stage outside the plan is refused."""
+    with pytest.raises(RuntimeError, match="although the plan skips it"):
+        Stages({}).run("tmm.static", lambda: 1)
+
+
+@pytest.mark.parametrize(
+    ("override", "stale"),
+    [
+        ("drive.voltage=7V", {"terminations"}),
+        ("coil.length=1.9mm", set()),
+        ("gap=0.15mm", set()),
+        ("load.kind=none", {"terminations", "lumped.modes", "tmm.modes", "beam.modes"}
+         | {"solid.modes_short", "solid.modes_open"}),
+        ("modes=3", {"tmm.modes", "beam.modes", "solid.modes_short", "solid.modes_open"}),
+        ("piezo.density=7800kg/m^3", set(READS) - {"solid.mesh", "terminations"}),
+        ("bimorph.length=21mm", set(READS) - {"terminations"}),
+    ],
+)  # fmt: skip
+def test_keys_change_with_the_inputs_that_a_stage_reads(override, stale):
+    """A changed voltage re-meshes nothing; a changed coil turns no piezo matrix stale."""
+    before, _ = load_scene("paper")
+    after, _ = load_scene("paper", [override])
+    changed = {s for s in READS if stage_key(s, before) != stage_key(s, after)}
+    assert changed == stale
+
+
+def test_results_are_reused_when_their_inputs_are_the_same():
+    """Attaching another load re-uses the ports of every model, to the same numbers."""
+    finger, _ = load_scene("paper", ["frequency=100", "models=lumped,tmm,beam"])
+    free, _ = load_scene("paper", ["frequency=100", "models=lumped,tmm,beam", "load.kind=none"])
+    first = solve(finger, quantities=("tip_displacement",))
+    ran = []
+    again = solve(free, quantities=("tip_displacement",), announce=ran.append, reuse=first)
+    assert ran == ["terminations"]
+    fresh = solve(free, quantities=("tip_displacement",))
+    for a, b in zip(again.quantities, fresh.quantities, strict=True):
+        assert (a.value == b.value).all()
+
+
+def test_every_model_and_quantity_has_a_description():
+    """The catalogue is complete."""
+    assert all(MODELS.values())
+    assert all(q.meaning and q.unit and q.needs for q in QUANTITIES.values())

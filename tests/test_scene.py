@@ -1,0 +1,177 @@
+"""Scenes: what is accepted, what is refused and in which words."""
+
+import re
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from validation.frequencies import parse_frequencies
+from validation.parameter_list import parameter_rows
+from validation.scene import Scene, built_in_scenes, load_scene, scene_keys
+from validation.scene_template import template
+
+CONTRACT = """
+bimorph.length bimorph.width bimorph.piezo_thickness bimorph.shim_thickness bimorph.tab_length
+bimorph.wiring piezo.material piezo.s11 piezo.s55 piezo.d31 piezo.eps33 piezo.density
+piezo.quality_factor piezo.loss_tangent shim.youngs_modulus shim.shear_modulus
+shim.poisson_ratio shim.density beam.shear_correction support.kind support.rotational_stiffness
+support.lateral_stiffness support.rotational_damping support.rotational_inertia load.kind
+load.mass load.stiffness load.damping drive.voltage gap mesh.kind accuracy models quantities
+""".split()
+
+
+def test_contract_of_scene_keys():
+    """Other programs rely on these keys."""
+    assert set(CONTRACT) <= set(scene_keys())
+    assert {k.split(".")[0] for k in scene_keys()} >= {"rod", "coil", "sleeve"}
+
+
+def test_built_in_scenes():
+    """All four load, and are what they say."""
+    assert set(built_in_scenes()) == {"paper", "prototype", "j1", "generator"}
+    prototype, _ = load_scene("prototype")
+    assert (prototype.bimorph.length, prototype.load.kind, prototype.drive.voltage) == (
+        0.014,
+        "none",
+        1.0,
+    )
+    assert load_scene("generator")[0].support.kind == "rod"
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("bimorph.length=25", ['bimorph.length = "25"', "has no unit", '"20 mm"']),
+        ("bimorph.length=25kg", ["not a length", '"20 mm"']),
+        ("bimorph.length=25 furlonk", ['unknown unit "furlonk"']),
+        ("bimorph.piezo_thickness=-0.1mm", ["greater than 0 m"]),
+        ("bimorph.shim_thickness=0mm", ["bimorph.shim_thickness", "greater than 0 m"]),
+        ("bimorph.length=inf mm", ["finite"]),
+        ("bimorph.width=3mm", ["bimorph.width = 3 mm", "wider than the rod allows", "2.3 mm"]),
+        ("bimorph.lenght=25mm", ['did you mean "bimorph.length"']),
+        ("bimorf.length=25mm", ['did you mean "bimorph.length"']),
+        ("bimorph=25mm", ["is a group"]),
+        ("length", ["KEY=VALUE"]),
+        ("piezo.material=PZT-9", ['"PZT-9" is not in the library', "PZT-5H"]),
+        ("support.kind=glued", ["support.kind", "'spring', 'clamped' or 'rod'"]),
+        ("load.kind=foot", ["load.kind", "'finger'"]),
+        ("models=tmn", ['model "tmn" is unknown', 'did you mean "tmm"']),
+        ("quantities=tip_speed", ['quantity "tip_speed" is unknown', "did you mean"]),
+        ("piezo.d31=-3850 pC/N", ["piezo.d31", "piezo.eps33", "negative energy"]),
+        ("shim.poisson_ratio=0.5", ["less than 0.5"]),
+        ("accuracy=0", ["accuracy", "greater than 0"]),
+        ("mesh.level=6", ["mesh.level", "5"]),
+        ("frequency=10:20", ["START:STOP:N"]),
+        ("frequency=0:100:5:log", ["logarithmically", "above 0 Hz"]),
+        ("frequency=ten", ["not a frequency"]),
+        ("frequency=-5", ["not negative"]),
+        ("coil.outer_radius=1mm", ["coil.outer_radius", "sleeve.inner_radius"]),
+    ],
+)
+def test_bad_values_are_refused_in_one_sentence(override, words):
+    """The sentence names the key, the value and the remedy."""
+    with pytest.raises(InputError) as caught:
+        scene, _ = load_scene("paper", [override])
+        scene.piezo.ceramic().tensors()
+    sentence = str(caught.value)
+    assert all(word in sentence for word in words), sentence
+    assert "\n" not in sentence
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (["bimorph.width=2.3mm"], ["wider than the rod allows", "slot"]),
+        (["rod.slot_depth=0.6mm"], ["rod.slot_depth", "rod.head_thickness"]),
+        (["bimorph.tab_length=0.2mm"], ["too short for the rod's slot", "0.4 mm"]),
+        (["mesh.kind=structured"], ["structured", "tetwild"]),
+        (["glue.thickness=0.2mm"], ["wider than the rod allows", "bond line"]),
+        (["rod.length=3mm"], ["rod.length", "flange"]),
+    ],
+)
+def test_parts_that_do_not_fit_are_refused(overrides, words):
+    """A generator that cannot be built is refused before any work."""
+    with pytest.raises(InputError) as caught:
+        load_scene("generator", overrides)
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
+def test_a_wide_bimorph_may_be_studied_alone():
+    """Without a rod to stand on, the rod's diameter is no limit."""
+    assert load_scene("paper", ["bimorph.width=5mm", "support.kind=clamped"])[0]
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"[bimorph\nlength=", ["is not valid TOML"]),
+        (b"\xff\xfe\x00", ["cannot be read", "UTF-8"]),
+        (b"[bimorph]\nlength = 20\n", ["bimorph.length = 20 has no unit"]),
+        (b"bimorph = 3\n", ["is a group"]),
+        (b"[bimorph.length]\nvalue = 3\n", ["bimorph.length.value", "unknown"]),
+    ],
+)
+def test_bad_files_are_refused_in_one_sentence(tmp_path, content, words):
+    """Unreadable files and files with wrong content."""
+    path = tmp_path / "my.toml"
+    path.write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        load_scene(str(path))
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
+def test_missing_scene_suggests_a_name():
+    """A misspelt built-in name."""
+    with pytest.raises(InputError, match='did you mean "paper"'):
+        load_scene("papper")
+
+
+def test_template_is_the_paper_scene(tmp_path):
+    """The commented template is valid as it is, and with every line switched on."""
+    text = template()
+    commented, full = tmp_path / "a.toml", tmp_path / "b.toml"
+    commented.write_text(text, encoding="utf-8")
+    full.write_text(re.sub(r"(?m)^# (\w+ = )", r"\1", text), encoding="utf-8")
+    paper = load_scene("paper")[0].model_dump(exclude={"name", "description"})
+    for path in (commented, full):
+        scene = load_scene(str(path))[0].model_dump(exclude={"name", "description"})
+        scene["shim"]["transverse_modulus"] = None  # shown with its derived value
+        scene["beam"]["shear_correction"] = pytest.approx(paper["beam"]["shear_correction"])
+        assert scene == paper
+
+
+def test_every_parameter_has_a_source():
+    """A report must be able to say where each number comes from."""
+    scene, origins = load_scene("paper", ["bimorph.length=25mm"])
+    rows = {row.key: row for row in parameter_rows(scene, origins)}
+    physical = [r for k, r in rows.items() if "." in k and not k.startswith("mesh.")]
+    assert all(row.source for row in physical)
+    assert rows["bimorph.length"].source == "set on the command line"
+    assert rows["bimorph.width"].source == "paper table 2"
+    assert rows["piezo.eps33"].assumed
+    assert not rows["piezo.d31"].assumed
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("500", [500.0]),
+        ("10,0.5 kHz", [10.0, 500.0]),
+        ("10:30:3", [10.0, 20.0, 30.0]),
+        ("10:1000:3:log", [10.0, 100.0, 1000.0]),
+        ("0", [0.0]),
+    ],
+)
+def test_frequency_lists(text, expected):
+    """Lists and ranges, ends exact."""
+    assert parse_frequencies(text) == pytest.approx(expected, rel=1e-12)
+    assert parse_frequencies(text)[-1] == expected[-1]
+
+
+def test_scene_is_frozen():
+    """Nothing changes a scene behind another stage's back."""
+    scene = Scene()
+    with pytest.raises(Exception, match="frozen"):
+        scene.drive = None
+    assert np.isclose(scene.drive.voltage, 50.0)

@@ -1,0 +1,52 @@
+"""How numbers are written for people: engineering units, digits that the error bar allows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+_PREFIX = {
+    -15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G",
+}  # fmt: skip
+
+
+def engineering(value: float, unit: str, digits: int = 5) -> str:
+    """Return a value with an SI prefix, e.g. ``49.56 µm``; plain for pure numbers."""
+    if unit in ("", "1"):
+        return f"{value:.{digits}g}"
+    if value == 0.0 or not math.isfinite(value):
+        return f"{value:g} {unit}"
+    exponent = max(-15, min(9, 3 * math.floor(math.log10(abs(value)) / 3.0)))
+    return f"{value / 10.0**exponent:.{digits}g} {_PREFIX[exponent]}{unit}"
+
+
+def with_bar(value: float, bar: float, unit: str) -> str:
+    """Return value ± bar in one unit, with two digits of the bar.
+
+    Bars below 1e-9 of the value are rounding and are shown as a power of ten.
+    """
+    if value == 0.0:
+        return engineering(value, unit)
+    relative = abs(bar / value)
+    if relative < 1e-9:
+        return f"{engineering(value, unit, 7)} (±{relative:.0e} relative)"
+    exponent = 0 if unit in ("", "1") else max(-15, min(9, 3 * math.floor(math.log10(abs(value)) / 3.0)))
+    scaled, shown = value / 10.0**exponent, bar / 10.0**exponent
+    decimals = max(0, 1 - math.floor(math.log10(shown)))
+    prefix = "" if unit in ("", "1") else f" {_PREFIX[exponent]}{unit}"
+    return f"{scaled:.{decimals}f} ± {shown:.{decimals}f}{prefix}"
+
+
+def percent(value: float) -> str:
+    """Return a fraction in percent, with a sign; tiny ones as a power of ten."""
+    if not math.isfinite(value):
+        return "n/a"
+    if abs(value) < 5e-6:
+        return f"{100.0 * value:+.0e} %"
+    return f"{100.0 * value:+.3f} %"
+
+
+def filters() -> dict[str, Callable[..., Any]]:
+    """Return the template filters."""
+    return {"eng": engineering, "bar": with_bar, "percent": percent}

@@ -1,0 +1,155 @@
+"""What the rows of :mod:`validation.checks` measure, on the built-in scenes."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from tmm.terminations import finger_spring_damper
+from validation.scene import Scene, load_scene
+from validation.solve import Solution, solve
+
+
+def _scene(name: str, *overrides: str) -> Scene:
+    return load_scene(name, overrides)[0]
+
+
+@cache
+def _solved(name: str, models: str, quantities: str, *overrides: str) -> Solution:
+    return solve(_scene(name, *overrides), models.split(","), quantities.split(","))
+
+
+def _value(name: str, model: str, quantity: str, *overrides: str) -> np.ndarray:
+    return _solved(name, model, quantity, *overrides).get(quantity, model).value
+
+
+@cache
+def _prototype_peak() -> tuple[float, float]:
+    """Locate the velocity peak by repeated narrowing around the largest of a sweep."""
+    low, high = 600.0, 1000.0
+    while True:
+        sweep = f"frequency={low!r}:{high!r}:101"
+        speed = np.abs(_value("prototype", "tmm", "tip_velocity", sweep))
+        at = int(np.clip(np.argmax(speed), 1, 99))
+        step = (high - low) / 100.0
+        centre = low + at * step
+        if step < 1e-2:
+            # vertex of the parabola through the three highest points
+            left, middle, right = speed[at - 1 : at + 2]
+            shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
+            return centre + shift * step, float(middle - 0.25 * (left - right) * shift)
+        low, high = centre - step, centre + step
+
+
+def prototype_peak_frequency() -> float:
+    """Frequency of the prototype's velocity peak (Hz)."""
+    return _prototype_peak()[0]
+
+
+def prototype_peak_velocity() -> float:
+    """Height of that peak (m/s)."""
+    return _prototype_peak()[1]
+
+
+_CLAMPED = ("support.kind=clamped", "load.kind=none", "drive.voltage=1V")
+
+
+def clamped_short_circuit() -> float:
+    """First short-circuit frequency of the clamped paper bimorph by TMM (Hz)."""
+    return float(_value("paper", "tmm", "short_circuit_frequencies", *_CLAMPED)[0])
+
+
+def clamped_open_circuit() -> float:
+    """First open-circuit frequency (Hz)."""
+    return float(_value("paper", "tmm", "open_circuit_frequencies", *_CLAMPED)[0])
+
+
+def clamped_static() -> float:
+    """Static tip displacement at 1 V (m)."""
+    return float(_value("paper", "tmm", "static_tip_displacement", *_CLAMPED))
+
+
+def beam_first_frequency() -> float:
+    """First short-circuit frequency by beam elements (Hz)."""
+    return float(_value("paper", "beam", "short_circuit_frequencies", *_CLAMPED)[0])
+
+
+def finger_stiffness_maximum() -> float:
+    """Largest stiffness of the finger between 10 and 1000 Hz (N/m)."""
+    return float(finger_spring_damper(np.linspace(10.0, 1000.0, 9901))[0].max())
+
+
+def finger_damping_start() -> float:
+    """Damping of the finger at 10 Hz (N s/m)."""
+    return float(finger_spring_damper(np.array([10.0]))[1][0])
+
+
+def j1_default_deflection() -> float:
+    """Static tip displacement of job J1 on the default mesh (m)."""
+    return float(_value("j1", "solid", "static_tip_displacement"))
+
+
+def j1_default_first_frequency() -> float:
+    """First frequency of job J1 on the default mesh (Hz)."""
+    return float(_value("j1", "solid", "short_circuit_frequencies")[0])
+
+
+@cache
+def j1_fine() -> tuple[float, ...]:
+    """Deflection (m) and four frequencies (Hz) of job J1 on the fine mesh."""
+    quantities = "static_tip_displacement,short_circuit_frequencies"
+    solution = _solved("j1", "solid", quantities, "mesh.level=4")
+    return (
+        float(solution.get("static_tip_displacement", "solid").value),
+        *solution.get("short_circuit_frequencies", "solid").value.tolist(),
+    )
+
+
+def lumped_over_tmm_static() -> float:
+    """Ratio of the two static tip displacements."""
+    lumped, tmm = (_value("paper", m, "static_tip_displacement") for m in ("lumped", "tmm"))
+    return float(lumped / tmm)
+
+
+def lumped_over_tmm_frequency() -> float:
+    """Ratio of the two first short-circuit frequencies on the paper's support."""
+    lumped, tmm = (_value("paper", m, "short_circuit_frequencies")[0] for m in ("lumped", "tmm"))
+    return float(lumped / tmm)
+
+
+@cache
+def bridge_unexplained() -> float:
+    """Deflection of the beam-like solid over TMM times the predicted field variation."""
+    from validation.bridge import bridge
+    from validation.models import SolidModel
+    scene = _scene("paper")
+    solid = _solved("paper", "solid", "static_tip_displacement").models["solid"]
+    assert isinstance(solid, SolidModel)
+    rungs = bridge(scene, solid, lambda _: None)
+    return rungs[1].deflection / (rungs[0].deflection * (1.0 + rungs[1].predicted[0]))
+
+
+def _deflection(frequency: float, *overrides: str) -> float:
+    sweep = f"frequency={frequency!r}"
+    return float(np.abs(_value("paper", "tmm", "tip_displacement", sweep, *overrides)[0]))
+
+
+def paper_start_deflection() -> float:
+    """Loaded deflection at 10 Hz and 50 V, parallel wiring (um)."""
+    return 1e6 * _deflection(10.0)
+
+
+def series_start_deflection() -> float:
+    """The same in series wiring (um)."""
+    return 1e6 * _deflection(10.0, "bimorph.wiring=series")
+
+
+def threshold_voltage_start() -> float:
+    """Voltage for 2 um at 10 Hz under the finger (V)."""
+    return 50.0 * 2e-6 / _deflection(10.0)
+
+
+def threshold_voltage_250() -> float:
+    """Voltage for 0.2 um at 250 Hz under the finger (V)."""
+    return 50.0 * 0.2e-6 / _deflection(250.0)

@@ -1,0 +1,156 @@
+"""Pictures of geometry, mesh and mode shapes (PyVista, off screen), as PNG bytes."""
+
+from __future__ import annotations
+
+import ctypes
+import io
+import os
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import InputError
+from geometry.mesh import Mesh
+
+Floats = NDArray[np.floating[Any]]
+
+#: One colour per region, used in every picture.
+REGION_COLOUR = {
+    "piezo_top": "#D9A441",
+    "piezo_bottom": "#C58B2A",
+    "shim": "#4A4A4A",
+    "glue": "#7FB77E",
+    "rod": "#8FA3B5",
+    "coil": "#B5652B",
+    "sleeve": "#C9D3DC",
+}
+#: Direction from the object to the viewer.
+_VIEW = (3.0, -2.2, 1.1)
+_VTK_CELL = {"tetra": 10, "tetra10": 24, "hexahedron": 12}
+
+
+def _pyvista() -> Any:
+    """Import PyVista with VTK's software renderer, or say what is missing.
+
+    VTK crashes the process when it finds no OpenGL library, so this looks first.
+    """
+    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkOSOpenGLRenderWindow")
+    try:
+        ctypes.CDLL("libOSMesa.so.8")
+    except OSError:
+        raise InputError(
+            "pictures need the OSMesa library, which is missing; install it with "
+            "apt-get install --no-install-recommends libosmesa6"
+        ) from None
+    import pyvista as pv
+
+    pv.OFF_SCREEN = True
+    return pv
+
+
+def mesh_picture(mesh: Mesh, *, close_up: bool = False) -> bytes:
+    """Return a picture of the mesh, one colour per region; `close_up` shows the held end."""
+    pv = _pyvista()
+    plotter = _plotter(pv, 420, 420 if close_up else 900)
+    grid = _grid(pv, mesh, mesh.points)
+    for number, region in enumerate(mesh.regions):
+        part = grid.extract_cells(np.flatnonzero(mesh.region_of_cell == number))
+        surface = part.extract_surface(nonlinear_subdivision=0, algorithm=None)
+        plotter.add_mesh(
+            surface, color=REGION_COLOUR[region], show_edges=True, edge_color="#333333"
+        )
+    z = mesh.points[:, 2] * 1e3
+    if close_up:
+        reach = 0.22 * float(np.ptp(z))
+        return _shoot(plotter, reach, focus=float(z.min()) + 0.42 * reach)
+    return _shoot(plotter, 1.12 * float(np.ptp(z)))
+
+
+def solids_picture(solids: dict[str, Any]) -> bytes:
+    """Return a picture of CAD solids (mm), the front half of coil and sleeve cut away."""
+    pv = _pyvista()
+    plotter = _plotter(pv, 420, 900)
+    everything = []
+    for name, solid in solids.items():
+        vertices, triangles = solid.tessellate(0.01, 0.2)
+        points = np.array([v.toTuple() for v in vertices])
+        faces = np.column_stack([np.full(len(triangles), 3), np.array(triangles)])
+        surface = pv.PolyData(points, faces.ravel())
+        if name in ("coil", "sleeve"):
+            surface = surface.clip(normal=(_VIEW[0], _VIEW[1], 0.0), origin=(0.0, 0.0, 0.0))
+        plotter.add_mesh(surface, color=REGION_COLOUR[name], smooth_shading=False)
+        everything.append(points)
+    return _shoot(plotter, 1.12 * float(np.ptp(np.concatenate(everything)[:, 2])))
+
+
+def mode_picture(mesh: Mesh, displacement: Floats) -> bytes:
+    """Return a picture of a mode shape, coloured by the size of the displacement.
+
+    Parameters
+    ----------
+    displacement : (n_points, 3) array
+        At the mesh's points, any scale.
+    """
+    pv = _pyvista()
+    plotter = _plotter(pv, 420, 900)
+    reach = 0.12 * np.ptp(mesh.points[:, 2])
+    moved = mesh.points + displacement * (reach / np.abs(displacement).max())
+    grid = _grid(pv, mesh, moved)
+    grid["size"] = np.linalg.norm(displacement, axis=1)
+    surface = grid.extract_surface(nonlinear_subdivision=2, algorithm=None)
+    plotter.add_mesh(surface, scalars="size", cmap="viridis", show_scalar_bar=False)
+    rest = _grid(pv, mesh, mesh.points).extract_surface(algorithm=None)
+    plotter.add_mesh(rest.extract_feature_edges(feature_angle=60.0), color="#888888", line_width=1)
+    return _shoot(plotter, 1.3e3 * float(np.ptp(mesh.points[:, 2])))
+
+
+def _grid(pv: Any, mesh: Mesh, points: Floats) -> Any:
+    n, corners = mesh.cells.shape
+    cells = np.column_stack([np.full(n, corners), mesh.cells])
+    return pv.UnstructuredGrid(
+        cells.ravel(), np.full(n, _VTK_CELL[mesh.kind]), np.asarray(points) * 1e3
+    )
+
+
+def _plotter(pv: Any, width: int, height: int) -> Any:
+    plotter = pv.Plotter(off_screen=True, window_size=(2 * width, 2 * height), lighting="three lights")
+    plotter.set_background("white")
+    plotter.enable_anti_aliasing("ssaa")
+    return plotter
+
+
+def _shoot(plotter: Any, height: float, focus: float | None = None) -> bytes:
+    """Look from the front right, slightly from above, z up, and crop to what is there.
+
+    `height` is the extent (mm) that fills the picture; `focus` the height z (mm) looked at.
+    """
+    from PIL import Image, ImageChops
+
+    plotter.camera_position = [_VIEW, (0.0, 0.0, 0.0), (0, 0, 1)]
+    plotter.camera.parallel_projection = True
+    plotter.reset_camera()
+    plotter.camera.parallel_scale = 0.5 * height
+    if focus is not None:
+        shift = focus - plotter.camera.focal_point[2]
+        for point in ("focal_point", "position"):
+            x, y, z = getattr(plotter.camera, point)
+            setattr(plotter.camera, point, (x, y, z + shift))
+    image = Image.fromarray(plotter.screenshot(return_img=True))
+    plotter.close()
+    box = ImageChops.difference(image, Image.new("RGB", image.size, "white")).getbbox()
+    if box is not None:
+        pad = 12
+        left, top, right, bottom = box
+        width, height_px = image.size
+        image = image.crop(
+            (
+                max(left - pad, 0),
+                max(top - pad, 0),
+                min(right + pad, width),
+                min(bottom + pad, height_px),
+            )
+        )
+    buffer = io.BytesIO()
+    image.save(buffer, format="PNG", optimize=True)
+    return buffer.getvalue()
