@@ -11,11 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Numbers
 from geometry.errors import InputError
-
-Array = NDArray[np.float64]
 
 #: Vacuum permittivity (F/m), CODATA 2018.
 EPS0 = 8.8541878128e-12
@@ -42,9 +40,9 @@ class PiezoTensors:
         Permittivity at constant strain (F/m).
     """
 
-    c: NDArray[np.number]
-    e: NDArray[np.number]
-    eps: NDArray[np.number]
+    c: Numbers
+    e: Numbers
+    eps: Numbers
 
 
 @dataclass(frozen=True)
@@ -64,9 +62,9 @@ class Piezoceramic:
     """
 
     name: str
-    s: Array
-    d: Array
-    eps_t: Array
+    s: Floats
+    d: Floats
+    eps_t: Floats
     density: float
     quality_factor: float
     loss_tangent: float
@@ -163,7 +161,7 @@ class Piezoceramic:
             )
 
 
-def _transversely_isotropic(s11: float, s12: float, s13: float, s33: float, s44: float) -> Array:
+def _transversely_isotropic(s11: float, s12: float, s13: float, s33: float, s44: float) -> Floats:
     s = np.zeros((6, 6))
     s[:3, :3] = [[s11, s12, s13], [s12, s11, s13], [s13, s13, s33]]
     s[3, 3] = s[4, 4] = s44
@@ -171,7 +169,7 @@ def _transversely_isotropic(s11: float, s12: float, s13: float, s33: float, s44:
     return s
 
 
-def _strain_constants(d31: float, d33: float, d15: float) -> Array:
+def _strain_constants(d31: float, d33: float, d15: float) -> Floats:
     d = np.zeros((3, 6))
     d[2, :3] = d31, d31, d33
     d[0, 4] = d[1, 3] = d15
@@ -247,7 +245,7 @@ LIBRARY: dict[str, Piezoceramic] = {c.name: c for c in (_m1876(), _pzt_5h(), _pz
 
 def orthotropic_stiffness(
     axial_modulus: float, transverse_modulus: float, shear_modulus: float, poisson_ratio: float
-) -> Array:
+) -> Floats:
     """Return the (6, 6) stiffness (Pa) of a transversely isotropic solid with its axis along z.
 
     Poisson's ratio is the same along and across the axis; with equal moduli and
@@ -276,7 +274,7 @@ def orthotropic_stiffness(
     return np.asarray(np.linalg.inv(s))
 
 
-def isotropic_stiffness(youngs_modulus: float, poisson_ratio: float) -> Array:
+def isotropic_stiffness(youngs_modulus: float, poisson_ratio: float) -> Floats:
     """Return the (6, 6) stiffness (Pa) of an isotropic solid."""
     shear = youngs_modulus / (2.0 * (1.0 + poisson_ratio))
     return orthotropic_stiffness(youngs_modulus, youngs_modulus, shear, poisson_ratio)

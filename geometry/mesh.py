@@ -10,11 +10,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+
+from geometry.arrays import Floats, Ints
+
+__all__ = ["CellKind", "Floats", "Ints", "Mesh"]
 
 CellKind = Literal["tetra", "tetra10", "hexahedron"]
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ class Bimorph(Parameters):
     @property
     def thickness(self) -> float:
         """Total thickness (m)."""
-        return 2.0 * self.piezo_thickness + self.shim_thickness
+        return float(2.0 * self.piezo_thickness + self.shim_thickness)
 
     @property
     def poling_sign(self) -> float:
@@ -188,7 +188,7 @@ class Device(Parameters):
 
         z = 0 is the rod's top face; the tab reaches to one bond line above the slot's floor.
         """
-        return self.bimorph.tab_length - (self.rod.slot_depth - self.glue.thickness)
+        return float(self.bimorph.tab_length - (self.rod.slot_depth - self.glue.thickness))
 
 
 class Support(Parameters):

@@ -10,14 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Bools, Floats, Ints
 from geometry.mesh import Mesh
 from geometry.parameters import Device
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
 
 #: Element length at the free tip in piezo layer thicknesses: its singularity is weak.
 _TIP = 0.3
@@ -89,7 +85,7 @@ def _towards_both_ends(length: float, count: int) -> Floats:
     """Divide [0, length] with intervals shrinking geometrically towards both ends."""
     distance = np.minimum(np.arange(count), np.arange(count)[::-1])
     steps = _EDGE_RATIO ** distance.astype(float)
-    return np.concatenate([[0.0], np.cumsum(steps)]) * (length / steps.sum())
+    return np.concatenate([[0.0], np.cumsum(steps)]) * float(length / steps.sum())
 
 
 def _graded(length: float, first: float, last: float, growth: float, longest: float) -> Floats:
@@ -99,7 +95,7 @@ def _graded(length: float, first: float, last: float, growth: float, longest: fl
         side = lower if lower[-1] <= upper[-1] else upper
         side.append(min(side[-1] * growth, longest))
     steps = np.array(lower + upper[::-1])
-    return np.concatenate([[0.0], np.cumsum(steps)]) * (length / steps.sum())
+    return np.concatenate([[0.0], np.cumsum(steps)]) * float(length / steps.sum())
 
 
 def _boxes(x: Floats, y: Floats, z: Floats, half: float, tab: float) -> Mesh:
@@ -145,7 +141,7 @@ def _named_faces(
     low_x, high_x = cells[:, [0, 3, 7, 4]], cells[:, [1, 2, 6, 5]]
     low_z, high_z = cells[:, [0, 1, 2, 3]], cells[:, [4, 5, 6, 7]]
 
-    def on_plane(quads: Ints, axis: int, value: float) -> NDArray[np.bool_]:
+    def on_plane(quads: Ints, axis: int, value: float) -> Bools:
         return np.asarray(np.all(np.isclose(points[quads, axis], value, atol=1e-12), axis=1))
 
     top, bottom = region == 0, region == 1

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -19,8 +20,8 @@ if TYPE_CHECKING:
 
 
 _NUMBER_AND_UNIT = re.compile(
-    r"\s*(?P<number>[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf))"
-    r"(?P<unit>(?:\s*[^\s\d.,;=\[\]{}][^,;=\[\]{}]*)?)",
+    r"\s*(?P<number>[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,4})?|nan|inf))"
+    r"(?P<unit>(?:\s+1\s*/|\s*[^\s\d.,;=\[\]{}])[^,;=\[\]{}]*)?\s*",
     re.IGNORECASE | re.ASCII,
 )
 
@@ -98,7 +99,7 @@ class Unit:
         parts = _NUMBER_AND_UNIT.fullmatch(text)
         if parts is None:
             raise ValueError(unreadable)
-        number, name = float(parts["number"]), parts["unit"].strip()
+        number, name = Decimal(parts["number"]), (parts["unit"] or "").strip()
         if not name and self.si:
             raise ValueError(f'has no unit; a {self.kind} needs one, for example "{self.example}"')
         try:
@@ -118,7 +119,12 @@ class Unit:
                 f'has the unit "{unit:~}", which is not a {self.kind}; '
                 f'write for example "{self.example}"'
             )
-        return float(registry.Quantity(number, unit).to(self.si).magnitude)
+        scale = float(registry.convert(1.0, unit, self.si))
+        power = round(math.log10(scale))
+        if math.isclose(scale, 10.0**power, rel_tol=1e-12):
+            # shift the decimal point of the text: "0.96 mm" is the same double as 0.96e-3
+            return float(number.scaleb(power))
+        return float(number) * scale
 
     def _in_range(self, number: float) -> float:
         unit = f" {self.si}" if self.si else ""
