@@ -23,8 +23,6 @@ from tmm.multiport import Multiport
 
 #: Polynomial order of w and ψ (equal orders lock only at low order).
 ORDER = 5
-#: Frequencies condensed at a time; bounds the memory of the dense batch.
-_CHUNK = 64
 
 
 @dataclass(frozen=True)
@@ -55,17 +53,15 @@ def multiport(
     Parameters
     ----------
     elements : int
-        Elements per piece.
+        Elements along the whole row.
     """
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     matrices = assemble(device, support, beam, elements=elements, lossy=lossy)
-    omega = 2.0 * np.pi * frequencies
-    chunks = (omega[i : i + _CHUNK] for i in range(0, omega.size, _CHUNK))
-    return Multiport(frequencies, np.concatenate([_condense(matrices, o) for o in chunks]))
+    return Multiport(frequencies, _condense(matrices, 2.0 * np.pi * frequencies))
 
 
 def elements_for(device: Device, highest: float) -> int:
-    """Return a number of elements per piece that resolves waves up to `highest` Hz.
+    """Return a number of elements that resolves waves up to `highest` Hz along the row.
 
     Two radians of the slowest wave per element of order five; even, at least 8.
     """
@@ -74,26 +70,26 @@ def elements_for(device: Device, highest: float) -> int:
     modulus = 1.0 / (piezo.s11 * piezo.density)
     omega = 2.0 * math.pi * highest
     bending = math.sqrt(omega / math.sqrt(modulus) / bimorph.thickness * math.sqrt(12.0))
-    longest = max(bimorph.length, bimorph.tab_length)
-    radians = longest * max(bending, omega / slowest)
+    radians = (bimorph.length + bimorph.tab_length) * max(bending, omega / slowest)
     return int(2 * max(4, math.ceil(radians / 4.0)))
 
 
 def assemble(
     device: Device, support: Support, beam: Beam, *, elements: int, lossy: bool
 ) -> BeamMatrices:
-    """Assemble the row of beams with `elements` elements in each piece."""
+    """Assemble the row of beams, `elements` shared out by length, at least one a piece."""
     from skfem import Basis, BilinearForm, ElementLinePp, LinearForm, MeshLine, asm
 
     pieces = beam_pieces(device, support)
     constants = [_section(piece, device, beam, lossy=lossy) for piece in pieces]
     ends = np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
-    nodes = [np.linspace(a, b, elements + 1)[1:] for a, b in pairwise(ends)]
+    counts = [max(1, round(elements * piece.length / ends[-1])) for piece in pieces]
+    nodes = [np.linspace(a, b, n + 1)[1:] for (a, b), n in zip(pairwise(ends), counts, strict=True)]
     mesh = MeshLine(np.concatenate([[0.0], *nodes]))
     w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
     basis = w_space * w_space
     ei, ga, m, rho_i, k, c = (
-        np.repeat(column, elements)[:, None] for column in zip(*constants, strict=True)
+        np.repeat(column, counts)[:, None] for column in zip(*constants, strict=True)
     )
 
     @BilinearForm(dtype=complex)  # type: ignore[untyped-decorator]
@@ -169,22 +165,42 @@ def _top(size: int, count: int) -> list[int]:
 
 
 def _condense(matrices: BeamMatrices, omega: Floats) -> Complex:
-    """Return D (n, 5, 5): interior dofs eliminated at each frequency."""
+    """Return D (n, 5, 5): interior dofs, a band when numbered along z, eliminated."""
+    from scipy.linalg import solve_banded
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import reverse_cuthill_mckee
+
     ports = matrices.ports
     inner = np.setdiff1d(np.arange(matrices.mass.shape[0]), ports)
-    dynamic = matrices.stiffness - (omega**2)[:, None, None] * matrices.mass
-    n = omega.size
-    d = np.zeros((n, 5, 5), dtype=complex)
-    d[:, :4, :4] = dynamic[:, ports][:, :, ports]
-    d[:, :4, 4], d[:, 4, :4] = -matrices.coupling[ports], matrices.coupling[ports]
-    d[:, 4, 4] = matrices.capacitance
-    right = np.zeros((n, inner.size, 5), dtype=complex)
-    right[:, :, :4] = dynamic[:, inner][:, :, ports]
-    right[:, :, 4] = -matrices.coupling[inner]
-    left = np.zeros((n, 5, inner.size), dtype=complex)
-    left[:, :4] = dynamic[:, ports][:, :, inner]
-    left[:, 4] = matrices.coupling[inner]
-    return np.asarray(d - left @ np.linalg.solve(dynamic[:, inner][:, :, inner], right))
+    pattern = csr_matrix(
+        matrices.mass[np.ix_(inner, inner)] + abs(matrices.stiffness[np.ix_(inner, inner)])
+    )
+    inner = inner[reverse_cuthill_mckee(pattern, symmetric_mode=True)]
+    inside = np.ix_(inner, inner)
+    width, k_band, m_band = _bands(matrices.stiffness[inside], matrices.mass[inside])
+    held = np.concatenate([matrices.stiffness[:, ports], -matrices.coupling[:, None]], axis=1)
+    moving = np.concatenate(
+        [matrices.mass[:, ports], np.zeros((matrices.mass.shape[0], 1))], axis=1
+    )
+    d = np.zeros((omega.size, 5, 5), dtype=complex)
+    for i, o2 in enumerate(omega**2):
+        to_ports = held - o2 * moving
+        solved = solve_banded((width, width), k_band - o2 * m_band, to_ports[inner])
+        d[i, :4] = to_ports[ports]
+        d[i, 4, :4], d[i, 4, 4] = matrices.coupling[ports], matrices.capacitance
+        d[i] -= np.vstack([to_ports[inner, :4].T, matrices.coupling[inner]]) @ solved
+    return d
+
+
+def _bands(k: Complex, m: Floats) -> tuple[int, Complex, Floats]:
+    """Return the half bandwidth and both matrices in LAPACK's band storage."""
+    rows, columns = np.nonzero(abs(k) + abs(m))
+    width = int(np.abs(rows - columns).max())
+    k_band = np.zeros((2 * width + 1, k.shape[0]), dtype=complex)
+    m_band = np.zeros((2 * width + 1, k.shape[0]))
+    k_band[width + rows - columns, columns] = k[rows, columns]
+    m_band[width + rows - columns, columns] = m[rows, columns]
+    return width, k_band, m_band
 
 
 def _section(piece: Piece, device: Device, beam: Beam, *, lossy: bool) -> tuple[complex, ...]:

@@ -1,7 +1,6 @@
 """The command line as other programs see it: output, exit codes, what it imports."""
 
 import json
-import os
 import subprocess
 import sys
 
@@ -24,7 +23,8 @@ def test_tmm_answer_loads_no_heavy_library():
         "code = main(['solve', 'paper', '--model', 'tmm', '--quantity', 'tip_velocity', "
         "'--frequency', '10:2000:200', '--json']); "
         "heavy = [m for m in ('cadquery', 'OCP', 'vtk', 'vtkmodules', 'pyvista', 'skfem', "
-        "'scipy.sparse', 'scipy.linalg', 'scipy.optimize', 'matplotlib', 'meshio', 'pytetwild', 'fem') if m in sys.modules]; "
+        "'scipy.sparse', 'scipy.linalg', 'scipy.optimize', 'matplotlib', 'meshio', 'pytetwild', "
+        "'fem') if m in sys.modules]; "
         "print(heavy, file=sys.stderr); sys.exit(code)"
     )
     result = subprocess.run(
@@ -81,7 +81,10 @@ def test_frequencies_partly_outside_the_finger_warn(capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["solve", "--frequency", "5000", "--quantity", "tip_velocity"], ["5000 Hz", "10 to 1000 Hz"]),
+        (
+            ["solve", "--frequency", "5000", "--quantity", "tip_velocity"],
+            ["5000 Hz", "10 to 1000 Hz"],
+        ),
         (["solve", "nowhere"], ["neither a readable file nor a built-in scene"]),
         (["solve", "--model", "fem"], ['model "fem" is unknown']),
         (["solve", "--quantity", "speed"], ['quantity "speed" is unknown']),
@@ -138,7 +141,5 @@ def test_plan_and_scenes_print(capsys):
 def test_closed_pipe_is_no_error(tmp_path):
     """`tactgen solve | head -1` ends quietly."""
     command = f"{sys.executable} -m validation.cli solve --model tmm --json | true"
-    result = subprocess.run(
-        ["bash", "-c", command], capture_output=True, text=True, check=False, cwd=os.getcwd()
-    )
+    result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert result.stderr == "" or "warning" in result.stderr

@@ -36,7 +36,9 @@ def covered(level):
     static, frequencies = solve(scene, ("solid",), names).quantities
     yield static.value, static.uncertainty, -6.7582e-7, 1e-5
     reference = (1065.96, 3329.10, 6642.85, 16267.0)
-    for value, bar, known in zip(frequencies.value, frequencies.uncertainty, reference, strict=True):
+    for value, bar, known in zip(
+        frequencies.value, frequencies.uncertainty, reference, strict=True
+    ):
         yield value, bar, known, 3e-5
 
 

@@ -48,7 +48,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Verification suite for a tactile generator: a piezo bimorph on a "
         "reluctance actuator, by lumped, transfer-matrix, beam and solid models.",
     )
-    parser.set_defaults(run=lambda _: (parser.print_help(), 0)[1])
+    parser.set_defaults(run=lambda _: parser.exit(0, parser.format_help()))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
 
     report = commands.add_parser("report", help="write the verification report (HTML)")

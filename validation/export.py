@@ -10,9 +10,7 @@ from geometry.errors import InputError
 from validation.scene import Scene
 
 
-def export(
-    scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]
-) -> list[Path]:
+def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> list[Path]:
     """Write the wanted files, all or none of a kind, and return their paths.
 
     Parameters
@@ -53,9 +51,7 @@ def scene_solids(scene: Scene) -> dict[str, Any]:
     return build_solids(scene.device, BIMORPH, "alone")
 
 
-def _export_solids(
-    scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]
-) -> None:
+def _export_solids(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> None:
     from geometry.solids import export_glb, export_step
 
     announce("CAD solids")

@@ -71,6 +71,7 @@ def _one(part: str, text: str) -> float:
         ) from None
     if not math.isfinite(value) or value < 0.0:
         raise InputError(
-            f'frequency = "{text}" has {part.strip()} Hz; frequencies must be finite and not negative'
+            f'frequency = "{text}" has {part.strip()} Hz; '
+            "frequencies must be finite and not negative"
         )
     return value

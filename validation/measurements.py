@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tmm.terminations import finger_spring_damper
 from validation.scene import Scene, load_scene
@@ -20,7 +22,7 @@ def _solved(name: str, models: str, quantities: str, *overrides: str) -> Solutio
     return solve(_scene(name, *overrides), models.split(","), quantities.split(","))
 
 
-def _value(name: str, model: str, quantity: str, *overrides: str) -> np.ndarray:
+def _value(name: str, model: str, quantity: str, *overrides: str) -> NDArray[Any]:
     return _solved(name, model, quantity, *overrides).get(quantity, model).value
 
 
@@ -66,7 +68,7 @@ def clamped_open_circuit() -> float:
 
 
 def clamped_static() -> float:
-    """Static tip displacement at 1 V (m)."""
+    """Return the static tip displacement at 1 V (m)."""
     return float(_value("paper", "tmm", "static_tip_displacement", *_CLAMPED))
 
 
@@ -86,7 +88,7 @@ def finger_damping_start() -> float:
 
 
 def j1_default_deflection() -> float:
-    """Static tip displacement of job J1 on the default mesh (m)."""
+    """Return the static tip displacement of job J1 on the default mesh (m)."""
     return float(_value("j1", "solid", "static_tip_displacement"))
 
 
@@ -95,15 +97,19 @@ def j1_default_first_frequency() -> float:
     return float(_value("j1", "solid", "short_circuit_frequencies")[0])
 
 
-@cache
-def j1_fine() -> tuple[float, ...]:
-    """Deflection (m) and four frequencies (Hz) of job J1 on the fine mesh."""
+def _j1_fine() -> Solution:
     quantities = "static_tip_displacement,short_circuit_frequencies"
-    solution = _solved("j1", "solid", quantities, "mesh.level=4")
-    return (
-        float(solution.get("static_tip_displacement", "solid").value),
-        *solution.get("short_circuit_frequencies", "solid").value.tolist(),
-    )
+    return _solved("j1", "solid", quantities, "mesh.level=4")
+
+
+def j1_fine_deflection() -> float:
+    """Return the static tip displacement of job J1 on the fine mesh (m)."""
+    return float(_j1_fine().get("static_tip_displacement", "solid").value)
+
+
+def j1_fine_frequency(number: int) -> float:
+    """Natural frequency `number` (from 0) of job J1 on the fine mesh (Hz)."""
+    return float(_j1_fine().get("short_circuit_frequencies", "solid").value[number])
 
 
 def lumped_over_tmm_static() -> float:
@@ -123,6 +129,7 @@ def bridge_unexplained() -> float:
     """Deflection of the beam-like solid over TMM times the predicted field variation."""
     from validation.bridge import bridge
     from validation.models import SolidModel
+
     scene = _scene("paper")
     solid = _solved("paper", "solid", "static_tip_displacement").models["solid"]
     assert isinstance(solid, SolidModel)
@@ -136,12 +143,12 @@ def _deflection(frequency: float, *overrides: str) -> float:
 
 
 def paper_start_deflection() -> float:
-    """Loaded deflection at 10 Hz and 50 V, parallel wiring (um)."""
+    """Return the loaded deflection at 10 Hz and 50 V, parallel wiring (um)."""
     return 1e6 * _deflection(10.0)
 
 
 def series_start_deflection() -> float:
-    """The same in series wiring (um)."""
+    """Return the same in series wiring (um)."""
     return 1e6 * _deflection(10.0, "bimorph.wiring=series")
 
 

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tmm import lumped, modes, transfer_matrix
+from geometry.arrays import Floats
+from tmm import lumped, transfer_matrix
+from tmm.modes import Fixture, bending_frequencies
 from tmm.multiport import Multiport
 from tmm.terminations import conservative_load
 from validation.refinement import SAFETY, two_mesh_factor
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from fem.solid_response import SolidMode
     from geometry.mesh import Mesh
 
-Floats = NDArray[np.float64]
 T = TypeVar("T")
 
 
@@ -96,10 +96,10 @@ class Model(ABC):
     def _clamped(self) -> bool:
         return self.scene.support.kind != "spring"
 
-    def _fixture(self) -> modes.Fixture:
+    def _fixture(self) -> Fixture:
         lateral, rotational, inertia = (0.0, 0.0, 0.0) if self._clamped else self._base()
         stiffness, mass = conservative_load(self.scene.load)
-        return modes.Fixture(self._clamped, lateral, rotational, inertia, stiffness, mass)
+        return Fixture(self._clamped, lateral, rotational, inertia, stiffness, mass)
 
 
 class LumpedModel(Model):
@@ -109,6 +109,8 @@ class LumpedModel(Model):
     _METHOD = "rounding of closed forms; the model's own error is not included"
 
     def ports(self) -> Refined[Multiport]:
+        """Return D(Ω) with losses over the scene's frequencies."""
+
         def work() -> Refined[Multiport]:
             s = self.scene
             port = lumped.multiport(s.device, s.support, s.beam, self.frequencies)
@@ -117,6 +119,8 @@ class LumpedModel(Model):
         return self.stages.run("lumped.ports", work)
 
     def static(self) -> Refined[Multiport]:
+        """Return the lossless D(0)."""
+
         def work() -> Refined[Multiport]:
             s = self.scene
             port = lumped.multiport(s.device, s.support, s.beam, np.zeros(1), lossy=False)
@@ -125,6 +129,7 @@ class LumpedModel(Model):
         return self.stages.run("lumped.static", work)
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        """Return the lossless modes."""
         short, opened = self.stages.run("lumped.modes", self._both_modes)
         return opened if open_circuit else short
 
@@ -148,6 +153,8 @@ class TmmModel(Model):
     _METHOD = "rounding: machine epsilon times the condition number of the port equations"
 
     def ports(self) -> Refined[Multiport]:
+        """Return D(Ω) with losses over the scene's frequencies."""
+
         def work() -> Refined[Multiport]:
             s = self.scene
             port = transfer_matrix.multiport(s.device, s.support, s.beam, self.frequencies)
@@ -156,6 +163,8 @@ class TmmModel(Model):
         return self.stages.run("tmm.ports", work)
 
     def static(self) -> Refined[Multiport]:
+        """Return the lossless D(0)."""
+
         def work() -> Refined[Multiport]:
             s = self.scene
             port = transfer_matrix.multiport(s.device, s.support, s.beam, np.zeros(1), lossy=False)
@@ -164,6 +173,7 @@ class TmmModel(Model):
         return self.stages.run("tmm.static", work)
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        """Return the lossless modes."""
         short, opened = self.stages.run("tmm.modes", self._both_modes)
         return opened if open_circuit else short
 
@@ -171,7 +181,7 @@ class TmmModel(Model):
         s = self.scene
         pieces = transfer_matrix.sections(s.device, s.support, s.beam, lossy=False)
         found = (
-            modes.bending_frequencies(pieces, self._fixture(), s.modes, open_circuit=circuit)
+            bending_frequencies(pieces, self._fixture(), s.modes, open_circuit=circuit)
             for circuit in (False, True)
         )
         method = "bracketed by counting modes (Wittrick-Williams) to the rounding limit"
@@ -185,9 +195,11 @@ class BeamModel(Model):
     _METHOD = "difference from a mesh with half as many elements (it bounds that mesh's error)"
 
     def ports(self) -> Refined[Multiport]:
+        """Return D(Ω) with losses over the scene's frequencies."""
         return self.stages.run("beam.ports", lambda: self._refined(self.frequencies, lossy=True))
 
     def static(self) -> Refined[Multiport]:
+        """Return the lossless D(0)."""
         return self.stages.run("beam.static", lambda: self._refined(np.zeros(1), lossy=False))
 
     def _refined(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
@@ -202,6 +214,7 @@ class BeamModel(Model):
         return Refined(fine, ((coarse, 1.0),), self._METHOD)
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        """Return the lossless modes."""
         short, opened = self.stages.run("beam.modes", self._both_modes)
         return opened if open_circuit else short
 
@@ -256,6 +269,8 @@ class SolidModel(Model):
         return self.stages.run("solid.assembly", work)
 
     def static(self) -> Refined[Multiport]:
+        """Return the lossless D(0)."""
+
         def work() -> Refined[Multiport]:
             from fem.solid_response import static_multiport
 
@@ -266,6 +281,7 @@ class SolidModel(Model):
         return self.stages.run("solid.static", work)
 
     def ports(self) -> Refined[Multiport]:
+        """Return D(Ω) with losses over the scene's frequencies."""
         return self.stages.run("solid.ports", self._reduced)
 
     def _reduced(self) -> Refined[Multiport]:
@@ -287,6 +303,7 @@ class SolidModel(Model):
         return Refined(two.fine, two.coarser + extra, method)
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        """Return the lossless modes."""
         systems = self.systems()
         fine, coarse = (
             Modes(np.array([m.frequency for m in found]), tuple(m.kind for m in found))

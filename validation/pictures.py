@@ -114,7 +114,9 @@ def _grid(pv: Any, mesh: Mesh, points: Floats) -> Any:
 
 
 def _plotter(pv: Any, width: int, height: int) -> Any:
-    plotter = pv.Plotter(off_screen=True, window_size=(2 * width, 2 * height), lighting="three lights")
+    plotter = pv.Plotter(
+        off_screen=True, window_size=(2 * width, 2 * height), lighting="three lights"
+    )
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     return plotter

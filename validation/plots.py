@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -121,7 +122,7 @@ def bridge_plot(rungs: Sequence[Rung]) -> str:
         "capacitance": "capacitance",
     }
     figure, axes = _figure(9.0, 2.6, nrows=1, ncols=3, sharey=True, squeeze=False)
-    names = [f"{a.name} → {b.name}" for a, b in zip(rungs[:-1], rungs[1:], strict=True)]
+    names = [f"{a.name} → {b.name}" for a, b in pairwise(rungs)]
     for axis, (attribute, title) in zip(axes[0], quantities.items(), strict=True):
         values = np.array([getattr(rung, attribute) for rung in rungs])
         change = 100.0 * np.diff(values) / values[0]

@@ -34,7 +34,7 @@ def two_mesh_factor(ratio: float, order: float = ASSUMED_ORDER) -> float:
     ratio : float
         Element size of the coarser over that of the finer mesh, above 1.
     """
-    return SAFETY / (ratio**order - 1.0)
+    return float(SAFETY / (ratio**order - 1.0))
 
 
 def three_mesh_gci(fine: float, medium: float, coarse: float, ratio: float) -> Gci:

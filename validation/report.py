@@ -114,14 +114,18 @@ def _page(
         "audit_at": AT,
         "tet": _tet_check(scene, solution, quick, announce),
         "outcomes": outcomes,
-        "counts": {s: sum(o.status == s for o in outcomes) for s in ("pass", "differs, explained", "fail")},
+        "counts": {
+            s: sum(o.status == s for o in outcomes) for s in ("pass", "differs, explained", "fail")
+        },
         "parameters": [row for row in rows if row.key.split(".")[0] in _shown_groups(scene)],
         "versions": _versions(),
         "machine": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
         "seconds": time.perf_counter() - started,
         "date": time.strftime("%Y-%m-%d"),
     }
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
     environment.filters.update(filters())
     template = (resources.files("validation") / "templates" / "report.html").read_text("utf-8")
     return environment.from_string(template).render(context)
@@ -130,7 +134,9 @@ def _page(
 def _shown_groups(scene: Scene) -> set[str]:
     """Return the parameter groups that this scene's models read."""
     groups = {"bimorph", "piezo", "shim", "support", "load", "drive", "beam"}
-    return groups | ({"glue", "rod", "coil", "sleeve", "gap"} if scene.support.kind == "rod" else set())
+    return groups | (
+        {"glue", "rod", "coil", "sleeve", "gap"} if scene.support.kind == "rod" else set()
+    )
 
 
 def _load_cases(
@@ -210,7 +216,12 @@ def _pictures(
         mesh = solid.meshes()[0]
         caption = f"mesh of the solid model: {mesh.cells.shape[0]} {_KIND[mesh.kind]}"
         found.append({"caption": caption, "png": _inline(mesh_picture(mesh))})
-        found.append({"caption": "the same at its held end", "png": _inline(mesh_picture(mesh, close_up=True))})
+        found.append(
+            {
+                "caption": "the same at its held end",
+                "png": _inline(mesh_picture(mesh, close_up=True)),
+            }
+        )
     return found
 
 

@@ -29,12 +29,18 @@ class MeshSettings(p.Parameters):
     """How the solid model is meshed."""
 
     kind: Literal["auto", "structured", "tetwild"] = Field(
-        "auto", description="structured boxes for the bimorph alone, tetwild for anything else"
+        default="auto",
+        description="structured boxes for the bimorph alone, tetwild for anything else",
     )
     level: int = Field(
-        0, ge=0, le=5, description="1 (coarse) to 5 (finest); 0 follows from the accuracy wanted"
+        default=0,
+        ge=0,
+        le=5,
+        description="1 (coarse) to 5 (finest); 0 follows from the accuracy wanted",
     )
-    time_limit: u.Duration = Field(u.SI(600.0), description="time that one tetwild mesh may take")
+    time_limit: u.Duration = Field(
+        default=u.SI(600.0), description="time that one tetwild mesh may take"
+    )
 
 
 class Scene(p.Device):
@@ -48,16 +54,18 @@ class Scene(p.Device):
     beam: p.Beam = p.Beam()
     mesh: MeshSettings = MeshSettings()
     accuracy: u.RelativeError = Field(
-        1e-3, description="relative numerical error wanted of the solid model"
+        default=1e-3, description="relative numerical error wanted of the solid model"
     )
-    modes: int = Field(4, ge=1, le=20, description="how many natural modes")
+    modes: int = Field(default=4, ge=1, le=20, description="how many natural modes")
     frequency: tuple[float, ...] = Field(
-        "10 Hz:1000 Hz:100:log",
+        default="10 Hz:1000 Hz:100:log",
         validate_default=True,
         description="list of frequencies, or START:STOP:N[:log]",
     )
-    models: tuple[str, ...] = Field(tuple(MODELS), description="models asked for")
-    quantities: tuple[str, ...] = Field(tuple(QUANTITIES), description="quantities asked for")
+    models: tuple[str, ...] = Field(default=tuple(MODELS), description="models asked for")
+    quantities: tuple[str, ...] = Field(
+        default=tuple(QUANTITIES), description="quantities asked for"
+    )
 
     @property
     def device(self) -> p.Device:

@@ -10,9 +10,9 @@ from validation.scene import Scene
 #: level stays below on the paper's bimorph and on job J1 (tests/test_error_bars.py).
 _LEVEL_BAR = (1e-2, 3e-3, 1e-3, 6e-4, 2.5e-4)
 
-#: Root edge length and far edge length of the tetrahedral family, in piezo layer
-#: thicknesses; each level about 1.3 times finer than the last.
-_TET_EDGES = ((1.0, 2.2), (0.75, 1.7), (0.58, 1.3), (0.45, 1.0), (0.35, 0.8))
+#: Edge length at the root and far from it of the tetrahedral family, in thicknesses of
+#: the shim (its tab carries the root's bending); each level about 1.3 times finer.
+_TET_EDGES = ((0.9, 2.2), (0.7, 1.7), (0.54, 1.3), (0.42, 1.0), (0.32, 0.8))
 
 
 def level_for(scene: Scene) -> int:
@@ -47,7 +47,7 @@ def tetrahedral(scene: Scene, level: int) -> Mesh:
     from geometry.tetmesh import TetMeshing, tetrahedralise
 
     on_rod = scene.support.kind == "rod"
-    root, far = (edge * scene.bimorph.piezo_thickness for edge in _TET_EDGES[level])
+    root, far = (edge * scene.bimorph.shim_thickness for edge in _TET_EDGES[level])
     regions = ("piezo_top", "piezo_bottom", "shim") + (("glue", "rod") if on_rod else ())
     options = TetMeshing(edge_length=far, root_edge_length=root, time_limit=scene.mesh.time_limit)
     return tetrahedralise(scene.device, "rod" if on_rod else "alone", regions, options)

@@ -110,11 +110,12 @@ def load_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
             f"frequency = {first:g} Hz is outside the range of the finger's load model "
             f"({low:g} to {high:g} Hz); choose frequencies inside it, or another load.kind"
         )
-    return (
+    warning = (
         f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which the "
         f"finger was measured ({low:g} to {high:g} Hz); there its stiffness and damping are held "
-        "at the nearer end of that range",
+        "at the nearer end of that range"
     )
+    return (warning,)
 
 
 def evaluate(name: str, model: Model) -> Quantity:

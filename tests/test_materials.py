@@ -1,0 +1,161 @@
+"""Materials: full tensors that stand exactly for the reduced constants, or a refusal."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from geometry.errors import InputError
+from geometry.materials import EPS0, LIBRARY, isotropic_stiffness, orthotropic_stiffness
+from geometry.parameters import Piezo
+
+# a 6 x 6 inversion of a matrix of condition number about 10
+ROUNDING = 1e-13
+
+
+def voigt(axes):
+    """Return the Voigt position of a pair of axes."""
+    return {(0, 0): 0, (1, 1): 1, (2, 2): 2, (1, 2): 3, (0, 2): 4, (0, 1): 5}[tuple(sorted(axes))]
+
+
+@pytest.mark.parametrize("name", LIBRARY)
+def test_reduced_constants_are_reproduced(name):
+    """The tensors give s11, s55, d31 and eps33 of the reduced set, in the device's axes."""
+    ceramic = LIBRARY[name]
+    tensors, reduced = ceramic.tensors(), ceramic.reduced()
+    s = np.linalg.inv(tensors.c)
+    d = tensors.e @ s
+    eps_t = tensors.eps + d @ tensors.c @ d.T
+    # length z, poling x: s_zz,zz = s11; s_xz,xz = s55; d_x,zz = d31; eps_xx = eps33
+    assert s[2, 2] == pytest.approx(reduced["s11"], rel=ROUNDING)
+    assert s[4, 4] == pytest.approx(reduced["s55"], rel=ROUNDING)
+    assert d[0, 2] == pytest.approx(reduced["d31"], rel=ROUNDING)
+    assert eps_t[0, 0] == pytest.approx(reduced["eps33"] * EPS0, rel=ROUNDING)
+
+
+def test_m1876_is_the_papers_material():
+    """The default ceramic has the paper's three constants to the last digit."""
+    reduced = Piezo().ceramic().reduced()
+    assert (reduced["s11"], reduced["s55"], reduced["d31"]) == (15.8e-12, 57.8e-12, -385e-12)
+    assert LIBRARY["M1876"].sources()["d31"] == "paper table 2"
+    assert LIBRARY["M1876"].sources()["eps33"].startswith("assumed")
+
+
+def test_pzt_5h_is_the_published_tensor():
+    """PZT-5H in the device's axes is the published IEEE tensor, turned; nothing rescaled."""
+    tensors = LIBRARY["PZT-5H"].tensors()
+    c, e, eps = tensors.c / 1e9, tensors.e, tensors.eps / EPS0
+    # IEEE 1 -> z, 2 -> y, 3 -> x
+    for value, got in (
+        (127.2, c[2, 2]), (127.2, c[1, 1]), (117.4, c[0, 0]), (80.2, c[1, 2]), (84.7, c[0, 1]),
+        (84.7, c[0, 2]), (23.0, c[4, 4]), (23.0, c[5, 5]), (23.5, c[3, 3]), (23.24, e[0, 0]),
+        (-6.62, e[0, 1]), (-6.62, e[0, 2]), (17.03, e[2, 4]), (17.03, e[1, 5]),
+        (1433.0, eps[0, 0]), (1704.0, eps[1, 1]), (1704.0, eps[2, 2]),
+    ):  # fmt: skip
+        assert got == pytest.approx(value, rel=ROUNDING)
+    assert np.count_nonzero(np.abs(e) > 1e-9) == 5
+
+
+def test_unchanged_round_trip():
+    """Replacing every reduced constant by its own value leaves the tensors unchanged."""
+    for ceramic in LIBRARY.values():
+        again = ceramic.with_values(**ceramic.reduced())
+        for kept, was in ((again.s, ceramic.s), (again.d, ceramic.d), (again.eps_t, ceramic.eps_t)):
+            np.testing.assert_allclose(kept, was, rtol=ROUNDING, atol=ROUNDING * np.abs(was).max())
+
+
+@given(
+    st.floats(0.8, 1.25), st.floats(0.7, 1.4), st.floats(0.5, 1.1), st.floats(1.0, 2.0),
+    st.sampled_from(sorted(LIBRARY)),
+)  # fmt: skip
+def test_any_reduced_set_is_reproduced(s11, s55, d31, eps33, name):
+    """Whatever admissible constants a user states, the full tensors give exactly these."""
+    base = LIBRARY[name].reduced()
+    given_set = {
+        **base, "s11": base["s11"] * s11, "s55": base["s55"] * s55,
+        "d31": base["d31"] * d31 * np.sqrt(s11), "eps33": base["eps33"] * eps33,
+    }  # fmt: skip
+    got = LIBRARY[name].with_values(**given_set).reduced()
+    for key, value in given_set.items():
+        assert got[key] == pytest.approx(value, rel=ROUNDING)
+
+
+def test_turning_the_axes_is_a_rotation():
+    """The device's stiffness is the IEEE tensor with axes renamed, entry by entry."""
+    ceramic = LIBRARY["M1876"]
+    c_ieee, c = np.linalg.inv(ceramic.s), ceramic.tensors().c
+    ieee_of = {0: 2, 1: 1, 2: 0}  # x = 3, y = 2, z = 1
+    pairs = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
+    for p in pairs:
+        for q in pairs:
+            turned = c_ieee[voigt([ieee_of[i] for i in p]), voigt([ieee_of[i] for i in q])]
+            assert c[voigt(p), voigt(q)] == turned
+
+
+@pytest.mark.parametrize("name", LIBRARY)
+def test_losses_dissipate(name):
+    """With losses the material takes in power for every strain and field: Im[c e; e −ε] ≥ 0."""
+    tensors = LIBRARY[name].tensors(lossy=True)
+    form = np.block([[tensors.c, -tensors.e.T], [-tensors.e, -tensors.eps]])
+    scale = 1.0 / np.sqrt(np.abs(np.diag(form)))
+    values = np.linalg.eigvalsh((form * scale[:, None] * scale).imag)
+    assert values[0] > 0.0
+    # Q and tan δ themselves, on the unclamped constants
+    s = np.linalg.inv(tensors.c)
+    assert (1 / s[2, 2]).imag / (1 / s[2, 2]).real == pytest.approx(
+        1 / LIBRARY[name].quality_factor, rel=ROUNDING
+    )
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"d31": -900e-12}, ("piezo.d31", "negative energy")),
+        ({"eps33": 1500.0}, ("piezo.eps33", "negative energy")),
+        ({"s11": 8e-12}, ("piezo.s11", "negative energy")),
+    ],
+)
+def test_energy_must_be_positive(changed, words):
+    """A set that stores negative energy is refused with the field and the remedy."""
+    with pytest.raises(InputError) as caught:
+        Piezo(**changed).ceramic().tensors()
+    assert all(word in str(caught.value) for word in words)
+
+
+def test_compliance_must_be_positive():
+    """A compliance that is not positive definite is refused."""
+    ceramic = LIBRARY["PZT-5A"]
+    s = ceramic.s.copy()
+    s[0, 1] = s[1, 0] = 1.2 * s[0, 0]
+    with pytest.raises(InputError, match="positive definite stiffness"):
+        replace(ceramic, s=s).tensors()
+
+
+@given(st.floats(1e9, 5e11), st.floats(-0.5, 0.45))
+def test_isotropic_limit_of_the_shim(young, nu):
+    """Equal moduli and G = E/2(1+ν) give Lamé's stiffness."""
+    lame, shear = young * nu / ((1 + nu) * (1 - 2 * nu)), young / (2 * (1 + nu))
+    expected = np.zeros((6, 6))
+    expected[:3, :3] = lame
+    expected[range(6), range(6)] += [2 * shear] * 3 + [shear] * 3
+    # the inversion's condition number is (1 + ν)/(1 − 2ν), 15 at most
+    np.testing.assert_allclose(
+        isotropic_stiffness(young, nu), expected, rtol=0, atol=1e-13 * expected.max()
+    )
+
+
+def test_orthotropic_shim_has_its_moduli():
+    """The compliance of the shim shows E along z, E across, and G in the planes with z."""
+    s = np.linalg.inv(orthotropic_stiffness(140e9, 10e9, 5e9, 0.3))
+    assert 1 / s[2, 2] == pytest.approx(140e9, rel=ROUNDING)
+    assert 1 / s[0, 0] == pytest.approx(10e9, rel=ROUNDING)
+    assert 1 / s[4, 4] == pytest.approx(5e9, rel=ROUNDING)
+    assert -s[2, 0] / s[2, 2] == pytest.approx(0.3, rel=ROUNDING)
+
+
+def test_impossible_shim_is_refused():
+    """A transverse modulus too large for the axial one and ν is refused with the remedy."""
+    with pytest.raises(InputError, match=r"shim\.transverse_modulus.*lower"):
+        orthotropic_stiffness(1e9, 100e9, 5e9, 0.3)

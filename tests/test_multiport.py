@@ -1,0 +1,222 @@
+"""Port algebra: joining, wiring, driving, and the invariants of every passive reciprocal model."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from geometry.parameters import Beam, Bimorph, Device, Load, Piezo, Shim, Support
+from tmm import lumped
+from tmm import transfer_matrix as tmm
+from tmm.appendix_a import printed_section
+from tmm.multiport import (
+    Multiport,
+    Termination,
+    blocked_force,
+    cascade,
+    condense,
+    in_series,
+    passivity_margin,
+    reciprocity_error,
+    respond,
+    round_off,
+    symmetric_form,
+)
+from tmm.terminations import termination
+from tmm.timoshenko import dynamic_stiffness
+
+FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e3, 2e4])
+CLAMPED, SPRING = Support(kind="clamped"), Support()
+
+devices = st.builds(
+    Device,
+    bimorph=st.builds(
+        Bimorph,
+        length=st.floats(2e-3, 0.1), width=st.floats(1e-4, 1e-2),
+        piezo_thickness=st.floats(5e-5, 1e-3), shim_thickness=st.floats(5e-5, 1e-3),
+        tab_length=st.sampled_from([0.0, 1e-3, 5e-3]), poling=st.sampled_from(["-x", "+x"]),
+    ),
+    piezo=st.builds(
+        Piezo,
+        material=st.sampled_from(["M1876", "PZT-5H", "PZT-5A"]),
+        quality_factor=st.floats(5.0, 1e3), loss_tangent=st.floats(0.0, 0.1),
+    ),
+    shim=st.builds(Shim, youngs_modulus=st.floats(1e9, 4e11), density=st.floats(1e3, 9e3)),
+)  # fmt: skip
+
+
+def paper(frequencies=FREQUENCIES, *, lossy=True, **bimorph):
+    return tmm.multiport(
+        Device(bimorph=Bimorph(**bimorph)), SPRING, Beam(), frequencies, lossy=lossy
+    )
+
+
+def free(frequencies):
+    """Return a clamped base and a free tip."""
+    return Termination(base=None, tip=np.zeros(np.size(frequencies), dtype=complex))
+
+
+def distance(a, b):
+    """Return |a − b| relative to the geometric mean of the diagonal neighbours."""
+    size = np.sqrt(np.abs(np.einsum("nii->ni", b)))
+    return (np.abs(a - b) / (size[:, :, None] * size[:, None, :])).max()
+
+
+@given(devices)
+def test_reciprocity(device):
+    """Work done by one port on another is mutual, also across joints of unequal beams."""
+    for model in (tmm, lumped):
+        port = model.multiport(device, SPRING, Beam(), FREQUENCIES)
+        # condensing a joint costs its condition number, 1e3 for a thin tab under a thick beam
+        assert (reciprocity_error(port) < 1e-11).all()
+
+
+@given(devices)
+def test_passivity(device):
+    """No model of a passive device gives off power, whatever its ports are driven with."""
+    for model in (tmm, lumped):
+        port = model.multiport(device, SPRING, Beam(), FREQUENCIES)
+        # smallest eigenvalue relative to the largest, of a form with entries rounded at 1e-16;
+        # losses are 1e-3 of D at least, so that rounding shows at 1e-13
+        assert (passivity_margin(port) > -1e-12).all()
+
+
+def test_an_active_capacitor_is_caught():
+    """The passivity margin turns negative for eq 55 as printed."""
+    ((beam, length),) = tmm.sections(Device(), SPRING, Beam(), lossy=True)
+    wrong = printed_section(beam, Device(), frozenset({55}))
+    good, bad = (tmm.chain([(b, length)], FREQUENCIES) for b in (beam, wrong))
+    assert (passivity_margin(good) > -1e-12).all()
+    assert (passivity_margin(bad) < -1e-3).all()
+
+
+def test_a_broken_symmetry_is_caught():
+    """The reciprocity error shows one wrong sign in the coupling."""
+    port = paper()
+    d = port.stiffness.copy()
+    d[:, 4, 3] *= -1.0
+    assert (reciprocity_error(port) < 1e-14).all()
+    assert (reciprocity_error(replace(port, stiffness=d)) > 0.1).all()
+
+
+@pytest.mark.parametrize("pieces", [2, 3, 7])
+def test_pieces_equal_the_whole(pieces):
+    """n equal pieces joined are one beam n times as long: same motion, charges added."""
+    ((beam, length),) = tmm.sections(Device(), SPRING, Beam(), lossy=True)
+    whole = tmm.chain([(beam, length)], FREQUENCIES)
+    joined = tmm.chain([(beam, length / pieces)] * pieces, FREQUENCIES)
+    # a short piece is n³ times stiffer than the whole, so each joint costs n³ roundings
+    assert distance(joined.stiffness, whole.stiffness) < 20 * pieces**3 * np.finfo(float).eps
+
+
+def test_joining_is_associative_and_ordered():
+    """(a b) c = a (b c), while a b differs from b a."""
+    omega = 2 * np.pi * FREQUENCIES
+    device = Device(bimorph=Bimorph(tab_length=2e-3))
+    (tab, low), (beam, high) = tmm.sections(device, SPRING, Beam(), lossy=True)
+    a, b = dynamic_stiffness(tab, low, omega), dynamic_stiffness(beam, high, omega)
+    assert distance(cascade(cascade(a, b), a), cascade(a, cascade(b, a))) < 1e-12
+    assert distance(cascade(a, b), cascade(b, a)) > 0.1
+
+
+def test_condensing_nothing_changes_nothing():
+    """Keeping all variables returns the matrix in the order asked for."""
+    d = paper().stiffness
+    np.testing.assert_array_equal(condense(d, keep=[0, 1, 2, 3, 4]), d)
+    np.testing.assert_array_equal(condense(d, keep=[4, 3, 2, 1, 0]), d[:, ::-1, ::-1])
+
+
+@pytest.mark.parametrize("support", [CLAMPED, SPRING])
+@pytest.mark.parametrize("load", [Load(kind="none"), Load()])
+def test_series_wiring(support, load):
+    """In series the tip moves half as far and the source sees a quarter of the charge."""
+    port, end = paper(), termination(support, load, FREQUENCIES)
+    parallel, series = respond(port, end, 50.0), respond(in_series(port), end, 50.0)
+    np.testing.assert_allclose(series.w_tip, 0.5 * parallel.w_tip, rtol=1e-14)
+    np.testing.assert_allclose(series.charge, 0.25 * parallel.charge, rtol=1e-14)
+    np.testing.assert_allclose(
+        blocked_force(in_series(port), end, 50.0), 0.5 * blocked_force(port, end, 50.0), rtol=1e-14
+    )
+
+
+def test_static_deflection():
+    """A clamped bimorph bends to w = −K U l²/(2 EI), ψ = K U l/EI at the tip."""
+    ((beam, l),) = tmm.sections(Device(), CLAMPED, Beam(), lossy=False)
+    r = respond(paper(np.zeros(1), lossy=False), free(0.0), 50.0)
+    assert r.w_tip[0] == pytest.approx(-beam.K * 50.0 * l**2 / (2 * beam.EI), rel=1e-13)
+    assert r.psi_tip[0] == pytest.approx(beam.K * 50.0 * l / beam.EI, rel=1e-13)
+    assert r.charge[0] == pytest.approx((beam.C + beam.K**2 / beam.EI) * l * 50.0, rel=1e-13)
+    assert r.w_tip[0].real > 0.0  # towards +x with the default poling
+    assert r.w_base[0] == r.psi_base[0] == 0.0
+
+
+def test_static_blocked_force():
+    """Held at the tip it pushes with (3 K U/2 l)/(1 + Φ/4), Φ = 12 EI/(GA l²)."""
+    ((beam, l),) = tmm.sections(Device(), CLAMPED, Beam(), lossy=False)
+    phi = 12 * beam.EI / (beam.GA * l**2)
+    force = blocked_force(paper(np.zeros(1), lossy=False), free(0.0), 50.0)[0]
+    assert force == pytest.approx(1.5 * beam.K * 50.0 / l / (1 + phi / 4), rel=1e-13)
+
+
+def test_blocked_force_is_the_limit_of_a_stiff_load():
+    """A spring far stiffer than the beam takes the blocked force, opposite in sign."""
+    port, end = paper(), termination(SPRING, Load(kind="none"), FREQUENCIES)
+    stiff = 1e12  # N/m against 1e5 N/m at most of the tip, base and mass up to 20 kHz
+    spring = replace(end, tip=np.full(FREQUENCIES.size, stiff, dtype=complex))
+    pushed = stiff * respond(port, spring, 50.0).w_tip
+    np.testing.assert_allclose(pushed, -blocked_force(port, end, 50.0), rtol=1e-6)
+
+
+def test_poling_flips_the_motion_only():
+    """Poled the other way the actuator bends the other way and draws the same charge."""
+    end = termination(SPRING, Load(), FREQUENCIES)
+    down, up = (respond(paper(poling=poling), end, 50.0) for poling in ("-x", "+x"))
+    np.testing.assert_array_equal(up.w_tip, -down.w_tip)
+    np.testing.assert_array_equal(up.charge, down.charge)
+
+
+def test_response_is_linear_in_voltage():
+    """Twice the voltage gives twice everything; minus the voltage turns everything round."""
+    end = termination(SPRING, Load(), FREQUENCIES)
+    one, minus_two = (respond(paper(), end, u) for u in (1.0, -2.0))
+    np.testing.assert_allclose(minus_two.w_tip, -2.0 * one.w_tip, rtol=1e-15)
+    np.testing.assert_allclose(minus_two.charge, -2.0 * one.charge, rtol=1e-15)
+
+
+@given(st.floats(-3.0, 3.0))
+def test_scaling(exponent):
+    """A device s times larger has the same D at frequencies s times lower, in powers of s."""
+    s, b = 10.0**exponent, Bimorph()
+    f = np.array([0.0, 100.0, 1e3, 5e3])
+    lengths = ("length", "width", "piezo_thickness", "shim_thickness")
+    scaled = paper(f / s, **{n: s * getattr(b, n) for n in lengths}).stiffness
+    # w, U: force and charge per length scale with s; each ψ brings one more s, U none
+    powers = np.array([s**0.5, s**1.5, s**0.5, s**1.5, s**0.5])
+    assert distance(scaled, paper(f).stiffness * powers[:, None] * powers) < 1e-12
+
+
+def test_energy_balance():
+    """Source power equals the finger's, the support's and the material's losses."""
+    f = np.array([20.0, 400.0, 900.0])
+    port, end = paper(f), termination(SPRING, Load(), f)
+    r = respond(port, end, 50.0)
+    half = 0.5 * port.omega
+    source = half * (1j * 50.0 * r.charge).real
+    x = np.stack([r.w_base, r.psi_base, r.w_tip, r.psi_tip, np.full(3, 50.0 + 0j)], axis=1)
+    inside = half * np.einsum("ni,nij,nj->n", x.conj(), symmetric_form(port.stiffness), x).imag
+    outside = half * (
+        end.tip.imag * np.abs(r.w_tip) ** 2 + end.base[1].imag * np.abs(r.psi_base) ** 2
+    )
+    np.testing.assert_allclose(source, inside + outside, rtol=1e-11)
+    assert (outside > 0.0).all()
+
+
+def test_round_off_bound_covers_the_error():
+    """The stated round-off bound is small here and grows near an undamped resonance."""
+    f = np.array([100.0, 2126.35, 1044.15729033])
+    port = Multiport(f, paper(f, lossy=False).stiffness)
+    bound = round_off(port, free(f))
+    assert bound[0] < 1e-13
+    assert bound[2] > 1e3 * bound[0]

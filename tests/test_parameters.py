@@ -1,0 +1,131 @@
+"""Parameters: the paper's values by default, a source for each, no silent mistakes."""
+
+import pytest
+from pydantic import ValidationError
+
+from geometry import parameters as p
+from geometry.beam_pieces import Piece, beam_pieces
+from geometry.errors import InputError
+
+GROUPS = (
+    p.Bimorph, p.Piezo, p.Shim, p.Glue, p.Rod, p.Coil, p.Sleeve, p.Support, p.Load, p.Drive, p.Beam,
+)  # fmt: skip
+
+
+def test_defaults_are_the_papers():
+    """Table 2 and section 4 of the paper, in SI."""
+    b, s = p.Bimorph(), p.Support()
+    assert (b.length, b.width, b.piezo_thickness, b.shim_thickness) == (
+        20e-3, 2.1e-3, 0.26e-3, 0.25e-3,
+    )  # fmt: skip
+    assert (p.Shim().youngs_modulus, p.Shim().density) == (140e9, 1500.0)
+    assert (s.rotational_stiffness, s.lateral_stiffness) == (0.24, 3e6)
+    assert (s.rotational_damping, s.rotational_inertia) == (4.46e-6, 1e-12)
+    assert (p.Drive().voltage, p.Device().gap) == (50.0, 0.2e-3)
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_every_scalar_has_a_source(group):
+    """Each value says where it comes from: the paper, or an assumption."""
+    made = group()
+    found = p.sources(made)
+    assert set(found) == set(group.model_fields)
+    assert all(text.startswith(("paper", "assumed", "not in the paper")) for text in found.values())
+
+
+def test_library_values_carry_their_source():
+    """Another ceramic brings its own values and their source along."""
+    piezo = p.Piezo(material="PZT-5A")
+    assert piezo.d31 == pytest.approx(-171e-12)
+    assert "PZT-5A" in p.sources(piezo)["d31"]
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_groups_are_frozen_and_closed(group):
+    """No value changes after the fact, and no unknown key passes."""
+    made = group()
+    with pytest.raises(ValidationError):
+        setattr(made, next(iter(group.model_fields)), 1.0)
+    with pytest.raises(ValidationError):
+        group(lenght=1.0)
+
+
+def test_single_piezo_values_are_replaced():
+    """A stated value replaces the library's; all others stay."""
+    piezo = p.Piezo(s11="20e-12 m^2/N")
+    assert piezo.s11 == 20e-12
+    assert piezo.s55 == p.Piezo().s55
+    assert piezo.ceramic().reduced()["s11"] == 20e-12
+
+
+def test_unknown_material_is_refused():
+    """A material that is not in the library is refused with the list of those that are."""
+    with pytest.raises(ValidationError, match="M1876, PZT-5H, PZT-5A"):
+        p.Piezo(material="M1867")
+
+
+def test_derived_lengths():
+    """Total thickness, poling sign, and where the ceramic begins above the rod."""
+    assert p.Bimorph().thickness == pytest.approx(0.77e-3)
+    assert (p.Bimorph(poling="+x").poling_sign, p.Bimorph().poling_sign) == (1.0, -1.0)
+    device = p.Device(bimorph=p.Bimorph(tab_length=2e-3))
+    assert device.ceramic_base == pytest.approx(2e-3 - (0.45e-3 - 0.05e-3))
+
+
+ROD = p.Support(kind="rod")
+
+
+def with_tab(**bimorph):
+    return p.Bimorph(**{"tab_length": 2e-3, **bimorph})
+
+
+@pytest.mark.parametrize(
+    ("device", "support", "words"),
+    [
+        (p.Device(bimorph=p.Bimorph(width=2.5e-3)), p.Support(), ("2.5 mm", "2.3 mm", "narrower")),
+        (p.Device(bimorph=with_tab(width=2.25e-3)), ROD, ("slot", "narrower")),
+        (p.Device(bimorph=p.Bimorph()), ROD, ("tab_length = 0 mm", "at least 0.4 mm")),
+        (p.Device(bimorph=with_tab(), rod=p.Rod(slot_depth=0.5e-3)), ROD, ("slot_depth", "head")),
+        (p.Device(bimorph=with_tab(), glue=p.Glue(thickness=0.5e-3)), ROD, ("slot of", "narrower")),
+        (
+            p.Device(
+                bimorph=with_tab(width=1e-3), rod=p.Rod(slot_depth=0.1e-3),
+                glue=p.Glue(thickness=0.1e-3),
+            ),
+            ROD, ("glue.thickness", "thinner"),
+        ),
+        (p.Device(coil=p.Coil(outer_radius=1e-3)), p.Support(), ("coil.outer_radius", "sleeve")),
+        (p.Device(coil=p.Coil(inner_radius=0.5e-3)), p.Support(), ("rod.radius = 0.62 mm",)),
+        (p.Device(sleeve=p.Sleeve(outer_radius=0.9e-3)), p.Support(), ("sleeve.outer_radius",)),
+        (p.Device(rod=p.Rod(flange_radius=0.96e-3)), p.Support(), ("rod.flange_radius",)),
+        (p.Device(rod=p.Rod(length=3.2e-3)), p.Support(), ("rod.length = 3.2 mm", "longer")),
+        (p.Device(coil=p.Coil(length=2.2e-3)), p.Support(), ("runs into the flange", "shorten")),
+    ],
+)  # fmt: skip
+def test_parts_that_do_not_fit_are_refused(device, support, words):
+    """A device that cannot be put together is refused in one sentence with values and remedy."""
+    with pytest.raises(InputError) as caught:
+        p.check_fit(device, support)
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
+def test_parts_that_fit_pass():
+    """The paper's device fits, and a wide bimorph may be studied alone."""
+    p.check_fit(p.Device(), p.Support())
+    p.check_fit(p.Device(bimorph=with_tab()), ROD)
+    p.check_fit(p.Device(bimorph=p.Bimorph(width=5e-3)), p.Support(kind="clamped"))
+
+
+def test_pieces_from_base_to_tip():
+    """The row of beams is the ceramic, the free part of the tab below it, the rod below that."""
+    assert beam_pieces(p.Device(), p.Support()) == (Piece("bimorph", 20e-3),)
+    device = p.Device(bimorph=with_tab())
+    assert beam_pieces(device, p.Support())[0] == Piece("shim", 2e-3)
+    on_rod = beam_pieces(device, ROD)
+    assert [piece.section for piece in on_rod] == ["cylinder"] * 3 + ["shim", "bimorph"]
+    # the shaft below the sleeve's top, the gap above it, and the head; this rod ends at its flange
+    height = device.rod.length + p.NOMINAL_GAP + device.rod.head_thickness
+    assert sum(piece.length for piece in on_rod[:3]) == pytest.approx(height)
+    assert on_rod[3].length == pytest.approx(device.ceramic_base)
+    longer = p.Device(bimorph=with_tab(), rod=p.Rod(length=4e-3))
+    assert beam_pieces(longer, ROD)[0].length == pytest.approx(0.7e-3)

@@ -1,0 +1,203 @@
+"""CAD solids: exact volumes, faces shared by neighbours, files that other programs read."""
+
+import json
+import struct
+import subprocess
+import sys
+
+import pytest
+
+from geometry.errors import InputError
+from geometry.layout import closed_form_volumes
+from geometry.parameters import Bimorph, Coil, Device, Glue, Rod, Sleeve
+from geometry.solids import build_solids, export_glb, export_step, fuse, thinnest_feature
+
+GENERATOR = Device(bimorph=Bimorph(tab_length=0.4e-3))
+
+DEVICES = {
+    "paper": GENERATOR,
+    "raised ceramic, small gap": Device(bimorph=Bimorph(tab_length=1.1e-3), gap=0.05e-3),
+    "narrow, short": Device(
+        bimorph=Bimorph(length=5e-3, width=1.2e-3, piezo_thickness=0.13e-3, tab_length=0.6e-3),
+        glue=Glue(thickness=0.02e-3),
+    ),
+    "no step at flange or collar": Device(
+        bimorph=Bimorph(tab_length=0.5e-3),
+        rod=Rod(radius=0.6e-3, flange_position=2.5e-3, flange_thickness=0.5e-3, length=3.4e-3),
+        coil=Coil(inner_radius=0.65e-3, outer_radius=0.8e-3, position=0.4e-3),
+        sleeve=Sleeve(collar_radius=0.96e-3),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", DEVICES)
+def test_cad_volumes_equal_closed_forms(name):
+    device = DEVICES[name]
+    solids = build_solids(device)
+    expected = closed_form_volumes(device)
+    assert list(solids) == list(expected)
+    for region, solid in solids.items():
+        assert solid.isValid()
+        assert solid.Volume() * 1e-9 == pytest.approx(expected[region], rel=1e-9), region
+
+
+def test_fusing_changes_no_volume_and_keeps_names():
+    solids = build_solids(GENERATOR)
+    fused = fuse(solids)
+    assert list(fused) == list(solids)
+    for region, solid in fused.items():
+        assert solid.Volume() == pytest.approx(solids[region].Volume(), rel=1e-12), region
+
+
+@pytest.mark.parametrize(
+    ("tab_length", "expected"),
+    [
+        (
+            0.4e-3,  # the ceramic stands on the rod's head and on the bond line's rim
+            {
+                ("piezo_top", "shim"): 1,
+                ("piezo_bottom", "shim"): 1,
+                ("piezo_top", "rod"): 1,
+                ("piezo_bottom", "rod"): 1,
+                ("piezo_top", "glue"): 1,
+                ("piezo_bottom", "glue"): 1,
+                ("shim", "glue"): 5,
+                ("glue", "rod"): 5,
+                ("rod", "coil"): 1,
+            },
+        ),
+        (
+            0.6e-3,  # the ceramic hangs clear of the rod
+            {
+                ("piezo_top", "shim"): 1,
+                ("piezo_bottom", "shim"): 1,
+                ("shim", "glue"): 5,
+                ("glue", "rod"): 5,
+                ("rod", "coil"): 1,
+            },
+        ),
+    ],
+)
+def test_touching_solids_share_faces_after_fusing(tab_length, expected):
+    fused = fuse(build_solids(Device(bimorph=Bimorph(tab_length=tab_length))))
+    names = list(fused)
+    shared = {
+        (a, b): len(set(fused[a].Faces()) & set(fused[b].Faces()))
+        for i, a in enumerate(names)
+        for b in names[i + 1 :]
+    }
+    assert {pair: n for pair, n in shared.items() if n} == expected
+
+
+def test_bimorph_alone_starts_at_its_lowest_edge():
+    bare = build_solids(Device(), standing="alone")
+    assert set(bare) == {"piezo_top", "piezo_bottom", "shim"}
+    assert all(solid.BoundingBox().zmin == pytest.approx(0.0, abs=1e-6) for solid in bare.values())
+    tab = build_solids(Device(bimorph=Bimorph(tab_length=2e-3)), standing="alone")
+    assert tab["shim"].BoundingBox().zmin == pytest.approx(0.0, abs=1e-6)
+    assert tab["piezo_top"].BoundingBox().zmin == pytest.approx(2.0, abs=1e-6)
+    assert tab["piezo_top"].BoundingBox().xmin == pytest.approx(0.125, abs=1e-6)
+
+
+def test_gap_moves_the_sleeve_and_nothing_else():
+    near = build_solids(GENERATOR)
+    far = build_solids(GENERATOR.model_copy(update={"gap": 0.3e-3}))
+    for region, solid in near.items():
+        moved = far[region].BoundingBox().zmax - solid.BoundingBox().zmax
+        assert moved == pytest.approx(-0.1 if region == "sleeve" else 0.0, abs=1e-6), region
+
+
+@pytest.mark.parametrize(
+    ("device", "standing", "names", "thickness"),
+    [
+        (Device(), "alone", None, 0.25),
+        (GENERATOR, "rod", ("coil",), 0.26),
+        # the wall between the slot's corner and the head's side
+        (GENERATOR, "rod", ("glue", "rod"), 1.15 - (0.175**2 + 1.1**2) ** 0.5),
+        # the gap between ceramic and rod
+        (
+            Device(bimorph=Bimorph(tab_length=0.42e-3)),
+            "rod",
+            ("piezo_top", "rod"),
+            0.02,
+        ),
+    ],
+)
+def test_thinnest_feature_is_found(device, standing, names, thickness):
+    fused = fuse(build_solids(device, names, standing))
+    assert thinnest_feature(fused) == pytest.approx(thickness, rel=1e-6)
+
+
+def test_step_file_holds_the_same_solids(tmp_path):
+    import cadquery as cq
+
+    solids = build_solids(GENERATOR)
+    path = tmp_path / "generator.step"
+    export_step(solids, path)
+    again = cq.importers.importStep(str(path)).solids().vals()
+    volumes = sorted(solid.Volume() for solid in again)
+    assert volumes == pytest.approx(sorted(s.Volume() for s in solids.values()), rel=1e-9)
+    text = path.read_text()
+    assert all(f"PRODUCT('{name}'" in text for name in solids)
+    assert [p.name for p in tmp_path.iterdir()] == [path.name], "a temporary file was left"
+
+
+def test_glb_file_is_valid_named_and_in_metres(tmp_path):
+    solids = build_solids(GENERATOR)
+    path = tmp_path / "generator.glb"
+    export_glb(solids, path)
+    data = path.read_bytes()
+    magic, version, length, json_length, json_kind = struct.unpack_from("<4sIIII", data)
+    assert (magic, version, length, json_kind) == (b"glTF", 2, len(data), 0x4E4F534A)
+    content = json.loads(data[20 : 20 + json_length])
+    assert set(solids) <= {node["name"] for node in content["nodes"]}
+    assert len(content["materials"]) == len(solids)
+    corners = [a for a in content["accessors"] if len(a.get("max", ())) == 3]
+    height = max(a["max"][1] for a in corners) - min(a["min"][1] for a in corners)
+    assert height == pytest.approx(20e-3 + 4.3e-3, rel=1e-6)  # from the sleeve's end to the tip
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((Device(), ("shim", "magnet")), '"magnet" does not exist'),
+        ((Device(), ("rod",), "alone"), '"rod" does not exist'),
+        ((Device(), ()), "no region is chosen"),
+        ((Device(),), r"bimorph.tab_length = 0 mm is too short"),
+        (
+            (
+                GENERATOR.model_copy(
+                    update={"sleeve": Sleeve(collar_thickness=5e-3)},
+                ),
+            ),
+            "sleeve.collar_thickness = 5 mm",
+        ),
+    ],
+)
+def test_impossible_input_is_explained(arguments, message):
+    with pytest.raises(InputError, match=message):
+        build_solids(*arguments)
+
+
+def test_overlap_is_refused():
+    # the coil starts inside the collar
+    device = GENERATOR.model_copy(
+        update={
+            "coil": Coil(position=0.1e-3, outer_radius=0.92e-3),
+            "sleeve": Sleeve(collar_radius=0.85e-3),
+        }
+    )
+    with pytest.raises(InputError, match="coil and sleeve overlap"):
+        fuse(build_solids(device, ("coil", "sleeve")))
+
+
+def test_folder_that_does_not_exist_is_explained(tmp_path):
+    solids = build_solids(Device(), ("shim",), "alone")
+    for export, name in ((export_step, "a.step"), (export_glb, "a.glb")):
+        with pytest.raises(InputError, match="choose a folder that exists"):
+            export(solids, tmp_path / "missing" / name)
+
+
+def test_import_does_not_load_the_cad_kernel():
+    code = "import sys, geometry.solids, geometry.tetmesh; sys.exit('cadquery' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,135 @@
+"""Support and load: the paper's constants, their limits, and the guard on the finger's fit."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, minimize_scalar
+
+from geometry.parameters import Beam, Device, Load, Support
+from tmm import terminations as t
+from tmm import transfer_matrix as tmm
+from tmm.multiport import Termination, respond
+
+FREQUENCIES = np.array([0.0, 10.0, 300.0, 1000.0])
+
+
+def tip(support, load, frequencies=FREQUENCIES):
+    port = tmm.multiport(Device(), support, Beam(), frequencies)
+    return respond(port, t.termination(support, load, frequencies), 50.0).w_tip
+
+
+def test_finger_as_stored(state_space):
+    """Impedance, stiffness and damping of the fit at seven frequencies, to 1e-14."""
+    for key, stored in state_space["finger"].items():
+        f = np.array([float(key)])
+        assert t.finger_impedance(f)[0] == pytest.approx(complex(*stored["impedance"]), rel=1e-14)
+        if t.FINGER_RANGE[0] <= f[0] <= t.FINGER_RANGE[1]:
+            stiffness, damping = t.finger_spring_damper(f)
+            assert stiffness[0] == pytest.approx(stored["stiffness"], rel=1e-13)
+            assert damping[0] == pytest.approx(stored["damping"], rel=1e-14)
+
+
+def test_finger_extremes():
+    """Stiffness has its maximum of 735.6 N/m at 889 Hz, damping its minimum of 0.486 Ns/m at 313 Hz.
+
+    The paper's text says about 750 N/m near 900 Hz and a minimum between 200 and 400 Hz.
+    """
+    stiff = minimize_scalar(
+        lambda f: -t.finger_spring_damper(np.array([f]))[0][0], bounds=(500, 1000), method="bounded"
+    )
+    soft = minimize_scalar(
+        lambda f: t.finger_spring_damper(np.array([f]))[1][0], bounds=(100, 800), method="bounded"
+    )
+    # values to the digits stated
+    assert (stiff.x, -stiff.fun) == (pytest.approx(889, abs=0.5), pytest.approx(735.6, abs=0.05))
+    assert (soft.x, soft.fun) == (pytest.approx(313, abs=0.5), pytest.approx(0.486, abs=5e-4))
+
+
+def test_raw_fit_leaves_physics_beyond_its_range():
+    """Beyond 1183 Hz the raw fit's stiffness is negative, beyond 1705 Hz it creates energy."""
+    negative = brentq(lambda f: t.finger_impedance(np.array([f])).imag[0], 1000, 1500)
+    active = brentq(lambda f: t.finger_impedance(np.array([f])).real[0], 1500, 2000)
+    assert (negative, active) == (pytest.approx(1183, abs=1), pytest.approx(1705, abs=1))
+    assert t.finger_impedance(np.array([1800.0])).real[0] < 0.0
+
+
+def test_finger_is_held_outside_its_range():
+    """Outside 10–1000 Hz the constants stay those of the nearer end, so the finger is passive."""
+    low, high = t.finger_spring_damper(np.array([10.0, 1000.0])), t.FINGER_RANGE
+    for f, end in ((0.0, 0), (1.0, 0), (9.99, 0), (1000.01, 1), (1800.0, 1), (1e5, 1)):
+        stiffness, damping = t.finger_spring_damper(np.array([f]))
+        assert (stiffness[0], damping[0]) == (low[0][end], low[1][end])
+    z = t.load_stiffness(Load(), np.linspace(0.0, 1e4, 2001))
+    assert (z.imag >= 0.0).all()
+    assert (z.real > 0.0).all()
+    assert high == (10.0, 1000.0)
+
+
+def test_outside_of_the_range_is_reported():
+    """The finger says where it was not measured; other loads hold everywhere."""
+    f = np.array([0.0, 9.9, 10.0, 500.0, 1000.0, 1000.1])
+    expected = [True, True, False, False, False, True]
+    assert t.outside_finger_range(Load(), f).tolist() == expected
+    assert not t.outside_finger_range(Load(kind="mass", mass=1e-3), f).any()
+
+
+def test_support_is_the_papers():
+    """jΩ R32 = c_s + jΩ d_s − Ω² θ and jΩ R41 = c_sl (eqs 7 and 8)."""
+    f = np.array([0.0, 500.0])
+    lateral, rotational = t.base_stiffness(Support(), f)
+    omega = 2 * np.pi * 500.0
+    assert lateral.tolist() == [3e6, 3e6]
+    assert rotational[0] == 0.24
+    assert rotational[1] == pytest.approx(0.24 + 1j * omega * 4.46e-6 - omega**2 * 1e-12)
+
+
+@pytest.mark.parametrize("kind", ["clamped", "rod"])
+def test_rigid_supports_hold_the_base(kind):
+    """A clamp, and the rod's own lower end, leave no motion at the base port."""
+    assert t.base_stiffness(Support(kind=kind), FREQUENCIES) is None
+
+
+def test_stiff_spring_is_a_clamp():
+    """As the support's springs grow the response tends to the clamped one, in proportion to 1/c."""
+    clamped = tip(Support(kind="clamped"), Load())
+    gaps = []
+    for factor in (1e4, 1e6):
+        support = Support(
+            rotational_stiffness=0.24 * factor, lateral_stiffness=3e6 * factor,
+            rotational_damping=0.0, rotational_inertia=0.0,
+        )  # fmt: skip
+        gaps.append(np.abs(tip(support, Load()) / clamped - 1.0))
+    # c_s = 0.24 against EI/l = 0.26: at factor 1e6 a gap of order 1e-6
+    assert (gaps[1] < 1e-5).all()
+    np.testing.assert_allclose(gaps[0][1:] / gaps[1][1:], 100.0, rtol=1e-2)
+
+
+def test_loads_reduce_to_each_other():
+    """No load, a massless mass and a spring-damper of zero are the same; Z is jΩ times less."""
+    free = tip(Support(), Load(kind="none"))
+    np.testing.assert_array_equal(tip(Support(), Load(kind="mass", mass=0.0)), free)
+    np.testing.assert_array_equal(tip(Support(), Load(kind="spring_damper")), free)
+    mass = t.load_stiffness(Load(kind="mass", mass=2e-6), np.array([100.0]))
+    assert mass[0] == pytest.approx(-((2 * np.pi * 100.0) ** 2) * 2e-6)
+    damper = t.load_stiffness(
+        Load(kind="spring_damper", stiffness=300.0, damping=0.5), np.array([100.0])
+    )
+    assert damper[0] == pytest.approx(300.0 + 0.5j * 2 * np.pi * 100.0)
+
+
+def test_a_heavy_mass_pins_the_tip():
+    """Well above its resonance a heavy tip mass stands still."""
+    f = np.array([500.0])
+    heavy, light = (tip(Support(), Load(kind="mass", mass=m), f) for m in (1.0, 0.0))
+    assert abs(heavy[0] / light[0]) < 1e-3
+
+
+def test_statics_and_modes_leave_the_finger_out():
+    """The finger has no constant stiffness or mass: static values and modes are the free tip's."""
+    assert t.conservative_load(Load()) == (0.0, 0.0)
+    assert t.conservative_load(Load(kind="none")) == (0.0, 0.0)
+    assert t.conservative_load(Load(kind="mass", mass=1e-5)) == (0.0, 1e-5)
+    assert t.conservative_load(Load(kind="spring_damper", stiffness=5.0, damping=9.0)) == (5.0, 0.0)
+    static = t.static_termination(Support(), Load(kind="spring_damper", stiffness=5.0, damping=9.0))
+    assert isinstance(static, Termination)
+    assert static.tip.tolist() == [5.0 + 0.0j]
+    assert static.base[1].tolist() == [0.24 + 0.0j]

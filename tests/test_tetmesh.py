@@ -1,0 +1,324 @@
+"""Tetrahedral meshes: exact regions and faces, honest failure, cache and files."""
+
+import time
+from dataclasses import fields
+
+import meshio
+import numpy as np
+import pytest
+
+from geometry import ftetwild, mesh_cache
+from geometry.conform import conform
+from geometry.errors import InputError
+from geometry.ftetwild import sizing_along_z
+from geometry.layout import closed_form_volumes
+from geometry.mesh import Mesh
+from geometry.mesh_files import read_mesh, write_mesh
+from geometry.parameters import Bimorph, Device, Shim
+from geometry.quadratic import (
+    TET_EDGES,
+    jacobian_coefficients,
+    smallest_dihedral_angles,
+    tet_volumes,
+    triangle_areas,
+)
+from geometry.solids import build_solids, fuse
+from geometry.tagging import TET_FACES
+from geometry.tessellation import tessellate
+from geometry.tetmesh import MeshError, TetMeshing, tetrahedralise
+
+GENERATOR = Device(bimorph=Bimorph(tab_length=0.4e-3))
+ON_ROD = ("piezo_top", "piezo_bottom", "shim", "glue", "rod")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _own_cache(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("meshes")))
+        yield
+
+
+@pytest.fixture(scope="module")
+def bimorph():
+    return tetrahedralise(Device(), "alone", options=TetMeshing(edge_length=0.5e-3))
+
+
+@pytest.fixture(scope="module")
+def coil():
+    return tetrahedralise(GENERATOR, "rod", ("coil",))
+
+
+def cell_volumes(mesh):
+    if mesh.kind == "tetra":
+        return tet_volumes(mesh.points[mesh.cells])
+    return jacobian_coefficients(mesh.points[mesh.cells]).mean(axis=1) / 6.0
+
+
+def region_volumes(mesh):
+    sums = np.bincount(mesh.region_of_cell, cell_volumes(mesh), minlength=len(mesh.regions))
+    return dict(zip(mesh.regions, sums, strict=True))
+
+
+def area(mesh, face):
+    a, b, c = np.moveaxis(mesh.points[mesh.faces[face]], 1, 0)
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0
+
+
+def assert_conforming(mesh):
+    """Every face belongs to one or two cells, and every point to some cell."""
+    triangles = np.sort(mesh.cells[:, TET_FACES].reshape(-1, 3), axis=1)
+    _, count = np.unique(triangles, axis=0, return_counts=True)
+    assert set(count) == {1, 2}
+    assert len(np.unique(mesh.cells)) == len(mesh.points)
+
+
+def assert_same(first, second):
+    for field in fields(Mesh):
+        a, b = getattr(first, field.name), getattr(second, field.name)
+        if isinstance(a, dict):
+            assert list(a) == list(b)
+            assert all(np.array_equal(a[name], b[name]) for name in a)
+        else:
+            assert np.array_equal(a, b), field.name
+
+
+def test_bimorph_volumes_and_areas_are_exact(bimorph):
+    assert bimorph.kind == "tetra"
+    expected = closed_form_volumes(Device(), "alone")
+    assert region_volumes(bimorph) == pytest.approx(expected, rel=1e-9)
+    b = Device().bimorph
+    for side in ("top", "bottom"):
+        for face in ("inner", "outer"):
+            name = f"electrode_{side}_{face}"
+            assert area(bimorph, name) == pytest.approx(b.length * b.width, rel=1e-9), name
+    for name in ("tip", "base"):
+        assert area(bimorph, name) == pytest.approx(b.thickness * b.width, rel=1e-9), name
+
+
+def test_bimorph_is_conforming_and_well_shaped(bimorph):
+    assert_conforming(bimorph)
+    assert cell_volumes(bimorph).min() > 0.0
+    assert smallest_dihedral_angles(bimorph.points[bimorph.cells]).min() > 3.0
+
+
+def test_named_faces_lie_on_their_planes_to_the_picometre(bimorph):
+    planes = {
+        "electrode_top_outer": (0, 0.385e-3),
+        "electrode_top_inner": (0, 0.125e-3),
+        "electrode_bottom_inner": (0, -0.125e-3),
+        "electrode_bottom_outer": (0, -0.385e-3),
+        "base": (2, 0.0),
+        "tip": (2, 20e-3),
+    }
+    assert set(bimorph.faces) == set(planes)
+    for name, (axis, offset) in planes.items():
+        assert np.abs(bimorph.points[bimorph.faces[name], axis] - offset).max() <= 1e-12, name
+
+
+def test_electrode_triangles_are_seen_from_outside_the_ceramic(bimorph):
+    for name, direction in {
+        "electrode_top_outer": 1,
+        "electrode_top_inner": -1,
+        "electrode_bottom_inner": 1,
+        "electrode_bottom_outer": -1,
+    }.items():
+        a, b, c = np.moveaxis(bimorph.points[bimorph.faces[name]], 1, 0)
+        assert (direction * np.cross(b - a, c - a)[:, 0] > 0.0).all(), name
+
+
+def test_inner_electrodes_are_faces_of_ceramic_and_shim(bimorph):
+    for region in ("piezo_top", "shim"):
+        cells = bimorph.cells[bimorph.cells_of(region)]
+        own = {tuple(t) for t in np.sort(cells[:, TET_FACES].reshape(-1, 3), axis=1)}
+        electrode = np.sort(bimorph.faces["electrode_top_inner"], axis=1)
+        assert own.issuperset(map(tuple, electrode)), region
+
+
+def test_tab_end_is_the_base():
+    device = Device(bimorph=Bimorph(tab_length=1e-3, length=5e-3))
+    mesh = tetrahedralise(device, "alone", options=TetMeshing(edge_length=0.5e-3))
+    b = device.bimorph
+    assert region_volumes(mesh) == pytest.approx(closed_form_volumes(device, "alone"), rel=1e-9)
+    assert area(mesh, "base") == pytest.approx(b.width * b.shim_thickness, rel=1e-9)
+    assert area(mesh, "tip") == pytest.approx(b.width * b.thickness, rel=1e-9)
+    assert area(mesh, "electrode_top_inner") == pytest.approx(b.width * b.length, rel=1e-9)
+
+
+def test_graded_mesh_is_finer_at_the_root():
+    options = TetMeshing(edge_length=0.5e-3, root_edge_length=0.12e-3, grading=0.2)
+    mesh = tetrahedralise(Device(), "alone", options=options)
+    height = mesh.points[mesh.cells].mean(axis=1)[:, 2]
+    size = np.cbrt(cell_volumes(mesh))
+    assert np.median(size[height < 0.5e-3]) < 0.5 * np.median(size[height > 10e-3])
+    assert region_volumes(mesh) == pytest.approx(closed_form_volumes(Device(), "alone"), rel=1e-9)
+
+
+def test_coil_is_curved_and_its_middle_nodes_lie_on_the_cylinders(coil):
+    assert coil.kind == "tetra10"
+    expected = closed_form_volumes(GENERATOR)["coil"]
+    assert region_volumes(coil)["coil"] == pytest.approx(expected, rel=1e-4)
+    assert jacobian_coefficients(coil.points[coil.cells]).min() > 0.0
+    radius = np.hypot(coil.points[:, 0], coil.points[:, 1])
+    vertices = np.zeros(len(coil.points), dtype=bool)
+    vertices[coil.cells[:, :4]] = True
+    for r in (0.62e-3, 0.88e-3):
+        on = np.abs(radius - r) < 1e-12
+        assert (on & vertices).any()
+        assert (on & ~vertices).any()
+
+
+def test_straight_elements_on_request_lose_only_what_lies_beyond_the_chords(coil):
+    straight = tetrahedralise(GENERATOR, "rod", ("coil",), TetMeshing(curved=False))
+    assert straight.kind == "tetra"
+    assert straight.cells.shape[1] == 4
+    volume = closed_form_volumes(GENERATOR)["coil"]
+    assert region_volumes(straight)["coil"] == pytest.approx(volume, rel=0.05)
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize(
+    ("regions", "root"), [(ON_ROD, None), (ON_ROD, 0.1e-3), (None, None)], ids=str
+)
+def test_generator_meshes(regions, root):
+    options = TetMeshing(edge_length=0.3e-3, root_edge_length=root)
+    mesh = tetrahedralise(GENERATOR, "rod", regions, options)
+    expected = closed_form_volumes(GENERATOR)
+    assert_conforming(mesh)
+    for region, volume in region_volumes(mesh).items():
+        curved = region in {"rod", "coil", "sleeve"}
+        assert volume == pytest.approx(expected[region], rel=1e-5 if curved else 1e-9), region
+    b, rod = GENERATOR.bimorph, GENERATOR.rod
+    assert area(mesh, "electrode_top_outer") == pytest.approx(b.length * b.width, rel=1e-9)
+    assert area(mesh, "tip") == pytest.approx(b.thickness * b.width, rel=1e-9)
+    # straight triangles fall short of the flange's circle
+    assert area(mesh, "base") == pytest.approx(np.pi * rod.flange_radius**2, rel=0.02)
+    assert np.abs(mesh.points[mesh.faces["base"], 2] + 4.0e-3).max() <= 1e-12
+    assert jacobian_coefficients(mesh.points[mesh.cells]).min() > 0.0
+    assert smallest_dihedral_angles(mesh.points[mesh.cells[:, :4]]).min() > 3.0
+
+
+def test_time_limit_is_kept_and_explained():
+    start = time.monotonic()
+    with pytest.raises(MeshError, match=r"within 0\.5 s; raise the time limit"):
+        tetrahedralise(Device(), "alone", options=TetMeshing(edge_length=0.1e-3, time_limit=0.5))
+    assert time.monotonic() - start < 10.0
+
+
+def test_mesher_that_crashes_is_explained(monkeypatch):
+    monkeypatch.setattr(ftetwild, "_WORKER", "-c import os; os.abort()")
+    with pytest.raises(MeshError, match="fTetWild failed"):
+        tetrahedralise(Device(), "alone", options=TetMeshing(edge_length=0.45e-3))
+
+
+def test_gap_too_thin_to_mesh_is_refused():
+    device = Device(bimorph=Bimorph(tab_length=0.4001e-3))
+    with pytest.raises(MeshError, match=r"thinnest feature, 0\.1 um"):
+        tetrahedralise(device, "rod", ("piezo_top", "rod"))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"edge_length": 0.0}, "edge_length = 0 must be a positive number"),
+        ({"time_limit": -1.0}, "time_limit = -1 must be a positive number"),
+        ({"root_edge_length": 1e-3}, "root_edge_length = 1 mm must be positive and at most"),
+    ],
+)
+def test_options_out_of_range_are_explained(options, message):
+    with pytest.raises(InputError, match=message):
+        TetMeshing(**options)
+
+
+def test_raw_mesh_that_misses_a_region_is_refused():
+    solids = fuse(build_solids(Device(), ("piezo_top", "shim"), "alone"))
+    surface = tessellate(solids, deflection=0.02, angle=0.5)
+    cube = sizing_along_z(np.array([[-2.0, -2.0, -2.0], [2.0, 2.0, 22.0]]), np.ones_like)
+    with pytest.raises(MeshError, match="lie on no face of the CAD model"):
+        conform(cube.points, cube.tets, solids, surface, 0.01, {}, curved=True)
+
+
+def test_cache_returns_the_identical_mesh(bimorph, monkeypatch):
+    monkeypatch.setattr(ftetwild, "_WORKER", "no mesher here")
+    again = tetrahedralise(Device(), "alone", options=TetMeshing(edge_length=0.5e-3))
+    assert_same(bimorph, again)
+    # a material does not enter the mesh, a time limit does not either
+    softer = Device(shim=Shim(youngs_modulus=100e9))
+    patient = TetMeshing(edge_length=0.5e-3, time_limit=1000.0)
+    assert_same(bimorph, tetrahedralise(softer, "alone", options=patient))
+
+
+def test_cache_that_is_corrupt_or_unwritable_is_ignored(coil, tmp_path, monkeypatch):
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path))
+    mesh_cache.store_mesh("key", coil)
+    kept = mesh_cache.stored_mesh("key")
+    assert kept is not None
+    assert_same(coil, kept)
+    path = tmp_path / "key.npz"
+    whole = path.read_bytes()
+    for broken in (whole[:1000], b"", b"PK nonsense", whole[:400] + b"x" * 99 + whole[499:]):
+        path.write_bytes(broken)
+        assert mesh_cache.stored_mesh("key") is None
+    (tmp_path / "a file").write_text("in the way")
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "a file" / "cache"))
+    mesh_cache.store_mesh("key", coil)
+    assert mesh_cache.stored_mesh("key") is None
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".msh"])
+@pytest.mark.parametrize("which", ["bimorph", "coil"])
+def test_files_give_the_mesh_back(which, suffix, request, tmp_path, capfd):
+    mesh = request.getfixturevalue(which)
+    path = tmp_path / f"mesh{suffix}"
+    mode = np.sin(mesh.points)
+    write_mesh(mesh, path, point_data={"mode 1": mode, "potential": mode[:, 0]})
+    assert_same(mesh, read_mesh(path))
+    assert capfd.readouterr().out == ""
+    if suffix == ".vtu":
+        fields_there = meshio.read(path).point_data
+        assert np.array_equal(fields_there["mode 1"], mode)
+        assert np.array_equal(fields_there["potential"], mode[:, 0])
+
+
+def test_bricks_go_to_files_too(tmp_path):
+    grid = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1, 2], indexing="ij"), axis=-1)
+    brick = np.array([0, 6, 9, 3, 1, 7, 10, 4])
+    mesh = Mesh(
+        points=grid.reshape(-1, 3).astype(float),
+        cells=np.array([brick, brick + 1]),
+        kind="hexahedron",
+        region_of_cell=np.array([0, 1]),
+        regions=("shim", "piezo_top"),
+        faces={"base": brick[None, :4], "tip": brick[None, 4:] + 1},
+    )
+    for name in ("a.vtu", "a.msh"):
+        write_mesh(mesh, tmp_path / name)
+        assert_same(mesh, read_mesh(tmp_path / name))
+
+
+def test_files_that_cannot_be_used_are_explained(coil, tmp_path):
+    with pytest.raises(InputError, match=r"does not end in \.vtu or \.msh"):
+        write_mesh(coil, tmp_path / "mesh.stl")
+    with pytest.raises(InputError, match="choose a folder that exists"):
+        write_mesh(coil, tmp_path / "missing" / "mesh.vtu")
+    with pytest.raises(InputError, match="does not exist"):
+        read_mesh(tmp_path / "missing.vtu")
+    (tmp_path / "broken.vtu").write_text("<VTKFile>")
+    with pytest.raises(InputError, match="not a mesh with named regions"):
+        read_mesh(tmp_path / "broken.vtu")
+
+
+def test_jacobian_coefficients_bound_the_jacobian_and_give_the_volume():
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    nodes = np.concatenate([corners, corners[TET_EDGES].mean(axis=1)])
+    assert jacobian_coefficients(nodes[None]) == pytest.approx(np.ones((1, 20)))
+    folded = nodes.copy()
+    folded[4] += [0.0, 0.0, 0.4]  # lifts the middle of an edge through the element
+    assert jacobian_coefficients(folded[None]).min() < 0.0
+
+
+def test_curved_triangles_have_the_area_of_the_cylinder():
+    angles, heights = np.meshgrid(np.linspace(0, 0.3, 3), [0.0, 0.2, 0.4], indexing="ij")
+    p = np.stack([np.cos(angles), np.sin(angles), heights], axis=-1)
+    first = [p[0, 0], p[2, 0], p[2, 2], p[1, 0], p[2, 1], p[1, 1]]
+    second = [p[0, 0], p[2, 2], p[0, 2], p[1, 1], p[1, 2], p[0, 1]]
+    assert triangle_areas(np.array([first, second])).sum() == pytest.approx(0.12, rel=1e-4)

@@ -1,0 +1,184 @@
+"""Units at the edge: what is read, and every way of being refused."""
+
+import contextlib
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import TypeAdapter, ValidationError
+
+from geometry import units as u
+from geometry.parameters import Bimorph
+
+SCENE = {"units_required": True}
+
+
+def read(kind, value, context=None):
+    return TypeAdapter(kind).validate_python(value, context=context)
+
+
+def refusal(kind, value, context=None):
+    with pytest.raises(ValidationError) as caught:
+        read(kind, value, context)
+    return caught.value.errors()[0]["msg"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "si"),
+    [
+        (u.Length, "20 mm", 20e-3),
+        (u.Length, "20mm", 20e-3),
+        (u.Length, " 260 µm ", 260e-6),
+        (u.LengthOrZero, "0 mm", 0.0),
+        (u.Position, "-0.3 mm", -0.3e-3),
+        (u.Density, "7.9 g/cm^3", 7900.0),
+        (u.Modulus, "140 GPa", 140e9),
+        (u.Compliance, "15.8e-12 m^2/N", 15.8e-12),
+        (u.Compliance, "15.8e-12 /Pa", 15.8e-12),
+        (u.PiezoConstant, "-385 pC/N", -385e-12),
+        (u.PiezoConstant, "-385 pm/V", -385e-12),
+        (u.RotationalStiffness, "0.24 N*m/rad", 0.24),
+        (u.RotationalStiffness, "0.24 N*m", 0.24),
+        (u.LateralStiffness, "3 N/um", 3e6),
+        (u.RotationalDamping, "4.46e-6 N*m*s/rad", 4.46e-6),
+        (u.LateralDamping, "0.5 N*s/m", 0.5),
+        (u.RotationalInertia, "1 mg*mm^2", 1e-12),
+        (u.Mass, "10 mg", 10e-6),
+        (u.Voltage, "-0.05 kV", -50.0),
+        (u.Current, "130 mA", 0.13),
+        (u.Duration, "10 min", 600.0),
+        (u.Frequency, "0.5 kHz", 500.0),
+        (u.Frequency, "500 1/s", 500.0),
+        (u.RelativePermittivity, "6000", 6000.0),
+        (u.LossTangent, "3 %", 0.03),
+        (u.PoissonRatio, "0.3", 0.3),
+    ],
+)
+def test_text_becomes_si(kind, text, si):
+    """A number with a unit of the right dimension becomes the SI value.
+
+    To the last bit where units differ by a power of ten, so that a scene that writes a
+    default out in full is the same scene; one multiplication otherwise.
+    """
+    ulps = 2e-16 if kind is u.Duration else 0.0
+    assert read(kind, text, SCENE) == pytest.approx(si, rel=ulps, abs=0.0)
+
+
+@given(st.floats(min_value=1e-9, max_value=1e9))
+def test_any_number_survives_its_text(value):
+    """What Python prints is read back without loss when the unit is the SI unit."""
+    assert read(u.Length, f"{value!r} m", SCENE) == value
+
+
+def test_python_floats_are_si():
+    """A Python caller may pass plain floats and integers, which are SI."""
+    assert Bimorph(length=0.014).length == 0.014
+    assert read(u.Frequency, 500) == 500.0
+
+
+@pytest.mark.parametrize("value", [0.02, 20, "20", " 20 "])
+def test_scene_needs_a_unit(value):
+    """In a scene a bare number is refused where a unit belongs."""
+    assert "has no unit; a length needs one" in refusal(u.Length, value, SCENE)
+
+
+def test_bare_text_is_refused_for_python_too():
+    """Text without a unit is ambiguous for any caller."""
+    assert "has no unit" in refusal(u.Length, "20")
+
+
+def test_pure_numbers_need_none():
+    """A pure number needs no unit, in a scene either; library values are SI already."""
+    assert read(u.QualityFactor, 60, SCENE) == 60.0
+    assert read(u.Length, u.SI(0.02), SCENE) == 0.02
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "unit"),
+    [
+        (u.Length, "20 kg", "kg"),
+        (u.Length, "20 mm^2", "mm"),
+        (u.Modulus, "140 GN", "GN"),
+        (u.QualityFactor, "60 mm", "mm"),
+        (u.Length, "20 degC", "°C"),
+        (u.LateralStiffness, "3e6 N*m", "N"),
+    ],
+)
+def test_wrong_dimension_is_refused(kind, text, unit):
+    """A unit of another dimension is refused and named."""
+    message = refusal(kind, text)
+    assert "which is not a" in message
+    assert unit in message
+
+
+@pytest.mark.parametrize("text", ["628 rad/s", "60 rpm", "360 deg/s"])
+def test_angular_frequency_is_not_a_frequency(text):
+    """rad/s and rpm are refused as frequency: taken for Hz they would be off by 2π."""
+    assert "which is not a frequency" in refusal(u.Frequency, text)
+
+
+def test_unknown_unit_is_refused():
+    """An unknown unit is refused by name, with an example of a right one."""
+    message = refusal(u.Length, "20 furlongz")
+    assert 'unknown unit "furlongz"' in message
+    assert '"20 mm"' in message
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", " ", "mm", "20,5 mm", "[1, 2] mm", "20 mm 3", "2*10 mm", "1/0 mm", "1 m + 1 s", "(((",
+     "20 mm;", "20 mm = 3", "--20 mm", "1+1j m", "0x14 mm", "٣ mm", "\x00", "20 *", "20 ((", '"',
+     "1e99999 mm"],
+)  # fmt: skip
+def test_garbage_is_refused(text):
+    """Whatever is not one number and one unit is refused; nothing is computed or dropped."""
+    assert "write for example" in refusal(u.Length, text)
+
+
+@given(st.text(max_size=12))
+def test_any_text_is_read_or_refused(text):
+    """No text makes the reader fail in another way than by a refusal."""
+    with contextlib.suppress(ValidationError):
+        assert math.isfinite(read(u.Length, text))
+
+
+@pytest.mark.parametrize("value", [True, None, [20.0], {"value": 20}, object(), 1j])
+def test_other_types_are_refused(value):
+    """Booleans, lists and other objects are not quantities."""
+    assert "is not a length" in refusal(u.Length, value)
+
+
+@pytest.mark.parametrize(
+    "value", ["nan mm", "inf mm", "-inf mm", "1e999 mm", "1e9999 mm", math.nan, math.inf, -math.inf]
+)
+def test_not_finite_is_refused(value):
+    """Not-a-number and infinity are refused, as text and as float."""
+    assert "must be a finite length" in refusal(u.Length, value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "words"),
+    [
+        (u.Length, "0 mm", "greater than 0 m"),
+        (u.Length, -1e-3, "greater than 0 m"),
+        (u.LengthOrZero, "-1 mm", "at least 0 m"),
+        (u.Modulus, 0.0, "greater than 0 Pa"),
+        (u.Mass, "-1 mg", "at least 0 kg"),
+        (u.Frequency, "-1 Hz", "at least 0 Hz"),
+        (u.RelativePermittivity, 1.0, "greater than 1"),
+        (u.PoissonRatio, 0.5, "less than 0.5"),
+        (u.PoissonRatio, -1.0, "greater than -1"),
+        (u.RelativeError, "100 %", "less than 1"),
+    ],
+)
+def test_out_of_range_is_refused(kind, value, words):
+    """Values that the quantity cannot have are refused with the bound."""
+    assert words in refusal(kind, value)
+
+
+@pytest.mark.parametrize("text", ["20 mm", "0.26 mm", "2.1 mm"])
+def test_shown_values_read_back(text):
+    """A value is shown in the unit people write it in, and that text is valid input."""
+    unit = next(m for m in u.Length.__metadata__ if isinstance(m, u.Unit))
+    assert unit.show(read(u.Length, text)) == text
