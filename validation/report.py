@@ -99,11 +99,14 @@ def _page(
     cases = _load_cases(scene, solution, announce)
     outcomes = _outcomes(quick, announce)
     rows = parameter_rows(scene, origins)
+    compared = compare(solution)
     context = {
         "scene": scene,
         "quick": quick,
         "solution": solution,
-        "comparison": compare(solution),
+        "comparison": compared,
+        "widest": max(c.uncertainty / abs(c.value) for row in compared for c in row.cells),
+        "farthest": max(abs(c.difference) for row in compared for c in row.cells),
         "modes": _modes(solution, announce),
         "pictures": _pictures(scene, solution, announce),
         "response": _response(scene, cases),
