@@ -95,6 +95,10 @@ def test_frequencies_partly_outside_the_finger_warn(capsys):
         (["plan", "--set", "gap=-1mm"], ["gap", "greater than 0"]),
         (["report", "--out", "/proc/nowhere"], ["/proc/nowhere", "cannot be written"]),
         (["export", "--step", "/nowhere/x.step"], ["/nowhere/x.step", "cannot be written"]),
+        (
+            ["solve", "--set", "support.rotational_stiffness=0 N*m/rad"],
+            ["support.rotational_stiffness = 0", "no value at 0 Hz"],
+        ),
         (["init", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),
     ],
 )

@@ -46,12 +46,6 @@ CONTRACT = [
     "accuracy",
     "models",
     "quantities",
-    "905",
-    "a",
-    "list",
-    "would",
-    "fill",
-    "forty",
 ]
 
 

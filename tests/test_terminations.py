@@ -29,7 +29,7 @@ def test_finger_as_stored(state_space):
 
 
 def test_finger_extremes():
-    """Stiffness has its maximum of 735.6 N/m at 889 Hz, damping its minimum of 0.486 Ns/m at 313 Hz.
+    """Stiffness peaks at 889 Hz with 735.6 N/m, damping is least at 313 Hz with 0.486 Ns/m.
 
     The paper's text says about 750 N/m near 900 Hz and a minimum between 200 and 400 Hz.
     """

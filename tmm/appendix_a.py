@@ -4,6 +4,10 @@ Kept as the witness for the printed formulas: the production model is
 :mod:`tmm.transfer_matrix`, which does not lose digits at low or high frequency.
 State [v, ψ̇, M, F, U] at the lower end to [v, ψ̇, M, F, I] at the upper end,
 v and ψ̇ velocities, M and F internal, time factor e^{+jΩt}.
+
+Of the equations around the appendix: the fifth entry of the state above in eq 9 is the
+current I, printed U; the second "=" of eq 12 stands for a product, [L_m, 1] · A · [R_m, 1];
+table 1's q1 … q3 carry degrees (° s³, ° s², ° s); c_sl is in N/m, printed Nm.
 """
 
 from __future__ import annotations
@@ -11,14 +15,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Complex, Floats
 from geometry.materials import EPS0
 from geometry.parameters import Device
 from tmm.section import Section
-
-Complex = NDArray[np.complex128]
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Misprint:
 
 
 #: What is wrong in the printed text (whether the authors' or the typesetting's slip is
-#: not known).  Eq 12's second "=" stands for a product and needs no formula here.
+#: not known).
 MISPRINTS: dict[int, Misprint] = {
     24: Misprint(
         "24", "A14 = -jW a l C3/b4 (-s C1 + C3 (b4 + s^2))", "without the first factor C3"
@@ -92,8 +93,8 @@ def matrix_a(
     o2, l, k, a = (jw.imag) ** 2, length, beam.K, length**2 / beam.EI
     beta4 = beam.m * o2 * l**4 / beam.EI + 0j
     stiff, shear = (beam.GA, beam.EI) if 39 not in misprints else (beam.EI, beam.GA)
-    sigma = beam.m * o2 * l**2 / stiff
-    tau = beam.rhoI * o2 * l**2 / shear
+    sigma = beam.m * o2 * l**2 / stiff + 0j
+    tau = beam.rhoI * o2 * l**2 / shear + 0j
     c0, c1, c2, c3, c4, c5 = _functions(sigma, tau, beta4, as_printed=47 in misprints)
 
     out = np.empty((jw.size, 5, 5), dtype=complex)

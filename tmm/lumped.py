@@ -11,16 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Complex, Floats
 from geometry.parameters import Beam, Device, Support
 from tmm.modes import Fixture
 from tmm.multiport import Multiport, condense
 from tmm.section import Section
 from tmm.transfer_matrix import sections
-
-Complex = NDArray[np.complex128]
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -93,7 +90,9 @@ def lumped_model(pieces: Sequence[tuple[Section, float]]) -> LumpedModel:
             stiffness[np.ix_(drop, drop)], stiffness[np.ix_(drop, keep)]
         )
     real = shapes.real
-    return LumpedModel(condense(stiffness[None], keep)[0], real.T @ mass @ real)
+    kept_mass = real.T @ mass @ real
+    kept_mass[4] *= -1.0  # the last row is charge, minus what is conjugate to U
+    return LumpedModel(condense(stiffness[None], keep)[0], kept_mass)
 
 
 def multiport(
@@ -129,7 +128,8 @@ def equivalent_circuit(
     shape[free] = _lowest_mode(k[free, free], m[free, free])
     shape /= shape[2]
     stiffness, turns = float(shape @ k @ shape), float(shape @ coupling)
-    static = np.linalg.solve(k[free, free], coupling[free])
+    # least squares: on a free actuator the rigid motions, which the moments do not drive, drop out
+    static = np.linalg.lstsq(k[free, free], coupling[free], rcond=None)[0]
     blocked = capacitance + coupling[free] @ static - turns**2 / stiffness
     return EquivalentCircuit(
         mass=float(shape @ m @ shape),
@@ -149,7 +149,7 @@ def _lowest_mode(stiffness: Floats, mass: Floats) -> Floats:
 
 
 def _static_stiffness(beam: Section, length: float) -> Complex:
-    """Static Timoshenko element (5, 5) over [w, ψ, w, ψ, U]."""
+    """Return the static Timoshenko element (5, 5) over [w, ψ, w, ψ, U]."""
     l, phi = length, 12.0 * beam.EI / (beam.GA * length**2)
     k = np.array(
         [
@@ -167,7 +167,7 @@ def _static_stiffness(beam: Section, length: float) -> Complex:
 
 
 def _consistent_mass(beam: Section, length: float) -> Floats:
-    """Consistent mass (5, 5) of the cubic shapes, with rotary inertia (no shear)."""
+    """Return the consistent mass (5, 5) of the cubic shapes, with rotary inertia (no shear)."""
     l = length
     translation = np.array(
         [

@@ -12,13 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Ints
 from tmm.multiport import symmetric_form
 from tmm.section import Section
 from tmm.timoshenko import dynamic_stiffness, wavenumbers
-
-Floats = NDArray[np.float64]
 
 #: Largest |λ| of a cut piece; held at both ends a beam first vibrates above λ = 3.
 _LONGEST_WAVE = 1.5
@@ -48,8 +46,8 @@ def bending_frequencies(
     """
     found = []
     low, high = 0.0, _first_guess(pieces)
-    at_rest = int(_count(pieces, fixture, np.array([1e-3]), open_circuit=open_circuit)[0])
-    for wanted in range(at_rest, at_rest + count):
+    rigid = _rigid_motions(fixture)
+    for wanted in range(rigid, rigid + count):
         while _count(pieces, fixture, np.array([high]), open_circuit=open_circuit)[0] <= wanted:
             low, high = high, 2.0 * high
         found.append(_bisect(pieces, fixture, wanted, low, high, open_circuit=open_circuit))
@@ -77,6 +75,14 @@ def _bisect(
     return 0.5 * (low + high)
 
 
+def _rigid_motions(fixture: Fixture) -> int:
+    """Return how many motions the fixture leaves free of any stiffness (modes at 0 Hz)."""
+    if fixture.clamped:
+        return 0
+    held = (fixture.lateral_stiffness, fixture.rotational_stiffness, fixture.tip_stiffness)
+    return max(0, 2 - sum(stiffness > 0.0 for stiffness in held))
+
+
 def _first_guess(pieces: Sequence[tuple[Section, float]]) -> float:
     """Return a frequency (Hz) of the order of the first mode of the whole row."""
     length = sum(piece_length for _, piece_length in pieces)
@@ -90,7 +96,7 @@ def _count(
     frequencies: Floats,
     *,
     open_circuit: bool,
-) -> NDArray[np.int64]:
+) -> Ints:
     """Return how many natural frequencies (n,) lie below each frequency (Hz)."""
     omega = 2.0 * np.pi * frequencies
     cuts = [_cut(beam, length, float(omega.max())) for beam, length in pieces]

@@ -14,10 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-Complex = NDArray[np.complex128]
-Floats = NDArray[np.float64]
+from geometry.arrays import Complex, Floats
 
 #: Names of the ports' displacement-like variables, in order.
 PORTS = ("w_base", "psi_base", "w_tip", "psi_tip", "U")
@@ -110,8 +108,8 @@ def respond(port: Multiport, termination: Termination, voltage: float) -> Respon
     x = np.zeros((n, 4), dtype=complex)
     x[:, free] = _balanced_solve(d[:, free][:, :, free], -d[:, free, VOLTAGE])
     charge = np.einsum("ni,ni->n", d[:, VOLTAGE, :4], x) + d[:, VOLTAGE, VOLTAGE]
-    x, charge = x * voltage, charge * voltage
-    return Response(port.frequencies, x[:, 0], x[:, 1], x[:, 2], x[:, 3], charge)
+    w_base, psi_base, w_tip, psi_tip = (x * voltage).T
+    return Response(port.frequencies, w_base, psi_base, w_tip, psi_tip, charge * voltage)
 
 
 def blocked_force(port: Multiport, termination: Termination, voltage: float) -> Complex:

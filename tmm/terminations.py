@@ -8,13 +8,10 @@ Outside, its fit turns negative in stiffness (1183 Hz) and then creates energy
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Bools, Complex, Floats
 from geometry.parameters import Load, Support
 from tmm.multiport import Termination
-
-Complex = NDArray[np.complex128]
-Floats = NDArray[np.float64]
 
 #: Range in which the paper fitted the finger's impedance (Hz).
 FINGER_RANGE = (10.0, 1000.0)
@@ -43,7 +40,7 @@ def finger_spring_damper(frequencies: Floats) -> tuple[Floats, Floats]:
     return -2.0 * np.pi * f * impedance.imag, impedance.real
 
 
-def outside_finger_range(load: Load, frequencies: Floats) -> NDArray[np.bool_]:
+def outside_finger_range(load: Load, frequencies: Floats) -> Bools:
     """Return which frequencies (n,) the load model does not cover."""
     f = np.asarray(frequencies, dtype=float)
     if load.kind != "finger":

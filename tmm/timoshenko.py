@@ -23,12 +23,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Complex, Floats
 from tmm.section import Section
-
-Complex = NDArray[np.complex128]
-Floats = NDArray[np.float64]
 
 #: |s| below which the series is used; 9 terms then reach double precision.
 _SERIES_RADIUS = 1.0
@@ -104,13 +101,11 @@ def _span_functions(
     root = np.sqrt(beta4 + 0.25 * (sigma - tau) ** 2)
     total = sigma + tau
     small = np.abs(root) + 0.5 * np.abs(total) < 2.0 * _SERIES_RADIUS
-    out = tuple(np.empty(sigma.shape, dtype=complex) for _ in range(4))
+    out = np.empty((4, *sigma.shape), dtype=complex)
     for part, mask in ((_by_series, small), (_by_products, ~small)):
         if mask.any():
-            values = part(sigma[mask], tau[mask], beta4[mask], root[mask])
-            for target, value in zip(out, values, strict=True):
-                target[mask] = value
-    return out
+            out[:, mask] = part(sigma[mask], tau[mask], beta4[mask], root[mask])
+    return out[0], out[1], out[2], out[3]
 
 
 def _by_series(
@@ -139,7 +134,7 @@ def _by_products(
     q = 0.5 * (sigma + tau) + root
     p = (beta4 - sigma * tau) / q
     z1, z2 = 0.5 * np.sqrt(p), 0.5 * np.sqrt(q)
-    c1, s1 = _cosh_and_sinhc(z1)
+    c1, s1 = _cosh_and_sinhc(z1 + 0j)
     c2, s2 = _cosh_and_sinhc(1j * z2)
     s1, s2 = 0.5 * s1, 0.5 * s2
     x = (s2 * c1 - s1 * c2) / (p + q)
@@ -150,13 +145,9 @@ def _by_products(
 def _cosh_and_sinhc(z: Complex) -> tuple[Complex, Complex]:
     """Return cosh z and sinh z / z, both times exp(−|Re z|)."""
     z = np.where(z.real < 0.0, -z, z)
-    turn = np.exp(1j * z.imag)
-    decay = np.exp(-2.0 * z.real)
-    cosh = 0.5 * (turn + decay * turn.conj())
-    # sinh through expm1 where the two exponentials nearly cancel
-    sinh = np.where(
-        np.abs(z) < 0.5, np.sinh(z) * np.exp(-z.real), 0.5 * (turn - decay * turn.conj())
-    )
-    safe = np.where(np.abs(z) < 1e-4, 1.0, z)
-    series = 1.0 + z**2 / 6.0
-    return cosh, np.where(np.abs(z) < 1e-4, series * np.exp(-z.real), sinh / safe)
+    # halves of 1 ± exp(−2 Re z), the lower sign without cancellation
+    plus, minus = 0.5 * (1.0 + np.exp(-2.0 * z.real)), -0.5 * np.expm1(-2.0 * z.real)
+    cos, sin = np.cos(z.imag), np.sin(z.imag)
+    cosh, sinh = plus * cos + 1j * minus * sin, minus * cos + 1j * plus * sin
+    zero = z == 0.0
+    return cosh, np.where(zero, 1.0, sinh / np.where(zero, 1.0, z))

@@ -10,15 +10,13 @@ from collections.abc import Sequence
 from functools import reduce
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Floats
 from geometry.beam_pieces import beam_pieces
 from geometry.parameters import Beam, Device, Support
 from tmm.multiport import Multiport, cascade
 from tmm.section import Section, section
 from tmm.timoshenko import dynamic_stiffness
-
-Floats = NDArray[np.float64]
 
 
 def sections(

@@ -79,6 +79,7 @@ def solve(
     """
     models = tuple(models or scene.models)
     quantities = tuple(quantities or scene.quantities)
+    check_held(scene, quantities)
     warnings = load_warnings(scene, quantities)
     plan = make_plan(scene, models, quantities)
     stages = Stages(plan.keys, announce)
@@ -87,6 +88,37 @@ def solve(
     built = {name: make_model(name, scene, stages) for name in models}
     found = [evaluate(name, built[model]) for name in quantities for model in models]
     return Solution(scene, tuple(found), plan, warnings, built, stages)
+
+
+def check_held(scene: Scene, quantities: Sequence[str]) -> None:
+    """Refuse a static question about an actuator that its springs do not hold.
+
+    Raises
+    ------
+    InputError
+        If a rigid-body motion is free and a value at 0 Hz is asked for.
+    """
+    if scene.support.kind != "spring":
+        return
+    loose = [
+        name
+        for name in ("rotational_stiffness", "lateral_stiffness")
+        if getattr(scene.support, name) == 0.0
+    ]
+    at_rest = [
+        name
+        for name in quantities
+        if name in ("static_tip_displacement", "capacitance_free")
+        or (
+            QUANTITIES[name].by_frequency and name != "dynamic_stiffness" and 0.0 in scene.frequency
+        )
+    ]
+    if loose and at_rest:
+        raise InputError(
+            f"support.{loose[0]} = 0 leaves the actuator free to move as a rigid body, so "
+            f"{at_rest[0]} has no value at 0 Hz; give the support a stiffness or ask for "
+            "frequencies above 0 Hz"
+        )
 
 
 def load_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
