@@ -15,6 +15,7 @@ from geometry.errors import InputError
 from geometry.files import written_whole
 from geometry.layout import MM, Box, Part, Standing, Turned, closed_form_volumes, layout
 from geometry.parameters import Device
+from geometry.system_libraries import require_library
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -70,8 +71,10 @@ def build_solids(
     Raises
     ------
     InputError
-        If a name is unknown or the parts cannot be put together.
+        If a name is unknown, the parts cannot be put together, or the CAD kernel's
+        system library is missing.
     """
+    require_library("libGL.so.1", "CAD solids")
     return {name: _solid(part) for name, part in layout(device, standing, names).items()}
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import io
 import os
 from typing import Any
@@ -10,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
 from geometry.mesh import Mesh
+from geometry.system_libraries import require_library
 
 Floats = NDArray[np.floating[Any]]
 
@@ -36,13 +35,8 @@ def _pyvista() -> Any:
     VTK crashes the process when it finds no OpenGL library, so this looks first.
     """
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkOSOpenGLRenderWindow")
-    try:
-        ctypes.CDLL("libOSMesa.so.8")
-    except OSError:
-        raise InputError(
-            "pictures need the OSMesa library, which is missing; install it with "
-            "apt-get install --no-install-recommends libosmesa6"
-        ) from None
+    require_library("libOSMesa.so.8", "pictures")
+    require_library("libGL.so.1", "pictures")
     import pyvista as pv
 
     pv.OFF_SCREEN = True
