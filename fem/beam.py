@@ -63,7 +63,7 @@ def multiport(
 def elements_for(device: Device, highest: float) -> int:
     """Return a number of elements that resolves waves up to `highest` Hz along the row.
 
-    Two radians of the slowest wave per element of order five; even, at least 8.
+    One radian of the slowest wave per element of order five; even, at least 8.
     """
     piezo, bimorph = device.piezo, device.bimorph
     slowest = math.sqrt(min(1.0 / piezo.s55, device.shim.shear_modulus) / piezo.density)
@@ -71,7 +71,7 @@ def elements_for(device: Device, highest: float) -> int:
     omega = 2.0 * math.pi * highest
     bending = math.sqrt(omega / math.sqrt(modulus) / bimorph.thickness * math.sqrt(12.0))
     radians = (bimorph.length + bimorph.tab_length) * max(bending, omega / slowest)
-    return int(2 * max(4, math.ceil(radians / 4.0)))
+    return int(2 * max(4, math.ceil(radians / 2.0)))
 
 
 def assemble(

@@ -20,8 +20,10 @@ from tmm.multiport import Multiport
 
 ModeClass = Literal["bending_x", "bending_y", "torsion", "axial", "mixed"]
 
-#: Blocks of the Krylov basis that reduces a solid to its ports.
+#: Blocks per shift of the Krylov basis that reduces a solid to its ports.
 _BLOCKS = 4
+#: Most shifts, each a complex factorisation.
+_MOST_SHIFTS = 6
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,16 @@ class ReducedSolid:
         """Return D(Ω) of the basis without its last block, for the error estimate."""
         f = np.atleast_1d(np.asarray(frequencies, dtype=float))
         return Multiport(f, self._ports(f, self.fewer))
+
+    def error_estimate(self, frequencies: Floats) -> Floats:
+        """Return the estimated relative error of D(Ω) (n,), largest entry.
+
+        Entries are judged against the geometric mean of their diagonal neighbours.
+        """
+        d = self.multiport(frequencies).stiffness
+        difference = np.abs(d - self.coarser_multiport(frequencies).stiffness)
+        size = np.sqrt(np.abs(np.einsum("nii->ni", d)))
+        return np.asarray((difference / (size[:, :, None] * size[:, None, :])).max(axis=(1, 2)))
 
     def _ports(self, frequencies: Floats, vectors: int) -> Complex:
         keep = np.r_[0:vectors, self.stiffness.shape[0] - 3 : self.stiffness.shape[0]]
@@ -156,46 +168,73 @@ def static_multiport(system: SolidSystem) -> Multiport:
     return Multiport(np.zeros(1), ports_from_blocks(*(b[None].astype(complex) for b in blocks)))
 
 
-def reduce_to_ports(system: SolidSystem, centre: float, *, blocks: int = _BLOCKS) -> ReducedSolid:
-    """Project a lossy solid on a block Krylov basis around a complex shift.
+def reduce_to_ports(
+    system: SolidSystem, frequencies: Floats, *, tolerance: float = 1e-6
+) -> ReducedSolid:
+    """Project a solid on a rational Krylov basis that serves a range of frequencies.
 
     Parameters
     ----------
     system : SolidSystem
         Lossy or lossless.
-    centre : float
-        Frequency (Hz) about which D(Ω) is matched, of the order of the highest wanted.
-    blocks : int
-        Krylov blocks; real and imaginary parts are kept apart, so the basis is real.
+    frequencies : (n,) array
+        Where D(Ω) is wanted (Hz).
+    tolerance : float
+        Estimated relative error of D(Ω), entries against the geometric mean of their
+        diagonal neighbours, at every one of these frequencies.  Shifts are added at the
+        worst frequency until it holds or :data:`_MOST_SHIFTS` are used; the estimate
+        stays available through :meth:`ReducedSolid.coarser_multiport`.
 
     Notes
     -----
-    One complex factorisation.  The shift Ω² (1 + j) keeps clear of all poles.
+    One complex factorisation per shift.  The shifts Ω² (1 + j) keep clear of all poles.
     """
+    frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    centre = max(0.7 * float(frequencies.max()), 500.0)
+    chains = [_krylov_chain(system, centre)]
+    while True:
+        reduced = _project(system, chains)
+        estimate = reduced.error_estimate(frequencies)
+        worst = int(np.argmax(estimate))
+        if estimate[worst] <= tolerance or len(chains) == _MOST_SHIFTS:
+            return reduced
+        chains.append(_krylov_chain(system, max(float(frequencies[worst]), 20.0)))
+
+
+def _krylov_chain(system: SolidSystem, centre: float) -> list[Complex]:
+    """Return the blocks (n, 5) of one shift: responses to the ports, then their moments."""
     n = system.size - 3
     shift = (2.0 * np.pi * centre) ** 2 * (1.0 + 1.0j)
     dynamic = (system.stiffness - shift * system.mass).tocsr()
     factor: Factor = factorise(dynamic[:n, :n])
     mass = system.mass.tocsr()
     loads = np.hstack([-dynamic[:n, n:].toarray(), system.tip[:n].astype(complex)])
-    block = factor.solve(loads)
-    basis = _orthonormal(np.zeros((n, 0)), block)
-    sizes = [basis.shape[1]]
+    chain = [factor.solve(loads)]
     identity = np.zeros((3, 5))
     identity[:, :3] = np.eye(3)
-    right = mass[:n, :n] @ block + mass[:n, n:] @ identity
-    for _ in range(1, blocks):
-        block = factor.solve(right)
+    right = mass[:n, :n] @ chain[0] + mass[:n, n:] @ identity
+    for _ in range(1, _BLOCKS):
+        chain.append(factor.solve(right))
+        right = mass[:n, :n] @ (chain[-1] / np.linalg.norm(chain[-1], axis=0))
+    return chain
+
+
+def _project(system: SolidSystem, chains: list[list[Complex]]) -> ReducedSolid:
+    """Project on the real and imaginary parts of all blocks, the last of each chain last."""
+    n = system.size - 3
+    basis: Floats = np.zeros((n, 0))
+    for block in (block for chain in chains for block in chain[:-1]):
         basis = _orthonormal(basis, block)
-        sizes.append(basis.shape[1])
-        right = mass[:n, :n] @ (block / np.linalg.norm(block, axis=0))
+    fewer = basis.shape[1]
+    for chain in chains:
+        basis = _orthonormal(basis, chain[-1])
     full = np.zeros((n + 3, basis.shape[1] + 3))
     full[:n, : basis.shape[1]], full[n:, basis.shape[1] :] = basis, np.eye(3)
     return ReducedSolid(
         stiffness=np.asarray(full.T @ (system.stiffness @ full), dtype=complex),
-        mass=np.asarray(full.T @ (mass @ full), dtype=complex),
+        mass=np.asarray(full.T @ (system.mass @ full), dtype=complex),
         tip=np.asarray(full.T @ system.tip, dtype=complex),
-        fewer=sizes[-2] if len(sizes) > 1 else sizes[-1],
+        fewer=fewer,
     )
 
 

@@ -7,6 +7,7 @@ The generator with its rod is not boxes and is meshed by :mod:`geometry.tetmesh`
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,10 +75,12 @@ def hexahedral(device: Device, meshing: HexMeshing) -> Mesh:
             half + layer,
         ]
     )
-    y = -0.5 * bimorph.width + _towards_both_ends(bimorph.width, meshing.across)
+    longest = meshing.largest * bimorph.thickness
+    # a bimorph many thicknesses wide needs more intervals across than the family's own
+    across = max(meshing.across, 2 + math.ceil(bimorph.width / (1.5 * longest)))
+    y = -0.5 * bimorph.width + _towards_both_ends(bimorph.width, across)
     tab, length = bimorph.tab_length, bimorph.length
     first, last = meshing.smallest * hp, max(meshing.smallest, _TIP) * hp
-    longest = meshing.largest * bimorph.thickness
     z = tab + _graded(length, first, last, meshing.growth, longest)
     if tab > 0.0:
         z = np.concatenate([_graded(tab, first, first, meshing.growth, longest)[:-1], z])

@@ -65,3 +65,25 @@ def test_wanted_accuracy_is_reached(scene_name):
         relative = q.uncertainty / abs(q.value)
         first = relative if q.value.ndim == 0 else relative[0]
         assert first <= scene.accuracy
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ["bimorph.tab_length=1.6mm", "support.kind=clamped"],
+        ["bimorph.width=8mm", "support.kind=clamped"],
+        ["bimorph.piezo_thickness=0.1mm", "bimorph.length=10mm", "piezo.material=PZT-5A"],
+    ],
+    ids=["tab", "wide", "thin"],
+)
+def test_error_bars_cover_finer_meshes(overrides):
+    """Away from job J1: the bar of the default mesh covers the finest mesh's value."""
+    names = ("static_tip_displacement", "capacitance_free", "short_circuit_frequencies")
+    default, finest = (
+        solve(load_scene("prototype", [*overrides, *more])[0], ("solid",), names)
+        for more in ([], ["mesh.level=5"])
+    )
+    for q, better in zip(default.quantities, finest.quantities, strict=True):
+        # the finest mesh has an error of its own, which its bar bounds
+        assert (abs(q.value - better.value) <= q.uncertainty + better.uncertainty).all()

@@ -8,7 +8,7 @@ from geometry import system_libraries
 from geometry.errors import InputError
 from validation.checks import CHECKS
 from validation.cli import main
-from validation.formats import engineering, percent, with_bar
+from validation.formats import engineering, percent, share, with_bar
 from validation.report import write_report
 from validation.scene import load_scene
 
@@ -80,4 +80,7 @@ def test_numbers_for_people():
     assert with_bar(-6.7582e-7, 1e-20, "m").startswith("-675.82 nm (±1e-14")
     assert with_bar(365.1, 10.2, "Hz") == "365 ± 10 Hz"
     assert percent(0.0524) == "+5.240 %"
-    assert percent(3e-14) == "+3e-12 %"
+    assert percent(3e-8) == "+3e-06 %"
+    assert percent(3e-14) == "0 %"
+    assert share(0.00822) == "0.82 %"
+    assert with_bar(1.0, float("inf"), "m") == "1 m (no error bar)"

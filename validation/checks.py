@@ -35,6 +35,8 @@ class Check:
         Computes the value.
     explained : str
         Why the row is known to differ; empty where it must pass.
+    known : float
+        The deviation that the explanation was written for; another one fails.
     heavy : bool
         Whether it takes more than a few seconds.
     """
@@ -49,6 +51,7 @@ class Check:
     reason: str
     measure: Callable[[], float]
     explained: str = ""
+    known: float = 0.0
     heavy: bool = False
 
 
@@ -62,6 +65,10 @@ class Outcome:
     status: Status
 
 
+#: How far a known deviation may move before its explanation no longer counts.
+_STILL = 0.02
+
+
 def run_check(check: Check) -> Outcome:
     """Measure one row."""
     measured = float(check.measure())
@@ -69,7 +76,8 @@ def run_check(check: Check) -> Outcome:
     if abs(deviation) <= check.tolerance:
         status: Status = "pass"
     else:
-        status = "differs, explained" if check.explained else "fail"
+        still = check.explained and abs(deviation - check.known) <= _STILL
+        status = "differs, explained" if still else "fail"
     return Outcome(check, measured, deviation, status)
 
 
@@ -78,7 +86,7 @@ def _deviation(measured: float, reference: float | tuple[float, float]) -> float
     if not isinstance(reference, tuple):
         return measured / reference - 1.0
     nearest = min(max(measured, reference[0]), reference[1])
-    return measured / nearest - 1.0
+    return 0.0 if measured == nearest else measured / nearest - 1.0
 
 
 _EXACT = "60-digit solution of the beam's differential equations"
@@ -180,34 +188,56 @@ CHECKS: tuple[Check, ...] = (
         0.7, "N s/m", "paper section 7", 0.05, _PRINT, m.finger_damping_start,
         explained="the fit gives 0.82 N s/m at 10 Hz and passes 0.7 N s/m near 30 Hz; the text "
         "speaks of low frequencies in general",
+        known=0.170,
     ),
     Check(
         "PAP-3", "validation",
-        "At 10 Hz and 50 V the loaded 20 mm actuator deflects within the measured range "
-        "with the normal actuator activated (13.6 to 72.4 um).",
-        (13.6, 72.4), "um", "paper section 6, Fig 15 right", 0.0, "the measured range itself",
+        "At 10 Hz and 50 V the loaded 20 mm actuator deflects by no more and no less than what "
+        "was measured over all frequencies with the normal actuator activated.",
+        (13.6e-6, 72.4e-6), "m", "paper section 6, Fig 15 right", 0.0,
+        "the span of the whole measured curve: necessary, not sufficient",
         m.paper_start_deflection,
     ),
     Check(
         "PAP-4", "validation",
-        "Wired in series, it deflects within the range measured with the normal actuator "
-        "not activated (3.1 to 24.8 um).",
-        (3.1, 24.8), "um", "paper section 6, Fig 15 left", 0.0, "the measured range itself",
+        "Wired in series, the same holds for the normal actuator not activated (the paper does "
+        "not state the wiring).",
+        (3.1e-6, 24.8e-6), "m", "paper section 6, Fig 15 left", 0.0,
+        "the span of the whole measured curve: necessary, not sufficient",
         m.series_start_deflection,
-        explained="the paper does not state the wiring; series and parallel bracket its two ranges",
     ),
     Check(
         "PAP-5", "validation",
-        "The voltage at which 2 um (threshold at the lowest frequency) is reached is about 8 V.",
-        8.0, "V", "paper section 6, Fig 17", 0.1, _PRINT, m.threshold_voltage_start,
-        explained="the model's finger was measured at 2.5 g preload with one pin; the display test "
-        "pressed with 50 g on sixteen, and the rod's bearing was free to move: both take "
-        "deflection away",
+        "At 1000 Hz the simulated deflection lies below all that was measured (the paper says of "
+        "its own simulation that it starts with the measurement and then falls below it).",
+        (0.0, 13.6e-6), "m", "paper section 6, Fig 15 right", 0.0, "the paper's statement",
+        m.paper_end_deflection,
     ),
     Check(
         "PAP-6", "validation",
+        "The line fitted to the deflection over frequency rises as the measured one does.",
+        3.441e-8, "m/Hz", "paper section 6, Fig 15 right", 0.1, "four printed digits of a fit",
+        m.paper_slope,
+        explained="the model falls towards its minimum near 934 Hz, as the paper's simulation "
+        "does; the measurement, under 50 g on skin imitation and not under a finger at 2.5 g, "
+        "does not. The cause is not settled by the paper",
+        known=-2.1017,
+    ),
+    Check(
+        "PAP-7", "validation",
+        "The voltage at which 2 um (threshold at the lowest frequency) is reached is about 8 V.",
+        8.0, "V", "paper section 6, Fig 17", 0.1, _PRINT, m.threshold_voltage_start,
+        explained="8 V for 2 um is 12.5 um at 50 V, inside what the paper measured with the "
+        "normal actuator not activated (3.1 to 24.8 um); the model has the stiffer fitted support "
+        "and a finger pressed with 2.5 g instead of 50 g",
+        known=-0.7245,
+    ),
+    Check(
+        "PAP-8", "validation",
         "The voltage at which 0.2 um (the threshold at 250 Hz) is reached is about 3 V.",
         3.0, "V", "paper section 6, Fig 17", 0.1, _PRINT, m.threshold_voltage_250,
-        explained="as PAP-5",
+        explained="3 V for 0.2 um is 3.3 um at 50 V, again inside the range of the normal actuator "
+        "not activated; as PAP-7",
+        known=-0.8444,
     ),
 )  # fmt: skip

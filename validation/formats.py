@@ -26,8 +26,10 @@ def with_bar(value: float, bar: float, unit: str) -> str:
 
     Bars below 1e-9 of the value are rounding and are shown as a power of ten.
     """
-    if value == 0.0:
+    if value == 0.0 or not math.isfinite(value):
         return engineering(value, unit)
+    if not math.isfinite(bar):
+        return f"{engineering(value, unit)} (no error bar)"
     relative = abs(bar / value)
     if relative < 1e-9:
         return f"{engineering(value, unit, 7)} (±{relative:.0e} relative)"
@@ -41,14 +43,23 @@ def with_bar(value: float, bar: float, unit: str) -> str:
 
 
 def percent(value: float) -> str:
-    """Return a fraction in percent, with a sign; tiny ones as a power of ten."""
+    """Return a signed fraction in percent; below rounding it is zero."""
     if not math.isfinite(value):
         return "n/a"
+    if abs(value) < 1e-11:
+        return "0 %"
     if abs(value) < 5e-6:
         return f"{100.0 * value:+.0e} %"
     return f"{100.0 * value:+.3f} %"
 
 
+def share(value: float) -> str:
+    """Return a fraction without a sign in percent, two digits: an error bar, a size."""
+    if not math.isfinite(value):
+        return "n/a"
+    return f"{100.0 * value:.2g} %"
+
+
 def filters() -> dict[str, Callable[..., Any]]:
     """Return the template filters."""
-    return {"eng": engineering, "bar": with_bar, "percent": percent}
+    return {"eng": engineering, "bar": with_bar, "percent": percent, "share": share}

@@ -143,13 +143,24 @@ def _deflection(frequency: float, *overrides: str) -> float:
 
 
 def paper_start_deflection() -> float:
-    """Return the loaded deflection at 10 Hz and 50 V, parallel wiring (um)."""
-    return 1e6 * _deflection(10.0)
+    """Return the loaded deflection at 10 Hz and 50 V, parallel wiring (m)."""
+    return _deflection(10.0)
 
 
 def series_start_deflection() -> float:
-    """Return the same in series wiring (um)."""
-    return 1e6 * _deflection(10.0, "bimorph.wiring=series")
+    """Return the same in series wiring (m)."""
+    return _deflection(10.0, "bimorph.wiring=series")
+
+
+def paper_end_deflection() -> float:
+    """Return the loaded deflection at 1000 Hz and 50 V (m)."""
+    return _deflection(1000.0)
+
+
+def paper_slope() -> float:
+    """Slope of the line fitted to the loaded deflection from 10 to 1000 Hz (m/Hz)."""
+    values = np.abs(_value("paper", "tmm", "tip_displacement", "frequency=10:1000:496"))
+    return float(np.polyfit(np.linspace(10.0, 1000.0, 496), values, 1)[0])
 
 
 def threshold_voltage_start() -> float:

@@ -67,10 +67,12 @@ def response_plot(
             top.plot(frequencies, np.abs(values) * 1e6, label=model, **MODEL_STYLE[model])
             phase = np.rad2deg(np.unwrap(np.angle(values)))
             bottom.plot(frequencies, phase, **MODEL_STYLE[model])
-            difference = 100.0 * (np.abs(values) / reference - 1.0)
+            with np.errstate(invalid="ignore"):  # 0/0 where nothing moves
+                difference = 100.0 * (np.abs(values) / reference - 1.0)
             ratio.plot(frequencies, difference, **MODEL_STYLE[model])
         ratio.set_ylim(-25.0, 25.0)
-        top.set_yscale("log")
+        if any(np.nanmax(np.abs(v)) > 0.0 for v in models.values()):
+            top.set_yscale("log")
         top.set_title(labels[case])
         ratio.set_xlabel("frequency (Hz)")
     axes[2][0].set_ylabel(f"|w| against {list(next(iter(curves.values())))[-1]} (%)")
@@ -125,14 +127,14 @@ def bridge_plot(rungs: Sequence[Rung]) -> str:
     names = [f"{a.name} → {b.name}" for a, b in pairwise(rungs)]
     for axis, (attribute, title) in zip(axes[0], quantities.items(), strict=True):
         values = np.array([getattr(rung, attribute) for rung in rungs])
-        change = 100.0 * np.diff(values) / values[0]
+        change = 100.0 * np.diff(values) / values[:-1]
         bars = axis.barh(names, change, color=["#56B4E9", "#D55E00"][: len(names)])
         axis.bar_label(bars, fmt="%+.2f %%", padding=3)
         axis.axvline(0.0, color="black", linewidth=0.8)
         axis.set_title(title)
         reach = max(1.0, 2.4 * float(np.abs(change).max()))
         axis.set_xlim(-reach, reach)
-        axis.set_xlabel("change (% of TMM)")
+        axis.set_xlabel("step (%)")
     axes[0][0].invert_yaxis()
     for axis in axes[0]:
         axis.grid(visible=True, axis="x", alpha=0.3)

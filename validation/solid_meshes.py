@@ -7,7 +7,7 @@ from geometry.structured import LEVELS, hexahedral
 from validation.scene import Scene
 
 #: Relative error bar of static deflection, capacitances and first frequencies that each
-#: level stays below on the paper's bimorph and on job J1 (tests/test_error_bars.py).
+#: level stays below on the paper's bimorph and on job J1 (tests/test_refinement.py).
 _LEVEL_BAR = (1e-2, 3e-3, 1e-3, 6e-4, 2.5e-4)
 
 #: Edge length at the root and far from it of the tetrahedral family, in thicknesses of

@@ -87,7 +87,31 @@ def solve(
         stages.adopt(reuse.stages)
     built = {name: make_model(name, scene, stages) for name in models}
     found = [evaluate(name, built[model]) for name in quantities for model in models]
+    warnings += accuracy_warnings(scene, found)
     return Solution(scene, tuple(found), plan, warnings, built, stages)
+
+
+def accuracy_warnings(scene: Scene, quantities: Sequence[Quantity]) -> tuple[str, ...]:
+    """Return a warning that names the quantities whose error bar exceeds what was asked for."""
+    missed = []
+    for q in quantities:
+        if q.name == "dynamic_stiffness" or q.model != "solid":
+            continue
+        size = np.abs(q.value)
+        beyond = q.uncertainty > scene.accuracy * size
+        worst = float(
+            np.max(np.where(size > 0.0, q.uncertainty / np.where(size > 0.0, size, 1.0), 0.0))
+        )
+        if beyond.any():
+            where = f" at {int(beyond.sum())} of {beyond.size} values" if beyond.ndim else ""
+            missed.append(f"{q.name} (up to {100.0 * worst:.2g} %{where})")
+    if not missed:
+        return ()
+    warning = (
+        f"the solid's error bar exceeds the {100.0 * scene.accuracy:g} % asked for in "
+        f"{', '.join(missed)}; raise mesh.level (at most 5) or accept the bar"
+    )
+    return (warning,)
 
 
 def check_held(scene: Scene, quantities: Sequence[str]) -> None:
@@ -156,8 +180,9 @@ def evaluate(name: str, model: Model) -> Quantity:
     classes = None
     if name in ("short_circuit_frequencies", "open_circuit_frequencies"):
         refined = model.modes(open_circuit=name.startswith("open"))
-        value, bar, method = _judge(refined, lambda m: m.frequencies, 1e-13)
-        classes = refined.fine.classes
+        count = model.scene.modes
+        value, bar, method = _judge(refined, lambda m: m.frequencies[:count], 1e-13)
+        classes = refined.fine.classes[:count]
     elif name == "coupling_factor":
         value, bar, method = _coupling(model)
     elif "static" in info.needs:
@@ -188,7 +213,7 @@ def _judge(
 ) -> tuple[Array, Array, str]:
     """Apply `read` to the fine and the coarser results; the bars add."""
     value = np.asarray(read(refined.fine))
-    bar = np.abs(value) * rounding
+    bar = np.abs(value) * (rounding + refined.rounding)
     for coarser, factor in refined.coarser:
         bar = bar + factor * np.abs(value - np.asarray(read(coarser)))
     return value, np.asarray(bar, dtype=float), refined.method
