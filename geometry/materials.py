@@ -133,7 +133,7 @@ class Piezoceramic:
         InputError
             If stiffness or clamped permittivity is not positive definite.
         """
-        self._check_admissible()
+        self.check_admissible()
         stiffening = 1.0 + 1j / self.quality_factor if lossy else 1.0
         permittivity = 1.0 - 1j * self.loss_tangent if lossy else 1.0
         c = np.linalg.inv(self.s) * stiffening
@@ -145,7 +145,14 @@ class Piezoceramic:
         )
         return PiezoTensors(c=c, e=e, eps=eps)
 
-    def _check_admissible(self) -> None:
+    def check_admissible(self) -> None:
+        """Refuse constants that no passive material has.
+
+        Raises
+        ------
+        InputError
+            If stiffness or clamped permittivity is not positive definite.
+        """
         if np.linalg.eigvalsh(self.s).min() <= 0.0:
             raise InputError(
                 f"piezo.s11 = {self.s[0, 0]:.4g} m^2/N and piezo.s55 = {self.s[4, 4]:.4g} m^2/N "

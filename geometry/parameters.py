@@ -40,9 +40,9 @@ class Bimorph(Parameters):
     """The lateral actuator: piezo / shim / piezo, the shim's tab below the ceramic."""
 
     length: u.Length = _field(20e-3, _PAPER_4, "active (ceramic) length")
-    width: u.Length = _field(2.1e-3, _PAPER_2, "width b")
-    piezo_thickness: u.Length = _field(0.26e-3, _PAPER_2, "thickness of one piezo layer h_p")
-    shim_thickness: u.Length = _field(0.25e-3, _PAPER_2, "thickness of the shim h_s")
+    width: u.SmallLength = _field(2.1e-3, _PAPER_2, "width b")
+    piezo_thickness: u.SmallLength = _field(0.26e-3, _PAPER_2, "thickness of one piezo layer h_p")
+    shim_thickness: u.SmallLength = _field(0.25e-3, _PAPER_2, "thickness of the shim h_s")
     tab_length: u.LengthOrZero = _field(
         0.0, "assumed: no bare shim below the ceramic", "length of the bare shim below the ceramic"
     )
@@ -86,9 +86,9 @@ class Piezo(Parameters):
         if not isinstance(given, dict):
             return given
         name = given.get("material", "M1876")
-        if name not in LIBRARY:
+        if not isinstance(name, str) or name not in LIBRARY:
             raise InputError(
-                f'piezo.material = "{name}" is not in the library; '
+                f"piezo.material = {u.quoted(name)} is not in the library; "
                 f"use one of {', '.join(LIBRARY)} and replace single values, such as piezo.s11"
             )
         library = {key: u.SI(value) for key, value in LIBRARY[name].reduced().items()}
@@ -121,7 +121,9 @@ class Shim(Parameters):
 class Glue(Parameters):
     """The adhesive between the shim's tab and the slot in the rod's head."""
 
-    thickness: u.Length = _field(50e-6, "assumed: typical bond line", "bond line around the tab")
+    thickness: u.SmallLength = _field(
+        50e-6, "assumed: typical bond line", "bond line around the tab"
+    )
     youngs_modulus: u.Modulus = _field(3e9, "assumed: epoxy", "modulus")
     poisson_ratio: u.PoissonRatio = _field(0.35, "assumed: epoxy", "Poisson ratio")
     density: u.Density = _field(1200.0, "assumed: epoxy", "mass density")
@@ -130,18 +132,18 @@ class Glue(Parameters):
 class Rod(Parameters):
     """The moving iron: shaft, head (the pole above the gap), flange, slot for the tab."""
 
-    radius: u.Length = _field(0.62e-3, _RECONSTRUCTED, "shaft radius")
-    head_radius: u.Length = _field(1.15e-3, _PAPER_5, "head radius (outer diameter 2.3 mm)")
-    head_thickness: u.Length = _field(0.5e-3, _RECONSTRUCTED, "head thickness")
-    flange_radius: u.Length = _field(0.91e-3, _RECONSTRUCTED, "flange radius")
-    flange_thickness: u.Length = _field(0.9e-3, _RECONSTRUCTED, "flange thickness")
+    radius: u.SmallLength = _field(0.62e-3, _RECONSTRUCTED, "shaft radius")
+    head_radius: u.SmallLength = _field(1.15e-3, _PAPER_5, "head radius (outer diameter 2.3 mm)")
+    head_thickness: u.SmallLength = _field(0.5e-3, _RECONSTRUCTED, "head thickness")
+    flange_radius: u.SmallLength = _field(0.91e-3, _RECONSTRUCTED, "flange radius")
+    flange_thickness: u.SmallLength = _field(0.9e-3, _RECONSTRUCTED, "flange thickness")
     flange_position: u.Position = _field(
         2.4e-3, _RECONSTRUCTED, "flange's top below the sleeve's top at the 200 um gap"
     )
-    length: u.Length = _field(
+    length: u.SmallLength = _field(
         3.3e-3, _RECONSTRUCTED, "shaft's end below the sleeve's top at the 200 um gap"
     )
-    slot_depth: u.Length = _field(
+    slot_depth: u.SmallLength = _field(
         0.45e-3, "assumed: slot stays inside the head", "depth of the slot that takes the tab"
     )
     youngs_modulus: u.Modulus = _field(205e9, "assumed: low-carbon steel", "modulus")
@@ -152,9 +154,9 @@ class Rod(Parameters):
 class Coil(Parameters):
     """The winding on the rod's shaft."""
 
-    inner_radius: u.Length = _field(0.62e-3, _RECONSTRUCTED, "inner radius")
-    outer_radius: u.Length = _field(0.88e-3, _RECONSTRUCTED, "outer radius")
-    length: u.Length = _field(2.0e-3, _RECONSTRUCTED, "axial length")
+    inner_radius: u.SmallLength = _field(0.62e-3, _RECONSTRUCTED, "inner radius")
+    outer_radius: u.SmallLength = _field(0.88e-3, _RECONSTRUCTED, "outer radius")
+    length: u.SmallLength = _field(2.0e-3, _RECONSTRUCTED, "axial length")
     position: u.Position = _field(
         0.3e-3, _RECONSTRUCTED, "coil's top below the sleeve's top at the 200 um gap"
     )
@@ -163,11 +165,11 @@ class Coil(Parameters):
 class Sleeve(Parameters):
     """The fixed iron around the coil, its collar at the upper end."""
 
-    inner_radius: u.Length = _field(0.96e-3, _RECONSTRUCTED, "bore radius")
-    outer_radius: u.Length = _field(1.15e-3, _PAPER_5, "outer radius (outer diameter 2.3 mm)")
-    length: u.Length = _field(3.6e-3, _RECONSTRUCTED, "axial length")
-    collar_radius: u.Length = _field(0.9e-3, _RECONSTRUCTED, "bore radius of the collar")
-    collar_thickness: u.Length = _field(0.2e-3, _RECONSTRUCTED, "axial length of the collar")
+    inner_radius: u.SmallLength = _field(0.96e-3, _RECONSTRUCTED, "bore radius")
+    outer_radius: u.SmallLength = _field(1.15e-3, _PAPER_5, "outer radius (outer diameter 2.3 mm)")
+    length: u.SmallLength = _field(3.6e-3, _RECONSTRUCTED, "axial length")
+    collar_radius: u.SmallLength = _field(0.9e-3, _RECONSTRUCTED, "bore radius of the collar")
+    collar_thickness: u.SmallLength = _field(0.2e-3, _RECONSTRUCTED, "axial length of the collar")
 
 
 class Device(Parameters):
@@ -180,7 +182,7 @@ class Device(Parameters):
     rod: Rod = Rod()
     coil: Coil = Coil()
     sleeve: Sleeve = Sleeve()
-    gap: u.Length = _field(0.2e-3, _PAPER_5, "working air gap")
+    gap: u.SmallLength = _field(0.2e-3, _PAPER_5, "working air gap")
 
     @property
     def ceramic_base(self) -> float:

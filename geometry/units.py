@@ -26,6 +26,24 @@ _NUMBER_AND_UNIT = re.compile(
 )
 
 
+#: Longest piece of input that a message repeats.
+_LONGEST = 60
+
+
+def quoted(value: Any) -> str:
+    """Return a refused value as a message repeats it: on one line and not too long."""
+    try:
+        text = f'"{value}"' if isinstance(value, str) else str(value)
+    except (ValueError, RecursionError):  # Python does not write out integers of any length
+        text = f"this {type(value).__name__}"
+    plain = "".join(c if c.isprintable() else _escaped(c) for c in text)
+    return plain if len(plain) <= _LONGEST else f"{plain[: _LONGEST - 1]}…"
+
+
+def _escaped(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")
+
+
 class SI(float):
     """A number known to be in SI units already, such as a library value."""
 
@@ -50,7 +68,10 @@ class Unit:
     example : str
         A value that would be accepted, used in messages.
     above, at_least, below : float or None
-        Bounds in SI units.
+        Bounds that the quantity has by its nature, in SI units.
+    limits : (float, float) or None
+        Smallest and largest magnitude that can be meant here, in SI units, far beyond any
+        real device; a value of 0 is judged by the other bounds alone.
     shown, per_si : str, float
         Unit in which values are shown to people, and how many of it make one SI unit.
     """
@@ -61,6 +82,7 @@ class Unit:
     above: float | None = None
     at_least: float | None = None
     below: float | None = None
+    limits: tuple[float, float] | None = None
     shown: str = ""
     per_si: float = 1.0
 
@@ -87,8 +109,12 @@ class Unit:
                 raise ValueError(
                     f'has no unit; a {self.kind} needs one, for example "{self.example}"'
                 )
-            number = float(value)
-        return self._in_range(number)
+            try:
+                number = float(value)
+            except OverflowError:
+                number = math.inf
+        # limiting cases, such as no shear or no shim, are open to Python callers
+        return self._in_range(number, limited=bool((info.context or {}).get("units_required")))
 
     def _parse(self, text: str) -> float:
         import pint
@@ -105,9 +131,9 @@ class Unit:
         try:
             unit = registry.parse_units(f"1{name}" if name.startswith("/") else name)
         except pint.UndefinedUnitError as error:
-            names = " ".join(str(unknown) for unknown in error.unit_names)
+            names = quoted(" ".join(str(unknown) for unknown in error.unit_names))
             raise ValueError(
-                f'has the unknown unit "{names}"; write for example "{self.example}"'
+                f'has the unknown unit {names}; write for example "{self.example}"'
             ) from None
         except Exception:  # noqa: BLE001
             # pint's parser raises whatever Python's tokenizer does on malformed text
@@ -126,17 +152,26 @@ class Unit:
             return float(number.scaleb(power))
         return float(number) * scale
 
-    def _in_range(self, number: float) -> float:
-        unit = f" {self.si}" if self.si else ""
+    def _in_range(self, number: float, *, limited: bool) -> float:
         remedy = f'; write for example "{self.example}"'
         if not math.isfinite(number):
             raise ValueError(f"must be a finite {self.kind}{remedy}")
         if self.above is not None and number <= self.above:
-            raise ValueError(f"must be greater than {self.above:g}{unit}{remedy}")
+            raise ValueError(f"must be greater than {self.show(self.above)}{remedy}")
         if self.at_least is not None and number < self.at_least:
-            raise ValueError(f"must be at least {self.at_least:g}{unit}{remedy}")
+            raise ValueError(f"must be at least {self.show(self.at_least)}{remedy}")
         if self.below is not None and number >= self.below:
-            raise ValueError(f"must be less than {self.below:g}{unit}{remedy}")
+            raise ValueError(f"must be less than {self.show(self.below)}{remedy}")
+        if (
+            limited
+            and self.limits
+            and number
+            and not self.limits[0] <= abs(number) <= self.limits[1]
+        ):
+            low, high = (self.show(limit) for limit in self.limits)
+            zero = "0 or " if self.above is None else ""
+            size = "a magnitude " if self.at_least is None and self.above is None else ""
+            raise ValueError(f"must be {zero}{size}from {low} to {high}{remedy}")
         return number
 
 
@@ -144,38 +179,70 @@ def _quantity(unit: Unit) -> Any:
     return Annotated[float, BeforeValidator(unit), unit]
 
 
-Length = _quantity(Unit("m", "length", "20 mm", above=0.0, shown="mm", per_si=1e3))
-LengthOrZero = _quantity(Unit("m", "length", "20 mm", at_least=0.0, shown="mm", per_si=1e3))
-Position = _quantity(Unit("m", "position", "0.3 mm", shown="mm", per_si=1e3))
+#: Sizes that a part can have: from a film of ten nanometres to a metre.
+_SIZES = (1e-9, 100.0)
+
+Length = _quantity(
+    Unit("m", "length", "20 mm", above=0.0, limits=(1e-6, 100.0), shown="mm", per_si=1e3)
+)
+SmallLength = _quantity(
+    Unit("m", "length", "0.2 mm", above=0.0, limits=_SIZES, shown="mm", per_si=1e3)
+)
+LengthOrZero = _quantity(
+    Unit("m", "length", "2 mm", at_least=0.0, limits=_SIZES, shown="mm", per_si=1e3)
+)
+Position = _quantity(Unit("m", "position", "0.3 mm", limits=_SIZES, shown="mm", per_si=1e3))
 Density = _quantity(
-    Unit("kg/m**3", "density", "7900 kg/m^3", above=0.0, shown="kg/m^3", per_si=1.0)
+    Unit("kg/m**3", "density", "7900 kg/m^3", above=0.0, limits=(1.0, 1e5), shown="kg/m^3")
 )
-Modulus = _quantity(Unit("Pa", "modulus", "140 GPa", above=0.0, shown="GPa", per_si=1e-9))
+Modulus = _quantity(
+    Unit("Pa", "modulus", "140 GPa", above=0.0, limits=(1e4, 1e13), shown="GPa", per_si=1e-9)
+)
 Compliance = _quantity(
-    Unit("1/Pa", "elastic compliance", "15.8e-12 m^2/N", above=0.0, shown="m^2/N", per_si=1.0)
-)
+    Unit(
+        "1/Pa", "elastic compliance", "15.8e-12 m^2/N",
+        above=0.0, limits=(1e-13, 1e-4), shown="m^2/N",
+    )
+)  # fmt: skip
 PiezoConstant = _quantity(
-    Unit("m/V", "piezoelectric constant", "-385 pC/N", shown="pC/N", per_si=1e12)
-)
+    Unit(
+        "m/V", "piezoelectric constant", "-385 pC/N",
+        limits=(1e-18, 1e-6), shown="pC/N", per_si=1e12,
+    )
+)  # fmt: skip
 RotationalStiffness = _quantity(
-    Unit("N*m/rad", "rotational stiffness", "0.24 N*m/rad", at_least=0.0)
+    Unit("N*m/rad", "rotational stiffness", "0.24 N*m/rad", at_least=0.0, limits=(1e-12, 1e9))
 )
-LateralStiffness = _quantity(Unit("N/m", "stiffness", "3e6 N/m", at_least=0.0))
+LateralStiffness = _quantity(Unit("N/m", "stiffness", "3e6 N/m", at_least=0.0, limits=(1e-6, 1e15)))
 RotationalDamping = _quantity(
-    Unit("N*m*s/rad", "rotational damping", "4.46e-6 N*m*s/rad", at_least=0.0)
+    Unit(
+        "N*m*s/rad", "rotational damping", "4.46e-6 N*m*s/rad",
+        at_least=0.0, limits=(1e-18, 1e3),
+    )
+)  # fmt: skip
+LateralDamping = _quantity(
+    Unit("N*s/m", "damping coefficient", "0.5 N*s/m", at_least=0.0, limits=(1e-12, 1e9))
 )
-LateralDamping = _quantity(Unit("N*s/m", "damping coefficient", "0.5 N*s/m", at_least=0.0))
 RotationalInertia = _quantity(
-    Unit("kg*m**2", "rotational inertia", "1e-12 kg*m^2", at_least=0.0, shown="kg*m^2", per_si=1.0)
+    Unit(
+        "kg*m**2", "rotational inertia", "1e-12 kg*m^2",
+        at_least=0.0, limits=(1e-24, 1.0), shown="kg*m^2",
+    )
+)  # fmt: skip
+Mass = _quantity(
+    Unit("kg", "mass", "10 mg", at_least=0.0, limits=(1e-15, 1e3), shown="mg", per_si=1e6)
 )
-Mass = _quantity(Unit("kg", "mass", "10 mg", at_least=0.0, shown="mg", per_si=1e6))
-Voltage = _quantity(Unit("V", "voltage", "50 V"))
-Current = _quantity(Unit("A", "current", "130 mA", shown="mA", per_si=1e3))
-Duration = _quantity(Unit("s", "time", "600 s", above=0.0))
-Frequency = _quantity(Unit("Hz", "frequency", "500 Hz", at_least=0.0))
-RelativePermittivity = _quantity(Unit("", "relative permittivity", "6000", above=1.0))
-QualityFactor = _quantity(Unit("", "quality factor", "60", above=0.0))
-LossTangent = _quantity(Unit("", "loss tangent", "0.03", at_least=0.0))
+Voltage = _quantity(Unit("V", "voltage", "50 V", limits=(1e-12, 1e6)))
+Current = _quantity(Unit("A", "current", "130 mA", limits=(1e-12, 1e4), shown="mA", per_si=1e3))
+Duration = _quantity(Unit("s", "time", "600 s", above=0.0, limits=(0.1, 1e6)))
+Frequency = _quantity(Unit("Hz", "frequency", "500 Hz", at_least=0.0, limits=(1e-6, 1e7)))
+RelativePermittivity = _quantity(
+    Unit("", "relative permittivity", "6000", above=1.0, limits=(1.0, 1e7))
+)
+QualityFactor = _quantity(Unit("", "quality factor", "60", above=0.0, limits=(0.1, 1e9)))
+LossTangent = _quantity(Unit("", "loss tangent", "0.03", at_least=0.0, limits=(1e-12, 10.0)))
 PoissonRatio = _quantity(Unit("", "Poisson ratio", "0.3", above=-1.0, below=0.5))
-PositiveNumber = _quantity(Unit("", "number", "0.8333", above=0.0))
-RelativeError = _quantity(Unit("", "relative accuracy", "1e-3", above=0.0, below=1.0))
+PositiveNumber = _quantity(Unit("", "number", "0.8333", above=0.0, limits=(1e-3, 1e3)))
+RelativeError = _quantity(
+    Unit("", "relative accuracy", "1e-3", above=0.0, below=1.0, limits=(1e-9, 1.0))
+)

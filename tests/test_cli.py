@@ -4,9 +4,13 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
+from geometry.errors import InputError
 from validation.cli import main
+from validation.export import export
+from validation.scene import load_scene
 
 
 def run(capsys, *arguments):
@@ -92,6 +96,13 @@ def test_frequencies_partly_outside_the_finger_warn(capsys):
         (["solve", "--nonsense"], ["unrecognized arguments", "--help"]),
         (["fly"], ["invalid choice"]),
         (["export"], ["--step"]),
+        (["export", "--glb", "x.gltf"], ["--glb x.gltf", ".glb"]),
+        (["export", "--mesh", "x.stl"], ["--mesh x.stl", ".vtu or .msh"]),
+        (["solve", "--frequency", ""], ["--frequency is empty", "--frequency 10:2000:200"]),
+        (["solve", "--model", " "], ["--model is empty"]),
+        (["solve", "--frequency", "10 20"], ['"10 20"', "not a frequency"]),
+        (["solve", "x\ny" * 2000], ["neither a readable file"]),
+        (["solve", "--no\nsense"], ["unrecognized arguments"]),
         (["plan", "--set", "gap=-1mm"], ["gap", "greater than 0"]),
         (["report", "--out", "/proc/nowhere"], ["/proc/nowhere", "cannot be written"]),
         (["export", "--step", "/nowhere/x.step"], ["/nowhere/x.step", "cannot be written"]),
@@ -109,6 +120,120 @@ def test_bad_input_is_one_sentence_and_exit_code_2(capsys, arguments, words):
     assert all(word in err for word in words), err
     assert err.startswith("tactgen: ")
     assert err.count("\n") == 1
+
+
+def test_help_is_a_result(capsys):
+    """Without a command, help goes to stdout."""
+    for arguments in ((), ("--help",)):
+        code, out, err = run(capsys, *arguments)
+        assert (code, err) == (0, "")
+        assert "export" in out
+
+
+@pytest.mark.parametrize(
+    ("redirection", "code", "words"),
+    [
+        (">/dev/full", 2, "standard output cannot be written (no space left on device)"),
+        (">&-", 2, "standard output is closed"),
+        ("2>&-", 0, ""),
+    ],
+)
+@pytest.mark.parametrize("command", ["scenes", "solve --model tmm --json"])
+def test_output_that_cannot_be_written(redirection, code, words, command):
+    """A full disk or a closed stream is one sentence, no traceback, also at exit."""
+    shell = f"{sys.executable} -m validation.cli {command} {redirection}"
+    result = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
+    assert result.returncode == code, result.stderr
+    assert words in result.stderr
+    assert result.stderr.count("\n") == (1 if code else 0)
+    assert bool(result.stdout) == (code == 0)
+
+
+class SolverError(RuntimeError):
+    """Named like the one of the sparse solver."""
+
+
+@pytest.mark.parametrize(
+    "error", [np.linalg.LinAlgError("Singular matrix"), SolverError("singular"), OverflowError()]
+)
+def test_unsolvable_scene_is_one_sentence(capsys, monkeypatch, error):
+    """Failures of linear algebra name the scene and what to change."""
+
+    def fail(*_args, **_options):
+        raise error
+
+    monkeypatch.setattr("validation.solve.solve", fail)
+    code, out, err = run(capsys, "solve", "prototype")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert 'scene "prototype" cannot be solved' in err
+    assert "--model" in err
+
+
+def test_our_own_mistakes_are_not_hidden(monkeypatch):
+    """Only failures that input can cause become sentences."""
+
+    def fail(*_args, **_options):
+        raise KeyError("x")
+
+    monkeypatch.setattr("validation.solve.solve", fail)
+    with pytest.raises(KeyError):
+        main(["solve"])
+
+
+def test_settings_without_effect_warn(capsys):
+    """A key that the chosen kinds ignore is named on stderr; the answer still comes."""
+    code, out, err = run(
+        capsys, "solve", "--set", "load.stiffness=100 N/m", "--model", "tmm",
+        "--quantity", "capacitance_free", "--json",
+    )  # fmt: skip
+    assert code == 0
+    assert err.startswith("tactgen: warning: load.stiffness = 100 N/m has no effect")
+    assert json.loads(out)["quantities"]
+
+
+def test_export_checks_all_places_first(capsys, tmp_path):
+    """A folder, a place named twice, a missing folder: nothing is written at all."""
+    good, folder = tmp_path / "a.step", tmp_path / "b.glb"
+    folder.mkdir()
+    for arguments, words in (
+        (["--step", good, "--glb", folder], "it is a folder"),
+        (["--step", good, "--glb", tmp_path / "no" / "c.glb"], "does not exist"),
+        (["--step", good, "--mesh", tmp_path / ("x" * 300 + ".vtu")], "name too long"),
+    ):
+        code, out, err = run(capsys, "export", *map(str, arguments))
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        assert words in err
+    assert not good.exists()
+
+
+def test_export_writes_all_or_nothing(tmp_path, monkeypatch):
+    """If a later file fails, the earlier ones do not appear, nor their drafts."""
+
+    def fail(_mesh, path):
+        raise InputError(f"{path} cannot be written")
+
+    monkeypatch.setattr("geometry.mesh_files.write_mesh", fail)
+    monkeypatch.setattr("validation.solid_meshes.mesh_pair", lambda _: (None, None))
+    monkeypatch.setattr(
+        "validation.export._export_solids",
+        lambda _scene, files, _announce: files["step"].write_text("solid"),
+    )
+    targets = {"step": tmp_path / "a.step", "mesh": tmp_path / "a.vtu"}
+    with pytest.raises(InputError) as caught:
+        export(load_scene("j1")[0], targets, lambda _: None)
+    assert str(caught.value) == f"{targets['mesh']} cannot be written"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_two_exports_share_a_file(tmp_path):
+    """Links are followed."""
+    (tmp_path / "a.glb").symlink_to(tmp_path / "a.step")
+    with pytest.raises(InputError, match="is also the file of --step"):
+        export(
+            load_scene("j1")[0],
+            {"step": tmp_path / "a.step", "glb": tmp_path / "a.glb"},
+            lambda _: None,
+        )
 
 
 def test_blocked_force_needs_no_finger(capsys):

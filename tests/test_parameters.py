@@ -64,6 +64,13 @@ def test_unknown_material_is_refused():
         p.Piezo(material="M1867")
 
 
+@pytest.mark.parametrize("name", [["a"], 3, {}, "M1876\n"])
+def test_material_that_is_no_name_is_refused(name):
+    """Lists and numbers are refused in the same words."""
+    with pytest.raises(ValidationError, match="not in the library"):
+        p.Piezo(material=name)
+
+
 def test_derived_lengths():
     """Total thickness, poling sign, and where the ceramic begins above the rod."""
     assert p.Bimorph().thickness == pytest.approx(0.77e-3)

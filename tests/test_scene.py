@@ -8,7 +8,8 @@ import pytest
 from geometry.errors import InputError
 from validation.frequencies import parse_frequencies
 from validation.parameter_list import parameter_rows
-from validation.scene import Scene, built_in_scenes, load_scene, scene_keys
+from validation.scene import Scene, load_scene, scene_keys, scene_warnings
+from validation.scene_file import built_in_scenes
 from validation.scene_template import template
 
 CONTRACT = [
@@ -95,6 +96,20 @@ def test_built_in_scenes():
         ("frequency=ten", ["not a frequency"]),
         ("frequency=-5", ["not negative"]),
         ("coil.outer_radius=1mm", ["coil.outer_radius", "sleeve.inner_radius"]),
+        ("gap=0 mm", ["gap", "greater than 0 mm", '"0.2 mm"']),
+        ("bimorph.length=1e300 m", ["bimorph.length", "from 0.001 mm to 100000 mm"]),
+        ("bimorph.length=1e-300 m", ["bimorph.length", "from 0.001 mm to 100000 mm"]),
+        ("piezo.s11=1e-30 m^2/N", ["piezo.s11", "from 1e-13 m^2/N"]),
+        ("piezo.eps33=1000", ["piezo.eps33 = 1000", "negative energy", "raise piezo.eps33"]),
+        ("support.kind=sprng", ['did you mean "spring"']),
+        ("modes=21", ['modes = "21"', "whole number from 1 to 20", "write for example 4"]),
+        ("modes=2.5", ["whole number from 1 to 20"]),
+        ("modes=٣", ["whole number from 1 to 20"]),
+        ("mesh.level=-1", ["mesh.level", "whole number from 0 to 5"]),
+        ("name=a\nb", ["name = ", "one line"]),
+        ("bimorph.length=20\n\tfoo", ["bimorph.length", '"20 mm"']),
+        ("models=,", ["model", "unknown"]),
+        (f"bimorph.length={'9' * 9000}", ["bimorph.length", "…", '"20 mm"']),
     ],
 )
 def test_bad_values_are_refused_in_one_sentence(override, words):
@@ -141,6 +156,26 @@ def test_a_wide_bimorph_may_be_studied_alone():
         (b"[bimorph]\nlength = 20\n", ["bimorph.length = 20 has no unit"]),
         (b"bimorph = 3\n", ["is a group"]),
         (b"[bimorph.length]\nvalue = 3\n", ["bimorph.length.value", "unknown"]),
+        (b"[bimorf]\n", ['"bimorf" is unknown', 'did you mean "bimorph"']),
+        (b"[bimorf]\nlength = '3 mm'\n", ['did you mean "bimorph.length"']),
+        (b"'bimorph.length' = '3 mm'\n", ['did you mean "bimorph.length"']),
+        (b"[piezo]\nmaterial = ['a']\n", ["piezo.material = ['a']", "not in the library"]),
+        (b"models = 3\n", ["models = 3", "not a list of names"]),
+        (b"models = []\n", ["models = []", "names nothing", "lumped"]),
+        (b"models = ['tmm', 3]\n", ["models", "not a list of names"]),
+        (b"quantities = []\n", ["quantities = []", "names nothing"]),
+        (b"frequency = []\n", ["frequency = []", "no frequency"]),
+        (b"frequency = [-10.0]\n", ["frequency = [-10.0]", "not negative"]),
+        (b"frequency = true\n", ["frequency", "not a frequency"]),
+        (b"frequency = [[1.0]]\n", ["frequency", "not a frequency"]),
+        (b"frequency = nan\n", ["frequency", "finite"]),
+        (b"name = 3\n", ["name = 3", "not text", "quotes"]),
+        (b"[name]\n", ["name = {}", "not text"]),
+        (b"modes = true\n", ["modes", "whole number"]),
+        (b'name = """a\nb"""\n', ["name = ", "one line"]),
+        (b"gap = 0x" + b"f" * 9000 + b"\n", ["gap", '"0.2 mm"']),
+        (b"a = " + b"[" * 5000, ["not valid TOML"]),
+        (b"gap = " + b"1" * 5000, ["not valid TOML"]),
     ],
 )
 def test_bad_files_are_refused_in_one_sentence(tmp_path, content, words):
@@ -150,6 +185,61 @@ def test_bad_files_are_refused_in_one_sentence(tmp_path, content, words):
     with pytest.raises(InputError) as caught:
         load_scene(str(path))
     assert all(word in str(caught.value) for word in words), caught.value
+    assert "\n" not in str(caught.value)
+
+
+def test_overrides_meet_a_broken_file(tmp_path):
+    """An override of a group that the file misuses is a refusal, too."""
+    path = tmp_path / "my.toml"
+    path.write_text("bimorph = 3\n", encoding="utf-8")
+    with pytest.raises(InputError, match="is a group"):
+        load_scene(str(path), ["bimorph.length=25mm"])
+
+
+def test_byte_order_mark_and_empty_groups_are_accepted(tmp_path):
+    """Files of Windows editors, and groups that say nothing."""
+    path = tmp_path / "my.toml"
+    path.write_bytes(b"\xef\xbb\xbfgap = '0.3 mm'\n[bimorph]\n")
+    scene, origins = load_scene(str(path))
+    assert (scene.gap, list(origins)) == (0.3e-3, ["gap"])
+
+
+@pytest.mark.parametrize("name", ["x" * 5000, "a\0b", "/", ""])
+def test_names_that_are_no_file_are_refused(name):
+    """Too long for the file system, unprintable, or a folder."""
+    with pytest.raises(InputError, match="neither a readable file nor a built-in scene") as caught:
+        load_scene(name)
+    assert len(str(caught.value)) < 300
+    assert str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (["load.stiffness=100 N/m"], ["load.stiffness = 100 N/m", 'kind = "finger"']),
+        (["load.kind=spring_damper", "load.mass=1 mg"], ["load.mass = 1 mg", "free tip"]),
+        (["load.kind=mass"], ["load.mass = 0 mg", "free tip"]),
+        (
+            ["support.kind=clamped", "support.lateral_stiffness=2e6 N/m"],
+            ["support.lateral_stiffness = 2000000 N/m", 'support.kind = "clamped"'],
+        ),
+        (["gap=0.3 mm"], ["gap = 0.3 mm", 'support.kind = "rod"']),
+        (["mesh.time_limit=60 s"], ["mesh.time_limit = 60 s", '"tetwild"']),
+        (["mesh.level=2", "accuracy=0.01"], ["accuracy = 0.01", "mesh.level = 2"]),
+    ],
+)
+def test_settings_without_effect_are_named(overrides, words):
+    """Each key that conflicts with a kind gets a sentence with the remedy."""
+    warnings = " / ".join(scene_warnings(*load_scene("paper", overrides)))
+    assert all(word in warnings for word in words), warnings
+
+
+@pytest.mark.parametrize("name", built_in_scenes())
+def test_settings_with_effect_are_not_warned_of(name):
+    """The built-in scenes, and keys that go with their kind."""
+    assert scene_warnings(*load_scene(name)) == ()
+    fits = ["load.kind=mass", "load.mass=1 mg", "mesh.level=2"]
+    assert scene_warnings(*load_scene(name, fits)) == ()
 
 
 def test_missing_scene_suggests_a_name():
@@ -192,12 +282,46 @@ def test_every_parameter_has_a_source():
         ("10:30:3", [10.0, 20.0, 30.0]),
         ("10:1000:3:log", [10.0, 100.0, 1000.0]),
         ("0", [0.0]),
+        ("10:10:1", [10.0]),
+        (" 1e3 Hz , 5 MHz, 2khz", [1000.0, 5e6, 2000.0]),
+        (100, [100.0]),
+        ([10, 20.5], [10.0, 20.5]),
+        (["100 Hz", "0.5 kHz", 7], [100.0, 500.0, 7.0]),
     ],
 )
 def test_frequency_lists(text, expected):
-    """Lists and ranges, ends exact."""
+    """Lists and ranges, numbers and text, ends exact."""
     assert parse_frequencies(text) == pytest.approx(expected, rel=1e-12)
     assert parse_frequencies(text)[-1] == expected[-1]
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ("10 20", ["not a frequency"]),
+        ("5 mHz", ["millihertz", "MHz"]),
+        ("1_0", ["not a frequency"]),
+        ("١٠", ["not a frequency"]),
+        ("10:20:٣", ["whole number"]),
+        ("10:20:1_0", ["whole number"]),
+        ("10,", ["not a frequency"]),
+        ("", ["no frequency"]),
+        ("5 kkHz", ["not a frequency"]),
+        ("5 KHZ", ["not a frequency"]),
+        ("0:5:1:log", ["above 0 Hz"]),
+        ("1e9999", ["finite"]),
+        ("1 kHz:1e9 Hz:3", ["at most 10 MHz"]),
+        (["10:20:3"], ["not a frequency"]),
+        (10**400, ["finite"]),
+        (None, ["not a frequency"]),
+        ({}, ["not a frequency"]),
+    ],
+)
+def test_frequencies_are_read_strictly(given, words):
+    """Whatever is not a number with Hz, kHz or MHz is refused, never guessed."""
+    with pytest.raises(InputError) as caught:
+        parse_frequencies(given)
+    assert all(word in str(caught.value) for word in ["frequency = ", *words]), caught.value
 
 
 def test_scene_is_frozen():

@@ -7,10 +7,11 @@ exit code 2.  Heavy libraries are imported by the commands that need them.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -25,21 +26,65 @@ class _Parser(argparse.ArgumentParser):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code."""
+    scene, code = "", 0
+    if sys.stderr is None:  # closed: words and progress go nowhere, not to stdout
+        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
     try:
-        options = _parser().parse_args(arguments)
-        code: int = options.run(options)
+        if sys.stdout is None:
+            raise InputError("standard output is closed; leave it open or send it to a file")
+        with contextlib.suppress(SystemExit):  # --help
+            options = _parser().parse_args(arguments)
+            scene = getattr(options, "scene", "")
+            code = options.run(options)
         sys.stdout.flush()
-    except InputError as error:
-        print(f"tactgen: {error}", file=sys.stderr)
-        return 2
     except KeyboardInterrupt:
-        print("tactgen: interrupted; nothing half-written was kept", file=sys.stderr)
+        _say("interrupted; nothing half-written was kept")
         return 130
     except BrokenPipeError:
-        # the reader has gone: say nothing, and keep Python from complaining at exit
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return 141
+    except Exception as error:
+        text = _explained(error, scene)
+        if text is None:
+            raise
+        _say(text)
+        return 2
     return code
+
+
+def _explained(error: Exception, scene: str) -> str | None:
+    """Return the sentence for an error that a user can act on, None for a mistake of ours."""
+    if isinstance(error, InputError):
+        return str(error)
+    if isinstance(error, OSError):
+        reason = (error.strerror or str(error)).lower()
+        if error.filename is not None:
+            return f"{error.filename} cannot be used ({reason}); make room or choose another place"
+        _drop_output()
+        return f"standard output cannot be written ({reason}); send it somewhere else"
+    # by name: importing the solvers costs more than most answers
+    names = {kind.__name__ for kind in type(error).__mro__}
+    if names & {"LinAlgError", "SolverError", "ArpackError", "ArithmeticError", "MemoryError"}:
+        reason = str(error) or type(error).__name__
+        return (
+            f'scene "{scene}" cannot be solved ({reason}); bring the values that it sets closer to '
+            "those of the built-in scene paper, or ask for another model with --model"
+        )
+    return None
+
+
+def _say(text: str) -> None:
+    """Print one line to stderr, if that can be written."""
+    from validation.wording import one_line
+
+    with contextlib.suppress(OSError):
+        print(f"tactgen: {one_line(text)}", file=sys.stderr)
+
+
+def _drop_output() -> None:
+    """Send what is left of stdout nowhere, so that Python does not complain at exit."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -48,7 +93,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Verification suite for a tactile generator: a piezo bimorph on a "
         "reluctance actuator, by lumped, transfer-matrix, beam and solid models.",
     )
-    parser.set_defaults(run=lambda _: parser.exit(0, parser.format_help()))
+    parser.set_defaults(run=lambda _: _help(parser))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
 
     report = commands.add_parser("report", help="write the verification report (HTML)")
@@ -92,6 +137,11 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _help(parser: argparse.ArgumentParser) -> int:
+    print(parser.format_help(), end="")
+    return 0
+
+
 def _scene_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", nargs="?", default="paper", help="file or built-in name")
     parser.add_argument(
@@ -106,20 +156,14 @@ def _scene_options(parser: argparse.ArgumentParser) -> None:
 
 def _solve(options: argparse.Namespace) -> int:
     from validation.progress import announcer
-    from validation.scene import load_scene
+    from validation.scene import load_scene, scene_warnings
     from validation.solve import as_json, solve
 
-    overrides = list(options.overrides)
-    if options.frequency is not None:
-        overrides.append(f"frequency={options.frequency}")
-    for name, key in ((options.model, "models"), (options.quantity, "quantities")):
-        if name:
-            overrides.append(f"{key}={','.join(name)}")
-    scene, _ = load_scene(options.scene, overrides)
+    scene, origins = load_scene(options.scene, [*options.overrides, *_wanted(options)])
+    _warn(scene_warnings(scene, origins))
     with announcer() as announce:
         solution = solve(scene, announce=announce)
-    for warning in solution.warnings:
-        print(f"tactgen: warning: {warning}", file=sys.stderr)
+    _warn(solution.warnings)
     if options.json:
         json.dump(as_json(solution), sys.stdout)
         print()
@@ -128,6 +172,27 @@ def _solve(options: argparse.Namespace) -> int:
 
         print_quantities(solution)
     return 0
+
+
+def _wanted(options: argparse.Namespace) -> Iterator[str]:
+    """Yield the overrides that --frequency, --model and --quantity stand for."""
+    stated = (
+        ("frequency", "frequency", options.frequency, "10:2000:200"),
+        ("model", "models", options.model, "tmm"),
+        ("quantity", "quantities", options.quantity, "tip_velocity"),
+    )
+    for name, key, given, example in stated:
+        if given is None:
+            continue
+        text = given if isinstance(given, str) else ",".join(given)
+        if not text.strip():
+            raise InputError(f"--{name} is empty; write for example --{name} {example}")
+        yield f"{key}={text}"
+
+
+def _warn(warnings: Iterable[str]) -> None:
+    for warning in warnings:
+        _say(f"warning: {warning}")
 
 
 def _plan(options: argparse.Namespace) -> int:
@@ -150,9 +215,10 @@ def _plan(options: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     from validation.progress import announcer
     from validation.report import write_report
-    from validation.scene import load_scene
+    from validation.scene import load_scene, scene_warnings
 
     scene, origins = load_scene(options.scene, options.overrides)
+    _warn(scene_warnings(scene, origins))
     with announcer() as announce:
         page = write_report(scene, origins, Path(options.out), options.quick, announce)
     print(page)
@@ -176,7 +242,7 @@ def _export(options: argparse.Namespace) -> int:
 
 
 def _scenes(_: argparse.Namespace) -> int:
-    from validation.scene import built_in_scenes
+    from validation.scene_file import built_in_scenes
 
     for name, description in built_in_scenes().items():
         print(f"{name:12} {description}")

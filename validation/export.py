@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from geometry.errors import InputError
+from geometry.files import written_whole
 from validation.scene import Scene
+
+#: Endings that each kind of file may have.
+_SUFFIXES = {"step": (".step", ".stp"), "glb": (".glb",), "mesh": (".vtu", ".msh")}
 
 
 def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> list[Path]:
-    """Write the wanted files, all or none of a kind, and return their paths.
+    """Write the wanted files, all or none, and return their paths.
 
     Parameters
     ----------
@@ -21,24 +27,61 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
     Raises
     ------
     InputError
-        If a folder cannot be written or a mesh file has an unknown suffix.
+        If a place cannot be written, has the wrong ending or is named twice.
     """
-    for path in targets.values():
-        if not path.parent.is_dir():
+    _check_targets(targets)
+    with ExitStack() as stack:
+        # the files take their names together, when all of them have been written
+        drafts = {kind: stack.enter_context(written_whole(p)) for kind, p in targets.items()}
+        try:
+            _write(scene, drafts, announce)
+        except InputError as error:
+            text = str(error)
+            for kind, draft in drafts.items():
+                text = text.replace(str(draft), str(targets[kind]))
+            raise InputError(text) from error
+    return list(targets.values())
+
+
+def _check_targets(targets: dict[str, Path]) -> None:
+    """Refuse what would fail only after minutes of work."""
+    taken: dict[Path, str] = {}
+    for kind, path in targets.items():
+        if path.suffix not in _SUFFIXES[kind]:
             raise InputError(
-                f"{path} cannot be written (its folder does not exist); choose another place"
+                f"--{kind} {path} must end in {' or '.join(_SUFFIXES[kind])}; name the file so"
             )
-    if "mesh" in targets and targets["mesh"].suffix not in (".vtu", ".msh"):
-        raise InputError(f"{targets['mesh']} must end in .vtu or .msh; name the mesh file so")
-    if "step" in targets or "glb" in targets:
-        _export_solids(scene, targets, announce)
-    if "mesh" in targets:
+        reason = _obstacle(path)
+        if reason:
+            raise InputError(f"--{kind} {path} cannot be written ({reason}); choose another place")
+        place = path.resolve()
+        if place in taken:
+            raise InputError(
+                f"--{kind} {path} is also the file of --{taken[place]}; give each its own name"
+            )
+        taken[place] = kind
+
+
+def _obstacle(path: Path) -> str:
+    try:
+        if path.is_dir():
+            return "it is a folder"
+        if not path.parent.is_dir():
+            return "its folder does not exist"
+    except OSError as error:  # such as a name that is too long
+        return (error.strerror or str(error)).lower()
+    return "" if os.access(path.parent, os.W_OK | os.X_OK) else "its folder is read-only"
+
+
+def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]) -> None:
+    if "step" in files or "glb" in files:
+        _export_solids(scene, files, announce)
+    if "mesh" in files:
         from geometry.mesh_files import write_mesh
         from validation.solid_meshes import mesh_pair
 
         announce("mesh")
-        write_mesh(mesh_pair(scene)[0], targets["mesh"])
-    return list(targets.values())
+        write_mesh(mesh_pair(scene)[0], files["mesh"])
 
 
 def scene_solids(scene: Scene) -> dict[str, Any]:

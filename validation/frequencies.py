@@ -1,42 +1,68 @@
-"""Lists of frequencies as a user writes them: ``100,200`` or ``10:2000:200:log``."""
+"""Frequencies as a user writes them: ``100,200``, ``10:2000:200:log`` or a TOML list."""
 
 from __future__ import annotations
 
 import math
+import re
+from typing import Any
 
 from geometry.errors import InputError
+from geometry.units import quoted
 
 #: Largest sweep that one request may ask for.
 _MOST = 1_000_000
-_FACTORS = {"": 1.0, "hz": 1.0, "khz": 1e3, "mhz": 1e6}
+#: Highest frequency that can be meant (Hz); waves in the device are then shorter than 0.1 mm.
+_HIGHEST = 1e7
+_FACTORS = {"": 1.0, "Hz": 1.0, "hz": 1.0, "kHz": 1e3, "khz": 1e3, "MHz": 1e6}
+_ONE = re.compile(
+    r"(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?) *(?P<unit>[A-Za-z]*)", re.ASCII
+)
+_REMEDY = 'write for example "500", "0.5 kHz" or "10:2000:200"'
 
 
-def parse_frequencies(text: str) -> tuple[float, ...]:
-    """Return frequencies in Hz from ``LIST`` or ``START:STOP:N[:log]``; numbers are Hz.
+def parse_frequencies(given: Any) -> tuple[float, ...]:
+    """Return frequencies in Hz from whatever a scene or a caller states; bare numbers are Hz.
+
+    Parameters
+    ----------
+    given : number, str, or list of numbers and str
+        Text is ``LIST`` or ``START:STOP:N[:log]``; in a list each stands for one frequency.
 
     Raises
     ------
     InputError
         If a number, the count or the spacing cannot be used.
     """
-    if ":" not in text:
-        return tuple(_one(part, text) for part in text.split(","))
+    if isinstance(given, str) and given.count(":") > 0:
+        return _sweep(given)
+    parts = given.split(",") if isinstance(given, str) else given
+    if not isinstance(parts, list | tuple):
+        parts = [parts]
+    if not parts or parts == [""]:
+        raise InputError(f"frequency = {quoted(given)} holds no frequency; {_REMEDY}")
+    if len(parts) > _MOST:
+        raise InputError(f"frequency has {len(parts)} values; give at most {_MOST}")
+    return tuple(_one(part, given) for part in parts)
+
+
+def _sweep(text: str) -> tuple[float, ...]:
     parts = text.split(":")
     if len(parts) not in (3, 4) or (len(parts) == 4 and parts[3].strip() not in ("log", "lin")):
         raise InputError(
-            f'frequency = "{text}" is not START:STOP:N or START:STOP:N:log; '
+            f"frequency = {quoted(text)} is not START:STOP:N or START:STOP:N:log; "
             'write for example "10:2000:200"'
         )
     start, stop = _one(parts[0], text), _one(parts[1], text)
     count = _count(parts[2], text)
+    logarithmic = len(parts) == 4 and parts[3].strip() == "log"
+    if logarithmic and (start <= 0.0 or stop <= 0.0):
+        raise InputError(
+            f"frequency = {quoted(text)} cannot be spaced logarithmically from {start:g} Hz to "
+            f"{stop:g} Hz; keep both above 0 Hz"
+        )
     if count == 1:
         return (start,)
-    if len(parts) == 4 and parts[3].strip() == "log":
-        if start <= 0.0 or stop <= 0.0:
-            raise InputError(
-                f'frequency = "{text}" cannot be spaced logarithmically from {start:g} Hz; '
-                "start above 0 Hz"
-            )
+    if logarithmic:
         ratio = math.log(stop / start) / (count - 1)
         inner = [start * math.exp(ratio * i) for i in range(1, count - 1)]
     else:
@@ -46,32 +72,44 @@ def parse_frequencies(text: str) -> tuple[float, ...]:
 
 
 def _count(part: str, text: str) -> int:
-    try:
-        count = int(part)
-    except ValueError:
-        count = 0
+    stripped = part.strip()
+    count = int(stripped) if re.fullmatch(r"\d{1,9}", stripped, re.ASCII) else 0
     if not 1 <= count <= _MOST:
         raise InputError(
-            f'frequency = "{text}" asks for "{part.strip()}" points; '
+            f"frequency = {quoted(text)} asks for {quoted(stripped)} points; "
             f"give a whole number from 1 to {_MOST}"
         )
     return count
 
 
-def _one(part: str, text: str) -> float:
-    stripped = part.strip().lower().replace(" ", "")
-    number = stripped.rstrip("hzkm")
-    unit = stripped[len(number) :]
-    try:
-        value = float(number) * _FACTORS[unit]
-    except (ValueError, KeyError):
-        raise InputError(
-            f'frequency = "{text}" has "{part.strip()}", which is not a frequency; '
-            'write for example "500" or "0.5 kHz"'
-        ) from None
+def _one(part: Any, given: Any) -> float:
+    value = _hertz(part, f"frequency = {quoted(given)}")
     if not math.isfinite(value) or value < 0.0:
         raise InputError(
-            f'frequency = "{text}" has {part.strip()} Hz; '
-            "frequencies must be finite and not negative"
+            f"frequency = {quoted(given)} has {quoted(part)}; "
+            "frequencies must be finite and not negative, in Hz"
+        )
+    if value > _HIGHEST:
+        raise InputError(
+            f"frequency = {quoted(given)} has {quoted(part)}; frequencies must be at most "
+            f"{_HIGHEST * 1e-6:g} MHz"
         )
     return value
+
+
+def _hertz(part: Any, where: str) -> float:
+    """Return one frequency as a number, of whatever sign and size."""
+    if isinstance(part, int | float) and not isinstance(part, bool):
+        try:
+            return float(part)
+        except OverflowError:
+            return math.inf
+    found = _ONE.fullmatch(part.strip(" \t")) if isinstance(part, str) else None
+    unit = found["unit"] if found else ""
+    if unit in ("mHz", "mhz"):
+        raise InputError(
+            f"{where} has {quoted(part)} in millihertz; write MHz for megahertz, or the value in Hz"
+        )
+    if found is None or unit not in _FACTORS:
+        raise InputError(f"{where} has {quoted(part)}, which is not a frequency; {_REMEDY}")
+    return float(found["number"]) * _FACTORS[unit]

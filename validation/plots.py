@@ -108,7 +108,8 @@ def length_plot(
         axis.plot(frequencies, values * 1e6, color=colour, label=f"{length * 1e3:g} mm")
     at, level = zip(*thresholds, strict=True)
     axis.plot(at, np.array(level) * 1e6, "k^", label="threshold in the text")
-    axis.set_yscale("log")
+    if np.nanmax(deflection) > 0.0:
+        axis.set_yscale("log")
     axis.set_xlabel("frequency (Hz)")
     axis.set_ylabel("tip displacement |w| (µm)")
     axis.legend(frameon=False, ncols=4, loc="lower left")

@@ -6,23 +6,60 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 
 from __future__ import annotations
 
-import difflib
-import tomllib
-from collections.abc import Iterator, Sequence
-from importlib import resources
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError, field_validator
+from pydantic import BeforeValidator, Field, ValidationError, field_validator
 
 from geometry import parameters as p
 from geometry import units as u
 from geometry.errors import InputError
+from geometry.units import quoted
 from validation.frequencies import parse_frequencies
 from validation.quantities import MODELS, QUANTITIES
+from validation.scene_file import (
+    assign,
+    checked_name,
+    leaves,
+    read_scene,
+    scene_name,
+    split_override,
+)
+from validation.wording import choices, nearest, sentence
 
 #: Groups of device parameters, in the order in which reports list them.
 GROUPS = ("bimorph", "piezo", "shim", "glue", "rod", "coil", "sleeve", "support", "load")
+
+
+@dataclass(frozen=True)
+class WholeNumber:
+    """A validator of whole numbers in a range, with a remedy in its refusal."""
+
+    least: int
+    most: int
+    example: str
+
+    def __call__(self, value: Any) -> int:
+        """Return `value` as an integer.
+
+        Raises
+        ------
+        ValueError
+            With a sentence that names the range.
+        """
+        text = str(value).strip() if isinstance(value, str | int | float) else ""
+        # 3.0 is what some programs write for 3
+        found = re.fullmatch(r"([+-]?[0-9]{1,9})(\.0*)?", text)
+        number = int(found[1]) if found else self.least - 1
+        if not self.least <= number <= self.most:
+            raise ValueError(
+                f"is not a whole number from {self.least} to {self.most}; "
+                f"write for example {self.example}"
+            )
+        return number
 
 
 class MeshSettings(p.Parameters):
@@ -32,10 +69,8 @@ class MeshSettings(p.Parameters):
         default="auto",
         description="structured boxes for the bimorph alone, tetwild for anything else",
     )
-    level: int = Field(
+    level: Annotated[int, BeforeValidator(WholeNumber(0, 5, "3"))] = Field(
         default=0,
-        ge=0,
-        le=5,
         description="1 (coarse) to 5 (finest); 0 follows from the accuracy wanted",
     )
     time_limit: u.Duration = Field(
@@ -56,7 +91,9 @@ class Scene(p.Device):
     accuracy: u.RelativeError = Field(
         default=1e-3, description="relative numerical error wanted of the solid model"
     )
-    modes: int = Field(default=4, ge=1, le=20, description="how many natural modes")
+    modes: Annotated[int, BeforeValidator(WholeNumber(1, 20, "4"))] = Field(
+        default=4, description="how many natural modes"
+    )
     frequency: tuple[float, ...] = Field(
         default="10 Hz:1000 Hz:100:log",
         validate_default=True,
@@ -72,51 +109,25 @@ class Scene(p.Device):
         """The device alone."""
         return p.Device(**{name: getattr(self, name) for name in p.Device.model_fields})
 
+    @field_validator("name", mode="before")
+    @classmethod
+    def _name(cls, value: Any) -> Any:
+        return checked_name(value)
+
     @field_validator("frequency", mode="before")
     @classmethod
     def _frequencies(cls, value: Any) -> Any:
-        return parse_frequencies(value) if isinstance(value, str) else value
+        return parse_frequencies(value)
 
     @field_validator("models", mode="before")
     @classmethod
     def _models(cls, value: Any) -> Any:
-        return choices(value, tuple(MODELS), "model")
+        return choices(value, tuple(MODELS), "model", "models")
 
     @field_validator("quantities", mode="before")
     @classmethod
     def _quantities(cls, value: Any) -> Any:
-        return choices(value, tuple(QUANTITIES), "quantity")
-
-
-def choices(value: Any, known: tuple[str, ...], kind: str) -> tuple[str, ...]:
-    """Return `value` (a name, "a,b" or a list) as known names; ``all`` is every one.
-
-    Raises
-    ------
-    InputError
-        For an unknown name, with the nearest known one.
-    """
-    names = [v.strip() for v in value.split(",")] if isinstance(value, str) else list(value)
-    if "all" in names:
-        return known
-    for name in names:
-        if name not in known:
-            raise InputError(
-                f'{kind} "{name}" is unknown{_nearest(str(name), known)}; known are '
-                f"{', '.join(known)}"
-            )
-    return tuple(dict.fromkeys(names))
-
-
-def built_in_scenes() -> dict[str, str]:
-    """Return the names of the built-in scenes with their descriptions."""
-    folder = resources.files("validation") / "scenes"
-    found = {}
-    for entry in sorted(folder.iterdir(), key=lambda e: e.name):
-        if entry.name.endswith(".toml"):
-            text = tomllib.loads(entry.read_text(encoding="utf-8"))
-            found[entry.name.removesuffix(".toml")] = str(text.get("description", ""))
-    return found
+        return choices(value, tuple(QUANTITIES), "quantity", "quantities")
 
 
 def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scene, dict[str, str]]:
@@ -134,20 +145,22 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
     InputError
         In one sentence, for anything that cannot be used.
     """
-    values, where = _read(name)
-    origins = {key: where for key, _ in _leaves(values)}
+    values, where = read_scene(name)
+    origins = {key: where for key, value in leaves(values) if value != {}}
+    for key, value in leaves(values):
+        if value != {} or key not in _groups():  # an empty group says nothing
+            _check_key(key)
     for override in overrides:
-        key, text = _split_override(override)
+        key, text = split_override(override)
         _check_key(key)
-        _assign(values, key, text)
+        assign(values, key, text)
         origins[key] = "set on the command line"
-    for key, _ in _leaves(values):
-        _check_key(key)
-    values.setdefault("name", Path(name).stem)
+    values.setdefault("name", scene_name(Path(name).stem))
     try:
         scene = Scene.model_validate(values, context={"units_required": True})
     except ValidationError as error:
-        raise InputError(_sentence(error)) from None
+        raise InputError(sentence(error)) from None
+    scene.piezo.ceramic().check_admissible()
     p.check_fit(scene.device, scene.support)
     _check_mesh(scene)
     return scene, origins
@@ -165,57 +178,8 @@ def scene_keys() -> list[str]:
     return keys
 
 
-def _read(name: str) -> tuple[dict[str, Any], str]:
-    known = built_in_scenes()
-    if name in known:
-        text = (resources.files("validation") / "scenes" / f"{name}.toml").read_text("utf-8")
-        return tomllib.loads(text), f"scene {name}"
-    path = Path(name)
-    if not path.is_file():
-        raise InputError(
-            f'scene "{name}" is neither a readable file nor a built-in scene'
-            f"{_nearest(name, tuple(known))}; built in are {', '.join(known)}"
-        )
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8")), f"scene file {path.name}"
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            f'scene file "{name}" cannot be read ({_reason(error)}); give a readable TOML file'
-        ) from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(
-            f'scene file "{name}" is not valid TOML ({error}); correct that place, or start '
-            "from the file that tactgen init writes"
-        ) from None
-
-
-def _reason(error: Exception) -> str:
-    return "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else str(error.args[-1])
-
-
-def _split_override(text: str) -> tuple[str, str]:
-    key, equals, value = text.partition("=")
-    if not equals or not key.strip() or not value.strip():
-        raise InputError(
-            f"--set {text} is not of the form KEY=VALUE; write for example "
-            "--set bimorph.length=25mm"
-        )
-    return key.strip(), value.strip()
-
-
-def _assign(values: dict[str, Any], key: str, value: str) -> None:
-    *groups, last = key.split(".")
-    for group in groups:
-        values = values.setdefault(group, {})
-    values[last] = value
-
-
-def _leaves(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in values.items():
-        if isinstance(value, dict):
-            yield from _leaves(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value
+def _groups() -> set[str]:
+    return {key.split(".", 1)[0] for key in scene_keys() if "." in key}
 
 
 def _check_key(key: str) -> None:
@@ -228,37 +192,11 @@ def _check_key(key: str) -> None:
         raise InputError(
             f'scene key "{key}" is a group, not a value; set one of {", ".join(inside)}'
         )
+    plain = key.replace('"', "")
     raise InputError(
-        f'scene key "{key}" is unknown{_nearest(key, tuple(known))}; '
+        f"scene key {quoted(plain)} is unknown{nearest(plain, (*known, *sorted(_groups())))}; "
         "tactgen init FILE.toml writes a scene with every key"
     )
-
-
-def _nearest(name: str, known: tuple[str, ...]) -> str:
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    if not close and "." in name:
-        tails = {k.rsplit(".", 1)[-1]: k for k in known}
-        close = [tails[t] for t in difflib.get_close_matches(name.rsplit(".", 1)[-1], tails, n=1)]
-    return f', did you mean "{close[0]}"?' if close else ""
-
-
-def _sentence(error: ValidationError) -> str:
-    """Turn pydantic's first complaint into one sentence."""
-    first = error.errors()[0]
-    cause = first.get("ctx", {}).get("error")
-    if isinstance(cause, InputError):
-        return str(cause)
-    key = ".".join(str(part) for part in first["loc"])
-    value = first["input"]
-    message = str(cause) if cause is not None else _plain(first["msg"])
-    shown = f'"{value}"' if isinstance(value, str) else str(value)
-    return f"{key} = {shown} {message}"
-
-
-def _plain(message: str) -> str:
-    if message.startswith("Input should be"):
-        return "should be" + message.removeprefix("Input should be")
-    return f"is refused: {message}"
 
 
 def _check_mesh(scene: Scene) -> None:
@@ -267,3 +205,54 @@ def _check_mesh(scene: Scene) -> None:
             'mesh.kind = "structured" cannot mesh the round rod of support.kind = "rod"; '
             'use mesh.kind = "tetwild" or "auto"'
         )
+
+
+def scene_warnings(scene: Scene, origins: Mapping[str, str]) -> tuple[str, ...]:
+    """Return one sentence for each key that was set but has no effect with the chosen kinds."""
+    found = []
+    for key in origins:
+        because = _idle(scene, key)
+        if because:
+            found.append(f"{key} = {_text(scene, key)} has no effect {because}")
+    return (*found, *_weightless(scene.load))
+
+
+def _idle(scene: Scene, key: str) -> str:
+    """Return why a key has no effect, with the remedy, or nothing if it has one."""
+    group = key.split(".", 1)[0]
+    needed = {
+        **dict.fromkeys(("load.stiffness", "load.damping"), "spring_damper"),
+        "load.mass": "mass",
+    }.get(key)
+    if needed and scene.load.kind != needed:
+        return f'with load.kind = "{scene.load.kind}"; set load.kind = "{needed}" to use it'
+    support = scene.support.kind
+    if group == "support" and key != "support.kind" and support != "spring":
+        return f'with support.kind = "{support}"; set support.kind = "spring" to use it'
+    limit = key == "rod.head_radius" and support == "spring"  # of the bimorph's width
+    if group in ("glue", "rod", "coil", "sleeve", "gap") and support != "rod" and not limit:
+        return f'with support.kind = "{support}"; set support.kind = "rod" to use it'
+    tetrahedra = scene.mesh.kind == "tetwild" or support == "rod"
+    if key == "mesh.time_limit" and not tetrahedra:
+        return f'with mesh.kind = "{scene.mesh.kind}"; set mesh.kind = "tetwild" to use it'
+    if key == "accuracy" and scene.mesh.level:
+        return f"with mesh.level = {scene.mesh.level}; leave mesh.level out to use it"
+    return ""
+
+
+def _weightless(load: p.Load) -> list[str]:
+    if load.kind == "mass" and load.mass == 0.0:
+        return ['load.kind = "mass" with load.mass = 0 mg is a free tip; set load.mass']
+    if load.kind == "spring_damper" and load.stiffness == load.damping == 0.0:
+        both = "load.stiffness = 0 N/m and load.damping = 0 N*s/m"
+        return [f'load.kind = "spring_damper" with {both} is a free tip; set one of them']
+    return []
+
+
+def _text(scene: Scene, key: str) -> str:
+    value: Any = scene
+    info: Any = None
+    for name in key.split("."):
+        info, value = type(value).model_fields[name], getattr(value, name)
+    unit = next((m for m in info.metadata if isinstance(m, u.Unit)), None)
+    return unit.show(value) if unit else str(value)

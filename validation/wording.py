@@ -1,0 +1,71 @@
+"""How refusals speak of names and values: one sentence, on one line, with a remedy."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from typing import Any
+
+from pydantic import ValidationError
+
+from geometry.errors import InputError
+from geometry.units import quoted
+
+
+def one_line(text: str) -> str:
+    """Return text without line breaks or other characters that do not print."""
+    return "".join(c if c.isprintable() else " " for c in " ".join(text.split()))
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Return `` (did you mean "…"?)`` for a misspelt name, or nothing."""
+    known = tuple(known)
+    close = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    if not close and "." in name:
+        tails = {k.rsplit(".", 1)[-1]: k for k in known}
+        close = [tails[t] for t in difflib.get_close_matches(name.rsplit(".", 1)[-1], tails, n=1)]
+    return f' (did you mean "{close[0]}"?)' if close else ""
+
+
+def choices(value: Any, known: tuple[str, ...], kind: str, key: str) -> tuple[str, ...]:
+    """Return `value` (a name, "a,b" or a list) as known names; ``all`` is every one.
+
+    Raises
+    ------
+    InputError
+        For an unknown name, with the nearest known one, and for anything but names.
+    """
+    names = [v.strip() for v in value.split(",")] if isinstance(value, str) else value
+    listed = f"known are {', '.join(known)}"
+    if not isinstance(names, list | tuple) or not all(isinstance(n, str) for n in names):
+        raise InputError(
+            f'{key} = {quoted(value)} is not a list of names; write for example ["{known[0]}"] '
+            'or "all"'
+        )
+    if not names or names == [""]:
+        raise InputError(f"{key} = {quoted(value)} names nothing; {listed}, or write all")
+    for name in names:
+        if name not in known and name != "all":
+            raise InputError(f"{kind} {quoted(name)} is unknown{nearest(name, known)}; {listed}")
+    return known if "all" in names else tuple(dict.fromkeys(names))
+
+
+def sentence(error: ValidationError) -> str:
+    """Turn pydantic's first complaint into one sentence."""
+    first = error.errors()[0]
+    context = first.get("ctx", {})
+    cause = context.get("error")
+    if isinstance(cause, InputError):
+        return one_line(str(cause))
+    key, value = ".".join(str(part) for part in first["loc"]), first["input"]
+    if cause is not None:
+        message = str(cause)
+    elif first["type"] == "literal_error":
+        names = str(context["expected"])
+        known = [name.strip("'") for name in names.replace(" or ", ", ").split(", ")]
+        message = f"is not a valid choice{nearest(str(value), known)}; write {names}"
+    elif first["type"] == "string_type":
+        message = f'is not text; write it in quotes, for example {key} = "text"'
+    else:
+        message = f"cannot be used ({first['msg']}); see the file that tactgen init writes"
+    return one_line(f"{key} = {quoted(value)} {message}")
