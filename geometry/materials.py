@@ -101,15 +101,17 @@ class Piezoceramic:
         """Return this ceramic with the reduced constants replaced exactly.
 
         The constants that a reduced set does not contain follow from this ceramic's by
-        ratio: compliances with s11, all of d with d31 (d15 so that the shear coupling k15
-        stays), eps11 with eps33.  With unchanged values the tensors are unchanged.
+        ratio: compliances with s11, eps11 with eps33, d33 and d15 so that the coupling
+        factors k33 and k15 stay.  With unchanged values the tensors are unchanged.
         """
         s = self.s * (s11 / self.s[0, 0])
         s[3, 3] = s[4, 4] = s55
         s[5, 5] = 2.0 * (s[0, 0] - s[0, 1])
         eps_t = self.eps_t * (eps33 * EPS0 / self.eps_t[2, 2])
         d = np.zeros((3, 6))
-        d[2] = self.d[2] * (d31 / self.d[2, 0])
+        d[2, :2] = d31
+        stiffer = np.sqrt(s[2, 2] / self.s[2, 2] * eps_t[2, 2] / self.eps_t[2, 2])
+        d[2, 2] = self.d[2, 2] * stiffer
         shear = np.sqrt(s55 / self.s[4, 4] * eps_t[0, 0] / self.eps_t[0, 0])
         d[0, 4] = d[1, 3] = self.d[0, 4] * shear
         return replace(
