@@ -138,13 +138,14 @@ class LumpedModel(Model):
         short, opened = self.stages.run("lumped.modes", self._both_modes)
         return opened if open_circuit else short
 
-    def _both_modes(self) -> tuple[Refined[Modes], Refined[Modes]]:
+    def circuit(self, *, open_circuit: bool = False) -> lumped.EquivalentCircuit:
+        """Return the first mode as a one-mode circuit (parallel wiring)."""
         s = self.scene
         pieces = transfer_matrix.sections(s.device, s.support, s.beam, lossy=False)
-        short, opened = (
-            lumped.equivalent_circuit(pieces, self._fixture(), open_circuit=circuit)
-            for circuit in (False, True)
-        )
+        return lumped.equivalent_circuit(pieces, self._fixture(), open_circuit=open_circuit)
+
+    def _both_modes(self) -> tuple[Refined[Modes], Refined[Modes]]:
+        short, opened = (self.circuit(open_circuit=circuit) for circuit in (False, True))
         return tuple(
             Refined(Modes(np.array([c.short_circuit_frequency]), ("bending_x",)), (), self._METHOD)
             for c in (short, opened)

@@ -19,6 +19,8 @@ import numpy as np
 
 from geometry.arrays import Complex
 from geometry.files import written_whole
+from tmm.lumped import EquivalentCircuit
+from tmm.multiport import passivity_margin, reciprocity_error
 from tmm.terminations import outside_finger_range
 from validation import plots
 from validation.audit import AT, audit
@@ -26,6 +28,7 @@ from validation.checks import CHECKS, Outcome, run_check
 from validation.comparison import compare
 from validation.files import writable_folder
 from validation.formats import filters
+from validation.models import LumpedModel
 from validation.parameter_list import parameter_rows
 from validation.quantities import QUANTITIES
 from validation.scene import Scene
@@ -149,6 +152,8 @@ def _page(
         "bridge": crossing,
         "asked": asked,
         "missed": accuracy.count(False),
+        "circuit": _circuit(solution),
+        "invariants": _invariants(solution),
         "audit": audit(scene),
         "audit_at": AT,
         "tet": _tet_check(scene, solution, quick, announce),
@@ -211,6 +216,26 @@ def _outcomes(quick: bool, announce: Callable[[str], None]) -> list[Outcome]:
             continue
         announce(f"check {check.id}")
         found.append(run_check(check))
+    return found
+
+
+def _circuit(solution: Solution) -> EquivalentCircuit | None:
+    model = solution.models.get("lumped")
+    return model.circuit() if isinstance(model, LumpedModel) else None
+
+
+def _invariants(solution: Solution) -> list[dict[str, Any]]:
+    """Return how reciprocal and how passive each model's five ports are over the sweep."""
+    found = []
+    for name, model in solution.models.items():
+        port = model.ports().fine
+        found.append(
+            {
+                "model": name,
+                "reciprocity": float(reciprocity_error(port).max()),
+                "passivity": float(passivity_margin(port).min()),
+            }
+        )
     return found
 
 

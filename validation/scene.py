@@ -30,9 +30,6 @@ from validation.scene_file import (
 )
 from validation.wording import choices, nearest, sentence
 
-#: Groups of device parameters, in the order in which reports list them.
-GROUPS = ("bimorph", "piezo", "shim", "glue", "rod", "coil", "sleeve", "support", "load")
-
 
 @dataclass(frozen=True)
 class WholeNumber:
