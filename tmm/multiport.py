@@ -17,8 +17,7 @@ import numpy as np
 
 from geometry.arrays import Complex, Floats
 
-#: Names of the ports' displacement-like variables, in order.
-PORTS = ("w_base", "psi_base", "w_tip", "psi_tip", "U")
+#: Positions of the ports' displacement-like variables.
 W_BASE, PSI_BASE, W_TIP, PSI_TIP, VOLTAGE = range(5)
 
 

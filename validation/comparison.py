@@ -31,7 +31,7 @@ BRIDGED = {
 _STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
 #: A difference is explained if the bridge accounts for all but this fraction of the value:
 #: the bridge runs on the coarser mesh of the pair.
-_UNEXPLAINED = 3e-3
+UNEXPLAINED = 3e-3
 #: Models of one theory must agree to this fraction.
 _SAME_THEORY = 1e-8
 
@@ -58,7 +58,6 @@ class ComparedRow:
 
     quantity: str
     unit: str
-    reference_model: str
     cells: tuple[Cell, ...]
 
     @property
@@ -84,7 +83,7 @@ def compare(solution: Solution, rungs: Sequence[Rung] | None = None) -> list[Com
         if any(q.name == name for q in solution.quantities):
             unit = next(q.unit for q in solution.quantities if q.name == name)
             cells = _cells(solution, name, rungs)
-            rows.append(ComparedRow(name, unit, tuple(solution.models)[-1], cells))
+            rows.append(ComparedRow(name, unit, cells))
     return rows
 
 
@@ -126,7 +125,7 @@ def _judge(
         return "model form", reason
     first, last = (getattr(rung, BRIDGED[name]) for rung in (rungs[0], rungs[-1]))
     left = (1.0 + difference) * last / first - 1.0
-    if abs(left) > _UNEXPLAINED + (0.01 if model == "lumped" and name not in _STATIC else 0.0):
+    if abs(left) > UNEXPLAINED + (0.01 if model == "lumped" and name not in _STATIC else 0.0):
         return "differs", f"{reason}; the bridge leaves {100.0 * left:+.2f} % unexplained"
     return "explained", f"{reason}; the bridge leaves {100.0 * left:+.2f} %"
 
