@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from geometry.errors import InputError
-from geometry.parameters import NOMINAL_GAP, Device, Support, check_fit
+from geometry.fit import check_fit
+from geometry.parameters import NOMINAL_GAP, Device, Support
 
 #: The bimorph by itself, or the whole generator with the bimorph glued into the rod.
 Standing = Literal["alone", "rod"]

@@ -17,6 +17,7 @@ from pydantic import BeforeValidator, Field, ValidationError, field_validator
 from geometry import parameters as p
 from geometry import units as u
 from geometry.errors import InputError
+from geometry.fit import check_fit
 from geometry.units import quoted
 from validation.frequencies import parse_frequencies
 from validation.quantities import MODELS, QUANTITIES
@@ -158,7 +159,7 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
     except ValidationError as error:
         raise InputError(sentence(error)) from None
     scene.piezo.ceramic().check_admissible()
-    p.check_fit(scene.device, scene.support)
+    check_fit(scene.device, scene.support)
     _check_mesh(scene)
     return scene, origins
 

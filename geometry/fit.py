@@ -1,0 +1,86 @@
+"""Whether the parts of a device can be put together, before anything is built from them."""
+
+from __future__ import annotations
+
+import math
+
+from geometry.errors import InputError
+from geometry.parameters import Device, Support
+
+
+def check_fit(device: Device, support: Support) -> None:
+    """Refuse a device whose parts cannot be put together.
+
+    Raises
+    ------
+    InputError
+        In one sentence, with the values in millimetres.
+    """
+    bimorph, rod, sleeve, coil = device.bimorph, device.rod, device.sleeve, device.coil
+    mm = 1e3
+    if support.kind != "clamped" and bimorph.width > 2.0 * rod.head_radius:
+        raise InputError(
+            f"bimorph.width = {bimorph.width * mm:g} mm is wider than the rod allows "
+            f"(head diameter {2 * rod.head_radius * mm:g} mm); make the bimorph narrower or "
+            'rod.head_radius larger, or study it alone with support.kind = "clamped"'
+        )
+    if support.kind == "rod":
+        _check_joint(device)
+    if not rod.radius <= coil.inner_radius < coil.outer_radius < sleeve.inner_radius:
+        raise InputError(
+            f"coil.inner_radius = {coil.inner_radius * mm:g} mm and coil.outer_radius = "
+            f"{coil.outer_radius * mm:g} mm must lie between rod.radius = {rod.radius * mm:g} mm "
+            f"and sleeve.inner_radius = {sleeve.inner_radius * mm:g} mm, in that order"
+        )
+    if not sleeve.collar_radius <= sleeve.inner_radius < sleeve.outer_radius:
+        raise InputError(
+            f"sleeve.inner_radius = {sleeve.inner_radius * mm:g} mm must lie between "
+            f"sleeve.collar_radius = {sleeve.collar_radius * mm:g} mm and "
+            f"sleeve.outer_radius = {sleeve.outer_radius * mm:g} mm"
+        )
+    if not rod.radius < rod.flange_radius < sleeve.inner_radius:
+        raise InputError(
+            f"rod.flange_radius = {rod.flange_radius * mm:g} mm must lie between rod.radius = "
+            f"{rod.radius * mm:g} mm and sleeve.inner_radius = {sleeve.inner_radius * mm:g} mm"
+        )
+    if rod.flange_position + rod.flange_thickness > rod.length + 1e-12:
+        raise InputError(
+            f"rod.length = {rod.length * mm:g} mm ends above the flange's lower face at "
+            f"{(rod.flange_position + rod.flange_thickness) * mm:g} mm; make the rod longer"
+        )
+    if coil.position + coil.length > rod.flange_position:
+        raise InputError(
+            f"coil.length = {coil.length * mm:g} mm from coil.position = {coil.position * mm:g} mm "
+            f"runs into the flange at rod.flange_position = {rod.flange_position * mm:g} mm; "
+            "shorten the coil"
+        )
+
+
+def _check_joint(device: Device) -> None:
+    """Refuse a tab that does not go into the slot, or a slot that leaves the head."""
+    bimorph, rod, glue = device.bimorph, device.rod, device.glue
+    mm = 1e3
+    slot_diagonal = math.hypot(
+        bimorph.width + 2 * glue.thickness, bimorph.shim_thickness + 2 * glue.thickness
+    )
+    if slot_diagonal >= 2.0 * rod.head_radius:
+        raise InputError(
+            f"bimorph.width = {bimorph.width * mm:g} mm is wider than the rod allows: with its "
+            f"bond line the tab needs a slot of {slot_diagonal * mm:.3g} mm across the head of "
+            f"diameter {2 * rod.head_radius * mm:g} mm; make the bimorph narrower"
+        )
+    if rod.slot_depth >= rod.head_thickness:
+        raise InputError(
+            f"rod.slot_depth = {rod.slot_depth * mm:g} mm must stay inside the head of thickness "
+            f"rod.head_thickness = {rod.head_thickness * mm:g} mm; make the slot shallower"
+        )
+    if glue.thickness >= rod.slot_depth:
+        raise InputError(
+            f"glue.thickness = {glue.thickness * mm:g} mm fills the whole slot of depth "
+            f"rod.slot_depth = {rod.slot_depth * mm:g} mm; make the bond line thinner"
+        )
+    if device.ceramic_base < 0.0:
+        raise InputError(
+            f"bimorph.tab_length = {bimorph.tab_length * mm:g} mm is too short for the rod's slot; "
+            f"it must be at least {(rod.slot_depth - glue.thickness) * mm:g} mm"
+        )
