@@ -1,28 +1,28 @@
 """Timoshenko beam finite elements with voltage: the discretised twin of the TMM.
 
 Weak form, for all (v, φ):  ∫ EI ψ' φ' + GA (w' + ψ)(v' + φ) − Ω² (m w v + ρI ψ φ) dz
-= U ∫ K φ' dz + end forces.  Section constants are integrated over the layers here, by
-Gauss quadrature of the constitutive law, not taken from closed forms.
+= U ∫ K φ' dz + end forces.  A taper is known to the elements at every quadrature point.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from fem.beam_section import gauss, section_constants
 from geometry.arrays import Complex, Floats, Ints
 from geometry.beam_pieces import Piece, beam_pieces
-from geometry.materials import EPS0
 from geometry.parameters import Beam, Device, Support
 from tmm.multiport import Multiport
 
 #: Polynomial order of w and ψ (equal orders lock only at low order).
 ORDER = 5
+#: Elements of the glued part of the tab: far more than its waves on the glue need.
+_TAB_ELEMENTS = 8
 
 
 @dataclass(frozen=True)
@@ -66,10 +66,13 @@ def elements_for(device: Device, highest: float) -> int:
     One radian of the slowest wave per element of order five; even, at least 8.
     """
     piezo, bimorph = device.piezo, device.bimorph
+    ceramic = [p for p in beam_pieces(device, Support()) if p.section == "bimorph"]
+    ends = [piece.layers(bimorph, end) for piece in ceramic for end in (0.0, 1.0)]
+    thinnest = min(2.0 * layers.piezo_thickness + layers.shim_thickness for layers in ends)
     slowest = math.sqrt(min(1.0 / piezo.s55, device.shim.shear_modulus) / piezo.density)
     modulus = 1.0 / (piezo.s11 * piezo.density)
     omega = 2.0 * math.pi * highest
-    bending = math.sqrt(omega / math.sqrt(modulus) / bimorph.thickness * math.sqrt(12.0))
+    bending = math.sqrt(omega / math.sqrt(modulus) / thinnest * math.sqrt(12.0))
     radians = (bimorph.length + bimorph.tab_length) * max(bending, omega / slowest)
     return int(2 * max(4, math.ceil(radians / 2.0)))
 
@@ -78,42 +81,129 @@ def assemble(
     device: Device, support: Support, beam: Beam, *, elements: int, lossy: bool
 ) -> BeamMatrices:
     """Assemble the row of beams, `elements` shared out by length, at least one a piece."""
-    from skfem import Basis, BilinearForm, ElementLinePp, LinearForm, MeshLine, asm
+    from skfem import Basis, ElementLinePp, LinearForm, asm
 
     pieces = beam_pieces(device, support)
-    constants = [_section(piece, device, beam, lossy=lossy) for piece in pieces]
-    ends = np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
-    counts = [max(1, round(elements * piece.length / ends[-1])) for piece in pieces]
-    nodes = [np.linspace(a, b, n + 1)[1:] for (a, b), n in zip(pairwise(ends), counts, strict=True)]
-    mesh = MeshLine(np.concatenate([[0.0], *nodes]))
+    beams = [piece for piece in pieces if piece.section != "bond"]
+    mesh, piece_of, joints = _mesh(pieces, elements)
     w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
-    basis = w_space * w_space
-    ei, ga, m, rho_i, k, c = (
-        np.repeat(column, counts)[:, None] for column in zip(*constants, strict=True)
+    constants = np.stack(
+        [
+            section_constants(beams[k], device, beam, share, lossy=lossy)
+            for k, share in zip(piece_of, _shares(w_space, piece_of), strict=True)
+        ],
+        axis=1,
     )
-
-    @BilinearForm(dtype=complex)  # type: ignore[untyped-decorator]
-    def elastic(w: Any, psi: Any, v: Any, phi: Any, _: Any) -> Any:
-        shear = (w.grad[0] + psi) * (v.grad[0] + phi)
-        return ei * psi.grad[0] * phi.grad[0] + ga * shear
-
-    @BilinearForm  # type: ignore[untyped-decorator]
-    def inertial(w: Any, psi: Any, v: Any, phi: Any, _: Any) -> Any:
-        return m.real * w * v + rho_i.real * psi * phi
+    basis = w_space * w_space
+    stiffness = asm(_elastic(*constants[:2]), basis).toarray()
+    for node, depth in joints:
+        dofs = w_space.nodal_dofs[0][[node, node + 1]]
+        ports = np.ix_(*2 * [[*dofs, *(dofs + w_space.N)]])
+        spring = bonded_tab(device, beam, depth)
+        stiffness[ports] += np.kron(spring, [[1.0, -1.0], [-1.0, 1.0]])
 
     @LinearForm(dtype=complex)  # type: ignore[untyped-decorator]
     def moment_per_voltage(v: Any, phi: Any, _: Any) -> Any:
-        return k * phi.grad[0] + 0.0 * v
+        return constants[4] * phi.grad[0] + 0.0 * v
 
-    w_dofs = w_space.nodal_dofs[0]
-    first, last = (w_dofs[np.argmin(mesh.p[0])], w_dofs[np.argmax(mesh.p[0])])
+    ends = w_space.nodal_dofs[0][[0, -1]]
     return BeamMatrices(
-        stiffness=asm(elastic, basis).toarray(),
-        mass=asm(inertial, basis).toarray(),
+        stiffness=stiffness,
+        mass=asm(_inertial(*constants[2:4].real), basis).toarray(),
         coupling=asm(moment_per_voltage, basis),
-        capacitance=complex(np.sum(c[:, 0] * np.diff(np.sort(mesh.p[0])))),
-        ports=np.array([first, first + w_space.N, last, last + w_space.N]),
+        capacitance=complex(np.sum(constants[5] * w_space.dx)),
+        ports=np.array([ends[0], ends[0] + w_space.N, ends[1], ends[1] + w_space.N]),
     )
+
+
+def _mesh(pieces: Sequence[Piece], elements: int) -> tuple[Any, Ints, list[tuple[int, float]]]:
+    """Return the line mesh from base to tip, the beam of each element, and the joints.
+
+    A joint is a node, whose successor lies at the same height and which no element connects
+    to it, and the depth of the slot (m).
+    """
+    from skfem import MeshLine
+
+    total = sum(piece.length for piece in pieces if piece.section != "bond")
+    nodes, cells, piece_of, joints = [0.0], [], [], []
+    beams = 0
+    for piece in pieces:
+        last = len(nodes) - 1
+        if piece.section == "bond":
+            joints.append((last, piece.length))
+            nodes.append(nodes[-1])
+            continue
+        count = max(1, round(elements * piece.length / total))
+        nodes += list(nodes[-1] + np.linspace(0.0, piece.length, count + 1)[1:])
+        cells += [(last + i, last + i + 1) for i in range(count)]
+        piece_of += count * [beams]
+        beams += 1
+    mesh = MeshLine(np.array([nodes]), np.array(cells).T, sort_t=False)
+    return mesh, np.array(piece_of), joints
+
+
+def _shares(space: Any, piece_of: Ints) -> Floats:
+    """Return where each quadrature point lies in its beam (n_elements, n_points), 0 to 1."""
+    z = np.asarray(space.global_coordinates())[0]
+    low, high = space.mesh.p[0][space.mesh.t]
+    lower = np.array([low[piece_of == k].min() for k in piece_of])[:, None]
+    upper = np.array([high[piece_of == k].max() for k in piece_of])[:, None]
+    return np.asarray((z - lower) / (upper - lower))
+
+
+def _elastic(ei: Complex, ga: Complex) -> Any:
+    from skfem import BilinearForm
+
+    @BilinearForm(dtype=complex)  # type: ignore[untyped-decorator]
+    def form(w: Any, psi: Any, v: Any, phi: Any, _: Any) -> Any:
+        shear = (w.grad[0] + psi) * (v.grad[0] + phi)
+        return ei * psi.grad[0] * phi.grad[0] + ga * shear
+
+    return form
+
+
+def _inertial(m: Any, rho_i: Any) -> Any:
+    from skfem import BilinearForm
+
+    @BilinearForm  # type: ignore[untyped-decorator]
+    def form(w: Any, psi: Any, v: Any, phi: Any, _: Any) -> Any:
+        return m * w * v + rho_i * psi * phi
+
+    return form
+
+
+def bonded_tab(device: Device, beam: Beam, depth: float) -> Floats:
+    """Return the stiffness (2, 2) of the tab in the slot at the slot's edge, to the head.
+
+    Weak form of a beam on its bond lines, its end on the glue below it:
+    ∫ EI θ' φ' + GA (v' + θ)(ν' + φ) + k_w v ν + k_r θ φ dz + end springs, with the glue's
+    energy integrated over the tab's perimeter: per area (E' n² + G s²)/(2 t) for
+    displacements n across and s along the bond line.
+    """
+    from skfem import Basis, ElementLinePp, MeshLine, asm
+
+    glue, bimorph = device.glue, device.bimorph
+    half, b, t = 0.5 * bimorph.shim_thickness, bimorph.width, glue.thickness
+    nu = glue.poisson_ratio
+    lame = glue.youngs_modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    shear = glue.youngs_modulus / (2.0 * (1.0 + nu))
+    squeezed = lame + 2.0 * shear
+    across = sum(weight for _, weight in gauss(-half, half))
+    turned = sum(weight * x**2 for x, weight in gauss(-half, half))
+    lateral = 2.0 * (b * squeezed + across * shear) / t
+    rotational = 2.0 * (b * shear * half**2 + turned * shear) / t
+    tab = section_constants(Piece("shim", depth), device, beam, np.zeros(1), lossy=False)[:2]
+    mesh = MeshLine(np.linspace(0.0, depth, _TAB_ELEMENTS + 1))
+    space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
+    k = asm(_elastic(*tab), space * space) + asm(_inertial(lateral, rotational), space * space)
+    k = k.toarray().real
+    low, high = space.nodal_dofs[0][[0, -1]]
+    k[low, low] += shear * b * across / t
+    k[low + space.N, low + space.N] += squeezed * b * turned / t
+    edge = [high, high + space.N]
+    inner = np.setdiff1d(np.arange(k.shape[0]), edge)
+    solved = np.linalg.solve(k[np.ix_(inner, inner)], k[np.ix_(inner, edge)])
+    return np.asarray(k[np.ix_(edge, edge)] - k[np.ix_(edge, inner)] @ solved)
 
 
 def bending_frequencies(
@@ -201,58 +291,3 @@ def _bands(k: Complex, m: Floats) -> tuple[int, Complex, Floats]:
     k_band[width + rows - columns, columns] = k[rows, columns]
     m_band[width + rows - columns, columns] = m[rows, columns]
     return width, k_band, m_band
-
-
-def _section(piece: Piece, device: Device, beam: Beam, *, lossy: bool) -> tuple[complex, ...]:
-    """Return (EI, GA, m, rhoI, K, C) of a piece by integration over its section."""
-    if piece.section == "cylinder":
-        return _cylinder_section(piece.radius, device)
-    bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
-    half, hp, b = 0.5 * bimorph.shim_thickness, bimorph.piezo_thickness, bimorph.width
-    layers: list[tuple[float, float, complex, float, float, float]] = [
-        (-half, half, shim.youngs_modulus, shim.shear_modulus, shim.density, 0.0)
-    ]
-    modulus = (1.0 + 1j / piezo.quality_factor if lossy else 1.0) / piezo.s11
-    if piece.section == "bimorph":
-        # field along x per volt between outer electrode and shim
-        layers.append((half, half + hp, modulus, 1.0 / piezo.s55, piezo.density, -1.0 / hp))
-        layers.append((-half - hp, -half, modulus, 1.0 / piezo.s55, piezo.density, 1.0 / hp))
-    d31 = bimorph.poling_sign * piezo.d31
-    eps = piezo.eps33 * EPS0 * (1.0 - 1j * piezo.loss_tangent if lossy else 1.0)
-    out = np.zeros(6, dtype=complex)
-    for low, high, e, g, rho, field in layers:
-        for x, weight in _gauss(low, high):
-            area = b * weight
-            # stress per curvature: E x; per volt: −E d31 field.  D = d31 E x ψ' + eps* field,
-            # and the charge on the electrodes is −∫ D field dA
-            out += area * np.array(
-                [
-                    e * x**2,
-                    beam.shear_correction * g,
-                    rho,
-                    rho * x**2,
-                    e * d31 * field * x,
-                    (eps - e * d31**2) * field**2,
-                ]
-            )
-    return tuple(out)
-
-
-def _cylinder_section(radius: float, device: Device) -> tuple[complex, ...]:
-    """Integrate a solid disc in strips; Cowper's (1966) shear correction."""
-    rod = device.rod
-    area = inertia = 0.0
-    for angle, weight in _gauss(-0.5 * math.pi, 0.5 * math.pi, points=16):
-        x, strip = radius * math.sin(angle), 2.0 * (radius * math.cos(angle)) ** 2
-        area += weight * strip
-        inertia += weight * strip * x**2
-    shear = rod.youngs_modulus / (2.0 * (1.0 + rod.poisson_ratio))
-    shear *= 6.0 * (1.0 + rod.poisson_ratio) / (7.0 + 6.0 * rod.poisson_ratio)
-    e, rho = rod.youngs_modulus, rod.density
-    return (e * inertia, shear * area, rho * area, rho * inertia, 0.0, 0.0)
-
-
-def _gauss(low: float, high: float, points: int = 3) -> Iterable[tuple[float, float]]:
-    x, weights = np.polynomial.legendre.leggauss(points)
-    centre, half = 0.5 * (low + high), 0.5 * (high - low)
-    return [(centre + half * float(a), half * float(b)) for a, b in zip(x, weights, strict=True)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from geometry.errors import InputError
-from geometry.parameters import Device, Support
+from geometry.parameters import Bimorph, Device, Support
 
 
 def check_fit(device: Device, support: Support) -> None:
@@ -18,9 +18,14 @@ def check_fit(device: Device, support: Support) -> None:
     """
     bimorph, rod, sleeve, coil = device.bimorph, device.rod, device.sleeve, device.coil
     mm = 1e3
-    if support.kind != "clamped" and bimorph.width > 2.0 * rod.head_radius:
+    _check_ceramic(bimorph)
+    profile = bimorph.width_profile
+    key, width = "width", bimorph.width
+    if profile and not bimorph.tab_length:
+        key, width = "width_profile", profile.largest
+    if support.kind != "clamped" and width > 2.0 * rod.head_radius:
         raise InputError(
-            f"bimorph.width = {bimorph.width * mm:g} mm is wider than the rod allows "
+            f"bimorph.{key} = {width * mm:g} mm is wider than the rod allows "
             f"(head diameter {2 * rod.head_radius * mm:g} mm); make the bimorph narrower or "
             'rod.head_radius larger, or study it alone with support.kind = "clamped"'
         )
@@ -53,6 +58,50 @@ def check_fit(device: Device, support: Support) -> None:
             f"coil.length = {coil.length * mm:g} mm from coil.position = {coil.position * mm:g} mm "
             f"runs into the flange at rod.flange_position = {rod.flange_position * mm:g} mm; "
             "shorten the coil"
+        )
+
+
+def _check_ceramic(bimorph: Bimorph) -> None:
+    """Refuse profiles that end elsewhere than the ceramic, and ceramic without electrodes."""
+    mm = 1e3
+    for name, profile in bimorph.profiles.items():
+        if not math.isclose(profile.end, bimorph.length, rel_tol=1e-9):
+            raise InputError(
+                f"bimorph.{name} ends at {profile.end * mm:g} mm but bimorph.length = "
+                f"{bimorph.length * mm:g} mm; let the profile end at the ceramic's upper edge"
+            )
+    if bimorph.bare_below + bimorph.bare_above >= bimorph.length:
+        raise InputError(
+            f"bimorph.bare_below = {bimorph.bare_below * mm:g} mm and bimorph.bare_above = "
+            f"{bimorph.bare_above * mm:g} mm leave no electrode on bimorph.length = "
+            f"{bimorph.length * mm:g} mm; make them shorter"
+        )
+
+
+def beyond_plain_layers(bimorph: Bimorph) -> str:
+    """Return the key of what makes a bimorph more than three boxes, electroded all over."""
+    lengths = ("bare_below", "bare_above", "glue_thickness")
+    found = [*bimorph.profiles, *(name for name in lengths if getattr(bimorph, name))]
+    return found[0] if found else ""
+
+
+def check_plain_layers(device: Device) -> None:
+    """Refuse a bimorph that the solid model and the CAD parts do not know.
+
+    Raises
+    ------
+    InputError
+        In one sentence that names the models that can.
+    """
+    key = beyond_plain_layers(device.bimorph)
+    if key:
+        remedy = f"leave out bimorph.{key}"
+        if key not in device.bimorph.profiles:
+            remedy = f"set bimorph.{key} = 0 mm"
+        raise InputError(
+            f"bimorph.{key} is known to the models lumped, tmm and beam only (the solid model and "
+            "the CAD parts have three plain layers with electrodes all over); ask for "
+            f"models=lumped,tmm,beam or {remedy}"
         )
 
 

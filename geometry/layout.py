@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from geometry.errors import InputError
-from geometry.fit import check_fit
+from geometry.fit import check_fit, check_plain_layers
 from geometry.parameters import NOMINAL_GAP, Device, Support
 
 #: The bimorph by itself, or the whole generator with the bimorph glued into the rod.
@@ -92,6 +92,7 @@ def layout(
             )
     if not wanted:
         raise InputError(f"no region is chosen; use some of {', '.join(known)}")
+    check_plain_layers(device)
     parts = _bimorph(device, standing)
     if standing == "rod":
         check_fit(device, Support(kind="rod"))

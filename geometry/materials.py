@@ -9,6 +9,7 @@ xx, yy, zz, yz, xz, xy.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,18 @@ EPS0 = 8.8541878128e-12
 #: 1 -> z, 2 -> y, 3 -> x turns (11 22 33 23 13 12) into (zz yy xx xy xz yz).
 _VOIGT = np.array([2, 1, 0, 5, 4, 3])
 _AXES = np.array([2, 1, 0])
+
+
+class Spread(NamedTuple):
+    """The range (SI) in which a value may lie, every place in it alike, and why that range."""
+
+    low: float
+    high: float
+    reason: str
+
+
+#: Reason of a range that only says how a value was printed.
+PRINTED = "half a unit of the last digit printed"
 
 
 @dataclass(frozen=True)
@@ -70,6 +83,7 @@ class Piezoceramic:
     loss_tangent: float
     origin: str
     stated: dict[str, str] = field(default_factory=dict)
+    spreads: dict[str, Spread] = field(default_factory=dict)
 
     def reduced(self) -> dict[str, float]:
         """Return the constants that a one-dimensional model uses (SI, eps33 relative)."""
@@ -102,7 +116,8 @@ class Piezoceramic:
 
         The constants that a reduced set does not contain follow from this ceramic's by
         ratio: compliances with s11, eps11 with eps33, d33 and d15 so that the coupling
-        factors k33 and k15 stay.  With unchanged values the tensors are unchanged.
+        factors k33 and k15 stay.  With unchanged values the tensors are unchanged; with
+        d31 = 0 the ceramic is passive.
         """
         s = self.s * (s11 / self.s[0, 0])
         s[3, 3] = s[4, 4] = s55
@@ -110,10 +125,11 @@ class Piezoceramic:
         eps_t = self.eps_t * (eps33 * EPS0 / self.eps_t[2, 2])
         d = np.zeros((3, 6))
         d[2, :2] = d31
+        kept = self.d if d31 != 0.0 else d
         stiffer = np.sqrt(s[2, 2] / self.s[2, 2] * eps_t[2, 2] / self.eps_t[2, 2])
-        d[2, 2] = self.d[2, 2] * stiffer
+        d[2, 2] = kept[2, 2] * stiffer
         shear = np.sqrt(s55 / self.s[4, 4] * eps_t[0, 0] / self.eps_t[0, 0])
-        d[0, 4] = d[1, 3] = self.d[0, 4] * shear
+        d[0, 4] = d[1, 3] = kept[0, 4] * shear
         return replace(
             self,
             s=s,
@@ -165,8 +181,8 @@ class Piezoceramic:
             raise InputError(
                 f"piezo.d31 = {self.d[2, 0]:.4g} m/V with piezo.eps33 = "
                 f"{self.eps_t[2, 2] / EPS0:.4g} and piezo.s11 = {self.s[0, 0]:.4g} m^2/N stores "
-                "negative energy (clamped permittivity not positive); raise piezo.eps33 or "
-                "lower |piezo.d31|"
+                "negative energy (clamped permittivity not positive); raise piezo.eps33, "
+                "or choose piezo.d31 closer to the library material's, or 0 for a passive ceramic"
             )
 
 
@@ -244,6 +260,15 @@ def _m1876() -> Piezoceramic:
             "density": assumed,
             "quality_factor": assumed,
             "loss_tangent": assumed,
+        },
+        spreads={
+            "s11": Spread(15.75e-12, 15.85e-12, PRINTED),
+            "s55": Spread(57.75e-12, 57.85e-12, PRINTED),
+            "d31": Spread(-385.5e-12, -384.5e-12, PRINTED),
+            "eps33": Spread(5300.0, 6500.0, "tables of soft PZT with d31 of -350 to -405 pC/N"),
+            "density": Spread(7700.0, 8000.0, "tables of soft PZT, and a margin"),
+            "quality_factor": Spread(50.0, 80.0, "tables of soft PZT, 55 to 75, and a margin"),
+            "loss_tangent": Spread(0.02, 0.035, "tables of soft PZT"),
         },
     )
 

@@ -14,7 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geometry import units as u
 from geometry.errors import InputError
-from geometry.materials import LIBRARY, Piezoceramic
+from geometry.materials import LIBRARY, PRINTED, Piezoceramic, Spread
+from geometry.profile import UNIFORM, LengthProfile, Profile
 
 #: Gap at which the reconstructed normal actuator's axial positions are stated (m).
 NOMINAL_GAP = 0.2e-3
@@ -25,8 +26,23 @@ _PAPER_5 = "paper section 5.1"
 _RECONSTRUCTED = "assumed: reconstructed normal actuator (the paper gives only 2.3 mm and the gap)"
 
 
-def _field(default: Any, source: str, description: str) -> Any:
-    return Field(default, description=description, json_schema_extra={"source": source})
+def _field(
+    default: Any,
+    source: str,
+    description: str,
+    spread: tuple[float, float, str] | None = None,
+) -> Any:
+    """Declare a parameter; `spread` is (low, high, reason), a tenth for a reconstructed size."""
+    if spread is None and source == _RECONSTRUCTED:
+        spread = (0.9 * default, 1.1 * default, "assumed: a reconstruction, a tenth either way")
+    extra: dict[str, Any] = {"source": source, "spread": list(spread) if spread else None}
+    return Field(default, description=description, json_schema_extra=extra)
+
+
+def _printed(default: float, source: str, description: str, half_a_unit: float) -> Any:
+    """Declare a parameter that is known to the digits printed, trailing zeros not counted."""
+    spread = (default - half_a_unit, default + half_a_unit, PRINTED)
+    return _field(default, source, description, spread)
 
 
 class Parameters(BaseModel):
@@ -38,12 +54,43 @@ class Parameters(BaseModel):
 class Bimorph(Parameters):
     """The lateral actuator: piezo / shim / piezo, the shim's tab below the ceramic."""
 
-    length: u.Length = _field(20e-3, _PAPER_4, "active (ceramic) length")
-    width: u.SmallLength = _field(2.1e-3, _PAPER_2, "width b")
-    piezo_thickness: u.SmallLength = _field(0.26e-3, _PAPER_2, "thickness of one piezo layer h_p")
-    shim_thickness: u.SmallLength = _field(0.25e-3, _PAPER_2, "thickness of the shim h_s")
+    length: u.Length = _field(
+        20e-3,
+        _PAPER_4,
+        "active (ceramic) length",
+        (19.9e-3, 20.1e-3, "chosen by design; assumed: cut to 0.1 mm"),
+    )
+    width: u.SmallLength = _printed(2.1e-3, _PAPER_2, "width b", 0.05e-3)
+    piezo_thickness: u.SmallLength = _printed(
+        0.26e-3, _PAPER_2, "thickness of one piezo layer h_p", 0.005e-3
+    )
+    shim_thickness: u.SmallLength = _printed(
+        0.25e-3, _PAPER_2, "thickness of the shim h_s", 0.005e-3
+    )
     tab_length: u.LengthOrZero = _field(
         0.0, "assumed: no bare shim below the ceramic", "length of the bare shim below the ceramic"
+    )
+    width_profile: LengthProfile = _field(
+        UNIFORM,
+        "assumed: uniform",
+        "width along the ceramic, as 0 mm: 2.1 mm, 20 mm: 1 mm; then width is that of the tab",
+    )
+    piezo_thickness_profile: LengthProfile = _field(
+        UNIFORM, "assumed: uniform", "thickness of one piezo layer along the ceramic"
+    )
+    shim_thickness_profile: LengthProfile = _field(
+        UNIFORM,
+        "assumed: uniform",
+        "thickness of the shim along the ceramic; then shim_thickness is that of the tab",
+    )
+    bare_below: u.LengthOrZero = _field(
+        0.0, "assumed: electrodes on the whole ceramic", "ceramic without electrode, lower end"
+    )
+    bare_above: u.LengthOrZero = _field(
+        0.0, "assumed: electrodes on the whole ceramic", "ceramic without electrode, upper end"
+    )
+    glue_thickness: u.LengthOrZero = _field(
+        0.0, "assumed: no glue between the layers", "glue between the shim and each piezo layer"
     )
     wiring: Literal["parallel", "series"] = _field(
         "parallel",
@@ -59,7 +106,13 @@ class Bimorph(Parameters):
     @property
     def thickness(self) -> float:
         """Total thickness (m)."""
-        return float(2.0 * self.piezo_thickness + self.shim_thickness)
+        return float(2.0 * (self.piezo_thickness + self.glue_thickness) + self.shim_thickness)
+
+    @property
+    def profiles(self) -> dict[str, Profile]:
+        """The dimensions that vary along the ceramic, by their key."""
+        names = ("width_profile", "piezo_thickness_profile", "shim_thickness_profile")
+        return {name: getattr(self, name) for name in names if getattr(self, name)}
 
     @property
     def poling_sign(self) -> float:
@@ -102,9 +155,12 @@ class Piezo(Parameters):
 class Shim(Parameters):
     """The middle layer: elastic, electrically conducting, fibres along z."""
 
-    youngs_modulus: u.Modulus = _field(140e9, _PAPER_2, "modulus along the actuator E_s")
+    youngs_modulus: u.Modulus = _printed(140e9, _PAPER_2, "modulus along the actuator E_s", 5e9)
     shear_modulus: u.Modulus = _field(
-        5e9, "assumed: unidirectional carbon fibre composite", "longitudinal shear modulus G_s"
+        5e9,
+        "assumed: unidirectional carbon fibre composite",
+        "longitudinal shear modulus G_s",
+        (4e9, 6e9, "such composites with usual fibre contents"),
     )
     transverse_modulus: u.Modulus | None = _field(
         None,
@@ -112,27 +168,41 @@ class Shim(Parameters):
         "modulus across the fibres (solid model only)",
     )
     poisson_ratio: u.PoissonRatio = _field(
-        0.3, "assumed: typical of the composite", "Poisson ratio (solid model only)"
+        0.3,
+        "assumed: typical of the composite",
+        "Poisson ratio (solid model only)",
+        (0.25, 0.35, "such composites"),
     )
-    density: u.Density = _field(1500.0, _PAPER_2, "mass density")
+    density: u.Density = _printed(1500.0, _PAPER_2, "mass density", 50.0)
 
 
 class Glue(Parameters):
-    """The adhesive between the shim's tab and the slot in the rod's head."""
+    """The adhesive between the shim's tab and the slot in the rod's head, and between layers."""
 
     thickness: u.SmallLength = _field(
-        50e-6, "assumed: typical bond line", "bond line around the tab"
+        50e-6,
+        "assumed: typical bond line",
+        "bond line around the tab",
+        (30e-6, 80e-6, "bond lines of paste epoxies"),
     )
-    youngs_modulus: u.Modulus = _field(3e9, "assumed: epoxy", "modulus")
-    poisson_ratio: u.PoissonRatio = _field(0.35, "assumed: epoxy", "Poisson ratio")
-    density: u.Density = _field(1200.0, "assumed: epoxy", "mass density")
+    youngs_modulus: u.Modulus = _field(
+        3e9, "assumed: epoxy", "modulus", (2e9, 5e9, "unfilled to filled epoxies")
+    )
+    poisson_ratio: u.PoissonRatio = _field(
+        0.35, "assumed: epoxy", "Poisson ratio", (0.3, 0.4, "epoxies")
+    )
+    density: u.Density = _field(
+        1200.0, "assumed: epoxy", "mass density", (1100.0, 1400.0, "unfilled to filled epoxies")
+    )
 
 
 class Rod(Parameters):
     """The moving iron: shaft, head (the pole above the gap), flange, slot for the tab."""
 
     radius: u.SmallLength = _field(0.62e-3, _RECONSTRUCTED, "shaft radius")
-    head_radius: u.SmallLength = _field(1.15e-3, _PAPER_5, "head radius (outer diameter 2.3 mm)")
+    head_radius: u.SmallLength = _printed(
+        1.15e-3, _PAPER_5, "head radius (outer diameter 2.3 mm)", 0.025e-3
+    )
     head_thickness: u.SmallLength = _field(0.5e-3, _RECONSTRUCTED, "head thickness")
     flange_radius: u.SmallLength = _field(0.91e-3, _RECONSTRUCTED, "flange radius")
     flange_thickness: u.SmallLength = _field(0.9e-3, _RECONSTRUCTED, "flange thickness")
@@ -143,11 +213,20 @@ class Rod(Parameters):
         3.3e-3, _RECONSTRUCTED, "shaft's end below the sleeve's top at the 200 um gap"
     )
     slot_depth: u.SmallLength = _field(
-        0.45e-3, "assumed: slot stays inside the head", "depth of the slot that takes the tab"
+        0.45e-3,
+        "assumed: slot stays inside the head",
+        "depth of the slot that takes the tab",
+        (0.4e-3, 0.49e-3, "at least a bond, at most the head's thickness"),
     )
-    youngs_modulus: u.Modulus = _field(205e9, "assumed: low-carbon steel", "modulus")
-    poisson_ratio: u.PoissonRatio = _field(0.29, "assumed: low-carbon steel", "Poisson ratio")
-    density: u.Density = _field(7850.0, "assumed: low-carbon steel", "mass density")
+    youngs_modulus: u.Modulus = _field(
+        205e9, "assumed: low-carbon steel", "modulus", (200e9, 212e9, "steels")
+    )
+    poisson_ratio: u.PoissonRatio = _field(
+        0.29, "assumed: low-carbon steel", "Poisson ratio", (0.27, 0.3, "steels")
+    )
+    density: u.Density = _field(
+        7850.0, "assumed: low-carbon steel", "mass density", (7800.0, 7900.0, "low-carbon steels")
+    )
 
 
 class Coil(Parameters):
@@ -160,19 +239,68 @@ class Coil(Parameters):
         0.3e-3, _RECONSTRUCTED, "coil's top below the sleeve's top at the 200 um gap"
     )
     turns: u.Turns = _field(
-        849.0, "assumed: gives the paper's 110 mN (section 5.1) at its 130 mA", "number of turns"
+        849.0,
+        "assumed: gives the paper's 110 mN (section 5.1) at its 130 mA",
+        "number of turns",
+        (764.0, 934.0, "assumed: a reconstruction, a tenth either way"),
     )
     current: u.Current = _field(130e-3, _PAPER_5, "direct current in the winding")
+    fill_factor: u.FillFactor = _field(
+        0.5,
+        "assumed: fine enamelled wire",
+        "bare copper's share of the winding's window",
+        (0.35, 0.65, "assumed: thin wires, wound wild to in layers"),
+    )
+    resistivity: u.Resistivity = _field(
+        1.7241e-8,
+        "assumed: annealed copper at 20 degC (IEC 60028)",
+        "the wire's resistivity at 20 degC",
+        (1.7241e-8, 1.777e-8, "annealed to hard-drawn copper, 97 % of its conductivity"),
+    )
+    temperature: u.Temperature = _field(
+        293.15,
+        "assumed: 20 degC, a cold coil",
+        "the wire's temperature",
+        (293.15, 393.15, "assumed: from cold to the limit of common enamel"),
+    )
 
 
 class Sleeve(Parameters):
     """The fixed iron around the coil, its collar at the upper end."""
 
     inner_radius: u.SmallLength = _field(0.96e-3, _RECONSTRUCTED, "bore radius")
-    outer_radius: u.SmallLength = _field(1.15e-3, _PAPER_5, "outer radius (outer diameter 2.3 mm)")
+    outer_radius: u.SmallLength = _printed(
+        1.15e-3, _PAPER_5, "outer radius (outer diameter 2.3 mm)", 0.025e-3
+    )
     length: u.SmallLength = _field(3.6e-3, _RECONSTRUCTED, "axial length")
     collar_radius: u.SmallLength = _field(0.9e-3, _RECONSTRUCTED, "bore radius of the collar")
     collar_thickness: u.SmallLength = _field(0.2e-3, _RECONSTRUCTED, "axial length of the collar")
+
+
+class Spring(Parameters):
+    """The return spring below the rod, and the two stops between which the rod moves.
+
+    The upper stop leaves the working gap `gap`, the lower one `stop_gap`.
+    """
+
+    preload: u.Force = _field(
+        110e-3,
+        "assumed: the paper's 110 mN on the finger (section 5.1), without current",
+        "spring force at the upper stop",
+        (99e-3, 121e-3, "assumed: set by grub screws, a tenth either way"),
+    )
+    stiffness: u.LateralStiffness = _field(
+        100.0,
+        "assumed: reconstructed; soft beside the magnetic pull, so that the rod snaps",
+        "stiffness",
+        (20.0, 500.0, "assumed: the force over the stroke grows by 3 to 80 percent"),
+    )
+    stop_gap: u.SmallLength = _field(
+        20e-6,
+        "assumed: reconstructed; coating and burrs keep the head off the sleeve",
+        "gap left at the lower stop",
+        (5e-6, 50e-6, "assumed: from a coating to a foil"),
+    )
 
 
 class Steel(Parameters):
@@ -184,7 +312,10 @@ class Steel(Parameters):
         "team20, linear, or the path of a CSV file with the columns B (T) and H (A/m)",
     )
     relative_permeability: u.RelativePermeability = _field(
-        1000.0, "assumed: typical of low-carbon steel", "used by the curve linear"
+        1000.0,
+        "assumed: typical of low-carbon steel",
+        "used by the curve linear",
+        (500.0, 2000.0, "low-carbon steels, by annealing and field"),
     )
 
 
@@ -198,6 +329,7 @@ class Device(Parameters):
     rod: Rod = Rod()
     coil: Coil = Coil()
     sleeve: Sleeve = Sleeve()
+    spring: Spring = Spring()
     steel: Steel = Steel()
     gap: u.SmallLength = _field(0.2e-3, _PAPER_5, "working air gap")
 
@@ -216,12 +348,12 @@ class Support(Parameters):
     kind: Literal["spring", "clamped", "rod"] = _field(
         "spring", _PAPER_4, "the paper's springs, a rigid clamp, or the glued joint in the real rod"
     )
-    rotational_stiffness: u.RotationalStiffness = _field(0.24, _PAPER_4, "c_s")
-    lateral_stiffness: u.LateralStiffness = _field(
-        3e6, f"{_PAPER_4} (printed with the unit Nm, meant N/m)", "c_sl"
+    rotational_stiffness: u.RotationalStiffness = _printed(0.24, _PAPER_4, "c_s", 0.005)
+    lateral_stiffness: u.LateralStiffness = _printed(
+        3e6, f"{_PAPER_4} (printed with the unit Nm, meant N/m)", "c_sl", 0.5e6
     )
-    rotational_damping: u.RotationalDamping = _field(4.46e-6, _PAPER_4, "d_s")
-    rotational_inertia: u.RotationalInertia = _field(1e-12, _PAPER_4, "theta")
+    rotational_damping: u.RotationalDamping = _printed(4.46e-6, _PAPER_4, "d_s", 0.005e-6)
+    rotational_inertia: u.RotationalInertia = _printed(1e-12, _PAPER_4, "theta", 0.5e-12)
 
 
 class Load(Parameters):
@@ -245,7 +377,10 @@ class Beam(Parameters):
     """What only the one-dimensional models need."""
 
     shear_correction: u.PositiveNumber = _field(
-        5.0 / 6.0, "assumed: rectangular section", "Timoshenko's shear correction factor"
+        5.0 / 6.0,
+        "assumed: rectangular section",
+        "Timoshenko's shear correction factor",
+        (0.4, 0.87, "0.425 by the shear energy of these layers, 0.87 at most in handbooks"),
     )
 
 
@@ -258,4 +393,26 @@ def sources(group: Parameters) -> dict[str, str]:
             found[name] = str(extra["source"])
     if isinstance(group, Piezo):
         found.update(LIBRARY[group.material].sources())
+    return found
+
+
+def spreads(group: Parameters) -> dict[str, Spread]:
+    """Return the range of each scalar of a group that has one stated, as ``{field: range}``.
+
+    A value other than the default keeps the range's width relative to the value.
+    """
+    stated: dict[str, tuple[float, Spread]] = {}
+    for name, info in type(group).model_fields.items():
+        extra = info.json_schema_extra
+        if isinstance(extra, dict) and isinstance(extra.get("spread"), list):
+            stated[name] = (float(info.default), Spread(*extra["spread"]))  # type: ignore[misc]
+    if isinstance(group, Piezo):
+        ceramic = LIBRARY[group.material]
+        usual = ceramic.reduced()
+        stated.update({name: (usual[name], spread) for name, spread in ceramic.spreads.items()})
+    found = {}
+    for name, (default, spread) in stated.items():
+        factor = getattr(group, name) / default
+        low, high = sorted((spread.low * factor, spread.high * factor))
+        found[name] = Spread(low, high, spread.reason)
     return found

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Bools, Floats, Ints
+from geometry.fit import check_plain_layers
 from geometry.mesh import Mesh
 from geometry.parameters import Device
 
@@ -65,6 +66,7 @@ LEVELS = (
 
 def hexahedral(device: Device, meshing: HexMeshing) -> Mesh:
     """Mesh the bimorph, z = 0 at the lower end of the tab (of the ceramic without one)."""
+    check_plain_layers(device)
     bimorph = device.bimorph
     half, hp = 0.5 * bimorph.shim_thickness, bimorph.piezo_thickness
     layer = _towards_both_ends(hp, meshing.piezo_layers)

@@ -145,6 +145,9 @@ class Unit:
                 f'has the unit "{unit:~}", which is not a {self.kind}; '
                 f'write for example "{self.example}"'
             )
+        zero = float(registry.convert(0.0, unit, self.si))
+        if zero:  # degrees Celsius
+            return float(registry.convert(float(number), unit, self.si))
         scale = float(registry.convert(1.0, unit, self.si))
         power = round(math.log10(scale))
         if math.isclose(scale, 10.0**power, rel_tol=1e-12):
@@ -234,11 +237,23 @@ Mass = _quantity(
 )
 Voltage = _quantity(Unit("V", "voltage", "50 V", limits=(1e-12, 1e6)))
 Current = _quantity(Unit("A", "current", "130 mA", limits=(1e-12, 1e4), shown="mA", per_si=1e3))
+Force = _quantity(
+    Unit("N", "force", "110 mN", at_least=0.0, limits=(1e-9, 1e4), shown="mN", per_si=1e3)
+)
+Resistivity = _quantity(
+    Unit("ohm*m", "resistivity", "1.72e-8 ohm*m", above=0.0, limits=(1e-9, 1e-4))
+)
+Temperature = _quantity(Unit("K", "temperature", "20 degC", above=0.0, limits=(1.0, 2000.0)))
+FillFactor = _quantity(Unit("", "share", "0.5", above=0.0, below=1.0))
 Duration = _quantity(Unit("s", "time", "600 s", above=0.0, limits=(0.1, 1e6)))
 Frequency = _quantity(Unit("Hz", "frequency", "500 Hz", at_least=0.0, limits=(1e-6, 1e7)))
 RelativePermittivity = _quantity(
     Unit("", "relative permittivity", "6000", above=1.0, limits=(1.0, 1e7))
 )
+RelativePermeability = _quantity(
+    Unit("", "relative permeability", "1000", at_least=1.0, limits=(1.0, 1e7))
+)
+Turns = _quantity(Unit("", "number of turns", "849", at_least=1.0, limits=(1.0, 1e6)))
 QualityFactor = _quantity(Unit("", "quality factor", "60", above=0.0, limits=(0.1, 1e9)))
 LossTangent = _quantity(Unit("", "loss tangent", "0.03", at_least=0.0, limits=(1e-12, 10.0)))
 PoissonRatio = _quantity(Unit("", "Poisson ratio", "0.3", above=-1.0, below=0.5))

@@ -124,6 +124,14 @@ def test_energy_must_be_positive(changed, words):
     assert all(word in str(caught.value) for word in words)
 
 
+@pytest.mark.parametrize("name", sorted(LIBRARY))
+def test_no_d31_is_a_passive_ceramic(name):
+    """d31 = 0 switches all piezoelectric constants off, which every material survives."""
+    tensors = Piezo(material=name, d31=0.0).ceramic().tensors()
+    assert not tensors.e.any()
+    assert np.linalg.eigvalsh(tensors.eps).min() > 0.0
+
+
 def test_compliance_must_be_positive():
     """A compliance that is not positive definite is refused."""
     ceramic = LIBRARY["PZT-5A"]

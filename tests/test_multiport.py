@@ -15,8 +15,6 @@ from tmm.multiport import (
     Multiport,
     Termination,
     blocked_force,
-    cascade,
-    condense,
     in_series,
     passivity_margin,
     reciprocity_error,
@@ -25,7 +23,6 @@ from tmm.multiport import (
     symmetric_form,
 )
 from tmm.terminations import termination
-from tmm.timoshenko import dynamic_stiffness
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e3, 2e4])
 CLAMPED, SPRING = Support(kind="clamped"), Support()
@@ -107,25 +104,8 @@ def test_pieces_equal_the_whole(pieces):
     ((beam, length),) = tmm.sections(Device(), SPRING, Beam(), lossy=True)
     whole = tmm.chain([(beam, length)], FREQUENCIES)
     joined = tmm.chain([(beam, length / pieces)] * pieces, FREQUENCIES)
-    # a short piece is n³ times stiffer than the whole, so each joint costs n³ roundings
-    assert distance(joined.stiffness, whole.stiffness) < 20 * pieces**3 * np.finfo(float).eps
-
-
-def test_joining_is_associative_and_ordered():
-    """(a b) c = a (b c), while a b differs from b a."""
-    omega = 2 * np.pi * FREQUENCIES
-    device = Device(bimorph=Bimorph(tab_length=2e-3))
-    (tab, low), (beam, high) = tmm.sections(device, SPRING, Beam(), lossy=True)
-    a, b = dynamic_stiffness(tab, low, omega), dynamic_stiffness(beam, high, omega)
-    assert distance(cascade(cascade(a, b), a), cascade(a, cascade(b, a))) < 1e-12
-    assert distance(cascade(a, b), cascade(b, a)) > 0.1
-
-
-def test_condensing_nothing_changes_nothing():
-    """Keeping all variables returns the matrix in the order asked for."""
-    d = paper().stiffness
-    np.testing.assert_array_equal(condense(d, keep=[0, 1, 2, 3, 4]), d)
-    np.testing.assert_array_equal(condense(d, keep=[4, 3, 2, 1, 0]), d[:, ::-1, ::-1])
+    # joined in wave variables: a dozen roundings
+    assert distance(joined.stiffness, whole.stiffness) < 1e-13
 
 
 @pytest.mark.parametrize("support", [CLAMPED, SPRING])

@@ -9,7 +9,8 @@ from geometry.errors import InputError
 from geometry.fit import check_fit
 
 GROUPS = (
-    p.Bimorph, p.Piezo, p.Shim, p.Glue, p.Rod, p.Coil, p.Sleeve, p.Support, p.Load, p.Drive, p.Beam,
+    p.Bimorph, p.Piezo, p.Shim, p.Glue, p.Rod, p.Coil, p.Sleeve, p.Spring,
+    p.Support, p.Load, p.Drive, p.Beam,
 )  # fmt: skip
 
 
@@ -130,10 +131,12 @@ def test_pieces_from_base_to_tip():
     device = p.Device(bimorph=with_tab())
     assert beam_pieces(device, p.Support())[0] == Piece("shim", 2e-3)
     on_rod = beam_pieces(device, ROD)
-    assert [piece.section for piece in on_rod] == ["cylinder"] * 3 + ["shim", "bimorph"]
+    assert [piece.section for piece in on_rod] == ["cylinder"] * 3 + ["bond", "shim", "bimorph"]
     # the shaft below the sleeve's top, the gap above it, and the head; this rod ends at its flange
     height = device.rod.length + p.NOMINAL_GAP + device.rod.head_thickness
     assert sum(piece.length for piece in on_rod[:3]) == pytest.approx(height)
-    assert on_rod[3].length == pytest.approx(device.ceramic_base)
+    # the glued part of the tab lies beside the head, the free part above it
+    assert on_rod[3].length == pytest.approx(device.rod.slot_depth - device.glue.thickness)
+    assert on_rod[4].length == pytest.approx(device.ceramic_base)
     longer = p.Device(bimorph=with_tab(), rod=p.Rod(length=4e-3))
     assert beam_pieces(longer, ROD)[0].length == pytest.approx(0.7e-3)

@@ -7,7 +7,7 @@ from scipy.optimize import minimize_scalar
 from geometry.parameters import Beam, Bimorph, Device, Load, Support
 from tmm import transfer_matrix as tmm
 from tmm.modes import Fixture, bending_frequencies
-from tmm.multiport import Termination, blocked_force, condense, respond
+from tmm.multiport import Termination, blocked_force, condense, respond, round_off
 from tmm.terminations import static_termination, termination
 
 SUPPORT = Support()
@@ -43,9 +43,11 @@ def test_against_the_state_space_solution(state_space, number):
         "v_base": jw * r.w_base,
         "psidot_base": jw * r.psi_base,
     }
-    # 100 roundings; D is right to 4 of them, the boundary system's condition is below 100
+    # the stated bound, ε times the condition of the boundary system: 3e3 next to the resonance
+    rounding = round_off(port, end)[0]
+    assert rounding < 1e-12
     for name in ("v_tip", "psidot_tip", "current", "blocked_force"):
-        assert got[name][0] == pytest.approx(complex(*case[name]), rel=2e-14), name
+        assert got[name][0] == pytest.approx(complex(*case[name]), rel=rounding), name
     # Only inertia reacts on the base of a free actuator: at 10 Hz that is 1e-4 of the piezo
     # moment, the difference of two nearly equal ones.  So the base's motion is right to the
     # rounding of what the whole piezo moment would cause, and to 1e-10 of its own size.
@@ -58,7 +60,7 @@ def test_against_the_state_space_solution(state_space, number):
         ("psidot_base", rate / SUPPORT.rotational_stiffness),
     ):
         exact = complex(*case[name])
-        assert abs(got[name][0] - exact) < 2e-14 * max(whole, abs(exact)), name
+        assert abs(got[name][0] - exact) < rounding * max(whole, abs(exact)), name
         assert abs(got[name][0] - exact) < 1e-10 * abs(exact), name
 
 
@@ -139,14 +141,14 @@ def test_what_holds_the_actuator():
     """
     clamped, rod = Support(kind="clamped"), Support(kind="rod")
     bending, first = [], []
-    for tab, support in ((0.0, clamped), (2e-3, rod), (2e-3, clamped)):
+    for tab, support in ((0.0, clamped), (1.6e-3, clamped), (2e-3, rod)):
         device = Device(bimorph=Bimorph(tab_length=tab))
         port = tmm.multiport(device, support, Beam(), np.zeros(1), lossy=False)
         free = Termination(base=None, tip=np.zeros(1, dtype=complex))
         bending.append(respond(port, free, 1.0).w_tip[0].real)
         pieces = tmm.sections(device, support, Beam(), lossy=False)
         first.append(bending_frequencies(pieces, Fixture(clamped=True), 1, open_circuit=False)[0])
-    # rounding times the condition number of the joint between rod and tab, 1e5
-    np.testing.assert_allclose(bending, bending[0], rtol=1e-9)
-    # the rod takes 0.4 mm of the 2 mm tab
+    # rounding times the condition number of the ports of a row held by nothing, 1e4
+    np.testing.assert_allclose(bending, bending[0], rtol=1e-10)
+    # the slot takes 0.4 mm of the 2 mm tab, and its glue gives way
     assert first[0] > first[1] > first[2]

@@ -47,6 +47,8 @@ def refusal(kind, value, context=None):
         (u.Mass, "10 mg", 10e-6),
         (u.Voltage, "-0.05 kV", -50.0),
         (u.Current, "130 mA", 0.13),
+        (u.Temperature, "20 degC", 293.15),
+        (u.Temperature, "350 K", 350.0),
         (u.Duration, "10 min", 600.0),
         (u.Frequency, "0.5 kHz", 500.0),
         (u.Frequency, "500 1/s", 500.0),

@@ -9,15 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
 from geometry.arrays import Complex, Floats
 from geometry.parameters import Beam, Device, Support
 from tmm.modes import Fixture
-from tmm.multiport import Multiport, condense
-from tmm.section import Section
-from tmm.transfer_matrix import sections
+from tmm.multiport import Multiport
+from tmm.scattering import Element
+from tmm.section import Joint, Section
+from tmm.transfer_matrix import SEGMENTS, sections
 
 
 @dataclass(frozen=True)
@@ -73,47 +75,58 @@ def smits_choi(beam: Section, length: float) -> Complex:
     )
 
 
-def lumped_model(pieces: Sequence[tuple[Section, float]]) -> LumpedModel:
-    """Return the port matrices of a row of beams; joints follow statically (Guyan)."""
-    n = 2 * len(pieces) + 3
-    stiffness, mass = np.zeros((n, n), dtype=complex), np.zeros((n, n))
-    for i, (beam, length) in enumerate(pieces):
-        ports = np.ix_([*range(2 * i, 2 * i + 4), n - 1], [*range(2 * i, 2 * i + 4), n - 1])
-        stiffness[ports] += _static_stiffness(beam, length)
-        mass[ports] += _consistent_mass(beam, length)
-    keep = [0, 1, n - 3, n - 2, n - 1]
-    drop = [i for i in range(n) if i not in keep]
-    shapes = np.zeros((n, 5), dtype=complex)
-    shapes[keep] = np.eye(5)
-    if drop:
-        shapes[drop] = -np.linalg.solve(
-            stiffness[np.ix_(drop, drop)], stiffness[np.ix_(drop, keep)]
-        )
-    real = shapes.real
-    kept_mass = real.T @ mass @ real
-    kept_mass[4] *= -1.0  # the last row is charge, minus what is conjugate to U
-    return LumpedModel(condense(stiffness[None], keep)[0], kept_mass)
+def lumped_model(row: Sequence[Element]) -> LumpedModel:
+    """Return the port matrices of a row of beams; joints follow statically (Guyan).
+
+    The static state is carried from base to tip: a sum of compliances, which loses no
+    digits however short the elements are.
+    """
+    transfers = [_static_transfer(element, length) for element, length in row]
+    whole = reduce(lambda before, after: after @ before, transfers)
+    # [w, ψ, F, M, U] at the base, a column for one unit of each port variable
+    state = np.zeros((5, 5), dtype=complex)
+    state[0, 0] = state[1, 1] = state[4, 4] = 1.0
+    state[2:4] = np.linalg.solve(whole[:2, 2:4], np.eye(5)[2:4] - whole[:2] @ state)
+    stiffness, mass = np.zeros((5, 5), dtype=complex), np.zeros((5, 5))
+    stiffness[:2] = -state[2:4]
+    for (element, length), transfer in zip(row, transfers, strict=True):
+        after = transfer @ state
+        if isinstance(element, Section):
+            shape = np.concatenate([state[:2], after[:2]]).real
+            mass += shape.T @ _consistent_mass(element, length) @ shape
+            stiffness[4] += element.K * (after[1] - state[1])
+            stiffness[4, 4] += element.C * length
+        state = after
+    stiffness[2:4] = state[2:4]
+    mass[4] *= -1.0  # the last row is charge, minus what is conjugate to U
+    return LumpedModel(stiffness, mass)
 
 
 def multiport(
-    device: Device, support: Support, beam: Beam, frequencies: Floats, *, lossy: bool = True
+    device: Device,
+    support: Support,
+    beam: Beam,
+    frequencies: Floats,
+    *,
+    lossy: bool = True,
+    segments: int = SEGMENTS,
 ) -> Multiport:
     """Return the lumped model of the device over its five ports (parallel wiring)."""
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
-    model = lumped_model(sections(device, support, beam, lossy=lossy))
+    model = lumped_model(sections(device, support, beam, lossy=lossy, segments=segments))
     o2 = (2.0 * np.pi * frequencies)[:, None, None] ** 2
     return Multiport(frequencies, model.stiffness - o2 * model.mass)
 
 
 def equivalent_circuit(
-    pieces: Sequence[tuple[Section, float]], fixture: Fixture, *, open_circuit: bool = False
+    row: Sequence[Element], fixture: Fixture, *, open_circuit: bool = False
 ) -> EquivalentCircuit:
-    """Return the first mode of lossless pieces on their fixture.
+    """Return the first mode of a lossless row on its fixture.
 
     With `open_circuit` the mode is that at Q = 0, so its stiffness includes the piezo
     stiffening; the transformer is that of the same shape.
     """
-    model = lumped_model(pieces)
+    model = lumped_model(row)
     k, m = model.stiffness.real[:4, :4].copy(), model.mass[:4, :4].copy()
     coupling, capacitance = -model.stiffness.real[:4, 4], model.stiffness.real[4, 4]
     k[0, 0] += fixture.lateral_stiffness
@@ -148,26 +161,25 @@ def _lowest_mode(stiffness: Floats, mass: Floats) -> Floats:
     return np.asarray(inverse.T @ vectors[:, elastic])
 
 
-def _static_stiffness(beam: Section, length: float) -> Complex:
-    """Return the static Timoshenko element (5, 5) over [w, ψ, w, ψ, U]."""
-    l, phi = length, 12.0 * beam.EI / (beam.GA * length**2)
-    k = np.array(
-        [
-            [12.0, -6.0 * l, -12.0, -6.0 * l, 0.0],
-            [-6.0 * l, (4.0 + phi) * l**2, 6.0 * l, (2.0 - phi) * l**2, 0.0],
-            [-12.0, 6.0 * l, 12.0, 6.0 * l, 0.0],
-            [-6.0 * l, (2.0 - phi) * l**2, 6.0 * l, (4.0 + phi) * l**2, 0.0],
-            [0.0] * 5,
-        ],
-        dtype=complex,
-    ) * (beam.EI / (l**3 * (1.0 + phi)))
-    k[[1, 3], 4], k[4, [1, 3]] = (beam.K, -beam.K), (-beam.K, beam.K)
-    k[4, 4] = beam.C * l
-    return k
+def _static_transfer(element: Section | Joint, length: float) -> Complex:
+    """Return T (5, 5) with [w, ψ, F, M, U] at the upper end = T · the same at the lower end.
+
+    F is constant and M = M_0 + F z; integrate ψ' = (M + K U)/EI and w' = F/GA − ψ.
+    """
+    t = np.eye(5, dtype=complex)
+    if isinstance(element, Joint):
+        t[:2, 2:4] = element.compliance
+        return t
+    l, ei = length, element.EI
+    t[0, 1:] = -l, l / element.GA - l**3 / (6.0 * ei), -(l**2) / (2.0 * ei), 0.0
+    t[1, 2:4] = l**2 / (2.0 * ei), l / ei
+    t[3, 2] = l
+    t[:2, 4] = element.K * t[:2, 3]
+    return t
 
 
 def _consistent_mass(beam: Section, length: float) -> Floats:
-    """Return the consistent mass (5, 5) of the cubic shapes, with rotary inertia (no shear)."""
+    """Return the consistent mass (4, 4) of the cubic shapes, with rotary inertia (no shear)."""
     l = length
     translation = np.array(
         [
@@ -185,6 +197,4 @@ def _consistent_mass(beam: Section, length: float) -> Floats:
             [-3.0 * l, -(l**2), 3.0 * l, 4.0 * l**2],
         ]
     ) * (beam.rhoI / (30.0 * l))
-    out = np.zeros((5, 5))
-    out[:4, :4] = translation + rotation
-    return out
+    return np.asarray(translation + rotation)

@@ -66,29 +66,6 @@ class Response:
     charge: Complex
 
 
-def cascade(lower: Complex, upper: Complex) -> Complex:
-    """Join the tip of one (n, 5, 5) dynamic stiffness to the base of the next.
-
-    Both see the same voltage; their charges add.  The joint's two displacements are
-    condensed.
-    """
-    n = lower.shape[0]
-    both = np.zeros((n, 7, 7), dtype=complex)  # base 2, joint 2, tip 2, U
-    for block, at in ((lower, [0, 1, 2, 3, 6]), (upper, [2, 3, 4, 5, 6])):
-        both[np.ix_(range(n), at, at)] += block
-    return condense(both, keep=[0, 1, 4, 5, 6])
-
-
-def condense(matrix: Complex, keep: list[int]) -> Complex:
-    """Return the Schur complement of (n, k, k) matrices on the kept variables."""
-    drop = [i for i in range(matrix.shape[1]) if i not in keep]
-    inner = matrix[:, drop][:, :, drop]
-    if not drop:
-        return matrix[:, keep][:, :, keep]
-    solved = np.linalg.solve(inner, matrix[:, drop][:, :, keep])
-    return np.asarray(matrix[:, keep][:, :, keep] - matrix[:, keep][:, :, drop] @ solved)
-
-
 def in_series(port: Multiport) -> Multiport:
     """Return the port seen when the two equal layers are wired in series.
 

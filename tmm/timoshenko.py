@@ -1,92 +1,98 @@
-"""Exact dynamic stiffness of one piezoelectric Timoshenko beam, safe at any frequency.
+"""Exact dynamic stiffness of piezoelectric Timoshenko beams, entry by entry, at any frequency.
 
-The textbook transfer matrix grows like cosh λ and divides by jΩ; both cost digits.
-Here the beam's motion is split into the part even and the part odd about mid-span,
-each solved for displacements.  With p = λ₁², q = λ₂² (paper eq 47, signs corrected)
-and z₁ = λ₁/2, z₂ = λ₂/2, both parts need only
+Of the functions of :mod:`tmm.span`, the even part has the dynamic stiffness
 
-    X = (S₂ c₁ − S₁ c₂) / (p + q),      Y = (q S₂ c₁ + p S₁ c₂) / (p + q),
-    c₁ = cosh z₁,  c₂ = cos z₂,  S₁ = sinh z₁ / λ₁,  S₂ = sin z₂ / λ₂,
+    1/E [[−β⁴ S₁S₂, −β⁴ X], [−β⁴ X, c₁c₂]],    the odd part    1/O [[c₁c₂, Y], [Y, g S₁S₂]],
 
-and c₁c₂, S₁S₂.  All four are even entire functions of
+g = 1 − ρI Ω²/GA, in units of EI/l³ and l.  One unit of an end's displacement is half a unit
+of the even and half of the odd part, so with Δ = E O the held beam's entries are
 
-    s, t = −(σ + τ)/4 ± (j/2) √(β⁴ − σ τ),
+    D_ww = (c₁c₂ E − β⁴ S₁S₂ O)/2Δ,  D_wψ = −(Y E − β⁴ X O)/2Δ,  D_ψψ = (c₁c₂ O + g S₁S₂ E)/2Δ,
 
-namely X = ¼ g[s, t], Y = ¼ (g(s) + g(t)), S₁S₂ = ½ h[s, t], c₁c₂ = ½ (h(s) + h(t)) with
-g(s) = sinh √s / √s, h(s) = cosh √s and [s, t] a divided difference.  Small arguments
-take the power series (no division by Ω, exact at 0 Hz), large ones the products above
-with the common exponential taken out, which every entry of the result divides away.
+and the transmissions from end to end those of :mod:`tmm.span`, over Δ.
+
+Accuracy.  An entry's condition number is the size of the terms of its numerator, and of E
+and O, over their values: some tens away from the entry's poles (E O = 0, natural frequencies
+of the lossless beam with both ends held) and zeros, 1/distance in radians of phase near them.
+The relative error of every entry is at most :func:`tmm.precision.error_bound` of it, 1e-12 up to
+a condition of 1.8e5 on x86-64; :func:`condition` returns it.  Exactly at a pole of a lossless
+beam there is no digit to be had: the entry is infinite.  An entry too small for a double
+(transmission through a long lossy beam) is 0.
 """
 
 from __future__ import annotations
 
-import math
+from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Complex, Floats
+from tmm.blocks import blocks
+from tmm.precision import EPS, TOLERATED
 from tmm.section import Section
+from tmm.span import ThroughSpan, extended_span, span
 
-#: |s| below which the series is used; 9 terms then reach double precision.
-_SERIES_RADIUS = 1.0
-_SERIES_TERMS = 10
+#: Rows, columns and signs of D that each of the six dimensionless entries fills.
+_PLACES = (
+    ((0, 0, 1.0), (2, 2, 1.0)),
+    ((0, 1, 1.0), (2, 3, -1.0)),
+    ((1, 1, 1.0), (3, 3, 1.0)),
+    ((0, 2, 1.0),),
+    ((0, 3, 1.0), (1, 2, -1.0)),
+    ((1, 3, 1.0),),
+)
 
 
-def dynamic_stiffness(beam: Section, length: float, omega: Floats) -> Complex:
-    """Return D(Ω) of one beam over the ports [w_0, ψ_0, w_l, ψ_l, U].
+def dynamic_stiffness(beam: Section, length: Any, omega: Any) -> Complex:
+    """Return D(Ω) over the ports [w_0, ψ_0, w_l, ψ_l, U].
+
+    The section's constants, the length and Ω broadcast against each other.  D is an
+    analytic function of all of them: complex values give derivatives along a contour.
 
     Parameters
     ----------
     beam : Section
-        Section constants (SI).
-    length : float
+        Section constants (SI), numbers or arrays.
+    length : float or array
         Beam length (m).
-    omega : (n,) array
-        Angular frequencies (rad/s), 0 included.
+    omega : float or array
+        Angular frequency (rad/s), 0 included.
 
     Returns
     -------
-    (n, 5, 5) complex array
+    (..., 5, 5) complex array
         Rows: force and moment at the lower end, at the upper end (all acting on the
         beam), charge.  Antisymmetric in the mechanical-electrical block.
     """
-    omega = np.asarray(omega, dtype=float)
-    l, o2 = length, omega**2
-    sigma = beam.m * o2 * l**2 / beam.GA
-    tau = beam.rhoI * o2 * l**2 / beam.EI
-    beta4 = beam.m * o2 * l**4 / beam.EI
-    x, y, cc, ss = _span_functions(sigma + 0j, tau + 0j, beta4 + 0j)
-    shear = 1.0 - beam.rhoI * o2 / beam.GA
-    inertia = beam.m * o2 * l
-    even = y - sigma * x
-    odd = l**3 / beam.EI * shear * x + l / beam.GA * y
-    even_ff, even_fm, even_mm = (
-        -inertia * ss / even,
-        -inertia * l * x / even,
-        beam.EI / l * cc / even,
-    )
-    odd_ff, odd_fm, odd_mm = cc / odd, l * y / odd, l**2 * shear * ss / odd
-
-    # one unit of an end displacement is half a unit of the even and half of the odd part
-    d = np.zeros((omega.size, 5, 5), dtype=complex)
-    d[:, 0, 0] = d[:, 2, 2] = 0.5 * (even_ff + odd_ff)
-    d[:, 0, 2] = d[:, 2, 0] = 0.5 * (even_ff - odd_ff)
-    d[:, 1, 1] = d[:, 3, 3] = 0.5 * (even_mm + odd_mm)
-    d[:, 1, 3] = d[:, 3, 1] = 0.5 * (odd_mm - even_mm)
-    d[:, 2, 3] = d[:, 3, 2] = 0.5 * (even_fm + odd_fm)
-    d[:, 0, 1] = d[:, 1, 0] = -0.5 * (even_fm + odd_fm)
-    d[:, 0, 3] = d[:, 3, 0] = 0.5 * (even_fm - odd_fm)
-    d[:, 2, 1] = d[:, 1, 2] = 0.5 * (odd_fm - even_fm)
-    d[:, 1, 4], d[:, 3, 4] = beam.K, -beam.K
-    d[:, 4, 1], d[:, 4, 3] = -beam.K, beam.K
-    d[:, 4, 4] = beam.C * l
+    entries, _ = _evaluated(beam, length, omega)
+    stiff = np.asarray(beam.EI) / np.asarray(length)
+    arms = (stiff / np.square(length), stiff / length, stiff)
+    shape = np.broadcast_shapes(entries.shape[1:], np.shape(beam.K), np.shape(beam.C))
+    d = np.zeros((*shape, 5, 5), dtype=complex)
+    for at, entry in enumerate(entries):
+        value = entry * arms[at % 3]
+        for row, column, sign in _PLACES[at]:
+            d[..., row, column] = d[..., column, row] = sign * value
+    d[..., 1, 4], d[..., 3, 4] = beam.K, np.negative(beam.K)
+    d[..., 4, 1], d[..., 4, 3] = np.negative(beam.K), beam.K
+    d[..., 4, 4] = np.multiply(beam.C, length)
     return d
+
+
+def condition(beam: Section, length: Any, omega: Any) -> Floats:
+    """Return the condition numbers (..., 5, 5) of D's entries, as the module defines them."""
+    _, conditions = _evaluated(beam, length, omega)
+    out = np.ones((*conditions.shape[1:], 5, 5))  # 1 for what is exact
+    for at, values in enumerate(conditions):
+        for row, column, _ in _PLACES[at]:
+            out[..., row, column] = out[..., column, row] = values
+    return out
 
 
 def wavenumbers(beam: Section, length: float, omega: Floats) -> tuple[Floats, Floats]:
     """Return |λ₁| and |λ₂| (n,) of the lossless beam, for choosing how to divide it."""
     o2 = np.asarray(omega, dtype=float) ** 2
-    ei = complex(beam.EI).real
+    ei = np.asarray(beam.EI).real
     sigma = beam.m * o2 * length**2 / beam.GA
     tau = beam.rhoI * o2 * length**2 / ei
     root = np.sqrt(beam.m * o2 * length**4 / ei + 0.25 * (sigma - tau) ** 2)
@@ -94,60 +100,47 @@ def wavenumbers(beam: Section, length: float, omega: Floats) -> tuple[Floats, Fl
     return np.sqrt(np.abs(root - mean)), np.sqrt(root + mean)
 
 
-def _span_functions(
-    sigma: Complex, tau: Complex, beta4: Complex
-) -> tuple[Complex, Complex, Complex, Complex]:
-    """Return X, Y, c₁c₂, S₁S₂ (n,), up to a common factor that cancels in the result."""
-    root = np.sqrt(beta4 + 0.25 * (sigma - tau) ** 2)
-    total = sigma + tau
-    small = np.abs(root) + 0.5 * np.abs(total) < 2.0 * _SERIES_RADIUS
-    out = np.empty((4, *sigma.shape), dtype=complex)
-    for part, mask in ((_by_series, small), (_by_products, ~small)):
-        if mask.any():
-            out[:, mask] = part(sigma[mask], tau[mask], beta4[mask], root[mask])
-    return out[0], out[1], out[2], out[3]
+def _evaluated(beam: Section, length: Any, omega: Any) -> tuple[Complex, Floats]:
+    """Return D_ww, D_wψ, D_ψψ, then w-w, w-ψ, ψ-ψ through the beam, (6, ...), in EI/l³ and l.
+
+    And their condition numbers.
+    """
+    inputs = (beam.EI, beam.GA, beam.m, beam.rhoI, length, omega)
+    shape = np.broadcast_shapes(*(np.shape(v) for v in inputs))
+    entries, conditions = np.empty((6, *shape), dtype=complex), np.empty((6, *shape))
+    rows = [array[at, ...] for array in (entries, conditions) for at in range(6)]
+    for (ei, ga, m, rho_i, l, o), results in blocks(inputs, rows):
+        values, sizes, roundings = span(Section(ei, ga, m, rho_i), l, o, ThroughSpan)
+        found, worst = _entries(values, sizes)
+        hard = ~(EPS * roundings * worst.max(axis=0) < TOLERATED)
+        if hard.any():
+            some = Section(ei[hard], ga[hard], m[hard], rho_i[hard])
+            values, sizes, _ = extended_span(some, l[hard], o[hard], ThroughSpan)
+            found[:, hard], worst[:, hard] = _entries(values, sizes)
+        for out, result in zip(results, (*found, *worst), strict=True):
+            out[...] = result
+    return entries, conditions
 
 
-def _by_series(
-    sigma: Complex, tau: Complex, beta4: Complex, root: Complex
-) -> tuple[Complex, Complex, Complex, Complex]:
-    """Power series in the sum and the product of s and t."""
-    total, product = -0.5 * (sigma + tau), 0.25 * root**2
-    # complete homogeneous polynomials h_n(s, t), and power sums s^n + t^n
-    h_before, h_now = np.zeros_like(total), np.ones_like(total)
-    p_before, p_now = np.full_like(total, 2.0), total
-    x, y = np.zeros_like(total), np.full_like(total, 2.0)
-    cc, ss = np.full_like(total, 2.0), np.zeros_like(total)
-    for n in range(1, _SERIES_TERMS):
-        even, odd = 1.0 / math.factorial(2 * n), 1.0 / math.factorial(2 * n + 1)
-        x, ss = x + odd * h_now, ss + even * h_now
-        y, cc = y + odd * p_now, cc + even * p_now
-        h_before, h_now = h_now, total * h_now - product * h_before
-        p_before, p_now = p_now, total * p_now - product * p_before
-    return 0.25 * x, 0.25 * y, 0.5 * cc, 0.5 * ss
+def _entries(values: ThroughSpan, sizes: ThroughSpan) -> tuple[Complex, Floats]:
+    """Return the entries (6, n) and their condition numbers, of one block."""
+    numerators, bounds = _numerators(values, -1.0), np.abs(_numerators(sizes, 1.0))
+    with np.errstate(divide="ignore", invalid="ignore"):  # exactly at a pole: infinite
+        poles = sizes.even / np.abs(values.even) + sizes.odd / np.abs(values.odd)
+        conditions = bounds / np.abs(numerators).astype(float) + poles.astype(float)
+        entries = numerators / (values.even * values.odd)
+    return entries.astype(complex), conditions
 
 
-def _by_products(
-    sigma: Complex, tau: Complex, beta4: Complex, root: Complex
-) -> tuple[Complex, Complex, Complex, Complex]:
-    """Products of the two wave types, each with its growing exponential taken out."""
-    q = 0.5 * (sigma + tau) + root
-    p = (beta4 - sigma * tau) / q
-    z1, z2 = 0.5 * np.sqrt(p), 0.5 * np.sqrt(q)
-    c1, s1 = _cosh_and_sinhc(z1 + 0j)
-    c2, s2 = _cosh_and_sinhc(1j * z2)
-    s1, s2 = 0.5 * s1, 0.5 * s2
-    x = (s2 * c1 - s1 * c2) / (p + q)
-    y = (q * s2 * c1 + p * s1 * c2) / (p + q)
-    return x, y, c1 * c2, s1 * s2
-
-
-def _cosh_and_sinhc(z: Complex) -> tuple[Complex, Complex]:
-    """Return cosh z and sinh z / z, both times exp(−|Re z|)."""
-    z = np.where(z.real < 0.0, -z, z)
-    # halves of 1 ± exp(−2 Re z), the lower sign without cancellation
-    plus, minus = 0.5 * (1.0 + np.exp(-2.0 * z.real)), -0.5 * np.expm1(-2.0 * z.real)
-    cos, sin = np.cos(z.imag), np.sin(z.imag)
-    cosh, sinh = plus * cos + 1j * minus * sin, minus * cos + 1j * plus * sin
-    zero = z == 0.0
-    return cosh, np.where(zero, 1.0, sinh / np.where(zero, 1.0, z))
+def _numerators(s: ThroughSpan, minus: float) -> Any:
+    """Return the six numerators over Δ; with sizes and `minus` 1, the sizes (up to sign)."""
+    return np.stack(
+        [
+            0.5 * (s.cc * s.even + minus * (s.beta4 * s.ss * s.odd)),
+            -0.5 * (s.y * s.even + minus * (s.beta4 * s.x * s.odd)),
+            0.5 * (s.cc * s.odd + s.shear * s.ss * s.even),
+            -s.through_force,
+            -s.through_mixed,
+            s.through_moment,
+        ]
+    )

@@ -13,12 +13,14 @@ import numpy as np
 
 from fem.piezo_solid import assemble
 from fem.solid_response import Attachment, natural_modes, static_multiport
+from geometry.beam_pieces import Piece
 from geometry.materials import Piezoceramic
 from geometry.mesh import Mesh
 from tmm import transfer_matrix
 from tmm.laminate import static_response
 from tmm.modes import Fixture, bending_frequencies
 from tmm.multiport import respond
+from tmm.section import section
 from tmm.terminations import static_termination
 from validation.models import SolidModel
 from validation.scene import Scene
@@ -130,15 +132,14 @@ def _field_variation(scene: Scene) -> tuple[float, float, float]:
     the frequency follows EI alone only on a clamp.
     """
     piezo, bimorph = scene.piezo, scene.bimorph
-    section, length = transfer_matrix.sections(
-        scene.device, scene.support, scene.beam, lossy=False
-    )[-1]
-    stiffness = complex(section.EI).real
+    length = bimorph.length
+    ceramic = section(Piece("bimorph", length), scene.device, scene.beam, lossy=False)
+    stiffness = complex(ceramic.EI).real
     k2 = piezo.d31**2 / (piezo.s11 * scene.device.piezo.ceramic().eps_t[2, 2])
     own = 2.0 * bimorph.width * bimorph.piezo_thickness**3 / (12.0 * piezo.s11)
     ratio = 1.0 + own * k2 / (1.0 - k2) / stiffness
-    bending = complex(section.K).real ** 2 * length / stiffness
-    total = complex(section.C).real * length + bending
+    bending = complex(ceramic.K).real ** 2 * length / stiffness
+    total = complex(ceramic.C).real * length + bending
     frequency = np.sqrt(ratio) - 1.0 if scene.support.kind == "clamped" else np.nan
     loss = 1.0 / ratio - 1.0
     return loss, float(frequency), loss * bending / total

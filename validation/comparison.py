@@ -36,7 +36,7 @@ UNEXPLAINED = 3e-3
 _SAME_THEORY = 1e-8
 
 _ONE_DIMENSIONAL = "one-dimensional: uniform field, no Poisson effect, no d32"
-_ON_ROD = "one-dimensional: the glue rigid and all sections plane where tab, slot and ceramic meet"
+_ON_ROD = "one-dimensional: head rigid around the slot, sections plane where tab and ceramic meet"
 _LUMPED = "the inertia is that of the static shapes"
 
 

@@ -7,8 +7,9 @@ frequencies, the lossless D(0), and the lossless modes.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
@@ -107,19 +108,42 @@ class Model(ABC):
         return Fixture(self._clamped, lateral, rotational, inertia, stiffness, mass)
 
 
-class LumpedModel(Model):
+class RowModel(Model):
+    """Closed forms for a row of beams, in which tapers are divided into segments."""
+
+    _METHOD: str
+    #: Order in which a taper's error falls with its segments' length.
+    _ORDER: int
+
+    def _judged(self, read: Callable[[int], T], method: str = "") -> Refined[T]:
+        """Return what `read` gives for a number of segments, judged by half as many."""
+        method = method or self._METHOD
+        fine = read(transfer_matrix.SEGMENTS)
+        if not transfer_matrix.is_tapered(self.scene.device, self.scene.support):
+            return Refined(fine, (), method)
+        coarse = read(transfer_matrix.SEGMENTS // 2)
+        taper = f"half as many segments of the taper, order {self._ORDER}, safety factor {SAFETY}"
+        factor = SAFETY / (2.0**self._ORDER - 1.0)
+        return Refined(fine, ((coarse, factor),), f"{method}; {taper}")
+
+
+class LumpedModel(RowModel):
     """Closed-form statics with a consistent mass matrix."""
 
     name = "lumped"
     _METHOD = "rounding of closed forms; the model's own error is not included"
+    _ORDER = 2  # the mass of a segment's cubic shapes; the statics are of order 4
 
     def ports(self) -> Refined[Multiport]:
         """Return D(Ω) with losses over the scene's frequencies."""
 
         def work() -> Refined[Multiport]:
             s = self.scene
-            port = lumped.multiport(s.device, s.support, s.beam, self.frequencies)
-            return Refined(port, (), self._METHOD)
+            return self._judged(
+                lambda n: lumped.multiport(
+                    s.device, s.support, s.beam, self.frequencies, segments=n
+                )
+            )
 
         return self.stages.run("lumped.ports", work)
 
@@ -128,8 +152,11 @@ class LumpedModel(Model):
 
         def work() -> Refined[Multiport]:
             s = self.scene
-            port = lumped.multiport(s.device, s.support, s.beam, np.zeros(1), lossy=False)
-            return Refined(port, (), self._METHOD)
+            return self._judged(
+                lambda n: lumped.multiport(
+                    s.device, s.support, s.beam, np.zeros(1), lossy=False, segments=n
+                )
+            )
 
         return self.stages.run("lumped.static", work)
 
@@ -140,31 +167,41 @@ class LumpedModel(Model):
 
     def circuit(self, *, open_circuit: bool = False) -> lumped.EquivalentCircuit:
         """Return the first mode as a one-mode circuit (parallel wiring)."""
+        return self._circuit(transfer_matrix.SEGMENTS, open_circuit=open_circuit)
+
+    def _circuit(self, segments: int, *, open_circuit: bool) -> lumped.EquivalentCircuit:
         s = self.scene
-        pieces = transfer_matrix.sections(s.device, s.support, s.beam, lossy=False)
-        return lumped.equivalent_circuit(pieces, self._fixture(), open_circuit=open_circuit)
+        row = transfer_matrix.sections(s.device, s.support, s.beam, lossy=False, segments=segments)
+        return lumped.equivalent_circuit(row, self._fixture(), open_circuit=open_circuit)
 
     def _both_modes(self) -> tuple[Refined[Modes], Refined[Modes]]:
-        short, opened = (self.circuit(open_circuit=circuit) for circuit in (False, True))
-        return tuple(
-            Refined(Modes(np.array([c.short_circuit_frequency]), ("bending_x",)), (), self._METHOD)
-            for c in (short, opened)
-        )  # type: ignore[return-value]
+        def mode(segments: int, *, open_circuit: bool) -> Modes:
+            circuit = self._circuit(segments, open_circuit=open_circuit)
+            return Modes(np.array([circuit.short_circuit_frequency]), ("bending_x",))
+
+        short, opened = (
+            self._judged(partial(mode, open_circuit=circuit)) for circuit in (False, True)
+        )
+        return short, opened
 
 
-class TmmModel(Model):
+class TmmModel(RowModel):
     """Exact Timoshenko beams in a row."""
 
     name = "tmm"
     _METHOD = "rounding: machine epsilon times the condition number of the port equations"
+    _ORDER = 4
 
     def ports(self) -> Refined[Multiport]:
         """Return D(Ω) with losses over the scene's frequencies."""
 
         def work() -> Refined[Multiport]:
             s = self.scene
-            port = transfer_matrix.multiport(s.device, s.support, s.beam, self.frequencies)
-            return Refined(port, (), self._METHOD)
+            return self._judged(
+                lambda n: transfer_matrix.multiport(
+                    s.device, s.support, s.beam, self.frequencies, segments=n
+                )
+            )
 
         return self.stages.run("tmm.ports", work)
 
@@ -173,8 +210,11 @@ class TmmModel(Model):
 
         def work() -> Refined[Multiport]:
             s = self.scene
-            port = transfer_matrix.multiport(s.device, s.support, s.beam, np.zeros(1), lossy=False)
-            return Refined(port, (), self._METHOD)
+            return self._judged(
+                lambda n: transfer_matrix.multiport(
+                    s.device, s.support, s.beam, np.zeros(1), lossy=False, segments=n
+                )
+            )
 
         return self.stages.run("tmm.static", work)
 
@@ -185,13 +225,18 @@ class TmmModel(Model):
 
     def _both_modes(self) -> tuple[Refined[Modes], ...]:
         s = self.scene
-        pieces = transfer_matrix.sections(s.device, s.support, s.beam, lossy=False)
-        found = (
-            bending_frequencies(pieces, self._fixture(), s.modes, open_circuit=circuit)
-            for circuit in (False, True)
-        )
+
+        def found(segments: int, *, open_circuit: bool) -> Modes:
+            row = transfer_matrix.sections(
+                s.device, s.support, s.beam, lossy=False, segments=segments
+            )
+            f = bending_frequencies(row, self._fixture(), s.modes, open_circuit=open_circuit)
+            return Modes(f, ("bending_x",) * f.size)
+
         method = "bracketed by counting modes (Wittrick-Williams) to the rounding limit"
-        return tuple(Refined(Modes(f, ("bending_x",) * f.size), (), method) for f in found)
+        return tuple(
+            self._judged(partial(found, open_circuit=circuit), method) for circuit in (False, True)
+        )
 
 
 class BeamModel(Model):

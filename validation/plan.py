@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from geometry.fit import check_plain_layers
 from validation.quantities import MODELS, QUANTITIES, Need
 from validation.scene import Scene
 from validation.stages import READS, stage_key
@@ -65,7 +66,15 @@ _BECAUSE: dict[Need, str] = {
 
 
 def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> Plan:
-    """Derive the plan from what is wanted."""
+    """Derive the plan from what is wanted.
+
+    Raises
+    ------
+    InputError
+        If a model cannot take the scene.
+    """
+    if "solid" in models:
+        check_plain_layers(scene.device)
     reasons: dict[str, list[str]] = {}
     for model in models:
         for quantity in quantities:

@@ -224,11 +224,16 @@ def _idle(scene: Scene, key: str) -> str:
     }.get(key)
     if needed and scene.load.kind != needed:
         return f'with load.kind = "{scene.load.kind}"; set load.kind = "{needed}" to use it'
+    profile = f"{key}_profile"
+    if profile.removeprefix("bimorph.") in scene.bimorph.profiles and not _has_tab(scene, key):
+        return f"with {profile}, which gives it along the ceramic; leave one of the two out"
     support = scene.support.kind
     if group == "support" and key != "support.kind" and support != "spring":
         return f'with support.kind = "{support}"; set support.kind = "spring" to use it'
     limit = key == "rod.head_radius" and support == "spring"  # of the bimorph's width
-    if group in ("glue", "rod", "coil", "sleeve", "gap") and support != "rod" and not limit:
+    layers = group == "glue" and scene.bimorph.glue_thickness and key != "glue.thickness"
+    unused = support != "rod" and not limit and not layers
+    if group in ("glue", "rod", "coil", "sleeve", "gap") and unused:
         return f'with support.kind = "{support}"; set support.kind = "rod" to use it'
     tetrahedra = scene.mesh.kind == "tetwild" or support == "rod"
     if key == "mesh.time_limit" and not tetrahedra:
@@ -236,6 +241,11 @@ def _idle(scene: Scene, key: str) -> str:
     if key == "accuracy" and scene.mesh.level:
         return f"with mesh.level = {scene.mesh.level}; leave mesh.level out to use it"
     return ""
+
+
+def _has_tab(scene: Scene, key: str) -> bool:
+    """Return whether a dimension of the ceramic is also that of the tab below it."""
+    return key != "bimorph.piezo_thickness" and scene.bimorph.tab_length > 0.0
 
 
 def _weightless(load: p.Load) -> list[str]:

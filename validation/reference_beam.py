@@ -11,9 +11,9 @@ doubling a short one's dynamic stiffness, which never grows exponentially.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ParamSpec, TypeVar, cast
 
 import mpmath as mp
 import numpy as np
@@ -21,8 +21,16 @@ import numpy as np
 #: Decimal digits carried; exponential, inversions and doublings cost fewer than 20 of them.
 DIGITS = 80
 
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
 #: Wave phase |λ| up to which one matrix exponential is taken.
 _ONE_PIECE = 8
+
+
+def _exact(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Make a function work with `DIGITS` digits."""
+    return cast("Callable[_P, _R]", mp.workdps(DIGITS)(function))
 
 
 @dataclass(frozen=True)
@@ -63,7 +71,7 @@ def constants(beam: Any) -> Constants:
     return Constants(*(mp.mpmathify(complex(v)) for v in values))
 
 
-@mp.workdps(DIGITS)
+@_exact
 def bimorph_constants(layers: Layers) -> Constants:
     """Integrate T = E (x ψ' − d f U), D = d T + ε f U over the three layers.
 
@@ -93,7 +101,7 @@ def bimorph_constants(layers: Layers) -> Constants:
     return Constants(ei, ga, m, rho_i, k, c)
 
 
-@mp.workdps(DIGITS)
+@_exact
 def transfer(beam: Constants, length: Any, omega: Any) -> mp.matrix:
     """Return exp(S l), 6 x 6, over the internal state [w, ψ, M, F, q, U]."""
     o2 = mp.mpf(omega) ** 2
@@ -106,7 +114,7 @@ def transfer(beam: Constants, length: Any, omega: Any) -> mp.matrix:
     return mp.expm(s * mp.mpf(length), method="taylor")
 
 
-@mp.workdps(DIGITS)
+@_exact
 def matrix_a(beam: Constants, length: Any, frequency: Any) -> np.ndarray:
     """Return the paper's A (5, 5): [v, ψ̇, M, F, U] below to [v, ψ̇, M, F, I] above."""
     omega = 2 * mp.pi * mp.mpf(frequency)
@@ -116,7 +124,7 @@ def matrix_a(beam: Constants, length: Any, frequency: Any) -> np.ndarray:
     return as_array(rates * _pick(t, range(5), (0, 1, 2, 3, 5)) * states)
 
 
-@mp.workdps(DIGITS)
+@_exact
 def dynamic_stiffness(beam: Constants, length: Any, omega: Any) -> mp.matrix:
     """Return D, 5 x 5, over [w_0, ψ_0, w_l, ψ_l, U]; forces act on the beam from outside."""
     waves = abs(beam.m * mp.mpf(omega) ** 2 / beam.EI) ** 0.25 * length
@@ -144,7 +152,7 @@ def _from_transfer(t: mp.matrix) -> mp.matrix:
     return out
 
 
-@mp.workdps(DIGITS)
+@_exact
 def join(lower: mp.matrix, upper: mp.matrix) -> mp.matrix:
     """Return D of two beams end to end: equal motion, no force left over at the joint."""
     both = mp.zeros(7)  # base 2, joint 2, tip 2, U
@@ -164,6 +172,28 @@ def eliminate(matrix: mp.matrix, keep: list[int]) -> mp.matrix:
     return _pick(matrix, keep, keep) - _pick(matrix, keep, drop) * solved
 
 
+@_exact
+def tip_motion(d: mp.matrix, base: tuple[Any, Any] | None, tip: Any) -> tuple[Any, Any]:
+    """Return tip displacement and charge per volt, base held (None) or on two springs."""
+    held = d.copy()
+    held[2, 2] += mp.mpmathify(tip)
+    if base is not None:
+        held[0, 0] += mp.mpmathify(base[0])
+        held[1, 1] += mp.mpmathify(base[1])
+    free = [2, 3] if base is None else [0, 1, 2, 3]
+    motion = mp.lu_solve(_pick(held, free, free), -_pick(held, free, [4]))
+    charge = d[4, 4] + sum(d[4, port] * motion[i] for i, port in enumerate(free))
+    return motion[free.index(2)], charge
+
+
+@_exact
+def relative_error(value: Any, exact: Any) -> float:
+    """Return |value − exact|/|exact| of a double, 0 for 0 against 0."""
+    if exact == 0:
+        return 0.0 if value == 0 else float("inf")
+    return float(abs(mp.mpmathify(complex(value)) - exact) / abs(exact))
+
+
 def _pick(matrix: mp.matrix, rows: Sequence[int], columns: Sequence[int]) -> mp.matrix:
     return mp.matrix([[matrix[i, j] for j in columns] for i in rows])
 
@@ -173,7 +203,7 @@ def as_array(matrix: mp.matrix) -> np.ndarray:
     return np.array(matrix.apply(complex).tolist(), dtype=complex)
 
 
-@mp.workdps(DIGITS)
+@_exact
 def stiffness_and_condition(
     beam: Constants, length: float, omega: float
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,79 @@
+"""The glued tab as an elastic joint, against beam elements and its limits."""
+
+import numpy as np
+import pytest
+
+from fem import beam as elements
+from geometry.beam_pieces import Piece
+from geometry.parameters import Beam, Bimorph, Device, Glue, Shim, Support
+from tmm import transfer_matrix as tmm
+from tmm.bonded_tab import bonded_tab
+from tmm.modes import Fixture, bending_frequencies
+
+DEPTH = 0.4e-3
+PIECE = Piece("bond", DEPTH)
+
+
+def device(modulus=3e9, **shim):
+    return Device(
+        bimorph=Bimorph(tab_length=2e-3), glue=Glue(youngs_modulus=modulus), shim=Shim(**shim)
+    )
+
+
+@pytest.mark.parametrize("modulus", [3e6, 0.3e9, 3e9, 10e9])
+def test_closed_form_equals_beam_elements(modulus):
+    """The founded beam in closed form and by finite elements, glue of rubber to filled epoxy."""
+    closed = np.linalg.inv(bonded_tab(PIECE, device(modulus), Beam()).compliance)
+    by_elements = elements.bonded_tab(device(modulus), Beam(), DEPTH)
+    # eight elements of order five: 3e-9 at the stiffest glue, whose waves are the shortest
+    np.testing.assert_allclose(by_elements, closed, rtol=1e-8)
+
+
+def test_soft_glue_carries_a_rigid_tab():
+    """A tab much stiffer than its glue turns about a point, as springs that add up demand."""
+    soft = device(modulus=3e3)
+    g, b, h = soft.glue, soft.bimorph.width, soft.bimorph.shim_thickness
+    shear = g.youngs_modulus / (2 * (1 + g.poisson_ratio))
+    squeezed = g.youngs_modulus * (1 - g.poisson_ratio) / (
+        (1 + g.poisson_ratio) * (1 - 2 * g.poisson_ratio)
+    )  # fmt: skip
+    t, l = g.thickness, DEPTH
+    face, side = 2 * (squeezed * b + shear * h) / t, 2 * shear * (b * h**2 / 4 + h**3 / 12) / t
+    below, turned = shear * b * h / t, squeezed * b * h**3 / 12 / t
+    # displacement at depth d is w + d ψ
+    stiffness = np.array(
+        [
+            [face * l + below, face * l**2 / 2 + below * l],
+            [
+                face * l**2 / 2 + below * l,
+                face * l**3 / 3 + side * l + below * l**2 + turned,
+            ],
+        ]
+    )
+    compliance = bonded_tab(PIECE, soft, Beam()).compliance
+    # what the tab itself gives way by shear: face l²/GA = 3e-5
+    np.testing.assert_allclose(np.linalg.inv(compliance), stiffness, rtol=3e-5)
+
+
+def test_it_is_elastic():
+    """Symmetric, positive and real: a joint stores energy and loses none."""
+    compliance = bonded_tab(PIECE, device(), Beam()).compliance
+    assert np.isrealobj(compliance)
+    assert compliance[0, 1] == pytest.approx(compliance[1, 0], rel=1e-12)
+    assert (np.linalg.eigvalsh(compliance) > 0.0).all()
+
+
+def test_stiffer_glue_approaches_a_clamp_at_the_slot():
+    """The generator's first frequency rises with the glue's stiffness towards the rigid bond's."""
+    rod = Support(kind="rod")
+    first = []
+    for modulus in (1e9, 3e9, 1e11, 1e14):
+        row = tmm.sections(device(modulus), rod, Beam(), lossy=False)
+        first.append(bending_frequencies(row, Fixture(clamped=True), 1, open_circuit=False)[0])
+    rigid = [entry for entry in row if entry[1] > 0.0]
+    limit = bending_frequencies(rigid, Fixture(clamped=True), 1, open_circuit=False)[0]
+    assert first[0] < first[1] < first[2] < first[3] < limit
+    # what remains is the tab's shear on its glue, √(EI/GA) short of a clamp: 1e-3 of the length
+    assert first[3] == pytest.approx(limit, rel=1e-2)
+    # and epoxy is far from it
+    assert first[1] < 0.92 * limit

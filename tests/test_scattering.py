@@ -1,0 +1,163 @@
+"""Joining elements in wave variables: no digit is lost however many there are."""
+
+import numpy as np
+import pytest
+
+from geometry.parameters import Beam, Bimorph, Device, Load, Support
+from tmm import transfer_matrix as tmm
+from tmm.modes import Fixture, bending_frequencies
+from tmm.multiport import passivity_margin, reciprocity_error, respond
+from tmm.scattering import change_along, element_stiffness, joined
+from tmm.section import Joint
+from tmm.terminations import termination
+from tmm.timoshenko import dynamic_stiffness
+
+FREQUENCIES = np.array([0.0, 1e-3, 10.0, 445.0, 1000.0, 5000.0, 20000.0])
+OMEGA = 2.0 * np.pi * FREQUENCIES
+SUPPORT = Support()
+CLAMPED = Support(kind="clamped")
+
+
+def beam(length=20e-3, *, lossy=True):
+    ((section, l),) = tmm.sections(
+        Device(bimorph=Bimorph(length=length)), SUPPORT, Beam(), lossy=lossy
+    )
+    return section, l
+
+
+def distance(got, exact):
+    """Largest difference of two D(Ω), each entry relative to its two diagonal neighbours."""
+    size = np.sqrt(np.abs(np.einsum("nii->ni", exact)))
+    return (np.abs(got - exact) / (size[:, :, None] * size[:, None, :])).max()
+
+
+@pytest.mark.parametrize("lossy", [True, False])
+@pytest.mark.parametrize("length", [0.2e-3, 14e-3, 20e-3, 40e-3, 5.0])
+@pytest.mark.parametrize("count", [2, 7, 1000])
+def test_segments_equal_the_whole(count, length, lossy):
+    """1,000 segments of a beam are one beam to 1e-11, from 0 Hz to 20 kHz, stubby or slender."""
+    section, l = beam(length, lossy=lossy)
+    got = joined([(section, l / count)] * count, OMEGA)
+    # the requirement; a dozen roundings, 3e-15, but for poles of the lossless 5 m beam, a
+    # thousand of which lie below 20 kHz: 4e-12
+    assert distance(got, dynamic_stiffness(section, l, OMEGA)) < 1e-11
+
+
+def test_unequal_segments_equal_the_whole():
+    """A thousand segments of different lengths: none is worked out from another."""
+    section, l = beam()
+    lengths = np.linspace(0.5, 1.5, 1000) * l / 1000
+    got = joined([(section, float(part)) for part in lengths], OMEGA[::2])
+    assert distance(got, dynamic_stiffness(section, l, OMEGA[::2])) < 1e-11
+
+
+@pytest.mark.parametrize("load", ["none", "finger"])
+def test_terminated_tip_velocity_of_a_thousand_segments(load):
+    """What a scene asks for keeps its digits too, on the paper's springs and under the finger."""
+    section, l = beam()
+    f = np.array([10.0, 100.0, 445.0, 1000.0])
+    end = termination(SUPPORT, Load(kind=load), f)
+    one, many = (respond(tmm.chain([(section, l / n)] * n, f), end, 50.0).w_tip for n in (1, 1000))
+    # the requirement; at the resonance, Q = 60, a rounding counts for a hundred
+    assert np.abs(many / one - 1.0).max() < 1e-11
+
+
+@pytest.mark.parametrize("tip_mass", [0.0, 20e-6])
+def test_modes_of_a_thousand_segments(tip_mass):
+    """Counting finds the same modes in a segmented row, with a mass at its tip or without."""
+    section, l = beam(lossy=False)
+    fixture = Fixture(clamped=True, tip_mass=tip_mass)
+    one, many = (
+        bending_frequencies([(section, l / n)] * n, fixture, 3, open_circuit=True)
+        for n in (1, 1000)
+    )
+    np.testing.assert_allclose(many, one, rtol=1e-11)
+
+
+def test_stiff_and_soft_elements():
+    """A tab on a rod 60 times stiffer, cut in 300 each, is the same row."""
+    device = Device(bimorph=Bimorph(tab_length=2e-3))
+    row = tmm.sections(device, Support(kind="rod"), Beam(), lossy=True)
+    cut = [
+        entry
+        for element, length in row
+        for entry in ([(element, length / 300)] * 300 if length else [(element, length)])
+    ]
+    assert distance(joined(cut, OMEGA), joined(row, OMEGA)) < 1e-11
+
+
+def test_order_matters_and_grouping_does_not():
+    """Tab and ceramic are not ceramic and tab; a chain's middle may be joined first."""
+    device = Device(bimorph=Bimorph(tab_length=2e-3))
+    tab, active = tmm.sections(device, SUPPORT, Beam(), lossy=True)
+    assert distance(joined([tab, active], OMEGA), joined([active, tab], OMEGA)) > 0.1
+    halves = [(active[0], 0.5 * active[1])] * 2
+    one, other = joined([tab, active, tab], OMEGA), joined([tab, *halves, tab], OMEGA)
+    # roundings, magnified by the ratio of the ceramic's to the tab's bending stiffness, 14, and
+    # by the nearness of a pole of the row
+    assert distance(one, other) < 1e-12
+
+
+@pytest.mark.parametrize("lossy", [True, False])
+def test_invariants(lossy):
+    """A stepped, tapered, partly bare, glued row is reciprocal and passive; lossless it is real."""
+    device = Device(
+        bimorph=Bimorph(
+            tab_length=2e-3, bare_below=1e-3, bare_above=3e-3, glue_thickness=10e-6,
+            width_profile=((0, 2.1e-3), (8e-3, 2e-3), (8e-3, 1e-3), (20e-3, 0.8e-3)),
+            piezo_thickness_profile=((0, 0.26e-3), (20e-3, 0.15e-3)),
+        )
+    )  # fmt: skip
+    port = tmm.multiport(device, Support(kind="rod"), Beam(), FREQUENCIES, lossy=lossy)
+    assert reciprocity_error(port).max() < 1e-12
+    if lossy:
+        assert passivity_margin(port).min() > -1e-12
+    else:
+        assert np.all(port.stiffness.imag == 0.0)
+
+
+def test_arrays_of_sections_along_the_frequencies():
+    """Constants and lengths may vary from point to point; each point is its own row."""
+    section, l = beam()
+    lengths = np.linspace(0.5, 1.0, OMEGA.size) * l
+    many = joined([(section, lengths), (section, 2.0 * lengths)], OMEGA)
+    for i, length in enumerate(lengths):
+        one = joined([(section, length), (section, 2.0 * length)], OMEGA[i : i + 1])
+        assert distance(many[i : i + 1], one) < 1e-13
+
+
+def test_a_joint_adds_its_compliance():
+    """At rest a cantilever on an elastic joint is softer by exactly the joint."""
+    section, l = beam(lossy=False)
+    joint = Joint(np.array([[1e-8, -2e-6], [-2e-6, 1.0]]))
+    soft, stiff = (
+        np.linalg.inv(joined(row, np.zeros(1))[0, 2:4, 2:4])
+        for row in ([(joint, 0.0), (section, l)], [(section, l)])
+    )
+    lever = np.array([[1.0, -l], [0.0, 1.0]])
+    np.testing.assert_allclose(soft - stiff, lever @ joint.compliance @ lever.T, rtol=1e-11)
+
+
+def test_a_joint_alone():
+    """A row of one joint: its stiffness between two ends that are one point."""
+    compliance = np.array([[1e-8, -2e-6], [-2e-6, 1.0]])
+    d = element_stiffness(Joint(compliance), 0.0, OMEGA)
+    k = np.linalg.inv(compliance)
+    np.testing.assert_allclose(d[3, :4, :4], np.block([[k, -k], [-k, k]]))
+    assert np.all(d[:, 4] == 0.0)
+
+
+def test_transfer_matrix_against_the_dynamic_stiffness():
+    """T of a short piece of beam relates the two ends as D does."""
+    section, _ = beam()
+    length = 2e-3
+    t = np.eye(5) + change_along(section, length, OMEGA)
+    d = dynamic_stiffness(section, length, OMEGA)
+    rng = np.random.default_rng(1)
+    lower = np.concatenate([rng.normal(size=2) * [1e-6, 1e-3], rng.normal(size=2) * [1e-2, 1e-5]])
+    for i in range(OMEGA.size):
+        upper = t[i] @ [*lower, 10.0]
+        forces = d[i] @ [*lower[:2], *upper[:2], 10.0]
+        got = np.array([*-lower[2:], *upper[2:4]])
+        scale = np.abs(d[i, :4]) @ np.abs([*lower[:2], *upper[:2], 10.0])
+        assert (np.abs(forces[:4] - got) < 1e-13 * scale).all()
