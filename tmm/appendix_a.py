@@ -23,29 +23,99 @@ from tmm.section import Section
 
 
 @dataclass(frozen=True)
-class Misprint:
-    """One entry of Appendix A that does not follow from the beam's equations."""
+class Formula:
+    """One numbered equation: what is printed and, if that is not right, what it should be."""
 
-    equation: str
+    equation: int
+    symbol: str
     printed: str
-    correct: str
+    correct: str = ""
 
 
-#: What is wrong in the printed text (whether the authors' or the typesetting's slip is
-#: not known).
-MISPRINTS: dict[int, Misprint] = {
-    24: Misprint(
-        "24", "A14 = -jW a l C3/b4 (-s C1 + C3 (b4 + s^2))", "without the first factor C3"
+#: Where each equation's entry stands in A, from 0.
+PLACES: dict[int, tuple[int, int]] = {
+    13: (0, 0), 14: (0, 1), 15: (1, 0), 16: (1, 1), 17: (2, 0), 18: (2, 1), 19: (3, 0),
+    20: (3, 1), 21: (4, 0), 22: (4, 1), 23: (0, 2), 24: (0, 3), 25: (1, 2), 26: (1, 3),
+    27: (2, 2), 28: (2, 3), 29: (3, 2), 30: (3, 3), 31: (4, 2), 32: (4, 3), 33: (0, 4),
+    34: (1, 4), 35: (2, 4), 36: (3, 4), 37: (4, 4),
+}  # fmt: skip
+
+#: The system's equations, the entries of A, their functions and the section constants, with
+#: b4 for beta^4, s and t for sigma and tau, L1 and L2 for the eigenvalues, W for Omega.
+FORMULAS: tuple[Formula, ...] = (
+    Formula(6, "R_m", "unit matrix, R32 from psi' to M, R41 from v to F"),
+    Formula(7, "R41", "c_sl/jW"),
+    Formula(8, "R32", "jW theta + d_s + c_s/jW"),
+    Formula(
+        9, "A", "[v, psi', M, F, U] = A [v, psi', M, F, U]", "the fifth entry on the left is I"
     ),
-    36: Misprint("36", "A45 = -b4/l K C3", "+b4/l K C3 (reciprocity with A51)"),
-    39: Misprint(
-        "39, 41",
-        "s = m W^2 l^2/EI, t = rhoI W^2 l^2/GA",
-        "denominators exchanged: s = m W^2 l^2/GA, t = rhoI W^2 l^2/EI",
+    Formula(10, "L_m", "unit matrix, L41 from v to F"),
+    Formula(11, "L41", "d(f) + c(f)/jW"),
+    Formula(12, "system", "[L_m, 1] A x = [L_m, 1] R_m x", "a product: [L_m, 1] A [R_m, 1] x"),
+    Formula(13, "A11", "C0 - s C2"),
+    Formula(14, "A12", "-l (C1 - (s + t) C3)"),
+    Formula(15, "A21", "-b4/l C3"),
+    Formula(16, "A22", "C0 - t C2"),
+    Formula(17, "A31", "-b4 C2/(jW a)"),
+    Formula(18, "A32", "l/(jW a) (-t C1 + (b4 + t^2) C3)"),
+    Formula(19, "A41", "-b4 (C1 - s C3)/(jW a l)"),
+    Formula(20, "A42", "b4 C2/(jW a)"),
+    Formula(21, "A51", "K/l (-b4 C3 + s (-C1 + C4 + C3 (s + t)))"),
+    Formula(22, "A52", "K (C5 - 1 + C2 s)"),
+    Formula(23, "A13", "-jW a C2"),
+    Formula(24, "A14", "-jW a l C3/b4 (-s C1 + C3 (b4 + s^2))", "without the factor C3 in front"),
+    Formula(25, "A23", "jW a/l (C1 - t C3)"),
+    Formula(26, "A24", "jW a C2"),
+    Formula(27, "A33", "C0 - t C2"),
+    Formula(28, "A34", "l (C1 - C3 (s + t))"),
+    Formula(29, "A43", "b4/l C3"),
+    Formula(30, "A44", "C0 - s C2"),
+    Formula(31, "A53", "jW a K/l (C4 + C3 s)"),
+    Formula(32, "A54", "jW a K C2"),
+    Formula(33, "A15", "-jW a K C2"),
+    Formula(34, "A25", "jW a K/l (C4 + C3 s)"),
+    Formula(35, "A35", "K (C5 - 1 + C2 s)"),
+    Formula(36, "A45", "-b4/l K C3", "+b4/l K C3 (reciprocity with A51)"),
+    Formula(37, "A55", "jW C_p + jW/l a K^2 (C4 + C3 s)"),
+    Formula(38, "C0", "(L2^2 cosh L1 + L1^2 cos L2)/(L1^2 + L2^2)"),
+    Formula(39, "sigma", "m W^2 l^2/EI", "m W^2 l^2/GA"),
+    Formula(40, "C1", "(L2^2/L1 sinh L1 + L1^2/L2 sin L2)/(L1^2 + L2^2)"),
+    Formula(41, "tau", "rhoI W^2 l^2/GA", "rhoI W^2 l^2/EI"),
+    Formula(42, "C2", "(cosh L1 - cos L2)/(L1^2 + L2^2)"),
+    Formula(43, "beta^4", "m W^2 l^4/EI"),
+    Formula(44, "C3", "(sinh L1/L1 - sin L2/L2)/(L1^2 + L2^2)"),
+    Formula(45, "a", "l^2/EI"),
+    Formula(46, "C4", "(L1 sinh L1 + L2 sin L2)/(L1^2 + L2^2)"),
+    Formula(
+        47,
+        "L1, L2",
+        "sqrt(sqrt(b4 + (s - t)^2/4) -+ (s - t)/2)",
+        "sqrt(sqrt(b4 + (s - t)^2/4) -+ (s + t)/2)",
     ),
-    47: Misprint("47", "-+ (s - t)/2 outside the inner root", "-+ (s + t)/2 outside"),
-    49: Misprint("49", "(h_p + h_s/s)^3", "(h_p + h_s/2)^3"),
-    55: Misprint("55", "eps^T (1 + j tan d)", "eps^T (1 - j tan d) for exp(+jWt)"),
+    Formula(48, "C5", "(L1^2 cosh L1 + L2^2 cos L2)/(L1^2 + L2^2)"),
+    Formula(
+        49,
+        "rhoI",
+        "b rho_s h_s^3/12 + 2/3 b rho_p ((h_p + h_s/s)^3 - (h_s/2)^3)",
+        "h_s/2 in place of h_s/s",
+    ),
+    Formula(50, "GA", "k^2 b (G h_s + 2 h_p/s55)"),
+    Formula(51, "EI", "b (h_s^3/(12 s_ES) + 2/(3 s_EP) ((h_s/2 + h_p)^3 - (h_s/2)^3))"),
+    Formula(52, "s_EP", "((1 + j/Q)/s11)^-1"),
+    Formula(53, "m", "b (rho_s h_s + 2 rho_p h_p)"),
+    Formula(54, "K", "b d31/s_EP (h_s + h_p)"),
+    Formula(
+        55,
+        "C_p",
+        "2 l b (eps (1 + j tan d) - d31^2/s_EP)/h_p",
+        "eps (1 - j tan d) for exp(+jWt)",
+    ),
+)
+
+#: What is wrong in the printed text and enters a number (whether the authors' or the
+#: typesetting's slip is not known).
+MISPRINTS: dict[int, Formula] = {
+    f.equation: f for f in FORMULAS if f.correct and f.equation not in (9, 12)
 }
 
 
@@ -87,15 +157,12 @@ def matrix_a(
     frequencies : (n,) array
         Frequencies (Hz), greater than 0.
     misprints : frozenset of int
-        Equations to take as printed (24, 36, 39 with 41, 47).
+        Equations to take as printed (24, 36, 39, 41, 47).
     """
     jw = 2j * np.pi * np.asarray(frequencies, dtype=float)
-    o2, l, k, a = (jw.imag) ** 2, length, beam.K, length**2 / beam.EI
-    beta4 = beam.m * o2 * l**4 / beam.EI + 0j
-    stiff, shear = (beam.GA, beam.EI) if 39 not in misprints else (beam.EI, beam.GA)
-    sigma = beam.m * o2 * l**2 / stiff + 0j
-    tau = beam.rhoI * o2 * l**2 / shear + 0j
-    c0, c1, c2, c3, c4, c5 = _functions(sigma, tau, beta4, as_printed=47 in misprints)
+    l, k, a = length, beam.K, length**2 / beam.EI
+    sigma, tau, beta4 = wave_parameters(beam, length, frequencies, misprints)
+    c0, c1, c2, c3, c4, c5 = functions(sigma, tau, beta4, as_printed=47 in misprints)
 
     out = np.empty((jw.size, 5, 5), dtype=complex)
     out[:, 0, 0] = out[:, 3, 3] = c0 - sigma * c2
@@ -126,13 +193,34 @@ def matrix_a(
     return out
 
 
-def _functions(
-    sigma: Complex, tau: Complex, beta4: Complex, *, as_printed: bool
-) -> tuple[Complex, ...]:
-    """Return C0 … C5 (paper eqs 38-48)."""
+def wave_parameters(
+    beam: Section, length: float, frequencies: Floats, misprints: frozenset[int] = frozenset()
+) -> tuple[Complex, Complex, Complex]:
+    """Return σ, τ and β⁴ (n,) of paper eqs 39, 41 and 43."""
+    o2 = (2.0 * np.pi * np.asarray(frequencies, dtype=float)) ** 2
+    of_sigma = beam.EI if 39 in misprints else beam.GA
+    of_tau = beam.GA if 41 in misprints else beam.EI
+    return (
+        beam.m * o2 * length**2 / of_sigma + 0j,
+        beam.rhoI * o2 * length**2 / of_tau + 0j,
+        beam.m * o2 * length**4 / beam.EI + 0j,
+    )
+
+
+def eigenvalues(
+    sigma: Complex, tau: Complex, beta4: Complex, *, as_printed: bool = False
+) -> tuple[Complex, Complex]:
+    """Return λ₁ and λ₂ (n,) of paper eq 47."""
     inner = np.sqrt(beta4 + 0.25 * (sigma - tau) ** 2)
     outer = 0.5 * ((sigma - tau) if as_printed else (sigma + tau))
-    x, y = np.sqrt(inner - outer), np.sqrt(inner + outer)
+    return np.sqrt(inner - outer), np.sqrt(inner + outer)
+
+
+def functions(
+    sigma: Complex, tau: Complex, beta4: Complex, *, as_printed: bool = False
+) -> tuple[Complex, ...]:
+    """Return C0 … C5 (n,), paper eqs 38-48; `as_printed` takes eq 47 so."""
+    x, y = eigenvalues(sigma, tau, beta4, as_printed=as_printed)
     total = x**2 + y**2
     cosh, cos, sinh, sin = np.cosh(x), np.cos(y), np.sinh(x), np.sin(y)
     return (

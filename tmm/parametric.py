@@ -1,0 +1,236 @@
+"""The transfer-matrix model as a function of its parameters, many sets of values at once.
+
+A *point* is a frequency with one value for each parameter that is varied.  The values are
+arrays over the points: real for samples, complex for derivatives on a contour.  Nothing is
+modelled here; sections, spans and port algebra are those of every other answer, and all
+are analytic in their inputs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Complex, Floats
+from geometry.beam_pieces import Layers, Piece, beam_pieces
+from geometry.errors import InputError
+from geometry.parameters import Beam, Device, Drive, Load, Support
+from geometry.units import Unit, quoted
+from tmm.multiport import PSI_BASE, W_BASE, W_TIP, in_series
+from tmm.section import Section
+from tmm.terminations import termination
+from tmm.transfer_matrix import SEGMENTS, chain, elements
+
+#: Values by scene key, each a number or an array over the points.
+Values = Mapping[str, Any]
+
+#: Groups of scene keys that a one-dimensional model can read, in the scene's order.
+_GROUPS = ("bimorph", "piezo", "shim", "glue", "rod", "support", "load", "drive", "beam")
+#: Where it is tried whether a key matters (Hz), and by which relative change: a power of
+#: two, so that the steps themselves are exact.
+_TRIAL, _STEP = np.array([1000.0]), 2.0**-10
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """The lateral actuator with what holds, loads and drives it.
+
+    `segments` is the number of prismatic stretches that stand for a tapered piece.
+    """
+
+    device: Device
+    support: Support
+    load: Load
+    beam: Beam
+    drive: Drive
+    segments: int = SEGMENTS
+
+    @property
+    def clamped(self) -> bool:
+        """Whether the base port is held rigidly."""
+        return self.support.kind != "spring"
+
+    def value(self, key: str) -> float:
+        """Return the value of a scene key such as ``piezo.s11`` (SI)."""
+        group, name = key.split(".")
+        return float(getattr(self.group(group), name))
+
+    def with_values(self, values: Values) -> Actuator:
+        """Return the actuator with other values (unchecked: arrays and complex ones pass)."""
+        changes: dict[str, dict[str, Any]] = {}
+        for key, value in values.items():
+            group, name = key.split(".")
+            changes.setdefault(group, {})[name] = value
+        groups = {g: self.group(g).model_copy(update=change) for g, change in changes.items()}
+        own = {g: groups.pop(g) for g in ("support", "load", "beam", "drive") if g in groups}
+        return replace(self, device=self.device.model_copy(update=groups), **own)
+
+    def group(self, name: str) -> Any:
+        """Return a group of parameters by its scene key."""
+        return getattr(self if name in ("support", "load", "beam", "drive") else self.device, name)
+
+
+def parameter_keys(actuator: Actuator) -> tuple[str, ...]:
+    """Return the scene keys of all numbers that the model reads and that can be varied.
+
+    Found by trying.  Left out are numbers that are zero, of which there is no percentage,
+    and lengths at which a piece of the row of beams appears or vanishes (a rod that ends
+    at its flange): there the model has a kink.
+    """
+    usual = terminated(actuator, {}, _TRIAL)
+    return tuple(
+        key
+        for key in _number_keys(actuator)
+        if _slopes(actuator, key) is not None
+        and (
+            key == "drive.voltage"
+            or (
+                terminated(actuator, {key: actuator.value(key) * (1.0 + _STEP)}, _TRIAL) != usual
+            ).any()
+        )
+    )
+
+
+def _number_keys(actuator: Actuator) -> list[str]:
+    found = []
+    for name in _GROUPS:
+        group = actuator.group(name)
+        for field, info in type(group).model_fields.items():
+            if any(isinstance(m, Unit) for m in info.metadata) and getattr(group, field):
+                found.append(f"{name}.{field}")
+    return found
+
+
+def check_keys(actuator: Actuator, keys: Sequence[str]) -> None:
+    """Refuse a key that the model cannot vary.
+
+    Raises
+    ------
+    InputError
+        With the keys that it reads.
+    """
+    known = _number_keys(actuator)
+    for key in keys:
+        if key not in known or _slopes(actuator, key) is None:
+            listed = ", ".join(parameter_keys(actuator))
+            raise InputError(
+                f"key {quoted(key)} is no number other than 0 on which a transfer-matrix model "
+                f"can depend smoothly; this scene's depends on {listed}"
+            )
+
+
+def terminated(
+    actuator: Actuator,
+    values: Values,
+    frequencies: Floats,
+    *,
+    lossless: bool = False,
+    inertia: Any = 1.0,
+) -> Complex:
+    """Return D(Ω) with support and load attached, wired as the device is.
+
+    Parameters
+    ----------
+    values : dict of str to array
+        Scene keys with their values, each a number or (n,).
+    frequencies : (n,) array
+        Frequencies (Hz), one per point.
+    lossless : bool
+        Without any damping and, as for all static values and modes, without the finger.
+    inertia : number or (n,) array
+        Factor on all masses.  Ω enters a lossless model with the masses only, as Ω² m, so
+        this is also the factor on Ω².
+
+    Returns
+    -------
+    (n, 5, 5) complex array
+        Over [w_base, ψ_base, w_tip, ψ_tip, U].
+    """
+    now = actuator.with_values(values)
+    support, load = now.support, now.load
+    if lossless:
+        kind = "none" if load.kind == "finger" else load.kind
+        support = support.model_copy(update={"rotational_damping": 0.0})
+        load = load.model_copy(update={"kind": kind, "damping": 0.0})
+    support = support.model_copy(
+        update={"rotational_inertia": support.rotational_inertia * inertia}
+    )
+    load = load.model_copy(update={"mass": load.mass * inertia})
+    row = []
+    for piece in _pieces(actuator, values):
+        for element, length in elements(
+            piece, now.device, now.beam, lossy=not lossless, segments=actuator.segments
+        ):
+            if isinstance(element, Section):
+                element = replace(element, m=element.m * inertia, rhoI=element.rhoI * inertia)
+            row.append((element, length))
+    port = chain(row, frequencies)
+    if now.device.bimorph.wiring == "series":
+        port = in_series(port)
+    matrix = port.stiffness.copy()
+    end = termination(support, load, frequencies)
+    if end.base is not None:
+        matrix[:, W_BASE, W_BASE] += end.base[0]
+        matrix[:, PSI_BASE, PSI_BASE] += end.base[1]
+    matrix[:, W_TIP, W_TIP] += end.tip
+    return matrix
+
+
+def _pieces(actuator: Actuator, values: Values) -> list[Piece]:
+    """Return the row of pieces with their dimensions at the varied values.
+
+    Which pieces there are is decided by the actuator's own values.  Their dimensions are
+    sums and differences of parameters, so that one step gives each slope exactly; a piece
+    itself cannot be made with arrays, since it takes comparisons.
+    """
+    row = beam_pieces(actuator.device, actuator.support)
+    dimensions: list[list[Any]] = [list(_dimensions(piece)) for piece in row]
+    for key, value in values.items():
+        slopes = _slopes(actuator, key)
+        if slopes is None:
+            continue
+        for i, k in zip(*np.nonzero(slopes), strict=True):
+            dimensions[i][k] = dimensions[i][k] + slopes[i, k] * (value - actuator.value(key))
+    return [_with_dimensions(piece, d) for piece, d in zip(row, dimensions, strict=True)]
+
+
+def _slopes(actuator: Actuator, key: str) -> Floats | None:
+    """Return how all dimensions of the pieces change with a parameter, (pieces, 8).
+
+    None if pieces appear or vanish.
+    """
+    row = beam_pieces(actuator.device, actuator.support)
+    if key.partition(".")[0] not in ("bimorph", "rod", "glue"):
+        return np.zeros((len(row), 8))
+    value = actuator.value(key)
+    more, less = (
+        beam_pieces(actuator.with_values({key: value * (1.0 + s)}).device, actuator.support)
+        for s in (_STEP, -_STEP)
+    )
+    kinds = [[(piece.section, piece.electrode) for piece in pieces] for pieces in (row, more, less)]
+    if kinds[0] != kinds[1] or kinds[0] != kinds[2]:
+        return None
+    steps = [
+        np.subtract(_dimensions(one), _dimensions(other))
+        for one, other in zip(more, less, strict=True)
+    ]
+    return np.array(steps) / (2.0 * _STEP * value)
+
+
+def _dimensions(piece: Piece) -> tuple[float, ...]:
+    """Return length, radius, and the layers at both ends (0 where they are the device's)."""
+    if piece.ends is None:
+        return (piece.length, piece.radius, *[0.0] * 6)
+    ends = ((end.width, end.piezo_thickness, end.shim_thickness) for end in piece.ends)
+    return (piece.length, piece.radius, *(size for end in ends for size in end))
+
+
+def _with_dimensions(piece: Piece, dimensions: Sequence[Any]) -> Piece:
+    length, radius, *layers = dimensions
+    if piece.ends is None:
+        return replace(piece, length=length, radius=radius)
+    ends = (Layers(*layers[:3]), Layers(*layers[3:]))
+    return replace(piece, length=length, radius=radius, ends=ends)

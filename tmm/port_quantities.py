@@ -1,0 +1,166 @@
+"""Quantities of the transfer-matrix model at many points, each with its own parameter values.
+
+Read off the terminated ports of :mod:`tmm.parametric`: responses, static values, the first
+natural frequency and the resonance peak.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from geometry.arrays import Complex, Floats
+from tmm.multiport import PSI_BASE, PSI_TIP, VOLTAGE, W_BASE, W_TIP, symmetric_form
+from tmm.parametric import Actuator, Values, terminated
+
+
+@dataclass(frozen=True)
+class Readout:
+    """How a quantity is read off the ports.
+
+    Attributes
+    ----------
+    port : int
+        Position of the port.
+    of : {"motion", "reaction"}
+        Displacement-like variable, or force-like (charge at the electrical port).
+    rate : bool
+        Whether jΩ multiplies it.
+    static : bool
+        Whether it is that of the lossless model at 0 Hz, a real number.
+    unit_voltage : bool
+        Whether it is per volt.
+    held : tuple of int
+        Ports held at rest besides a clamped base.
+    """
+
+    port: int
+    of: Literal["motion", "reaction"]
+    rate: bool = False
+    static: bool = False
+    unit_voltage: bool = False
+    held: tuple[int, ...] = ()
+
+
+_MECHANICAL = (W_BASE, PSI_BASE, W_TIP, PSI_TIP)
+
+READOUTS: dict[str, Readout] = {
+    "tip_displacement": Readout(W_TIP, "motion"),
+    "tip_velocity": Readout(W_TIP, "motion", rate=True),
+    "tip_rotation": Readout(PSI_TIP, "motion"),
+    "input_current": Readout(VOLTAGE, "reaction", rate=True),
+    "admittance": Readout(VOLTAGE, "reaction", rate=True, unit_voltage=True),
+    "blocked_force": Readout(W_TIP, "reaction", held=(W_TIP,)),
+    "static_tip_displacement": Readout(W_TIP, "motion", static=True),
+    "capacitance_free": Readout(VOLTAGE, "reaction", static=True, unit_voltage=True),
+    "capacitance_blocked": Readout(
+        VOLTAGE, "reaction", static=True, unit_voltage=True, held=_MECHANICAL
+    ),
+}
+
+
+def free_ports(actuator: Actuator, held: tuple[int, ...] = ()) -> list[int]:
+    """Return the mechanical ports that are free to move."""
+    base = (W_BASE, PSI_BASE) if actuator.clamped else ()
+    return [port for port in _MECHANICAL if port not in (*base, *held)]
+
+
+def port_motion(matrix: Complex, voltage: Any, free: list[int]) -> Complex:
+    """Return [w_base, ψ_base, w_tip, ψ_tip, U] (n, 5) under a voltage, free ports unforced."""
+    motion = np.zeros(matrix.shape[:2], dtype=complex)
+    motion[:, VOLTAGE] = voltage
+    motion[:, free] = solve_free(matrix, -matrix[:, free, VOLTAGE] * motion[:, [VOLTAGE]], free)
+    return motion
+
+
+def solve_free(matrix: Complex, force: Complex, free: list[int]) -> Complex:
+    """Return the motion (n, k) of the free ports under forces (n, k) on them."""
+    return np.asarray(np.linalg.solve(matrix[:, free][:, :, free], force[..., None])[..., 0])
+
+
+def evaluate(actuator: Actuator, quantity: str, values: Values, frequencies: Floats) -> Complex:
+    """Return one of :data:`READOUTS` at every point, (n,); static ones have no imaginary part."""
+    read = READOUTS[quantity]
+    frequencies = np.asarray(frequencies, dtype=float)
+    at = np.zeros_like(frequencies) if read.static else frequencies
+    matrix = terminated(actuator, values, at, lossless=read.static)
+    voltage = 1.0 if read.unit_voltage else actuator.with_values(values).drive.voltage
+    motion = port_motion(matrix, voltage, free_ports(actuator, read.held))
+    if read.of == "motion":
+        found = motion[:, read.port]
+    else:
+        found = np.einsum("ni,ni->n", matrix[:, read.port], motion)
+    return np.asarray(found * (2j * np.pi * frequencies if read.rate else 1.0))
+
+
+#: Relative step of the difference quotient in Newton's method for natural frequencies, and
+#: the last step taken: the quotient and Newton's own convergence leave 1e-6 of it.
+_STEP, _LAST = 1e-6, 1e-6
+
+
+def first_frequency(
+    actuator: Actuator, values: Values, start: Floats, *, open_circuit: bool
+) -> Floats:
+    """Return the first natural frequency (n,) in Hz of the lossless actuator at every point.
+
+    Newton's method on the eigenvalue of the symmetric port matrix that vanishes there.
+    Eigenvalues fall with frequency and are finite up to the first mode with all ports
+    held, so the one that is lowest at 0 Hz, rigid motions left out, belongs to mode one.
+
+    Parameters
+    ----------
+    start : (n,) array
+        First guess (Hz).
+    """
+    free = [*free_ports(actuator), *([VOLTAGE] if open_circuit else [])]
+
+    def reduced(frequencies: Floats, given: Values) -> Floats:
+        form = symmetric_form(terminated(actuator, given, frequencies, lossless=True)).real
+        return np.asarray(form[:, free][:, :, free])
+
+    at_rest = reduced(np.zeros(1), {})[0]
+    scale = 1.0 / np.sqrt(np.abs(np.diag(at_rest)))
+    weights = scale[:, None] * scale
+    # below: rigid motions, and the electrical port, whose capacitance counts as negative
+    mode = int((np.linalg.eigvalsh(at_rest * weights) < 1e-9).sum())
+    found = np.asarray(start, dtype=float)
+    for _ in range(30):
+        here = reduced(found, values) * weights
+        there = reduced(found * (1.0 + _STEP), values) * weights
+        shape = np.linalg.eigh(here)[1][:, :, mode]
+        value, slope = (
+            np.einsum("ni,nij,nj->n", shape, m, shape) for m in (here, (there - here) / _STEP)
+        )
+        step = np.clip(-value / slope, -0.3, 0.3)
+        found = found * (1.0 + step)
+        if np.abs(step).max() < _LAST:
+            return np.asarray(found)
+    raise ArithmeticError("the search for the first natural frequency did not converge")
+
+
+def resonance_peak(
+    actuator: Actuator, values: Values, start: Floats, rounds: int = 5
+) -> tuple[Floats, Floats]:
+    """Return frequency (Hz) and height (m/s) of the tip velocity's first peak, both (n,).
+
+    For a free tip, whose peak lies close to the first short-circuit frequency `start` (n,).
+    Each round narrows a grid of 17 frequencies eightfold around its highest.
+    """
+    offsets = np.linspace(-1.0, 1.0, 17)
+    centre, reach = np.asarray(start, dtype=float), 0.1
+    count = centre.size
+    spread = {key: np.repeat(np.broadcast_to(v, count), 17) for key, v in values.items()}
+    for _ in range(rounds):
+        trials = centre[:, None] * (1.0 + reach * offsets)
+        size = np.abs(evaluate(actuator, "tip_velocity", spread, trials.ravel()))
+        level = np.log(size.reshape(count, 17))
+        best = np.clip(level.argmax(axis=1), 1, 15)
+        rows = np.arange(count)
+        left, middle, right = (level[rows, best + i] for i in (-1, 0, 1))
+        # a parabola through the highest three
+        shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
+        centre = trials[rows, best] + shift * (trials[:, 1] - trials[:, 0])
+        reach /= 8.0
+    return centre, np.abs(evaluate(actuator, "tip_velocity", values, centre))

@@ -1,0 +1,1 @@
+"""How well the numbers are known, given how well the parameters are."""
