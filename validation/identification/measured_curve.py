@@ -1,0 +1,82 @@
+"""One measured frequency response, whichever file it came from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geometry.arrays import Bools, Floats, Ints, Numbers
+from geometry.units import Unit
+
+#: Largest plausible magnitude of any curve (SI).
+LARGEST = 1e3
+#: What can be measured: kind of unit, smallest and largest plausible magnitude (SI).
+CURVES: dict[str, Unit] = {
+    "velocity": Unit("m/s", "velocity", "12.3 mm/s", limits=(1e-12, LARGEST)),
+    "displacement": Unit("m", "displacement", "12.3 um", limits=(1e-15, LARGEST)),
+    "admittance": Unit("S", "admittance", "12.3 uS", limits=(1e-15, LARGEST)),
+    "current": Unit("A", "current", "12.3 uA", limits=(1e-15, LARGEST)),
+}
+#: The quantity of `tactgen solve` that each curve is compared with.
+QUANTITY = {
+    "velocity": "tip_velocity",
+    "displacement": "tip_displacement",
+    "admittance": "admittance",
+    "current": "input_current",
+}
+
+
+@dataclass(frozen=True)
+class MeasuredCurve:
+    """One measured frequency response in SI units, peak amplitudes.
+
+    Attributes
+    ----------
+    source : str
+        Name of the file, for messages.
+    kind : str
+        ``velocity``, ``displacement``, ``admittance`` or ``current``.
+    frequencies : (n,) array
+        Hz, ascending, above 0.
+    values : (n,) array
+        Complex (time factor e^{+jΩt}, phase relative to the drive voltage), or real and
+        positive where only the magnitude was measured.
+    uncertainty : (n,) array or None
+        Standard deviation of the magnitude, or of the real and of the imaginary part.
+    weight : (n,) array
+        How often each point counts in the sum of squares; 0 leaves it out.
+    """
+
+    source: str
+    kind: str
+    frequencies: Floats
+    values: Numbers
+    uncertainty: Floats | None
+    weight: Floats
+
+    @property
+    def has_phase(self) -> bool:
+        """Whether the values are complex."""
+        return np.iscomplexobj(self.values)
+
+    @property
+    def used(self) -> Bools:
+        """Which points (n,) count."""
+        return np.asarray(self.weight > 0.0)
+
+    def at(self, points: Ints | Bools) -> MeasuredCurve:
+        """Return the curve at some of its points."""
+        bars = None if self.uncertainty is None else self.uncertainty[points]
+        return replace(
+            self,
+            frequencies=self.frequencies[points],
+            values=self.values[points],
+            uncertainty=bars,
+            weight=self.weight[points],
+        )
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the values."""
+        return CURVES[self.kind].si
