@@ -163,11 +163,15 @@ def paper_slope() -> float:
     return float(np.polyfit(np.linspace(10.0, 1000.0, 496), values, 1)[0])
 
 
+def _threshold_voltage(frequency: float) -> float:
+    return float(_value("paper", "tmm", "threshold_voltage", f"frequency={frequency!r}")[0])
+
+
 def threshold_voltage_start() -> float:
     """Voltage for 2 um at 10 Hz under the finger (V)."""
-    return 50.0 * 2e-6 / _deflection(10.0)
+    return _threshold_voltage(10.0)
 
 
 def threshold_voltage_250() -> float:
     """Voltage for 0.2 um at 250 Hz under the finger (V)."""
-    return 50.0 * 0.2e-6 / _deflection(250.0)
+    return _threshold_voltage(250.0)

@@ -83,40 +83,6 @@ def response_plot(
     return svg(figure)
 
 
-def length_plot(
-    frequencies: Array, lengths: Array, deflection: Array, thresholds: Sequence[tuple[float, float]]
-) -> str:
-    """Plot loaded deflection against frequency for several lengths (the paper's Fig 9).
-
-    Parameters
-    ----------
-    frequencies : (n,) array
-        Hz.
-    lengths : (m,) array
-        m.
-    deflection : (m, n) array
-        Magnitudes (m).
-    thresholds : sequence of (Hz, m)
-        Detection thresholds stated in the paper's text.
-    """
-    import matplotlib as mpl
-
-    figure, axes = _figure(9.0, 4.2, nrows=1, ncols=1, squeeze=False)
-    axis = axes[0][0]
-    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.9, lengths.size))
-    for colour, length, values in zip(colours, lengths, deflection, strict=True):
-        axis.plot(frequencies, values * 1e6, color=colour, label=f"{length * 1e3:g} mm")
-    at, level = zip(*thresholds, strict=True)
-    axis.plot(at, np.array(level) * 1e6, "k^", label="threshold in the text")
-    if np.nanmax(deflection) > 0.0:
-        axis.set_yscale("log")
-    axis.set_xlabel("frequency (Hz)")
-    axis.set_ylabel("tip displacement |w| (µm)")
-    axis.legend(frameon=False, ncols=4, loc="lower left")
-    _finish(axes, log_x=True)
-    return svg(figure)
-
-
 def bridge_plot(rungs: Sequence[Rung]) -> str:
     """Plot the bridge from TMM to the solid: change in percent per rung and quantity."""
     quantities = {

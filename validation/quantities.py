@@ -61,6 +61,10 @@ _ALL = (
         ("harmonic",), by_frequency=True,
     ),
     QuantityInfo(
+        "threshold_voltage", "V", "drive voltage at which the tip reaches the detection threshold",
+        ("harmonic",), by_frequency=True, loaded=True,
+    ),
+    QuantityInfo(
         "static_tip_displacement", "m", "tip displacement at 0 Hz, lossless, no finger",
         ("static",),
     ),

@@ -17,6 +17,7 @@ from tmm.terminations import (
     static_termination,
     termination,
 )
+from validation.design.detection import DISPLAY_THRESHOLD
 from validation.models import Model, Modes, Refined, make_model
 from validation.plan import Plan, Step, make_plan
 from validation.quantities import QUANTITIES
@@ -75,12 +76,13 @@ def solve(
     Raises
     ------
     InputError
-        If a loaded response is asked for only where the finger's load is not known.
+        If a loaded response is asked for only where the finger's load is not known, or the
+        threshold voltage alone where the threshold is not.
     """
     models = tuple(models or scene.models)
     quantities = tuple(quantities or scene.quantities)
     check_held(scene, quantities)
-    warnings = load_warnings(scene, quantities)
+    warnings = load_warnings(scene, quantities) + threshold_warnings(scene, quantities)
     plan = make_plan(scene, models, quantities)
     stages = Stages(plan.keys, announce)
     if reuse is not None:
@@ -170,6 +172,33 @@ def load_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
         f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which the "
         f"finger was measured ({low:g} to {high:g} Hz); there its stiffness and damping are held "
         "at the nearer end of that range"
+    )
+    return (warning,)
+
+
+def threshold_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
+    """Check the frequencies against the range of the detection threshold.
+
+    Returns a warning if some lie outside, where the threshold voltage has no value.
+
+    Raises
+    ------
+    InputError
+        If all of them do and nothing else was asked for.
+    """
+    outside = DISPLAY_THRESHOLD.outside(np.asarray(scene.frequency))
+    if "threshold_voltage" not in quantities or not outside.any():
+        return ()
+    low, high = DISPLAY_THRESHOLD.range
+    if outside.all() and set(quantities) == {"threshold_voltage"}:
+        raise InputError(
+            f"frequency = {scene.frequency[0]:g} Hz is outside the range of the detection "
+            f"threshold ({low:g} to {high:g} Hz); choose frequencies inside it"
+        )
+    warning = (
+        f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which the "
+        f"detection threshold is stated ({low:g} to {high:g} Hz); threshold_voltage has no value "
+        "there"
     )
     return (warning,)
 
@@ -286,7 +315,12 @@ def _harmonic(name: str, model: Model) -> tuple[Array, Array, str]:
             return wired.stiffness
         if name == "blocked_force":
             return blocked_force(wired, end, voltage)
-        response = respond(wired, end, 1.0 if name == "admittance" else voltage)
+        per_volt = name in ("admittance", "threshold_voltage")
+        response = respond(wired, end, 1.0 if per_volt else voltage)
+        if name == "threshold_voltage":
+            size = np.abs(response.w_tip)  # no voltage moves a tip that does not respond
+            size = np.where(size > 0.0, size, np.nan)
+            return np.asarray(DISPLAY_THRESHOLD.at(port.frequencies) / size)
         return np.asarray(
             {
                 "tip_displacement": response.w_tip,
@@ -304,7 +338,7 @@ def _harmonic(name: str, model: Model) -> tuple[Array, Array, str]:
 
 
 def as_json(solution: Solution) -> dict[str, Any]:
-    """Return the solution as plain JSON values; complex numbers as [re, im]."""
+    """Return the solution as plain JSON values; complex numbers as [re, im], no value as null."""
     return {
         "scene": solution.scene.name,
         "quantities": [_quantity_json(q) for q in solution.quantities],
@@ -345,4 +379,7 @@ def _quantity_json(q: Quantity) -> dict[str, Any]:
 def _numbers(values: Array) -> Any:
     if np.iscomplexobj(values):
         return np.stack([values.real, values.imag], axis=-1).tolist()
-    return values.tolist()
+    if np.isfinite(values).all():
+        return values.tolist()
+    known = np.isfinite(values)
+    return np.where(known, values.astype(object), np.array(None)).tolist()

@@ -37,6 +37,8 @@ def format_value(value: Any) -> str:
     """Return a real number, or magnitude and phase in degrees of a complex one."""
     if np.iscomplexobj(value):
         return f"{abs(value):.6g} ∠ {math.degrees(math.atan2(value.imag, value.real)):.2f}°"
+    if math.isnan(value):
+        return "no value"
     return f"{float(value):.8g}"
 
 
@@ -50,4 +52,5 @@ def _rows(q: Quantity) -> list[tuple[str, str, str]]:
     else:
         labels = [f"{f:g} Hz" for f in q.frequency or ()]
     picked = np.unique(np.linspace(0, len(labels) - 1, min(len(labels), _SHOWN)).astype(int))
-    return [(labels[i], format_value(q.value[i]), f"{q.uncertainty[i]:.1e}") for i in picked]
+    bars = ("-" if math.isnan(bar) else f"{bar:.1e}" for bar in q.uncertainty[picked])
+    return [(labels[i], format_value(q.value[i]), bar) for i, bar in zip(picked, bars, strict=True)]

@@ -1,0 +1,1 @@
+"""Design questions of the paper: which length, and which voltage is felt."""

@@ -1,0 +1,128 @@
+"""What the paper's text says of the tactile detection threshold, as data with its source.
+
+Two experiments, not to be mixed.  One subject after another on a single pin (section 2.1: 12
+subjects, 2.5 g preload): its mean is the black line of Figs 9, 15 and 17, of which the text
+gives no value.  And on the display (section 2.2: 10 other subjects, 50 g preload): its mean
+is given at three frequencies, with the excitation voltages that were needed.  Everything here
+is the second; between the three points it is interpolated, outside nothing is known.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geometry.arrays import Bools, Floats
+
+_FIG_17 = "paper sections 6 and 7, Fig 17: mean of 10 subjects on the display, 50 g preload"
+
+
+@dataclass(frozen=True)
+class ThresholdPoint:
+    """A stated detection threshold: displacement amplitude (m) at a frequency (Hz)."""
+
+    frequency: float
+    amplitude: float
+    source: str
+
+
+@dataclass(frozen=True)
+class ThresholdCurve:
+    """Stated points, straight lines between them in ln amplitude over ln frequency.
+
+    Attributes
+    ----------
+    points : tuple of ThresholdPoint
+        At least two, in ascending frequency.
+    """
+
+    points: tuple[ThresholdPoint, ...]
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Lowest and highest frequency with a value (Hz)."""
+        return self.points[0].frequency, self.points[-1].frequency
+
+    def outside(self, frequencies: Floats) -> Bools:
+        """Return which frequencies (n,) have no value."""
+        f = np.asarray(frequencies, dtype=float)
+        low, high = self.range
+        tolerance = 1e-9 * high  # a sweep's last frequency may be off by rounding
+        return np.asarray((f < low - tolerance) | (f > high + tolerance))
+
+    def at(self, frequencies: Floats) -> Floats:
+        """Return the threshold (n,) in m; nan outside the range."""
+        f = np.asarray(frequencies, dtype=float)
+        beyond = self.outside(f)
+        inside = np.where(beyond, self.range[0], f)
+        level = np.interp(np.log(inside), np.log(self._frequencies), np.log(self._amplitudes))
+        return np.asarray(np.where(beyond, np.nan, np.exp(level)))
+
+    def weights(self, frequency: float) -> Floats:
+        """Return d ln threshold(frequency) / d ln amplitude of each point, shape (points,)."""
+        knots = np.log(self._frequencies)
+        return np.array([np.interp(np.log(frequency), knots, row) for row in np.eye(knots.size)])
+
+    def scaled(self, number: int, factor: float) -> ThresholdCurve:
+        """Return the curve with the amplitude of one point multiplied."""
+        point = self.points[number]
+        changed = replace(point, amplitude=point.amplitude * factor)
+        return replace(self, points=(*self.points[:number], changed, *self.points[number + 1 :]))
+
+    @property
+    def _frequencies(self) -> Floats:
+        return np.array([p.frequency for p in self.points])
+
+    @property
+    def _amplitudes(self) -> Floats:
+        return np.array([p.amplitude for p in self.points])
+
+
+#: The only threshold of which the text gives values.  "Starts at around 2 µm": the first
+#: frequency is taken as 10 Hz, where the paper's other measurements start.
+DISPLAY_THRESHOLD = ThresholdCurve(
+    (
+        ThresholdPoint(10.0, 2e-6, f"{_FIG_17}; start of the curve, taken as 10 Hz"),
+        ThresholdPoint(250.0, 0.2e-6, _FIG_17),
+        ThresholdPoint(1000.0, 1e-6, _FIG_17),
+    )
+)
+
+#: Above this frequency (Hz) the threshold is below this amplitude (m): a bound, not a value.
+LITERATURE_BOUND = ThresholdPoint(
+    100.0, 1e-6, "paper section 1, after its reference 9 (pen-hold posture)"
+)
+
+
+@dataclass(frozen=True)
+class StatedVoltage:
+    """An excitation voltage that the text states for feeling something.
+
+    Attributes
+    ----------
+    frequencies : (float, float)
+        From, to (Hz); equal for a single frequency.
+    voltages : (float, float)
+        Lowest and highest amplitude (V); equal for a single value.
+    """
+
+    frequencies: tuple[float, float]
+    voltages: tuple[float, float]
+    source: str
+
+
+_MEAN = "paper section 6, Fig 17 right: mean of 10 subjects, 50 g preload"
+
+#: Mean voltages at the detection threshold, in the order of the text.
+STATED_VOLTAGES: tuple[StatedVoltage, ...] = (
+    StatedVoltage((10.0, 10.0), (8.0, 8.0), f"{_MEAN}; start of the curve, taken as 10 Hz"),
+    StatedVoltage((100.0, 100.0), (11.0, 11.0), _MEAN),
+    StatedVoltage((250.0, 250.0), (3.0, 3.0), _MEAN),
+    StatedVoltage((250.0, 1000.0), (2.5, 4.0), f"{_MEAN}; varies over this range"),
+)
+
+#: The highest mean of a single subject that the text states.
+HIGHEST_SUBJECT = StatedVoltage(
+    (75.0, 75.0), (22.0, 22.0), "paper section 6, Fig 17 right: largest of all subjects"
+)
