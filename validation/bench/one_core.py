@@ -1,0 +1,56 @@
+"""Measurements in a process of their own, held to one core's worth of threads.
+
+The thread count of numpy's BLAS is read once, at import, from the environment; so a fresh
+interpreter is the only way to set it.  Its peak memory is its own, too.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import subprocess
+import sys
+from typing import Any
+
+from geometry.errors import InputError
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def on_one_core(module: str, function: str, *arguments: Any) -> Any:
+    """Call ``module.function(*arguments)`` alone; arguments and result are JSON values.
+
+    Raises
+    ------
+    InputError
+        If the process ends badly, with the last line that it wrote.
+    """
+    done = subprocess.run(
+        [sys.executable, "-m", __name__, module, function, json.dumps(arguments)],
+        env={**os.environ, **dict.fromkeys(_THREADS, "1")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode != 0:
+        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+        raise InputError(
+            f"the measurement {function} could not be finished ({last}); free some memory, or "
+            "ask for less with --quick"
+        )
+    return json.loads(done.stdout)
+
+
+def peak_memory() -> int:
+    """Return the largest resident size of this process so far, in bytes (getrusage)."""
+    import resource
+
+    unit = 1 if sys.platform == "darwin" else 1024
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
+
+
+if __name__ == "__main__":
+    _module, _function, _arguments = sys.argv[1:]
+    _call = getattr(importlib.import_module(_module), _function)
+    json.dump(_call(*json.loads(_arguments)), sys.stdout)

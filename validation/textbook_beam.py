@@ -1,0 +1,64 @@
+"""The paper's own way of computing: its matrix A, corrected, in plain double precision.
+
+What the transfer-matrix model is compared with for accuracy and speed; nothing else uses it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Complex, Floats
+from tmm.appendix_a import matrix_a
+from tmm.multiport import Termination
+from tmm.section import Section
+
+
+def transfer(beam: Section, length: float, frequencies: Floats) -> Complex:
+    """Return A (n, 5, 5); overflow and 0/0 give what they give."""
+    with np.errstate(all="ignore"):
+        return matrix_a(beam, length, frequencies)
+
+
+def dynamic_stiffness(beam: Section, length: float, frequencies: Floats) -> Complex:
+    """Return D (n, 5, 5) over [w_0, ψ_0, w_l, ψ_l, U] by inverting A's upper right block."""
+    a, jw = transfer(beam, length, frequencies), 2j * np.pi * np.asarray(frequencies, float)
+    n = jw.size
+    # internal [M, F] below that turn the motion below into the motion above; rates to motions
+    given = np.zeros((n, 2, 5), dtype=complex)
+    given[:, 0, 2] = given[:, 1, 3] = jw
+    with np.errstate(all="ignore"):
+        given[:, :, :2] = -a[:, :2, :2] * jw[:, None, None]
+        given[:, :, 4] = -a[:, :2, 4]
+        below = _solved(a[:, :2, 2:4], given)
+        above = a[:, 2:, 2:4] @ below
+        above[:, :, :2] += a[:, 2:, :2] * jw[:, None, None]
+        above[:, :, 4] += a[:, 2:, 4]
+        above[:, 2] /= jw[:, None]  # current to charge
+    return np.stack([-below[:, 1], -below[:, 0], above[:, 1], above[:, 0], above[:, 2]], axis=1)
+
+
+def tip_velocity(beam: Section, length: float, frequencies: Floats, end: Termination) -> Complex:
+    """Return tip velocity per volt (n,): paper eqs 6-12, the boundary conditions through A."""
+    a, jw = transfer(beam, length, frequencies), 2j * np.pi * np.asarray(frequencies, float)
+    start = np.zeros((jw.size, 5, 3), dtype=complex)  # below: two unknowns, and U
+    with np.errstate(all="ignore"):
+        if end.base is None:
+            start[:, 2, 0] = start[:, 3, 1] = 1.0
+        else:
+            start[:, 0, 0], start[:, 3, 0] = 1.0, end.base[0] / jw
+            start[:, 1, 1], start[:, 2, 1] = 1.0, end.base[1] / jw
+        start[:, 4, 2] = 1.0
+        above = a @ start
+        conditions = np.stack([above[:, 2], above[:, 3] + (end.tip / jw)[:, None] * above[:, 0]], 1)
+        unknown = _solved(conditions[:, :, :2], -conditions[:, :, 2:])[:, :, 0]
+        velocity = np.einsum("nk,nk->n", above[:, 0, :2], unknown) + above[:, 0, 2]
+    return np.asarray(velocity)
+
+
+def _solved(matrix: Complex, right: Complex) -> Any:
+    """Solve (n, 2, 2) systems by Cramer's rule; a singular one gives infinities."""
+    (a, b), (c, d) = matrix[:, 0].T, matrix[:, 1].T
+    inverse = np.array([[d, -b], [-c, a]]).transpose(2, 0, 1) / (a * d - b * c)[:, None, None]
+    return inverse @ right
