@@ -9,7 +9,7 @@ from geometry.errors import InputError
 from validation.checks import CHECKS
 from validation.cli import main
 from validation.formats import engineering, percent, share, with_bar
-from validation.report import write_report
+from validation.report.page import write_report
 from validation.scene import load_scene
 
 
@@ -21,11 +21,11 @@ def make(tmp_path, name, *overrides):
 
 
 def test_report_is_complete_and_self_contained(tmp_path):
-    """Ten sections, every light check, pictures inside the page, no address to fetch."""
+    """All sections, every light check, pictures inside the page, no address to fetch."""
     html, steps = make(tmp_path, "j1", "mesh.level=2")
     assert re.findall(r'<h2 id="(\w+)">', html) == [
-        "what", "models", "modes", "bridge", "response",
-        "length", "checks", "audit", "parameters", "plan",
+        "what", "models", "modes", "bridge", "response", "length", "voltage",
+        "uncertainty", "stress", "checks", "audit", "parameters", "plan",
     ]  # fmt: skip
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert "@import" not in html

@@ -15,7 +15,19 @@ from pathlib import Path
 from typing import NoReturn
 
 from geometry.errors import InputError
-from validation.commands import export, init, plan, report, scenes, solve
+from validation.commands import (
+    bench,
+    design,
+    export,
+    identify,
+    init,
+    plan,
+    report,
+    scenes,
+    sensitivity,
+    solve,
+    stress,
+)
 from validation.commands.common import say
 
 
@@ -88,8 +100,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.set_defaults(run=lambda _: _help(parser))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
-
-    for command in (report, solve, plan, export, scenes, init):
+    for command in (
+        report, solve, design, sensitivity, identify, plan, export, stress, bench, scenes, init,
+    ):  # fmt: skip
         command.add(commands)
     return parser
 

@@ -22,7 +22,7 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from validation.progress import announcer
-    from validation.report import write_report
+    from validation.report.page import write_report
     from validation.scene import load_scene, scene_warnings
 
     scene, origins = load_scene(options.scene, options.overrides)

@@ -1,0 +1,68 @@
+"""The report's pictures: geometry, mesh and mode shapes, as PNG inside the page."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+from geometry.fit import beyond_plain_layers
+from geometry.mesh import Mesh
+from validation.report.study import Study
+
+_KIND = {
+    "hexahedron": "hexahedra with 20 nodes",
+    "tetra": "tetrahedra with 10 nodes",
+    "tetra10": "curved tetrahedra with 10 nodes",
+}
+
+
+def pictures(study: Study) -> list[dict[str, str]]:
+    """Return pictures of the CAD solids and, with the solid model, of its mesh.
+
+    None of a bimorph that only the beam models know.
+    """
+    if beyond_plain_layers(study.scene.bimorph):
+        return []
+    from validation.export import scene_solids
+    from validation.pictures import mesh_picture, solids_picture
+
+    study.announce("picture of the geometry")
+    solids = solids_picture(scene_solids(study.scene))
+    found = [{"caption": "CAD solids", "png": _inline(solids)}]
+    if study.solid is not None:
+        study.announce("picture of the mesh")
+        mesh = study.solid.meshes()[0]
+        caption = f"mesh of the solid model: {mesh.cells.shape[0]} {_KIND[mesh.kind]}"
+        found.append({"caption": caption, "png": _inline(mesh_picture(mesh))})
+        found.append({"caption": "the same at its held end", "png": close_up(mesh)})
+    return found
+
+
+def close_up(mesh: Mesh) -> str:
+    """Return a picture of a mesh at its held end."""
+    from validation.pictures import mesh_picture
+
+    return _inline(mesh_picture(mesh, close_up=True))
+
+
+def modes(study: Study) -> list[dict[str, Any]]:
+    """Return the first four solid modes with their pictures."""
+    from scipy.spatial import cKDTree
+
+    from validation.pictures import mode_picture
+
+    solid = study.solid
+    if solid is None:
+        return []
+    mesh, system = solid.meshes()[0], solid.systems()[0]
+    at_points = cKDTree(system.nodes).query(mesh.points)[1]
+    found = []
+    for number, mode in enumerate(solid.shapes()[0][:4], start=1):
+        study.announce(f"picture of mode {number}")
+        picture = mode_picture(mesh, mode.displacement[at_points])
+        found.append({"number": number, "mode": mode, "png": _inline(picture)})
+    return found
+
+
+def _inline(png: bytes) -> str:
+    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")

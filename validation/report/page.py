@@ -1,0 +1,92 @@
+"""Write the report: solve, gather the sections, render, put the file in place."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from geometry.files import written_whole
+from validation.files import writable_folder
+from validation.formats import filters
+from validation.report.sections import SECTIONS
+from validation.report.study import Study
+from validation.scene import Scene
+
+
+def write_report(
+    scene: Scene,
+    origins: dict[str, str],
+    out: Path,
+    quick: bool,
+    announce: Callable[[str], None],
+) -> Path:
+    """Write ``index.html`` into `out` and return its path.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written or the scene cannot be solved.
+    """
+    writable_folder(out)
+    started = time.perf_counter()
+    page = _page(Study(scene, origins, announce, quick=quick), started)
+    target = out / "index.html"
+    with written_whole(target) as temporary:
+        temporary.write_text(page, encoding="utf-8")
+    return target
+
+
+def _page(study: Study, started: float) -> str:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    folder = resources.files("validation") / "templates" / "report"
+    environment = Environment(
+        loader=FileSystemLoader(str(folder)),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(filters())
+    shown = [(s, found) for s in SECTIONS if (found := s.context(study)) is not None]
+    numbers = {section.id: number for number, (section, _) in enumerate(shown, start=1)}
+    common: dict[str, Any] = {
+        "scene": study.scene,
+        "solution": study.solution,
+        "quick": study.quick,
+        "number": numbers,
+        "seconds": time.perf_counter() - started,
+    }
+    bodies = [
+        {
+            "id": section.id,
+            "title": section.title,
+            "html": environment.get_template(f"{section.id}.html").render(common | found),
+        }
+        for section, found in shown
+    ]
+    return environment.get_template("page.html").render(
+        common | _summary(study) | {"sections": bodies, "date": time.strftime("%Y-%m-%d")}
+    )
+
+
+def _summary(study: Study) -> dict[str, Any]:
+    """Return what the head of the page says about the whole."""
+    compared, outcomes = study.comparison, study.outcomes
+    cells = [cell for row in compared for cell in row.cells]
+    most_detailed = [row.cells[-1] for row in compared]
+    statuses = ("pass", "differs, explained", "fail")
+    return {
+        "comparison": compared,
+        "invariants": study.invariants,
+        "parameters": study.parameters,
+        "bridge": study.rungs,
+        "asked": study.asked,
+        "counts": {s: sum(o.status == s for o in outcomes) for s in statuses},
+        "widest": max((c.uncertainty / abs(c.value) for c in cells if c.value), default=0.0),
+        "farthest": max((abs(c.difference) for c in cells), default=0.0),
+        "missed": sum(c.uncertainty > study.scene.accuracy * abs(c.value) for c in most_detailed),
+    }

@@ -1,0 +1,158 @@
+"""What the sections of a report share: the solution, and what is derived from it once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Complex
+from tmm.multiport import passivity_margin, reciprocity_error
+from tmm.terminations import outside_finger_range
+from validation.bridge import Rung
+from validation.checks import CHECKS, Outcome, run_check
+from validation.comparison import ComparedRow, compare
+from validation.models import SolidModel
+from validation.parameter_list import ParameterRow, parameter_rows
+from validation.quantities import QUANTITIES
+from validation.scene import Scene
+from validation.solve import Solution, solve
+
+#: Points of the frequency response in the report.
+_PLOT_POINTS = 400
+#: Accuracy that the quick version is content with.
+_QUICK_ACCURACY = 3e-3
+#: Asymmetry and negative dissipation (relative) that condensing a field model may leave by
+#: rounding; a wrong sign or a missing term shows at order one.
+INVARIANT_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """A load under which all models' responses are plotted."""
+
+    name: str
+    title: str
+    solution: Solution
+
+    def curve(self, model: str) -> Complex:
+        """Return the tip displacement (n,); nan where the load model does not reach."""
+        values = self.solution.get("tip_displacement", model).value
+        outside = outside_finger_range(
+            self.solution.scene.load, np.asarray(self.solution.scene.frequency)
+        )
+        return np.where(outside, np.nan, values)
+
+    def summary(self, model: str) -> dict[str, float]:
+        """Return largest and first displacement (m), where (Hz), and the widest bar."""
+        q = self.solution.get("tip_displacement", model)
+        size = np.abs(self.curve(model))
+        at = int(np.nanargmax(size))
+        known = np.isfinite(size) & (size > 0.0)
+        first = int(np.flatnonzero(known)[0]) if known.any() else 0
+        frequency = np.asarray(self.solution.scene.frequency)
+        return {
+            "largest": float(size[at]),
+            "at": float(frequency[at]),
+            "first": float(size[first]),
+            "first_at": float(frequency[first]),
+            "bar": float(np.max(q.uncertainty[known] / size[known], initial=0.0)),
+        }
+
+
+class Study:
+    """One scene, solved for a report; everything is computed at most once."""
+
+    def __init__(
+        self, scene: Scene, origins: dict[str, str], announce: Callable[[str], None], *, quick: bool
+    ) -> None:
+        self.asked = scene.accuracy
+        self.scene = _prepared(scene, quick)
+        self.origins, self.announce, self.quick = origins, announce, quick
+        self.solution = solve(self.scene, announce=announce)
+
+    @property
+    def solid(self) -> SolidModel | None:
+        """The solid model, if the scene asks for it."""
+        model = self.solution.models.get("solid")
+        return model if isinstance(model, SolidModel) else None
+
+    @cached_property
+    def rungs(self) -> list[Rung] | None:
+        """The bridge from TMM to the solid, for a piezoelectric bimorph without a rod."""
+        if self.solid is None or self.scene.support.kind == "rod" or self.scene.piezo.d31 == 0.0:
+            return None
+        from validation.bridge import bridge
+
+        return bridge(self.scene, self.solid, self.announce)
+
+    @cached_property
+    def comparison(self) -> list[ComparedRow]:
+        """All scalar quantities by all models."""
+        return compare(self.solution, self.rungs)
+
+    @cached_property
+    def outcomes(self) -> list[Outcome]:
+        """The suite's own checks, without the heavy ones if quick."""
+        found = []
+        for check in CHECKS:
+            if self.quick and check.heavy:
+                continue
+            self.announce(f"check {check.id}")
+            found.append(run_check(check))
+        return found
+
+    @cached_property
+    def invariants(self) -> list[dict[str, Any]]:
+        """How reciprocal and how passive each model's five ports are over the sweep."""
+        found = []
+        for name, model in self.solution.models.items():
+            port = model.ports().fine
+            asymmetry = float(reciprocity_error(port).max())
+            margin = float(passivity_margin(port).min())
+            holds = asymmetry < INVARIANT_TOLERANCE and margin > -INVARIANT_TOLERANCE
+            found.append(
+                {"model": name, "reciprocity": asymmetry, "passivity": margin, "holds": holds}
+            )
+        return found
+
+    @cached_property
+    def cases(self) -> list[LoadCase]:
+        """The scene's response and, without new field solutions, that of another load."""
+        titles = {
+            "finger": "under the finger",
+            "none": "free tip",
+            "mass": "with the tip mass",
+            "spring_damper": "on spring and damper",
+        }
+        kind = self.scene.load.kind
+        other = "none" if kind != "none" else "finger"
+        self.announce(f"response: {titles[other]}")
+        load = self.scene.load.model_copy(update={"kind": other})
+        changed = self.scene.model_copy(update={"load": load})
+        again = solve(changed, quantities=("tip_displacement",), reuse=self.solution)
+        return [LoadCase(kind, titles[kind], self.solution), LoadCase(other, titles[other], again)]
+
+    @cached_property
+    def parameters(self) -> list[ParameterRow]:
+        """The parameters that this scene's models read."""
+        groups = {"bimorph", "piezo", "shim", "support", "load", "drive", "beam"}
+        if self.scene.support.kind == "rod":
+            groups |= {"glue", "rod", "coil", "sleeve", "gap"}
+        rows = parameter_rows(self.scene, self.origins)
+        return [row for row in rows if row.key.split(".")[0] in groups]
+
+
+def _prepared(scene: Scene, quick: bool) -> Scene:
+    """Return the scene with all quantities, a sweep dense enough to plot, coarser if quick."""
+    low, high = min(scene.frequency), max(scene.frequency)
+    changes: dict[str, Any] = {"quantities": tuple(QUANTITIES)}
+    if low < high and len(scene.frequency) < _PLOT_POINTS:
+        spaced = np.geomspace if 0.0 < 30.0 * low < high else np.linspace
+        changes["frequency"] = (low, *spaced(low, high, _PLOT_POINTS)[1:-1].tolist(), high)
+    if quick:
+        changes["accuracy"] = max(scene.accuracy, _QUICK_ACCURACY)
+    return scene.model_copy(update=changes)
