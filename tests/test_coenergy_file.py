@@ -1,0 +1,112 @@
+"""Co-energy maps as netCDF files: what is written, read back, refused."""
+
+import numpy as np
+import pytest
+from scipy.io import netcdf_file
+
+from geometry.errors import InputError
+from geometry.parameters import Device
+from tmm.coenergy import CoenergyMap
+from tmm.coenergy_file import read_map, write_map
+from tmm.coenergy_fit import fit
+from tmm.reluctance_network import network_samples
+
+CURRENTS, GAPS = np.linspace(0.0, 0.2, 8), np.geomspace(0.02e-3, 0.25e-3, 7)
+
+
+@pytest.fixture(scope="module")
+def pull():
+    samples = network_samples(Device(), CURRENTS, GAPS)
+    tables = samples.coenergy, samples.incremental_inductance
+    return CoenergyMap.from_samples(
+        CURRENTS, GAPS, samples.flux_linkage, samples.force, *tables, model="network", device="mine"
+    )
+
+
+def test_round_trip(pull, tmp_path):
+    """A map read back is the map written, to the last bit."""
+    write_map(tmp_path / "map.nc", pull)
+    again = read_map(tmp_path / "map.nc")
+    assert np.array_equal(again.coefficients, pull.coefficients)
+    assert again.interpolation_error == pull.interpolation_error
+    assert (again.samples.model, again.samples.device) == ("network", "mine")
+
+
+def test_optional_tables_may_be_missing(tmp_path):
+    """Flux linkage and force alone are a map, in a file too."""
+    samples = network_samples(Device(), CURRENTS, GAPS)
+    bare = CoenergyMap.from_samples(CURRENTS, GAPS, samples.flux_linkage, samples.force)
+    write_map(tmp_path / "map.nc", bare)
+    again = read_map(tmp_path / "map.nc")
+    assert again.samples.coenergy is None
+    assert np.array_equal(again.coefficients, bare.coefficients)
+
+
+def test_file_explains_itself(pull, tmp_path):
+    """Any netCDF reader finds names, dimensions, units and the sign of the force."""
+    write_map(tmp_path / "map.nc", pull)
+    with netcdf_file(str(tmp_path / "map.nc"), "r", mmap=False) as file:
+        assert file.title.decode().startswith("co-energy map")
+        assert "W'" in file.conventions.decode()
+        force = file.variables["force"]
+        assert force.dimensions == ("current", "gap")
+        assert force.units == b"N"
+        assert b"closes the gap" in force.long_name
+        np.testing.assert_array_equal(force[:], pull.samples.force)
+
+
+def test_other_files_are_refused(pull, tmp_path):
+    """Half a file, a text, another netCDF file and no file: one sentence each."""
+    write_map(tmp_path / "map.nc", pull)
+    whole = (tmp_path / "map.nc").read_bytes()
+    (tmp_path / "half.nc").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "text.nc").write_text("B (T), H (A/m)\n")
+    (tmp_path / "empty.nc").write_bytes(b"")
+    with netcdf_file(str(tmp_path / "other.nc"), "w") as file:
+        file.title = "temperature of the sea"
+    for name, words in (
+        ("half.nc", "not a whole netcdf file"),
+        ("text.nc", "not a whole netcdf file"),
+        ("empty.nc", "not a whole netcdf file"),
+        ("other.nc", "not a co-energy map"),
+        ("none.nc", "no such file"),
+    ):
+        with pytest.raises(InputError, match=words):
+            read_map(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("name", "dimensions", "unit", "words"),
+    [
+        ("force", ("current", "gap"), "mN", "in 'mN'; it must be over"),
+        ("force", ("gap",), "N", "over .'gap',. in 'N'"),
+        (None, (), "", "no variable current"),
+    ],
+)
+def test_wrong_variables_are_refused(tmp_path, name, dimensions, unit, words):
+    """A variable with another unit or other dimensions, or none, is named."""
+    with netcdf_file(str(tmp_path / "map.nc"), "w") as file:
+        file.title = "co-energy map of a reluctance actuator"
+        if name:
+            for axis, values, units in (("current", CURRENTS, "A"), ("gap", GAPS, "m")):
+                file.createDimension(axis, values.size)
+                variable = file.createVariable(axis, "f8", (axis,))
+                variable[:], variable.units = values, units
+            linkage = file.createVariable("flux_linkage", "f8", ("current", "gap"))
+            linkage[:], linkage.units = 0.0, "Wb"
+            table = file.createVariable(name, "f8", dimensions)
+            table[:], table.units = 0.0, unit
+    with pytest.raises(InputError, match=words):
+        read_map(tmp_path / "map.nc")
+
+
+def test_nothing_half_written(pull, tmp_path):
+    """A folder that does not exist is refused, and no file is left behind."""
+    with pytest.raises(InputError, match="cannot be written"):
+        write_map(tmp_path / "none" / "map.nc", pull)
+    assert not list(tmp_path.iterdir())
+
+
+def test_fit_and_from_samples_agree(pull):
+    """Arrays or their container: one map."""
+    assert np.array_equal(fit(pull.samples).coefficients, pull.coefficients)

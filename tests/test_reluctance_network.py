@@ -1,0 +1,212 @@
+"""The normal actuator as a reluctance network: limits with exact answers, energy, bridge."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from geometry.parameters import Coil, Device, Rod, Sleeve, Steel
+from geometry.steel import MU0
+from tmm.coenergy import closed_loop_work
+from tmm.gap_permeance import pole_area, straight, with_fringing
+from tmm.reluctance_circuit import FULL, ONE_GAP, Refinements
+from tmm.reluctance_network import network_bridge, network_samples, textbook_force
+
+DEVICE = Device()
+CURRENTS = np.array([0.0, 1e-3, 0.02, 0.13, 1.0])
+GAPS = np.array([0.01e-3, 0.05e-3, 0.2e-3, 0.27e-3, 0.4e-3])
+SWITCHED = [
+    FULL,
+    ONE_GAP,
+    Refinements("linear"),
+    Refinements(parasitic_gap=False),
+    Refinements(leakage=False),
+    Refinements(fringing=False),
+    Refinements(parasitic_gap=False, leakage=False),
+]
+
+
+def test_bare_network_is_the_textbook_formula():
+    """With every refinement off, F = µ0 N² i² A/(2 g²) and λ = µ0 N² i A/g, exactly."""
+    found = network_samples(DEVICE, CURRENTS, GAPS, ONE_GAP)
+    force = [[textbook_force(DEVICE, i, g) for g in GAPS] for i in CURRENTS]
+    np.testing.assert_allclose(found.force, force, rtol=1e-12)  # rounding
+    linkage = MU0 * 849.0**2 * CURRENTS[:, None] * pole_area(DEVICE) / GAPS
+    np.testing.assert_allclose(found.flux_linkage, linkage, rtol=1e-12)
+
+
+def test_parasitic_gap_in_series():
+    """With perfect iron the parasitic gap is that of coaxial cylinders, 2π µ0 l/ln(r2/r1)."""
+    found = network_samples(DEVICE, CURRENTS, GAPS, replace(ONE_GAP, parasitic_gap=True))
+    side = np.log(0.96 / 0.91) / (2.0 * np.pi * MU0 * 0.9e-3)
+    total = GAPS / (MU0 * pole_area(DEVICE)) + side
+    # one unit of vacuum, 1e-9 m, is added to every rung: 1e-7 of the side's permeance
+    expected = 849.0**2 * CURRENTS[:, None] / total
+    np.testing.assert_allclose(found.flux_linkage, expected, rtol=1e-6)
+
+
+def test_short_flange_overlap_moves_with_the_gap():
+    """A flange that reaches out of the sleeve overlaps less as the gap closes, and is pushed."""
+    device = Device(sleeve=Sleeve(length=3.0e-3))
+    bare = replace(ONE_GAP, parasitic_gap=True)
+    found = network_samples(device, np.array([0.1]), GAPS, bare)
+    per_length = 2.0 * np.pi * MU0 / np.log(0.96 / 0.91)
+    overlap = 3.0e-3 - 2.4e-3 + (GAPS - 0.2e-3)
+    total = GAPS / (MU0 * pole_area(device)) + 1.0 / (per_length * overlap)
+    slope = 1.0 / (MU0 * pole_area(device)) - 1.0 / (per_length * overlap**2)
+    force = 0.5 * (84.9 / total) ** 2 * slope
+    np.testing.assert_allclose(found.force[0], force, rtol=1e-6)  # as above
+
+
+def test_very_permeable_iron_is_perfect():
+    """µr → ∞ leads to perfect iron, with an error of first order in 1/µr."""
+    perfect = network_samples(DEVICE, CURRENTS[1:], GAPS, Refinements("perfect"))
+    misses = []
+    for permeability in (1e5, 1e6):
+        device = Device(steel=Steel(curve="linear", relative_permeability=permeability))
+        found = network_samples(device, CURRENTS[1:], GAPS)
+        misses.append(np.abs(found.force / perfect.force - 1.0).max())
+    assert misses[0] < 5e-2  # 10 mm of iron over 1e5 beside some 50 um of gaps
+    assert misses[1] == pytest.approx(misses[0] / 10.0, rel=0.05)
+
+
+@pytest.mark.parametrize("refinements", SWITCHED)
+def test_force_and_flux_linkage_are_derivatives(refinements):
+    """F = −∂W'/∂g and λ = ∂W'/∂i of the network's own co-energy, with any switch."""
+    sample = partial(network_samples, DEVICE, refinements=refinements)
+    found, h, di = sample(CURRENTS, GAPS), 1e-9, 1e-5
+    wide, close = sample(CURRENTS, GAPS + h), sample(CURRENTS, GAPS - h)
+    force = -(wide.coenergy - close.coenergy) / (2.0 * h)
+    # rounding of W' over the step, 1e-15 W'/h; the largest W'/F is a tenth of a millimetre
+    np.testing.assert_allclose(force[1:], found.force[1:], rtol=1e-5)
+    up, down = sample(CURRENTS[1:] * (1 + di), GAPS), sample(CURRENTS[1:] * (1 - di), GAPS)
+    linkage = (up.coenergy - down.coenergy) / (2.0 * di * CURRENTS[1:, None])
+    np.testing.assert_allclose(linkage, found.flux_linkage[1:], rtol=1e-7)
+
+
+@pytest.mark.parametrize("refinements", [FULL, Refinements("linear"), Refinements(fringing=False)])
+def test_closed_loop_does_no_work(refinements):
+    """∮ (λ di − F dg) vanishes to 1e-6 of the work of one side."""
+    sample = partial(network_samples, DEVICE, refinements=refinements)
+    net, side = closed_loop_work(sample, (0.02, 0.15), (0.03e-3, 0.2e-3), panels=8)
+    assert abs(net) < 1e-6 * side
+
+
+def test_monotone_to_a_million_ampere_turns():
+    """Flux linkage and co-energy rise with the current at any saturation."""
+    i = np.geomspace(1e-6, 1e6, 49) / 849.0
+    found = network_samples(DEVICE, i, GAPS)
+    assert (np.diff(found.flux_linkage, axis=0) > 0.0).all()
+    assert (found.incremental_inductance > 0.0).all()
+    # far in saturation iron adds a constant flux, and the rest behaves as vacuum
+    air = found.incremental_inductance[-1]
+    np.testing.assert_allclose(found.incremental_inductance[-2], air, rtol=1e-3)
+
+
+def test_ladder_converges():
+    """Force and flux linkage converge with the square of the cells' length."""
+    at = np.array([0.05, 0.13]), np.array([0.1e-3, 0.2e-3])
+    runs = [network_samples(DEVICE, *at, cells=n) for n in (12, 24, 48)]
+    for name in ("flux_linkage", "coenergy"):
+        a, b, c = (getattr(run, name) for run in runs)
+        ratio = (a - b) / (b - c)
+        # second order; kinks of the magnetisation curve between cells disturb the last digits
+        assert ((ratio > 3.5) & (ratio < 4.5)).all(), ratio
+    # what is left with the default number of cells
+    assert (np.abs(runs[1].force / runs[2].force - 1.0) < 1e-3).all()
+
+
+def test_force_does_not_jump_where_the_collar_meets_the_coil():
+    """The collar passes the coil's end at 0.3 mm: only the discretisation may show there."""
+    jumps = []
+    for cells in (12, 24):
+        found = network_samples(
+            DEVICE, np.array([0.13]), np.array([0.3e-3 - 1e-9, 0.3e-3, 0.3e-3 + 1e-9]), cells=cells
+        )
+        jumps.append(np.ptp(found.force) / found.force[0, 0])
+    assert jumps[1] < 1e-3
+    assert jumps[1] == pytest.approx(jumps[0] / 4.0, rel=0.3)  # second order
+
+
+def test_direction_of_the_current_does_not_matter():
+    """The paper: the rod is pulled whatever the direction of the current (section 5.1)."""
+    there, back = (network_samples(DEVICE, sign * CURRENTS, GAPS) for sign in (1.0, -1.0))
+    assert np.array_equal(there.force, back.force)
+    assert np.array_equal(there.coenergy, back.coenergy)
+    assert np.array_equal(there.flux_linkage, -back.flux_linkage)
+
+
+def test_bridge_leads_from_the_formula_to_the_network():
+    """One row per refinement; their changes multiply to the whole difference."""
+    rows = network_bridge(DEVICE, 0.13, 0.2e-3)
+    full = network_samples(DEVICE, np.array([0.13]), np.array([0.2e-3]))
+    assert rows[0].force == pytest.approx(textbook_force(DEVICE, 0.13, 0.2e-3), rel=1e-12)
+    assert rows[-1].force == full.force[0, 0]
+    whole = np.prod([1.0 + row.force_change for row in rows])
+    assert whole == pytest.approx(rows[-1].force / rows[0].force, rel=1e-12)
+    by_step = {row.step: row for row in rows}
+    assert by_step["fringing beside the pole faces"].force_change > 0.0
+    assert by_step["parasitic gap at the flange"].force_change < 0.0
+    assert by_step["saturation"].force_change < -0.1
+
+
+def test_bridge_of_a_small_current():
+    """In the linear range every share is that of any other current, but the iron's own."""
+    small, large = (network_bridge(DEVICE, i, 0.2e-3) for i in (1e-3, 0.1))
+    for a, b in zip(small[:5], large[:5], strict=True):
+        assert a.force_change == pytest.approx(b.force_change, abs=1e-9)
+
+
+def test_gap_permeance_slope():
+    """dP/dg and the slope of the covered height are derivatives of the formulas."""
+    g, h = np.geomspace(1e-6, 1e-3, 13), 1e-6
+    for formula in (straight, with_fringing):
+        at, up, down = (formula(DEVICE, g * (1.0 + sign * h)) for sign in (0.0, 1.0, -1.0))
+        for name in ("permeance", "covered"):
+            slope = (getattr(up, name) - getattr(down, name)) / (2.0 * h * g)
+            # rounding over the step: 1e-16/1e-6
+            size = np.abs(getattr(at, f"d_{name}")).max()
+            np.testing.assert_allclose(getattr(at, f"d_{name}"), slope, rtol=1e-7, atol=1e-9 * size)
+
+
+def test_fringing_fades_as_the_gap_closes():
+    """Beside a closing gap the field at the edges grows with the logarithm only."""
+    g = np.array([1e-4, 1e-6, 1e-8])
+    share = with_fringing(DEVICE, g).permeance / straight(DEVICE, g).permeance - 1.0
+    assert (share > 0.0).all()
+    assert (np.diff(share) < 0.0).all()
+    assert share[-1] < 1e-3
+
+
+def test_covered_part_of_the_bore():
+    """The head takes all of the collar's bore through a small gap to a distant shaft, none
+    through a large gap beside a near one."""
+    collar = Sleeve().collar_thickness
+    # 10 um to the head beside 10 um, or 300 um, to the shaft
+    far = Device(rod=Rod(radius=0.1e-3), sleeve=Sleeve(collar_thickness=20e-6))
+    assert with_fringing(far, np.array([1e-6])).covered[0] == pytest.approx(20e-6, rel=1e-2)
+    near = Device(rod=Rod(radius=0.895e-3))
+    assert with_fringing(near, np.array([1e-3])).covered[0] < 1e-3 * collar
+
+
+@pytest.mark.parametrize(
+    ("device", "gap", "words"),
+    [
+        (DEVICE, 0.0, "gap = 0 mm leaves no gap"),
+        (DEVICE, 0.6e-3, "gap = 0.6 mm lifts the coil"),
+        (Device(rod=Rod(head_radius=0.8e-3)), 0.2e-3, "rod.head_radius = 0.8 mm"),
+        (Device(sleeve=Sleeve(collar_radius=0.6e-3)), 0.2e-3, "sleeve.collar_radius = 0.6 mm"),
+        (Device(sleeve=Sleeve(length=2.3e-3)), 0.2e-3, "gap = 0.2 mm lifts the flange"),
+        (
+            Device(sleeve=Sleeve(collar_thickness=2.5e-3), coil=Coil(length=0.1e-3)),
+            0.2e-3,
+            "gap = 0.2 mm brings the flange to the collar",
+        ),
+    ],
+)
+def test_impossible_circuits_are_refused(device, gap, words):
+    """Dimensions that close no such circuit are refused in one sentence."""
+    with pytest.raises(InputError, match=words):
+        network_samples(device, np.array([0.1]), np.array([gap]))

@@ -1,0 +1,145 @@
+"""Magnetisation curves: the monotone cubic, its exact energy, its inverse, files."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.interpolate import PchipInterpolator
+
+from geometry.errors import InputError
+from geometry.parameters import Steel
+from geometry.steel import MU0, TEAM20, MagnetisationCurve, linear, magnetisation_curve, read_curve
+
+#: Rounding of a few operations.
+ROUNDING = 1e-13
+
+
+def _mirrored(values):
+    return np.concatenate([-values[:0:-1], values])
+
+
+def test_it_is_the_pchip_of_the_mirrored_table():
+    """H, dH/dB and the energy are those of SciPy's monotone cubic through the odd table."""
+    cubic = PchipInterpolator(_mirrored(TEAM20.flux_density), _mirrored(TEAM20.field))
+    b = np.linspace(0.0, 2.3, 2001)[:-1]
+    energy = cubic.antiderivative()
+    for ours, theirs in (
+        (TEAM20.field_strength(b), cubic(b)),
+        (TEAM20.slope(b), cubic.derivative()(b)),
+        (TEAM20.energy_density(b), energy(b) - energy(0.0)),
+    ):
+        assert ours == pytest.approx(theirs, rel=ROUNDING, abs=ROUNDING * theirs.max())
+
+
+def test_points_are_met_and_vacuum_takes_over_above():
+    """The curve passes through its table and rises by 1/µ0 beyond it."""
+    assert TEAM20.field_strength(TEAM20.flux_density) == pytest.approx(TEAM20.field, rel=ROUNDING)
+    b = np.array([2.3, 3.0, 50.0])
+    expected = TEAM20.field[-1] + (b - 2.3) / MU0
+    assert TEAM20.field_strength(b) == pytest.approx(expected, rel=ROUNDING)
+    assert TEAM20.slope(b) == pytest.approx(1.0 / MU0, rel=ROUNDING)
+
+
+def test_energy_is_the_integral_of_the_same_curve():
+    """Energy plus coenergy is HB; their derivatives are H and B, by central differences."""
+    b = np.concatenate([np.linspace(1e-3, 2.29, 700), [2.5, 10.0]])
+    h = TEAM20.field_strength(b)
+    both = TEAM20.energy_density(b) + TEAM20.coenergy_density(b)
+    assert both == pytest.approx(h * b, rel=ROUNDING)
+    step = 1e-6
+    slope = (TEAM20.energy_density(b + step) - TEAM20.energy_density(b - step)) / (2.0 * step)
+    # rounding of the energy over the step: 1e-16 × 3e5 / 1e-6, against H of at least 3 A/m
+    assert slope == pytest.approx(h, rel=1e-6, abs=1e-2)
+
+
+@given(st.floats(1e-12, 1e9))
+def test_inverse(h):
+    """B(H) undoes H(B) from far below the first point to far beyond the last."""
+    assert TEAM20.field_strength(TEAM20.flux_density_at(np.array(h))) == pytest.approx(
+        h, rel=ROUNDING
+    )
+
+
+def test_reluctivity_at_the_origin():
+    """H/B tends to dH/dB at zero field, without dividing by zero."""
+    b = np.array([0.0, 1e-300, 1e-9])
+    assert TEAM20.reluctivity(b) == pytest.approx(TEAM20.slope(np.zeros(3)), rel=1e-6)
+    b = np.array([0.004, 0.01, 1.0, 4.0])
+    assert TEAM20.reluctivity(b) == pytest.approx(TEAM20.field_strength(b) / b, rel=ROUNDING)
+
+
+@given(st.lists(st.tuples(st.floats(1e-3, 1.0), st.floats(1e-3, 1e6)), min_size=1, max_size=20))
+def test_any_increasing_table_gives_an_increasing_curve(steps):
+    """Between the points of any increasing table, H(B) never falls."""
+    b, h = (np.concatenate([[0.0], np.cumsum(column)]) for column in zip(*steps, strict=True))
+    curve = MagnetisationCurve(b, h)
+    samples = np.linspace(0.0, 1.2 * b[-1], 400)
+    assert np.diff(curve.field_strength(samples)).min() >= -1e-12 * h[-1]
+    assert curve.slope(samples).min() >= -1e-9 * h[-1]
+    assert curve.slope(np.zeros(1))[0] > 0.0
+
+
+def test_linear():
+    """B = µ0 µr H at all fields, energy B²/(2µ)."""
+    curve = linear(500.0)
+    b = np.array([0.0, 1e-9, 0.7, 40.0])
+    assert curve.field_strength(b) == pytest.approx(b / (500.0 * MU0), rel=ROUNDING)
+    assert curve.energy_density(b) == pytest.approx(b**2 / (1000.0 * MU0), rel=ROUNDING)
+    with pytest.raises(InputError, match="at least 1"):
+        linear(0.5)
+
+
+def test_a_file_gives_the_curve_it_holds(tmp_path):
+    """A written table comes back; comments and further columns do no harm."""
+    path = tmp_path / "steel.csv"
+    rows = "\n".join(
+        f"{i},{float(b)!r},{float(h)!r}"
+        for i, (b, h) in enumerate(zip(TEAM20.flux_density, TEAM20.field, strict=True))
+    )
+    path.write_text(f"# measured\nno,B (T),H (A/m)\n{rows}\n")
+    curve = magnetisation_curve(Steel(curve=str(path)))
+    b = np.linspace(0.0, 3.0, 100)
+    assert np.array_equal(curve.field_strength(b), TEAM20.field_strength(b))
+    assert curve.name == "steel.csv"
+
+
+def test_the_parameter_names_the_curve():
+    """team20, linear and its permeability."""
+    assert magnetisation_curve(Steel()) is TEAM20
+    straight = magnetisation_curve(Steel(curve="linear", relative_permeability=200.0))
+    assert straight.slope(np.zeros(1))[0] == pytest.approx(1.0 / (200.0 * MU0), rel=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "is empty"),
+        ("B,H\n0,0\n1,100\n", "B in T and H in A/m"),
+        ("B (T)\n0\n1\n", "B in T and H in A/m"),
+        ("B (mT),H (A/m)\n0,0\n1,100\n", "B in T and H in A/m"),
+        ("B (T),H (A/m)\n0,0\n", "at least 2"),
+        ("B (T),H (A/m)\n0.1,20\n1,100\n", "start the curve at 0, 0"),
+        ("B (T),H (A/m)\n0,0\n1,100\n0.5,200\n", "line 4 has B = 0.5 T after 1 T"),
+        ("B (T),H (A/m)\n0,0\n0.5,200\n1,100\n", "line 4 has H = 100 A/m after 200 A/m"),
+        ("B (T),H (A/m)\n0,0\n0.5,nan\n1,100\n", 'line 3 has "nan"'),
+        ("B (T),H (A/m)\n0,0\n0.5\n1,100\n", 'line 3 has ""'),
+        ("B (T),H (A/m)\n0,0\n0.5,1e2x\n1,100\n", "plain numbers"),
+        ("B (T),H (A/m)\n0,0\n1e-7,1\n", "less than vacuum's mu0"),
+    ],
+)
+def test_bad_files_are_refused_in_one_sentence(tmp_path, text, words):
+    """The message names the file or the line, what is wrong, and the remedy."""
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_curve(path)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_file_is_refused():
+    """A path that leads nowhere is no traceback."""
+    with pytest.raises(InputError, match="cannot be read"):
+        read_curve("/nowhere/steel.csv")

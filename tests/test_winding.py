@@ -1,0 +1,49 @@
+"""The coil's wire: closed forms, and the heat that the reconstructed coil would have."""
+
+import math
+
+import pytest
+
+from geometry.parameters import Coil
+from geometry.winding import winding
+
+
+def test_wire_fills_its_share_of_the_window():
+    """Turns times the bare wire's area is the fill factor's share of the window."""
+    wound = winding(Coil())
+    assert wound.window == pytest.approx(0.26e-3 * 2e-3)
+    assert 849.0 * wound.wire_area == pytest.approx(0.5 * wound.window)
+    assert math.pi / 4.0 * wound.wire_diameter**2 == pytest.approx(wound.wire_area)
+
+
+def test_resistance():
+    """R = ρ N · 2π r_mean / a; half the fill doubles it, and copper gains 39.3 % in 100 K."""
+    cold, thin, warm = (
+        winding(Coil(**change)).resistance
+        for change in ({}, {"fill_factor": 0.25}, {"temperature": 393.15})
+    )
+    length = 849.0 * 2.0 * math.pi * 0.75e-3
+    assert cold == pytest.approx(1.7241e-8 * length / (0.5 * 0.52e-6 / 849.0))
+    assert thin == pytest.approx(2.0 * cold)
+    assert warm == pytest.approx(1.393 * cold)
+
+
+def test_power_does_not_depend_on_the_wire():
+    """The same ampere-turns in the same window heat alike, whatever the number of turns."""
+    many, few = winding(Coil(turns=800.0)), winding(Coil(turns=100.0))
+    assert many.power(0.1) == pytest.approx(few.power(0.8))
+    assert many.current_density(0.1) == pytest.approx(few.current_density(-0.8))
+
+
+def test_heating_rate_is_power_over_heat_capacity():
+    """Uncooled, all heat stays in the copper: 385 J/(kg K), 8960 kg/m³."""
+    wound = winding(Coil())
+    copper = 385.0 * 8960.0 * wound.wire_area * wound.wire_length
+    assert wound.heating_rate(0.13) == pytest.approx(wound.power(0.13) / copper)
+
+
+def test_reconstructed_coil_is_overloaded():
+    """A finding, not a success: 110 ampere-turns need some 420 A/mm² in this window, tens of
+    times what windings carry for long."""
+    assert winding(Coil()).current_density(0.13) == pytest.approx(110.37 / (0.5 * 0.52e-6))
+    assert winding(Coil()).heating_rate(0.13) > 100.0

@@ -1,0 +1,288 @@
+"""The co-energy map W'(i, g): one surface from which all of the normal actuator follows.
+
+Flux linkage λ = ∂W'/∂i, pull F = −∂W'/∂g (positive when it closes the gap), incremental
+inductance ∂λ/∂i, motional coefficient ∂λ/∂g.  Any model gives the samples; the map is
+the same for all.  How the surface is fitted is told in tmm.coenergy_fit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from geometry.arrays import Floats
+from geometry.errors import InputError
+from tmm.splines import SplineBasis
+
+#: How far beyond its ends a map may be asked, relative to its range: rounding of a grid.
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """What a model says on a grid of c currents and m gaps.
+
+    Attributes
+    ----------
+    current : (c,) float
+        In the winding (A), increasing.
+    gap : (m,) float
+        Working gap (m), increasing.
+    flux_linkage : (c, m) float
+        λ of the whole winding (Wb).
+    force : (c, m) float
+        Pull (N), positive when it closes the gap.
+    coenergy, incremental_inductance : (c, m) float or None
+        W' (J) and ∂λ/∂i (H), if the model has them.
+    model, device : str
+        Which model, of which device; for people.
+    """
+
+    current: Floats
+    gap: Floats
+    flux_linkage: Floats
+    force: Floats
+    coenergy: Floats | None = None
+    incremental_inductance: Floats | None = None
+    model: str = ""
+    device: str = ""
+
+
+@dataclass(frozen=True)
+class MapError:
+    """Largest errors of the map's flux linkage and force, relative to the value there.
+
+    Values below a tenth of the largest at the same gap count as that tenth.
+    """
+
+    flux_linkage: float
+    force: float
+
+
+@dataclass(frozen=True, eq=False)
+class CoenergyMap:
+    """The surface W'(i, g) = Σ_jk c_jk J_j(|i|) Y_k(ln(g + g0)).
+
+    Y_k are cubic B-splines.  J_j is the double integral from 0 of a quadratic B-spline, so
+    W' vanishes with the current and ∂²W'/∂i² is a sum of B-splines: with c_jk > 0 flux
+    linkage increases with the current everywhere, not only at the samples.
+
+    All methods take current (A, either sign) and gap (m), arrays that broadcast, and raise
+    InputError outside the samples' range.
+
+    Attributes
+    ----------
+    samples : Samples
+        What it was made from.
+    inductance_basis : SplineBasis
+        The B-splines of the current.
+    gap_basis : SplineBasis
+        The B-splines of ln(g + g0).
+    gap_offset : float
+        g0 (m), about the gap that the rest of the circuit is worth.
+    coefficients : (j, k) float
+        c_jk, all positive.
+    residual : MapError
+        How far the surface misses its own samples.
+    interpolation_error : MapError
+        Error between samples, estimated by leaving samples out.
+    """
+
+    samples: Samples
+    inductance_basis: SplineBasis
+    gap_basis: SplineBasis
+    gap_offset: float
+    coefficients: Floats
+    residual: MapError
+    interpolation_error: MapError
+
+    @staticmethod
+    def from_samples(
+        current: Floats,
+        gap: Floats,
+        flux_linkage: Floats,
+        force: Floats,
+        coenergy: Floats | None = None,
+        incremental_inductance: Floats | None = None,
+        *,
+        model: str = "",
+        device: str = "",
+    ) -> CoenergyMap:
+        """Return the map of a model's samples, arrays as in :class:`Samples`.
+
+        Raises
+        ------
+        InputError
+            If the samples are too few, not finite, or no co-energy can have them.
+        """
+        from tmm.coenergy_fit import fit  # which imports this module
+
+        return fit(
+            Samples(
+                current=np.asarray(current, dtype=float),
+                gap=np.asarray(gap, dtype=float),
+                flux_linkage=np.asarray(flux_linkage, dtype=float),
+                force=np.asarray(force, dtype=float),
+                coenergy=None if coenergy is None else np.asarray(coenergy, dtype=float),
+                incremental_inductance=None
+                if incremental_inductance is None
+                else np.asarray(incremental_inductance, dtype=float),
+                model=model,
+                device=device,
+            )
+        )
+
+    @cached_property
+    def _current_bases(self) -> tuple[SplineBasis, ...]:
+        return tuple(current_basis(self.inductance_basis, order) for order in range(3))
+
+    @property
+    def current_limit(self) -> float:
+        """Largest current of the map (A)."""
+        return float(self.samples.current[-1])
+
+    @property
+    def gap_limits(self) -> tuple[float, float]:
+        """Smallest and largest gap of the map (m)."""
+        return float(self.samples.gap[0]), float(self.samples.gap[-1])
+
+    def coenergy(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return W' (J)."""
+        return self._surface(current, gap, 0, 0)
+
+    def flux_linkage(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return λ = ∂W'/∂i (Wb), odd in the current."""
+        return self._surface(current, gap, 1, 0)
+
+    def force(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return F = −∂W'/∂g (N), positive when it closes the gap."""
+        return -self._surface(current, gap, 0, 1)
+
+    def incremental_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return ∂λ/∂i (H), positive."""
+        return self._surface(current, gap, 2, 0)
+
+    def apparent_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return λ/i (H), its limit ∂λ/∂i at i = 0."""
+        i, g = np.broadcast_arrays(np.asarray(current, dtype=float), np.asarray(gap, dtype=float))
+        zero = i == 0.0
+        return np.where(
+            zero,
+            self.incremental_inductance(i, g),
+            self.flux_linkage(i, g) / np.where(zero, 1.0, i),
+        )
+
+    def energy(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return the stored energy W = iλ − W' (J)."""
+        return np.asarray(current) * self.flux_linkage(current, gap) - self.coenergy(current, gap)
+
+    def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return ∂λ/∂g = −∂F/∂i (V s/m): voltage per speed of the gap, negative for i > 0."""
+        return self._surface(current, gap, 1, 1)
+
+    def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return ∂F/∂g at constant current (N/m), usually negative: a destabilising spring."""
+        return -self._surface(current, gap, 0, 2)
+
+    def sampled(self, currents: Floats, gaps: Floats) -> Samples:
+        """Return what the map says on a grid of currents (c,) and gaps (m,)."""
+        i, g = np.asarray(currents, dtype=float)[:, None], np.asarray(gaps, dtype=float)[None]
+        return Samples(
+            current=i[:, 0],
+            gap=g[0],
+            flux_linkage=self.flux_linkage(i, g),
+            force=self.force(i, g),
+            coenergy=self.coenergy(i, g),
+            incremental_inductance=self.incremental_inductance(i, g),
+            model=self.samples.model,
+            device=self.samples.device,
+        )
+
+    def _surface(
+        self, current: Floats | float, gap: Floats | float, by_current: int, by_gap: int
+    ) -> Floats:
+        """Return a derivative of W' by current and gap."""
+        i, g = np.broadcast_arrays(np.asarray(current, dtype=float), np.asarray(gap, dtype=float))
+        size, width = np.abs(i), g + self.gap_offset
+        self._check(size, g)
+        along = self._current_bases[by_current](size)
+        across = gap_derivative(self.gap_basis, width, by_gap)
+        value = np.einsum("...j,jk,...k->...", along, self.coefficients, across)
+        return np.asarray(np.sign(i) * value if by_current == 1 else value)
+
+    def _check(self, size: Floats, gap: Floats) -> None:
+        limit, (low, high) = self.current_limit, self.gap_limits
+        if not (size <= limit * (1.0 + _ROUNDING)).all():
+            worst = float(np.max(size))
+            raise InputError(
+                f"current = {worst * 1e3:.6g} mA lies outside the map of the normal actuator, "
+                f"which ends at {limit * 1e3:.6g} mA; use a smaller one or a larger map"
+            )
+        slack = _ROUNDING * (high - low)
+        if not ((gap >= low - slack) & (gap <= high + slack)).all():
+            worst = float(gap.flat[np.argmax(np.abs(gap - 0.5 * (low + high)))])
+            raise InputError(
+                f"gap = {worst * 1e6:.6g} um lies outside the map of the normal actuator, which "
+                f"goes from {low * 1e6:.6g} to {high * 1e6:.6g} um; stay inside or use a larger map"
+            )
+
+
+def current_basis(inductance_basis: SplineBasis, derivative: int) -> SplineBasis:
+    """Return the functions of the current in W' (0), λ (1) or ∂λ/∂i (2)."""
+    basis = inductance_basis
+    for _ in range(2 - derivative):
+        basis = basis.integral()
+    return basis
+
+
+def gap_derivative(gap_basis: SplineBasis, width: Floats, derivative: int) -> Floats:
+    """Return d^n/dg^n of the functions of ln(g + g0) at `width` = g + g0, n up to 2."""
+    y = np.log(width)
+    if derivative == 0:
+        return gap_basis(y)
+    first = gap_basis(y, 1)
+    if derivative == 1:
+        return np.asarray(first / width[..., None])
+    return np.asarray((gap_basis(y, 2) - first) / width[..., None] ** 2)
+
+
+def closed_loop_work(
+    model: Callable[[Floats, Floats], Samples],
+    currents: tuple[float, float],
+    gaps: tuple[float, float],
+    panels: int = 64,
+) -> tuple[float, float]:
+    """Return ∮ (λ di − F dg) (J) around a rectangle in the plane of current and gap.
+
+    A model whose flux linkage and force come from one co-energy does no net work.
+
+    Parameters
+    ----------
+    model : callable
+        Takes currents (c,) and gaps (m,), returns their Samples.
+    currents, gaps : (float, float)
+        Sides of the rectangle (A, m).
+    panels : int
+        Pieces into which a side is divided, each with five Gauss points.
+
+    Returns
+    -------
+    net, side : float
+        The loop's work and, to judge it by, the largest of its four sides' (J).
+    """
+    i, i_weights = _quadrature(currents, panels)
+    g, g_weights = _quadrature(gaps, panels)
+    electrical = i_weights @ model(i, np.array(gaps)).flux_linkage
+    mechanical = -(model(np.array(currents), g).force @ g_weights)
+    net = electrical[0] + mechanical[1] - electrical[1] - mechanical[0]
+    return float(net), float(np.abs([*electrical, *mechanical]).max())
+
+
+def _quadrature(ends: tuple[float, float], panels: int) -> tuple[Floats, Floats]:
+    points, weights = np.polynomial.legendre.leggauss(5)
+    edges = np.linspace(*ends, panels + 1)
+    half = 0.5 * np.diff(edges)[:, None]
+    return (edges[:-1, None] + half * (1.0 + points)).ravel(), (half * weights).ravel()

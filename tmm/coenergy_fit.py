@@ -1,0 +1,213 @@
+"""Fit of the co-energy map to samples, and its interpolation error by leaving samples out.
+
+One linear least-squares problem in the coefficients of the surface: flux linkage, force
+and what else the model gives are all derivatives of it.  Each sample counts relative to
+its own size.  Samples that belong to no common surface show as residual.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from geometry.arrays import Floats
+from geometry.errors import InputError
+from tmm.coenergy import CoenergyMap, MapError, Samples, current_basis, gap_derivative
+from tmm.splines import SplineBasis, b_splines
+
+#: Degrees of the inductance in the current and of the surface in ln(g + g0).
+_CURRENT_DEGREE, _GAP_DEGREE = 2, 3
+
+#: Fewest currents above zero and gaps: half of them must still make a map.
+_FEWEST = 6
+
+#: What an inductance counts beside a flux linkage: it is the rougher function of the two.
+_INDUCTANCE_WEIGHT = 0.1
+
+#: Smallest coefficient, relative to the largest: inductance stays positive.
+_LEAST = 1e-9
+
+#: What remains of the error when the samples lie twice as dense.  Smooth samples leave an
+#: eighth; magnetisation curves from tables have kinks, which can leave a half.
+_REMAINS = 0.5
+
+#: Below this share of the largest value at the same gap, errors are judged against the share.
+_SMALL = 0.1
+
+_UNKNOWN = MapError(np.nan, np.nan)
+
+
+def fit(samples: Samples) -> CoenergyMap:
+    """Return the map that fits the samples best.
+
+    Raises
+    ------
+    InputError
+        If the samples are too few, not finite, or no co-energy can have them.
+    """
+    _check(samples)
+    found = _fitted(samples)
+    left_out = _miss(_fitted(_every_second(samples)), samples)
+    return replace(
+        found,
+        interpolation_error=MapError(
+            max(_REMAINS * left_out.flux_linkage, found.residual.flux_linkage),
+            max(_REMAINS * left_out.force, found.residual.force),
+        ),
+    )
+
+
+def _check(samples: Samples) -> None:
+    """Refuse samples that no co-energy map can be made from."""
+    i, g, shape = samples.current, samples.gap, (samples.current.size, samples.gap.size)
+    tables = {
+        "flux_linkage": samples.flux_linkage,
+        "force": samples.force,
+        "coenergy": samples.coenergy,
+        "incremental_inductance": samples.incremental_inductance,
+    }
+    given = {name: values for name, values in tables.items() if values is not None}
+    for name, values in {"current": i, "gap": g, **given}.items():
+        if not np.isfinite(values).all():
+            raise InputError(f"samples of {name} are not all finite; leave out what did not solve")
+    for name, values in given.items():
+        if values.shape != shape:
+            raise InputError(
+                f"samples of {name} have the shape {values.shape}, not {shape} of currents and gaps"
+            )
+    above = int(np.count_nonzero(i > 0.0))
+    if min(above, g.size) < _FEWEST:
+        raise InputError(
+            f"{above} currents above 0 mA and {g.size} gaps make no map; sample at least "
+            f"{_FEWEST} of each"
+        )
+    for name, values in (("current", i), ("gap", g)):
+        if values[0] < 0.0 or not (np.diff(values) > 0.0).all():
+            raise InputError(f"samples of {name} must increase from 0 or above; sort them")
+    if not (np.diff(samples.flux_linkage, axis=0) > 0.0).all():
+        raise InputError("samples of flux_linkage must increase with the current at every gap")
+    if not (samples.force[i > 0.0] > 0.0).all():
+        raise InputError("samples of force must pull, above 0 N, at every current above 0 mA")
+
+
+def _fitted(samples: Samples) -> CoenergyMap:
+    """Return the map without an estimate of its interpolation error."""
+    offset = _gap_offset(samples)
+    width = samples.gap + offset
+    points = np.union1d(samples.current, 0.0)
+    some = points.size - 1
+    if samples.incremental_inductance is not None:
+        some += some // 2  # inductances tell about the shape between currents
+    basis = b_splines(_breaks(points, some - _CURRENT_DEGREE), _CURRENT_DEGREE)
+    across = b_splines(_breaks(np.log(width), width.size - _GAP_DEGREE), _GAP_DEGREE)
+    rows, targets = _equations(samples, basis, across, width)
+    coefficients = _positive_least_squares(rows, targets)
+    found = CoenergyMap(
+        samples,
+        basis,
+        across,
+        offset,
+        coefficients.reshape(some, width.size),
+        residual=_UNKNOWN,
+        interpolation_error=_UNKNOWN,
+    )
+    return replace(found, residual=_miss(found, samples))
+
+
+def _gap_offset(samples: Samples) -> float:
+    """Return g0 such that λ ∝ 1/(g + g0) at the lowest current, within reason (m)."""
+    lowest = int(np.count_nonzero(samples.current == 0.0))
+    first, last = samples.flux_linkage[lowest, [0, -1]]
+    low, high = samples.gap[[0, -1]]
+    span = high - low
+    offset = (high * last - low * first) / (first - last) if first > last else np.inf
+    return float(np.clip(offset, 0.05 * span, 20.0 * span))
+
+
+def _breaks(points: Floats, spans: int) -> Floats:
+    """Return spans + 1 breaks spread like the points."""
+    share = np.linspace(0.0, 1.0, points.size)
+    return np.asarray(np.interp(np.linspace(0.0, 1.0, spans + 1), share, points))
+
+
+def _equations(
+    samples: Samples, basis: SplineBasis, across: SplineBasis, width: Floats
+) -> tuple[Floats, Floats]:
+    """Return rows (r, j·k) and right sides (r,) of all samples, each relative to its size.
+
+    What vanishes with the current does so in the surface as well, and says nothing there.
+    """
+    rows: list[Floats] = []
+    targets: list[Floats] = []
+    for values, by_current, by_gap, weight in (
+        (samples.flux_linkage, 1, 0, 1.0),
+        (samples.force, 0, 1, -1.0),
+        (samples.coenergy, 0, 0, 1.0),
+        (samples.incremental_inductance, 2, 0, _INDUCTANCE_WEIGHT),
+    ):
+        if values is None:
+            continue
+        along = current_basis(basis, by_current)(samples.current)
+        there = gap_derivative(across, width, by_gap)
+        telling = values[:, 0] != 0.0
+        values, along = values[telling], along[telling]
+        block = np.einsum("ij,gk,ig->igjk", along, there, weight / np.abs(values))
+        rows.append(block.reshape(values.size, -1))
+        targets.append((np.abs(weight) * np.sign(values)).ravel())
+    return np.concatenate(rows), np.concatenate(targets)
+
+
+def _positive_least_squares(rows: Floats, targets: Floats) -> Floats:
+    """Return the solution with all coefficients positive; the free one if it is so already."""
+    size = np.linalg.norm(rows, axis=0)
+    scaled = rows / size
+    found = np.asarray(np.linalg.lstsq(scaled, targets, rcond=None)[0] / size)
+    least = _LEAST * float(np.abs(found).max())
+    if found.min() >= least:
+        return found
+    from scipy.optimize import nnls  # slow to import, and rarely needed
+
+    above, _ = nnls(scaled, targets - rows.sum(axis=1) * least)
+    return np.asarray(above / size + least)
+
+
+def _every_second(samples: Samples) -> Samples:
+    """Return the samples without every second current above zero and every second gap.
+
+    The first current goes, so that the stretch down to zero is judged too; other ends stay.
+    """
+    n, m = samples.flux_linkage.shape
+    zeros = int(np.count_nonzero(samples.current == 0.0))
+    i = np.unique([*range(zeros), *range(zeros + 1, n, 2), n - 1])
+    return _picked(samples, i, np.unique([*range(0, m, 2), m - 1]))
+
+
+def _picked(samples: Samples, i: Floats, g: Floats) -> Samples:
+    grid = np.ix_(i, g)
+    return replace(
+        samples,
+        current=samples.current[i],
+        gap=samples.gap[g],
+        flux_linkage=samples.flux_linkage[grid],
+        force=samples.force[grid],
+        coenergy=None if samples.coenergy is None else samples.coenergy[grid],
+        incremental_inductance=None
+        if samples.incremental_inductance is None
+        else samples.incremental_inductance[grid],
+    )
+
+
+def _miss(found: CoenergyMap, samples: Samples) -> MapError:
+    """Return how far a map misses samples."""
+    said = found.sampled(samples.current, samples.gap)
+    return MapError(
+        _largest(said.flux_linkage - samples.flux_linkage, samples.flux_linkage),
+        _largest(said.force - samples.force, samples.force),
+    )
+
+
+def _largest(error: Floats, values: Floats) -> float:
+    """Return the largest error relative to the value there, or to a tenth of the gap's largest."""
+    size = np.abs(values)
+    return float((np.abs(error) / np.maximum(size, _SMALL * size.max(axis=0))).max())

@@ -1,0 +1,225 @@
+"""A magnetic circuit shaped like a ladder, solved exactly: fluxes, co-energy, force.
+
+Two iron rails carry the same flux up and down; rungs of air join them; a winding sits
+between.  Here is the circuit, not the device: what becomes an iron element and what a
+rung is decided in tmm.reluctance_network.
+
+The fluxes φ_1 … φ_n of the cells minimise
+
+    Π(φ) = Σ_e A_e l_e w(|φ|/A_e) + Σ_j R_j (φ_j − φ_{j+1})²/2 − i Σ_k N_k φ_k,   φ_0 = φ_{n+1} = 0,
+
+with w(B) = ∫H dB of the iron: energy less the winding's i λ.  Π is strictly convex and its
+Hessian tridiagonal.  At the minimum −Π is the co-energy W'(i, g), hence the flux linkage
+λ = ∂W'/∂i = Σ N_k φ_k and the pull F = −∂W'/∂g = ∂Π/∂g at fixed fluxes: λ and F belong to
+one function, with no difference quotient.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Bools, Floats, Ints
+from geometry.steel import MagnetisationCurve
+
+#: Residual mmf of a cell, relative to the winding's whole mmf, at which it counts as balanced.
+_RESIDUAL = 1e-12
+
+#: Rounding of a sum of a few hundred terms.
+_ROUNDING = 64.0 * float(np.finfo(float).eps)
+
+#: Steps that Newton's method may take; a dozen is usual, a hundred is a fault.
+_STEPS = 100
+
+
+@dataclass(frozen=True, eq=False)
+class Ladder:
+    """The circuit at m gaps: n cells, E iron elements; `d_` is the derivative by the gap.
+
+    Attributes
+    ----------
+    curve : MagnetisationCurve or None
+        The iron's; None for iron without reluctance.
+    area : (m, E) float
+        Cross-sections of the iron elements (m²).
+    length, d_length : (m, E) float
+        Their lengths (m).
+    cell : (E,) int
+        The cell whose flux each carries.
+    reluctance, d_reluctance : (m, n + 1) float
+        Rungs below the first cell, between the cells, above the last (1/H); 0 is a
+        perfect joint.
+    turns, d_turns : (m, n) float
+        Turns whose mmf drives each cell.
+    """
+
+    curve: MagnetisationCurve | None
+    area: Floats
+    length: Floats
+    d_length: Floats
+    cell: Ints
+    reluctance: Floats
+    d_reluctance: Floats
+    turns: Floats
+    d_turns: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class LadderSolution:
+    """What the circuit does at c currents and m gaps; arrays (c, m), fluxes (c, m, n).
+
+    Attributes
+    ----------
+    flux : Floats
+        Of each cell (Wb).
+    coenergy : Floats
+        W' (J).
+    flux_linkage : Floats
+        λ = ∂W'/∂i (Wb), odd in the current.
+    force : Floats
+        F = −∂W'/∂g (N), positive when it closes the gap.
+    incremental_inductance : Floats
+        ∂λ/∂i (H).
+    """
+
+    flux: Floats
+    coenergy: Floats
+    flux_linkage: Floats
+    force: Floats
+    incremental_inductance: Floats
+
+
+def solve(ladder: Ladder, currents: Floats) -> LadderSolution:
+    """Return the circuit's state at all `currents` (c,) and all gaps of the ladder.
+
+    Newton's method with the exact Hessian; the step is halved until the energy falls, so
+    it converges from any start, at any saturation.
+
+    Raises
+    ------
+    ArithmeticError
+        If the minimum was not reached, which a convex Π excludes short of overflow.
+    """
+    currents = np.asarray(currents, dtype=float)
+    sign = np.sign(currents)[:, None]
+    drive = np.abs(currents)[:, None, None] * ladder.turns
+    flux = _first_guess(ladder, drive)
+    for _ in range(_STEPS):
+        gradient, tolerance = _gradient(ladder, flux, drive)
+        moving = np.asarray((np.abs(gradient) > tolerance).any(axis=-1))
+        if not moving.any():
+            break
+        step = -_tridiagonal(*_hessian(ladder, flux), gradient)
+        flux = _descend(ladder, flux, step, drive, moving)
+    else:
+        raise ArithmeticError("the magnetic circuit did not settle")
+    linkage = (ladder.turns * flux).sum(axis=-1)
+    responses = _tridiagonal(*_hessian(ladder, flux), np.broadcast_to(ladder.turns, flux.shape))
+    return LadderSolution(
+        flux=sign[..., None] * flux,
+        coenergy=-_energy(ladder, flux, drive)[0],
+        flux_linkage=sign * linkage,
+        force=_energy_slope(ladder, flux, np.abs(currents)),
+        incremental_inductance=(ladder.turns * responses).sum(axis=-1),
+    )
+
+
+def _first_guess(ladder: Ladder, drive: Floats) -> Floats:
+    """Return the fluxes with the iron's reluctivity as it is at 1 T."""
+    diagonal, beside = _rungs(ladder, drive.shape)
+    if ladder.curve is not None:
+        reluctivity = float(ladder.curve.field_strength(np.array(1.0)))
+        diagonal = diagonal + _to_cells(ladder, reluctivity * ladder.length / ladder.area)
+    return _tridiagonal(diagonal, beside, drive)
+
+
+def _descend(ladder: Ladder, flux: Floats, step: Floats, drive: Floats, moving: Bools) -> Floats:
+    """Take Newton's step at the points still `moving`, each halved until its energy falls."""
+    energy, rounding = _energy(ladder, flux, drive)
+    factor = np.where(moving, 1.0, 0.0)
+    for _ in range(60):  # by then the step is below rounding
+        trial, _ = _energy(ladder, flux + factor[..., None] * step, drive)
+        rising = trial > energy + rounding
+        if not rising.any():
+            break
+        factor = np.where(rising, 0.5 * factor, factor)
+    return np.asarray(flux + factor[..., None] * step)
+
+
+def _flux_density(ladder: Ladder, flux: Floats) -> Floats:
+    """Return B (c, m, E), signed (T)."""
+    return np.asarray(flux[..., ladder.cell] / ladder.area)
+
+
+def _across_rungs(flux: Floats) -> Floats:
+    """Return the flux through each rung (c, m, n + 1) (Wb)."""
+    return np.diff(flux, axis=-1, prepend=0.0, append=0.0)
+
+
+def _energy(ladder: Ladder, flux: Floats, drive: Floats) -> tuple[Floats, Floats]:
+    """Return Π (c, m) and its rounding (c, m)."""
+    stored = 0.5 * (ladder.reluctance * _across_rungs(flux) ** 2).sum(axis=-1)
+    if ladder.curve is not None:
+        density = ladder.curve.energy_density(np.abs(_flux_density(ladder, flux)))
+        stored = stored + (ladder.area * ladder.length * density).sum(axis=-1)
+    supplied = (drive * flux).sum(axis=-1)
+    return stored - supplied, _ROUNDING * (stored + np.abs(supplied))
+
+
+def _energy_slope(ladder: Ladder, flux: Floats, currents: Floats) -> Floats:
+    """Return ∂Π/∂g (c, m) at fixed fluxes."""
+    rungs = 0.5 * (ladder.d_reluctance * _across_rungs(flux) ** 2).sum(axis=-1)
+    total = rungs - currents[:, None] * (ladder.d_turns * flux).sum(axis=-1)
+    if ladder.curve is not None:
+        density = ladder.curve.energy_density(np.abs(_flux_density(ladder, flux)))
+        total = total + (ladder.area * ladder.d_length * density).sum(axis=-1)
+    return np.asarray(total)
+
+
+def _gradient(ladder: Ladder, flux: Floats, drive: Floats) -> tuple[Floats, Floats]:
+    """Return ∂Π/∂φ (c, m, n), the residual mmf, and what of it is negligible (A)."""
+    rungs = ladder.reluctance * _across_rungs(flux)
+    gradient = rungs[..., :-1] - rungs[..., 1:] - drive
+    if ladder.curve is not None:
+        b = _flux_density(ladder, flux)
+        drop = np.sign(b) * ladder.curve.field_strength(np.abs(b)) * ladder.length
+        gradient = gradient + _to_cells(ladder, drop)
+    # the flux through a rung is a small difference of large fluxes
+    cancelled = np.abs(flux) * (ladder.reluctance[:, :-1] + ladder.reluctance[:, 1:])
+    negligible = _RESIDUAL * drive.sum(axis=-1, keepdims=True) + _ROUNDING * cancelled
+    return gradient, negligible
+
+
+def _hessian(ladder: Ladder, flux: Floats) -> tuple[Floats, Floats]:
+    """Return diagonal (c, m, n) and off-diagonal (c, m, n − 1) of ∂²Π/∂φ²."""
+    diagonal, beside = _rungs(ladder, flux.shape)
+    if ladder.curve is not None:
+        slope = ladder.curve.slope(np.abs(_flux_density(ladder, flux)))
+        diagonal = diagonal + _to_cells(ladder, slope * ladder.length / ladder.area)
+    return diagonal, beside
+
+
+def _rungs(ladder: Ladder, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
+    r = ladder.reluctance
+    diagonal = np.array(np.broadcast_to(r[:, :-1] + r[:, 1:], shape))
+    return diagonal, np.broadcast_to(-r[:, 1:-1], (*shape[:-1], shape[-1] - 1))
+
+
+def _to_cells(ladder: Ladder, values: Floats) -> Floats:
+    """Sum the elements' `values` (..., E) over their cells, (..., n)."""
+    return np.asarray(values @ np.eye(ladder.turns.shape[-1])[ladder.cell])
+
+
+def _tridiagonal(diagonal: Floats, beside: Floats, right: Floats) -> Floats:
+    """Solve symmetric positive definite tridiagonal systems, all points at once (Thomas)."""
+    n = right.shape[-1]
+    pivot, x = diagonal.copy(), np.array(right)
+    for k in range(1, n):
+        factor = beside[..., k - 1] / pivot[..., k - 1]
+        pivot[..., k] -= factor * beside[..., k - 1]
+        x[..., k] -= factor * x[..., k - 1]
+    x[..., -1] /= pivot[..., -1]
+    for k in range(n - 2, -1, -1):
+        x[..., k] = (x[..., k] - beside[..., k] * x[..., k + 1]) / pivot[..., k]
+    return x
