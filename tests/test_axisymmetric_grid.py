@@ -1,0 +1,99 @@
+"""Graded lines, labels and motion of the axisymmetric grid."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fem.axisymmetric_grid import CORNER, Grid, Region, graded_grid, graded_lines
+from geometry.steel import linear
+
+IRON = linear(1000.0)
+POLE = Region("pole", (0.0, 1.0), (0.1, 2.0), IRON, moves=True)
+YOKE = Region("yoke", (0.0, 2.0), (-2.0, 0.0), IRON)
+COIL = Region("coil", (1.2, 1.5), (0.3, 0.9), turns=10.0)
+PARTS = (POLE, YOKE, COIL)
+
+
+@given(
+    st.lists(st.floats(1e-6, 10.0), min_size=1, max_size=8),
+    st.floats(1e-3, 1.0),
+    st.floats(0.1, 2.0),
+)
+def test_lines_meet_marks_and_sizes(steps, size, growth):
+    """Every mark is a line, lines increase, no cell is much larger than asked for."""
+    marks = np.concatenate([[0.0], np.cumsum(steps)])
+    lines = graded_lines(marks, np.full(marks.size, size), growth)
+    assert np.all(np.diff(lines) > 0.0)
+    assert np.all(np.isin(marks, lines))
+    middle = 0.5 * (lines[1:] + lines[:-1])
+    wanted = size + growth * np.min(np.abs(middle[:, None] - marks), axis=1)
+    # rounding 1.3 cells to 1 gives 1.3 times; growth across a wide cell the rest
+    assert np.all(np.diff(lines) <= (1.3 + growth) * wanted)
+
+
+def test_cells_shrink_towards_facing_iron():
+    """At the gap between two poles the cells are the stated part of the gap, or smaller."""
+    grid = graded_grid(PARTS, 20.0)
+    at = np.searchsorted(grid.z, 0.0)
+    assert grid.z[at] == 0.0
+    # n cells share ∫ dx/h, rounded by up to 0.3 of a cell; h doubles over a cell of its size
+    largest = 2.0 * 1.3 * CORNER * 0.1
+    assert grid.z[at + 1] <= largest
+    assert -grid.z[at - 1] <= largest
+
+
+def test_refinement_refines():
+    """Twice the refinement gives about twice the lines both ways."""
+    coarse, fine = graded_grid(PARTS, 20.0), graded_grid(PARTS, 20.0, refinement=2.0)
+    for a, b in ((coarse.r, fine.r), (coarse.z, fine.z)):
+        assert 1.5 * a.size < b.size < 2.5 * a.size
+
+
+def test_labels_fill_the_sections():
+    """The cells of a region have its section; a later region covers an earlier one."""
+    grid = graded_grid((*PARTS, Region("hole", (0.0, 0.5), (-1.0, -0.5))), 20.0)
+    area = np.outer(np.diff(grid.r), np.diff(grid.z))
+    found = [area[grid.labels == index].sum() for index in range(4)]
+    assert found == pytest.approx([POLE.section, YOKE.section - 0.25, COIL.section, 0.25])
+
+
+def test_moving_keeps_labels_and_fixed_lines():
+    """Only the lines of the moving part and those between go; every label stays."""
+    grid = graded_grid(PARTS, 20.0)
+    moved = grid.moved(0.03)
+    assert np.array_equal(grid.labels, moved.labels)
+    assert {0.13, 2.03} <= set(np.round(moved.z, 12))
+    for z in (-20.0, -2.0, 0.0, 0.3, 0.9, 20.0):
+        assert z in moved.z
+    assert moved.regions[0].heights == pytest.approx((0.13, 2.03))
+
+
+def test_motion_ends_where_an_edge_would_pass_another():
+    """The pole cannot go through the yoke, nor its face past the coil's lower end."""
+    grid = graded_grid(PARTS, 20.0)
+    assert grid.can_move(-0.09)
+    assert not grid.can_move(-0.1)
+    assert not grid.can_move(0.2)
+    assert not grid.can_move(5.0)
+
+
+def test_iron_alone_sets_the_velocity_of_virtual_work():
+    """Between iron edges the velocity is linear, whatever winding lies there."""
+    grid = graded_grid(PARTS, 20.0)
+    expected = np.interp(grid.z, [-20.0, -2.0, 0.0, 0.1, 2.0, 20.0], [0, 0, 0, 1, 1, 0])
+    assert grid.iron_velocity == pytest.approx(expected, abs=1e-12)
+
+
+def test_level_edges_of_moving_and_fixed_parts_are_refused():
+    """One line cannot follow two parts."""
+    with pytest.raises(ValueError, match="level"):
+        graded_grid((POLE, Region("ring", (3.0, 4.0), (0.1, 1.0), IRON)), 20.0)
+
+
+def test_a_grid_by_hand():
+    """Lines may come from anywhere; labels follow from cell centres."""
+    grid = Grid(np.linspace(0, 2, 5), np.linspace(-2, 2, 9), np.zeros(9), (YOKE,))
+    assert (grid.labels == 0).sum() == 4 * 4
