@@ -7,7 +7,7 @@ from scipy.optimize import minimize_scalar
 from geometry.parameters import Beam, Bimorph, Device, Load, Support
 from tmm import transfer_matrix as tmm
 from tmm.modes import Fixture, bending_frequencies
-from tmm.multiport import Termination, blocked_force, condense, respond, round_off
+from tmm.multiport import Termination, blocked_force, respond, round_off
 from tmm.terminations import static_termination, termination
 
 SUPPORT = Support()
@@ -119,7 +119,7 @@ def test_resonance_and_antiresonance_from_the_ports():
     f = np.array([2126.3489321047098, 2234.0894387245760])
     for sign in (-1e-9, 1e-9):
         port = model(14e-3, f * (1 + sign), lossy=False)
-        free = condense(port.stiffness[:, 2:, 2:], keep=[2])[:, 0, 0].real
+        free = respond(port, Termination(None, np.zeros(2)), 1.0).charge.real
         if sign < 0:
             before = free
     assert (np.sign(before) != np.sign(free)).all()
