@@ -1,0 +1,83 @@
+"""Fields at quadrature points from unknowns, and matrices from tensors there.
+
+Both potentials give their field in the same way, F = S Σ_i f_i x_i, where f_i are fixed
+fields on the reference cell and S maps them to the cell: f = curl of an edge function
+and S = J / det J for B = curl A; f = gradient of a nodal function and S = J⁻ᵀ for
+H = −grad φ.  All cells are treated at once, so an assembly is one dense product.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+from geometry.arrays import Floats, Ints, Sparse
+
+
+class FieldKernel:
+    """F = S Σ_i f_i x_i on every cell, and the integrals of a Newton method over it.
+
+    Parameters
+    ----------
+    reference : (n_local, 3, n_points) float
+        Fields f_i on the reference cell.
+    transform : (n_cells, n_points or 1, 3, 3) float
+        S at the quadrature points; one matrix where it is constant on the cell.
+    weights : (n_cells, n_points) float
+        Volumes (m³) of the quadrature points.
+    dofs : (n_cells, n_local) int
+        Global unknowns of the cells.
+    free : (n_free,) int
+        Those unknowns that are solved for; the others are 0.
+    """
+
+    def __init__(
+        self, reference: Floats, transform: Floats, weights: Floats, dofs: Ints, free: Ints
+    ) -> None:
+        self._n_local, _, self._n_points = reference.shape
+        self._transform = transform
+        self._weights = weights
+        self.size = free.size
+        renumbered = np.full(int(dofs.max()) + 1, -1)
+        renumbered[free] = np.arange(free.size)
+        self._dofs = renumbered[dofs]
+        # (local, point * axis) and (point * axis * axis, local * local)
+        self._linear = np.ascontiguousarray(reference.transpose(0, 2, 1)).reshape(self._n_local, -1)
+        products = np.einsum("iaq,jbq->qabij", reference, reference)
+        self._products = products.reshape(9 * self._n_points, -1)
+        self._pattern()
+
+    def field(self, x: Floats) -> Floats:
+        """Return F (n_cells, n_points, 3) from the free unknowns x."""
+        padded = np.append(x, 0.0)  # index -1: an unknown held at 0
+        local = padded[self._dofs] @ self._linear
+        on_reference = local.reshape(local.shape[0], self._n_points, 3)
+        return np.asarray(np.einsum("cqab,cqb->cqa", self._transform, on_reference))
+
+    def functional(self, dual: Floats) -> Floats:
+        """Return ∫ dual · F_i dV (n_free,) for every free unknown i, dual (cells, points, 3)."""
+        pulled = np.einsum("cqab,cqa->cqb", self._transform, dual * self._weights[..., None])
+        local = pulled.reshape(pulled.shape[0], -1) @ self._linear.T
+        whole = np.bincount(self._dofs.ravel() + 1, local.ravel(), minlength=self.size + 1)
+        return np.asarray(whole[1:])
+
+    def matrix(self, tensor: Floats) -> Sparse:
+        """Return ∫ F_i · tensor F_j dV, tensor (cells, points, 3, 3) symmetric."""
+        s = self._transform
+        pulled = np.swapaxes(s, -1, -2) @ (tensor * self._weights[..., None, None]) @ s
+        local = pulled.reshape(pulled.shape[0], -1) @ self._products
+        return self._assembled(local)
+
+    def _pattern(self) -> None:
+        """Find once where each entry of the cells' matrices goes."""
+        rows = np.repeat(self._dofs, self._n_local, axis=1).ravel()
+        columns = np.tile(self._dofs, (1, self._n_local)).ravel()
+        self._kept = np.flatnonzero((rows >= 0) & (columns >= 0))
+        keys = rows[self._kept].astype(np.int64) * self.size + columns[self._kept]
+        unique, self._slot = np.unique(keys, return_inverse=True)
+        self._columns = (unique % self.size).astype(np.int32)
+        self._starts = np.searchsorted(unique, np.arange(self.size + 1) * self.size)
+
+    def _assembled(self, local: Floats) -> Sparse:
+        data = np.bincount(self._slot, local.ravel()[self._kept], minlength=self._columns.size)
+        return sparse.csr_matrix((data, self._columns, self._starts), shape=(self.size, self.size))

@@ -1,0 +1,70 @@
+"""Newton's method on convex energies: quadratic speed, steps held back, giving up."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+import fem.energy_newton
+from fem.energy_newton import NotConvergedError, minimise
+
+
+class Saturating:
+    """Σ a_i log cosh(x_i) − b_i x_i: slope a tanh(x), so plain Newton overshoots for ever."""
+
+    def __init__(self, a, b):
+        self.a, self.b = a, b
+        self.hessians = 0
+
+    def value(self, x):
+        return self.scale(x) - float(self.b @ x)
+
+    def scale(self, x):
+        return float(np.sum(self.a * (np.logaddexp(x, -x) - np.log(2.0)))) + 1e-30
+
+    def gradient(self, x):
+        return self.a * np.tanh(x) - self.b
+
+    def hessian(self, x):
+        self.hessians += 1
+        return sparse.csr_matrix(np.diag(self.a / np.cosh(np.clip(x, -300.0, 300.0)) ** 2))
+
+
+@pytest.mark.parametrize("start", [0.0, 3.0, -6.0])
+def test_arrives_from_where_plain_newton_diverges(start):
+    """From x = 3 a full Newton step lands near −50, the next beyond 1e40; this one arrives."""
+    a, b = np.array([1.0, 5.0]), np.array([0.5, -2.0])
+    found = minimise(Saturating(a, b), np.full(2, start))
+    np.testing.assert_allclose(found.x, np.arctanh(b / a), rtol=1e-9)
+    assert found.steps <= 20
+
+
+def test_quadratic_energy_takes_one_step_and_a_look():
+    """A quadratic is settled by the first step; the second only finds that nothing is left."""
+
+    class Quadratic(Saturating):
+        def scale(self, x):
+            return 0.5 * float(x @ (self.a * x))
+
+        def gradient(self, x):
+            return self.a * x - self.b
+
+        def hessian(self, x):
+            return sparse.csr_matrix(np.diag(self.a))
+
+    found = minimise(Quadratic(np.array([2.0, 8.0]), np.array([1.0, 4.0])), np.zeros(2))
+    np.testing.assert_allclose(found.x, [0.5, 0.5], rtol=1e-14)
+    assert found.steps <= 2
+
+
+def test_nothing_to_do_takes_no_step():
+    """At rest already: no factorisation."""
+    energy = Saturating(np.ones(3), np.zeros(3))
+    assert minimise(energy, np.zeros(3)).steps == 0
+    assert energy.hessians == 0
+
+
+def test_too_many_steps_are_given_up(monkeypatch):
+    """The message says how far it got and what to look at."""
+    monkeypatch.setattr(fem.energy_newton, "_MAX_STEPS", 2)
+    with pytest.raises(NotConvergedError, match=r"in 2 Newton steps.*check the magnetisation"):
+        minimise(Saturating(np.ones(1), np.array([0.99])), np.array([-5.0]))
