@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from scipy import sparse
 
-from fem.linear_solver import Factor, factorise
+from fem.linear_solver import Factor, factorise, refined_solution
 from fem.piezo_solid import BASE_PSI, BASE_W, ELECTRODE, SolidSystem
 from geometry.arrays import Complex, Floats, Ints, Sparse
 from tmm.multiport import Multiport
@@ -160,7 +160,7 @@ def static_multiport(system: SolidSystem) -> Multiport:
     factor = factorise(k[:n, :n])
     coupling = k[:n, n:].toarray()
     loads = np.hstack([-coupling, system.tip[:n]])
-    x = factor.solve(loads)
+    x = refined_solution(k[:n, :n], factor, loads)
     held = k[n:, n:].toarray() + coupling.T @ x[:, :3]
     through = coupling.T @ x[:, 3:]
     seen = system.tip[:n].T @ x

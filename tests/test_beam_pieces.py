@@ -8,8 +8,9 @@ from geometry.fit import check_fit
 from geometry.layout import layout
 from geometry.parameters import Bimorph, Device, Support
 from geometry.structured import LEVELS, hexahedral
+from validation.idle_keys import scene_warnings
 from validation.plan import make_plan
-from validation.scene import load_scene, scene_warnings
+from validation.scene import load_scene
 
 STEP = ((0.0, 2.1e-3), (8e-3, 2.1e-3), (8e-3, 1e-3), (20e-3, 1e-3))
 TAPER = ((0.0, 0.26e-3), (20e-3, 0.13e-3))

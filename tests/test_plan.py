@@ -2,8 +2,9 @@
 
 import pytest
 
+from geometry.errors import InputError
 from validation.plan import make_plan
-from validation.quantities import MODELS, QUANTITIES
+from validation.quantities import MODELS, QUANTITIES, gives
 from validation.scene import load_scene
 from validation.solve import solve
 from validation.stages import READS, Stages, stage_key
@@ -17,11 +18,35 @@ def test_only_what_is_needed_runs():
     skipped = {s.stage: s.reason for s in plan.skipped}
     assert skipped["solid.mesh"] == "model solid is not asked for"
     assert "static" not in skipped["tmm.modes"]
-    assert "magnetic" in skipped["magnetics"]
+    assert skipped["network.map"] == "model network is not asked for"
 
 
-@pytest.mark.parametrize("model", ["lumped", "tmm", "beam"])
-@pytest.mark.parametrize("quantity", list(QUANTITIES))
+def test_normal_actuator_touches_nothing_of_the_lateral_one():
+    """A pull by the network runs one stage; nothing piezoelectric is even planned."""
+    scene, _ = load_scene("reluctance")
+    plan = make_plan(scene, ("network",), ("magnetic_force",))
+    assert [s.stage for s in plan.run] == ["network.point"]
+    skipped = {s.stage: s.reason for s in plan.skipped}
+    assert skipped["tmm.static"] == "model tmm is not asked for"
+    assert "over the stroke" in skipped["network.map"]
+
+
+def test_quantity_without_a_model_is_refused():
+    """In one sentence, with the models that give it."""
+    scene, _ = load_scene("paper")
+    with pytest.raises(InputError, match=r"computed by network, axisymmetric.*--model"):
+        make_plan(scene, ("tmm",), ("magnetic_force",))
+
+
+@pytest.mark.parametrize(
+    ("model", "quantity"),
+    [
+        (model, quantity)
+        for model in ("lumped", "tmm", "beam", "network")
+        for quantity in QUANTITIES
+        if gives(model, quantity)
+    ],
+)
 def test_what_ran_is_what_was_planned(model, quantity):
     """For every quantity: executed stages = planned stages."""
     scene, _ = load_scene("prototype", ["frequency=100,500"])
@@ -42,17 +67,22 @@ def test_unplanned_stage_is_a_defect():
         Stages({}).run("tmm.static", lambda: 1)
 
 
+MAGNETIC = {"network.point", "network.map", "axisymmetric.point", "axisymmetric.map"}
+
+
 @pytest.mark.parametrize(
     ("override", "stale"),
     [
         ("drive.voltage=7V", {"terminations"}),
-        ("coil.length=1.9mm", set()),
-        ("gap=0.15mm", set()),
+        ("coil.length=1.9mm", MAGNETIC),
+        ("gap=0.15mm", MAGNETIC),
+        ("steel.curve=linear", MAGNETIC),
+        ("rod.density=7800kg/m^3", set(READS) - MAGNETIC - {"terminations"}),
         ("load.kind=none", {"terminations", "lumped.modes", "tmm.modes", "beam.modes"}
          | {"solid.modes_short", "solid.modes_open"}),
         ("modes=3", {"tmm.modes", "beam.modes", "solid.modes_short", "solid.modes_open"}),
-        ("piezo.density=7800kg/m^3", set(READS) - {"solid.mesh", "terminations"}),
-        ("bimorph.length=21mm", set(READS) - {"terminations"}),
+        ("piezo.density=7800kg/m^3", set(READS) - MAGNETIC - {"solid.mesh", "terminations"}),
+        ("bimorph.length=21mm", set(READS) - MAGNETIC - {"terminations"}),
     ],
 )  # fmt: skip
 def test_keys_change_with_the_inputs_that_a_stage_reads(override, stale):

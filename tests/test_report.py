@@ -29,7 +29,7 @@ def test_report_is_complete_and_self_contained(tmp_path):
     ]  # fmt: skip
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert "@import" not in html
-    assert html.count("data:image/png;base64,") == 7  # solids, mesh twice, four modes
+    assert html.count('<img src="data:image/png;base64,') == 7  # solids, mesh twice, four modes
     assert all(f"<td>{c.id}</td>" in html for c in CHECKS if not c.heavy)
     assert "picture of mode 4" in steps
     text = re.sub(r"<[^>]+>", " ", html[html.index("<main>") :])

@@ -7,8 +7,9 @@ import pytest
 
 from geometry.errors import InputError
 from validation.frequencies import parse_frequencies
+from validation.idle_keys import scene_warnings
 from validation.parameter_list import parameter_rows
-from validation.scene import Scene, load_scene, scene_keys, scene_warnings
+from validation.scene import Scene, load_scene, scene_keys
 from validation.scene_file import built_in_scenes
 from validation.scene_template import template
 
@@ -57,8 +58,8 @@ def test_contract_of_scene_keys():
 
 
 def test_built_in_scenes():
-    """All four load, and are what they say."""
-    assert set(built_in_scenes()) == {"paper", "prototype", "j1", "generator"}
+    """All load, and are what they say."""
+    assert set(built_in_scenes()) == {"paper", "prototype", "j1", "generator", "reluctance"}
     prototype, _ = load_scene("prototype")
     assert (prototype.bimorph.length, prototype.load.kind, prototype.drive.voltage) == (
         0.014,
@@ -238,8 +239,26 @@ def test_settings_without_effect_are_named(overrides, words):
 def test_settings_with_effect_are_not_warned_of(name):
     """The built-in scenes, and keys that go with their kind."""
     assert scene_warnings(*load_scene(name)) == ()
-    fits = ["load.kind=mass", "load.mass=1 mg", "mesh.level=2"]
+    lateral = ["load.kind=mass", "load.mass=1 mg", "mesh.level=2"]
+    normal = ["coil.current=50 mA", "spring.preload=0.1 N", "accuracy=1e-2"]
+    fits = normal if name == "reluctance" else lateral
     assert scene_warnings(*load_scene(name, fits)) == ()
+
+
+@pytest.mark.parametrize(
+    ("scene", "override", "words"),
+    [
+        ("paper", "coil.current=50 mA", ("coil.current = 50 mA", "--model network")),
+        ("paper", "steel.curve=linear", ("steel.curve = linear", "normal actuator")),
+        ("reluctance", "bimorph.length=25 mm", ("bimorph.length = 25 mm", "--model tmm")),
+        ("reluctance", "frequency=10,20", ("frequency = 2 values", "lateral actuator")),
+        ("reluctance", "rod.density=7800 kg/m^3", ("rod.density", 'support.kind = "rod"')),
+    ],
+)  # fmt: skip
+def test_keys_of_the_other_actuator_are_warned_of(scene, override, words):
+    """A key set on the command line that no model asked for reads."""
+    (warning,) = scene_warnings(*load_scene(scene, [override]))
+    assert all(word in warning for word in words), warning
 
 
 def test_missing_scene_suggests_a_name():

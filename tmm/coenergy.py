@@ -37,6 +37,8 @@ class Samples:
         Pull (N), positive when it closes the gap.
     coenergy, incremental_inductance : (c, m) float or None
         W' (J) and ∂λ/∂i (H), if the model has them.
+    force_error : (c, m) float or None
+        Numerical error bar of the force (N), if the model has one.
     model, device : str
         Which model, of which device; for people.
     """
@@ -47,6 +49,7 @@ class Samples:
     force: Floats
     coenergy: Floats | None = None
     incremental_inductance: Floats | None = None
+    force_error: Floats | None = None
     model: str = ""
     device: str = ""
 
@@ -107,6 +110,7 @@ class CoenergyMap:
         force: Floats,
         coenergy: Floats | None = None,
         incremental_inductance: Floats | None = None,
+        force_error: Floats | None = None,
         *,
         model: str = "",
         device: str = "",
@@ -130,6 +134,7 @@ class CoenergyMap:
                 incremental_inductance=None
                 if incremental_inductance is None
                 else np.asarray(incremental_inductance, dtype=float),
+                force_error=None if force_error is None else np.asarray(force_error, dtype=float),
                 model=model,
                 device=device,
             )
@@ -186,6 +191,16 @@ class CoenergyMap:
     def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
         """Return ∂F/∂g at constant current (N/m), usually negative: a destabilising spring."""
         return -self._surface(current, gap, 0, 2)
+
+    def force_bar(self, current: float, gap: float) -> float:
+        """Return the error bar of the force (N): the samples' around, and interpolation."""
+        s = self.samples
+        size = self.interpolation_error.force * abs(float(self.force(current, gap)))
+        if s.force_error is None:
+            return size
+        i = int(np.clip(np.searchsorted(s.current, abs(current)), 1, s.current.size - 1))
+        k = int(np.clip(np.searchsorted(s.gap, gap), 1, s.gap.size - 1))
+        return size + float(s.force_error[i - 1 : i + 1, k - 1 : k + 1].max())
 
     def sampled(self, currents: Floats, gaps: Floats) -> Samples:
         """Return what the map says on a grid of currents (c,) and gaps (m,)."""

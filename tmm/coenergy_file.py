@@ -27,7 +27,10 @@ _VARIABLES = (
     ("force", ("current", "gap"), "N", "pull, positive when it closes the gap, -dW'/dg"),
     ("coenergy", ("current", "gap"), "J", "magnetic co-energy W'"),
     ("incremental_inductance", ("current", "gap"), "H", "d(flux linkage)/d(current)"),
+    ("force_error", ("current", "gap"), "N", "numerical error bar of the force"),
 )
+#: Those that not every model has.
+_OPTIONAL = ("coenergy", "incremental_inductance", "force_error")
 
 
 def write_map(path: str | Path, found: CoenergyMap) -> None:
@@ -90,7 +93,7 @@ def _samples(file: Any, path: Path) -> Samples:
     found: dict[str, Floats | None] = {}
     for name, dimensions, unit, _ in _VARIABLES:
         variable = file.variables.get(name)
-        if variable is None and name in ("coenergy", "incremental_inductance"):
+        if variable is None and name in _OPTIONAL:
             found[name] = None
             continue
         if variable is None:

@@ -33,6 +33,8 @@ def network_samples(
 ) -> Samples:
     """Return the network's flux linkage, force, co-energy and inductance.
 
+    The force's error bar is the difference from half as many cells.
+
     Parameters
     ----------
     device : Device
@@ -50,6 +52,7 @@ def network_samples(
     currents = np.atleast_1d(np.asarray(currents, dtype=float))
     gaps = np.atleast_1d(np.asarray(gaps, dtype=float))
     found = solve(circuit(device, gaps, refinements, cells), currents)
+    coarse = solve(circuit(device, gaps, refinements, max(cells // 2, 1)), currents)
     return Samples(
         current=currents,
         gap=gaps,
@@ -57,6 +60,7 @@ def network_samples(
         force=found.force,
         coenergy=found.coenergy,
         incremental_inductance=found.incremental_inductance,
+        force_error=np.abs(found.force - coarse.force),
         model="network",
     )
 

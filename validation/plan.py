@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from geometry.errors import InputError
 from geometry.fit import check_plain_layers
-from validation.quantities import MODELS, QUANTITIES, Need
+from validation.quantities import MAGNETIC_MODELS, MODELS, QUANTITIES, Need, gives
 from validation.scene import Scene
 from validation.stages import READS, stage_key
 
@@ -57,11 +58,20 @@ _STAGES["solid"] = {
     "modes_open": ("solid.mesh", "solid.assembly", "solid.modes_open"),
     "harmonic": ("solid.mesh", "solid.ports"),
 }
+_STAGES |= {
+    model: {
+        "magnetic_point": (f"{model}.point",),
+        "magnetic_map": (f"{model}.map",),
+    }
+    for model in MAGNETIC_MODELS
+}
 _BECAUSE: dict[Need, str] = {
     "static": "a static value",
     "modes_short": "short-circuit modes",
     "modes_open": "open-circuit modes",
     "harmonic": "the response at given frequencies",
+    "magnetic_point": "the magnetic circuit at one current and gap",
+    "magnetic_map": "the magnetic circuit over the stroke",
 }
 
 
@@ -71,13 +81,14 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
     Raises
     ------
     InputError
-        If a model cannot take the scene.
+        If a model cannot take the scene, or a quantity has no model.
     """
+    check_models(models, quantities)
     if "solid" in models:
         check_plain_layers(scene.device)
     reasons: dict[str, list[str]] = {}
     for model in models:
-        for quantity in quantities:
+        for quantity in (q for q in quantities if gives(model, q)):
             info = QUANTITIES[quantity]
             for need in info.needs:
                 for stage in _STAGES[model][need]:
@@ -89,9 +100,25 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
         for stage in READS
         if stage in reasons
     )
-    skipped = [Skip(stage, _why_not(stage, models)) for stage in READS if stage not in reasons]
-    skipped.append(Skip("magnetics", "no quantity that is wanted depends on the magnetic circuit"))
-    return Plan(run, tuple(skipped))
+    skipped = tuple(Skip(stage, _why_not(stage, models)) for stage in READS if stage not in reasons)
+    return Plan(run, skipped)
+
+
+def check_models(models: Sequence[str], quantities: Sequence[str]) -> None:
+    """Refuse a quantity that none of the models can compute.
+
+    Raises
+    ------
+    InputError
+        With the models that can.
+    """
+    for quantity in quantities:
+        if not any(gives(model, quantity) for model in models):
+            able = [model for model in MODELS if gives(model, quantity)]
+            raise InputError(
+                f'quantity "{quantity}" is computed by {", ".join(able)}, not by '
+                f"{', '.join(models)}; add for example --model {able[1]}"
+            )
 
 
 def _list(names: list[str]) -> str:

@@ -8,7 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Need = Literal["static", "modes_short", "modes_open", "harmonic"]
+Need = Literal["static", "modes_short", "modes_open", "harmonic", "magnetic_point", "magnetic_map"]
+
+#: Kinds of solution that concern the normal actuator; all others concern the lateral one.
+_MAGNETIC: tuple[Need, ...] = ("magnetic_point", "magnetic_map")
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,11 @@ class QuantityInfo:
     needs: tuple[Need, ...]
     by_frequency: bool = False
     loaded: bool = False
+
+    @property
+    def magnetic(self) -> bool:
+        """Whether it is one of the normal actuator's quantities."""
+        return self.needs[0] in _MAGNETIC
 
 
 _ALL = (
@@ -92,15 +100,52 @@ _ALL = (
         "5x5 matrix [F_base, M_base, F_tip, M_tip, Q] per [w_base, psi_base, w_tip, psi_tip, U]",
         ("harmonic",), by_frequency=True,
     ),
+    QuantityInfo(
+        "magnetic_force", "N", "pull between rod and sleeve at the coil's current and the gap",
+        ("magnetic_point",),
+    ),
+    QuantityInfo(
+        "flux_linkage", "Wb", "flux linkage of the winding, all turns", ("magnetic_point",)
+    ),
+    QuantityInfo("coenergy", "J", "magnetic co-energy", ("magnetic_point",)),
+    QuantityInfo(
+        "inductance", "H", "apparent inductance, flux linkage / current", ("magnetic_point",)
+    ),
+    QuantityInfo(
+        "incremental_inductance", "H", "d flux linkage / d current, gap held", ("magnetic_point",)
+    ),
+    QuantityInfo(
+        "pull_in_current", "A", "current that draws the rod to its lower stop", ("magnetic_map",)
+    ),
+    QuantityInfo(
+        "holding_current", "A", "least current that holds the rod at its lower stop",
+        ("magnetic_map",),
+    ),
 )  # fmt: skip
 
 #: Every quantity by name.
 QUANTITIES: dict[str, QuantityInfo] = {q.name: q for q in _ALL}
 
+#: Quantities of the lateral actuator.
+LATERAL_QUANTITIES: tuple[str, ...] = tuple(q.name for q in _ALL if not q.magnetic)
+
 #: Every model of the lateral actuator, cheapest first.
-MODELS: dict[str, str] = {
+LATERAL_MODELS: dict[str, str] = {
     "lumped": "static closed forms, consistent mass, one-mode circuit",
     "tmm": "exact Timoshenko transfer-matrix model (paper appendix A, corrected)",
     "beam": "Timoshenko beam finite elements",
     "solid": "3D piezoelectric solid finite elements",
 }
+
+#: Every model of the normal actuator, cheapest first.
+MAGNETIC_MODELS: dict[str, str] = {
+    "network": "lumped reluctance network with fringing, leakage and saturation",
+    "axisymmetric": "nonlinear magnetic field in the half section, finite elements",
+}
+
+MODELS: dict[str, str] = LATERAL_MODELS | MAGNETIC_MODELS
+
+
+def gives(model: str, quantity: str) -> bool:
+    """Return whether a model can compute a quantity."""
+    return (model in MAGNETIC_MODELS) == QUANTITIES[quantity].magnetic

@@ -7,12 +7,12 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationError, field_validator
+from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, field_validator
 
 from geometry import parameters as p
 from geometry import units as u
@@ -20,7 +20,13 @@ from geometry.errors import InputError
 from geometry.fit import check_fit
 from geometry.units import quoted
 from validation.frequencies import parse_frequencies
-from validation.quantities import MODELS, QUANTITIES
+from validation.quantities import (
+    LATERAL_MODELS,
+    LATERAL_QUANTITIES,
+    MODELS,
+    QUANTITIES,
+    gives,
+)
 from validation.scene_file import (
     assign,
     checked_name,
@@ -60,6 +66,10 @@ class WholeNumber:
         return number
 
 
+#: Origin of what ``--set`` and its shorthands say.
+ON_COMMAND_LINE = "set on the command line"
+
+
 class MeshSettings(p.Parameters):
     """How the solid model is meshed."""
 
@@ -97,9 +107,9 @@ class Scene(p.Device):
         validate_default=True,
         description="list of frequencies, or START:STOP:N[:log]",
     )
-    models: tuple[str, ...] = Field(default=tuple(MODELS), description="models asked for")
+    models: tuple[str, ...] = Field(default=tuple(LATERAL_MODELS), description="models asked for")
     quantities: tuple[str, ...] = Field(
-        default=tuple(QUANTITIES), description="quantities asked for"
+        default=LATERAL_QUANTITIES, description="quantities asked for"
     )
 
     @property
@@ -124,8 +134,12 @@ class Scene(p.Device):
 
     @field_validator("quantities", mode="before")
     @classmethod
-    def _quantities(cls, value: Any) -> Any:
-        return choices(value, tuple(QUANTITIES), "quantity", "quantities")
+    def _quantities(cls, value: Any, info: ValidationInfo) -> Any:
+        named = choices(value, tuple(QUANTITIES), "quantity", "quantities")
+        if set(named) != set(QUANTITIES):
+            return named
+        models = info.data.get("models", ())  # "all" is what the models can give
+        return tuple(name for name in named if any(gives(model, name) for model in models))
 
 
 def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scene, dict[str, str]]:
@@ -152,7 +166,7 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
         key, text = split_override(override)
         _check_key(key)
         assign(values, key, text)
-        origins[key] = "set on the command line"
+        origins[key] = ON_COMMAND_LINE
     values.setdefault("name", scene_name(Path(name).stem))
     try:
         scene = Scene.model_validate(values, context={"units_required": True})
@@ -203,64 +217,3 @@ def _check_mesh(scene: Scene) -> None:
             'mesh.kind = "structured" cannot mesh the round rod of support.kind = "rod"; '
             'use mesh.kind = "tetwild" or "auto"'
         )
-
-
-def scene_warnings(scene: Scene, origins: Mapping[str, str]) -> tuple[str, ...]:
-    """Return one sentence for each key that was set but has no effect with the chosen kinds."""
-    found = []
-    for key in origins:
-        because = _idle(scene, key)
-        if because:
-            found.append(f"{key} = {_text(scene, key)} has no effect {because}")
-    return (*found, *_weightless(scene.load))
-
-
-def _idle(scene: Scene, key: str) -> str:
-    """Return why a key has no effect, with the remedy, or nothing if it has one."""
-    group = key.split(".", 1)[0]
-    needed = {
-        **dict.fromkeys(("load.stiffness", "load.damping"), "spring_damper"),
-        "load.mass": "mass",
-    }.get(key)
-    if needed and scene.load.kind != needed:
-        return f'with load.kind = "{scene.load.kind}"; set load.kind = "{needed}" to use it'
-    profile = f"{key}_profile"
-    if profile.removeprefix("bimorph.") in scene.bimorph.profiles and not _has_tab(scene, key):
-        return f"with {profile}, which gives it along the ceramic; leave one of the two out"
-    support = scene.support.kind
-    if group == "support" and key != "support.kind" and support != "spring":
-        return f'with support.kind = "{support}"; set support.kind = "spring" to use it'
-    limit = key == "rod.head_radius" and support == "spring"  # of the bimorph's width
-    layers = group == "glue" and scene.bimorph.glue_thickness and key != "glue.thickness"
-    unused = support != "rod" and not limit and not layers
-    if group in ("glue", "rod", "coil", "sleeve", "gap") and unused:
-        return f'with support.kind = "{support}"; set support.kind = "rod" to use it'
-    tetrahedra = scene.mesh.kind == "tetwild" or support == "rod"
-    if key == "mesh.time_limit" and not tetrahedra:
-        return f'with mesh.kind = "{scene.mesh.kind}"; set mesh.kind = "tetwild" to use it'
-    if key == "accuracy" and scene.mesh.level:
-        return f"with mesh.level = {scene.mesh.level}; leave mesh.level out to use it"
-    return ""
-
-
-def _has_tab(scene: Scene, key: str) -> bool:
-    """Return whether a dimension of the ceramic is also that of the tab below it."""
-    return key != "bimorph.piezo_thickness" and scene.bimorph.tab_length > 0.0
-
-
-def _weightless(load: p.Load) -> list[str]:
-    if load.kind == "mass" and load.mass == 0.0:
-        return ['load.kind = "mass" with load.mass = 0 mg is a free tip; set load.mass']
-    if load.kind == "spring_damper" and load.stiffness == load.damping == 0.0:
-        both = "load.stiffness = 0 N/m and load.damping = 0 N*s/m"
-        return [f'load.kind = "spring_damper" with {both} is a free tip; set one of them']
-    return []
-
-
-def _text(scene: Scene, key: str) -> str:
-    value: Any = scene
-    info: Any = None
-    for name in key.split("."):
-        info, value = type(value).model_fields[name], getattr(value, name)
-    unit = next((m for m in info.metadata if isinstance(m, u.Unit)), None)
-    return unit.show(value) if unit else str(value)

@@ -9,18 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
 from tmm.multiport import Multiport, Termination, blocked_force, in_series, respond, round_off
-from tmm.terminations import (
-    FINGER_RANGE,
-    outside_finger_range,
-    static_termination,
-    termination,
-)
+from tmm.terminations import static_termination, termination
 from validation.design.detection import DISPLAY_THRESHOLD
+from validation.limits import accuracy_warnings, check_held, load_warnings, threshold_warnings
+from validation.magnetic_models import MagneticModel, make_magnetic_model, read_magnetic
 from validation.models import Model, Modes, Refined, make_model
 from validation.plan import Plan, Step, make_plan
-from validation.quantities import QUANTITIES
+from validation.quantities import LATERAL_MODELS, MAGNETIC_MODELS, QUANTITIES, gives
+from validation.results import Quantity, quantity_json
 from validation.scene import Scene
 from validation.stages import Stages
 
@@ -28,32 +25,18 @@ Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """One number, or array over frequency or mode, by one model.
-
-    `uncertainty` is the numerical one, absolute, of the shape of `value`'s magnitude.
-    """
-
-    name: str
-    model: str
-    value: Array
-    unit: str
-    uncertainty: Array
-    uncertainty_method: str
-    seconds: float
-    frequency: tuple[float, ...] | None = None
-    classes: tuple[str, ...] | None = None
-
-
-@dataclass(frozen=True)
 class Solution:
-    """What a request gave: quantities, the plan that gave them, and warnings."""
+    """What a request gave: quantities, the plan that gave them, and warnings.
+
+    `models` are those of the lateral actuator.
+    """
 
     scene: Scene
     quantities: tuple[Quantity, ...]
     plan: Plan
     warnings: tuple[str, ...]
     models: dict[str, Model]
+    magnetic_models: dict[str, MagneticModel]
     stages: Stages
 
     def get(self, name: str, model: str) -> Quantity:
@@ -87,124 +70,22 @@ def solve(
     stages = Stages(plan.keys, announce)
     if reuse is not None:
         stages.adopt(reuse.stages)
-    built = {name: make_model(name, scene, stages) for name in models}
-    found = [evaluate(name, built[model]) for name in quantities for model in models]
-    warnings += accuracy_warnings(scene, found)
-    return Solution(scene, tuple(found), plan, warnings, built, stages)
-
-
-def accuracy_warnings(scene: Scene, quantities: Sequence[Quantity]) -> tuple[str, ...]:
-    """Return a warning that names the quantities whose error bar exceeds what was asked for."""
-    missed = []
-    for q in quantities:
-        if q.name == "dynamic_stiffness" or q.model != "solid":
-            continue
-        size = np.abs(q.value)
-        beyond = q.uncertainty > scene.accuracy * size
-        worst = float(
-            np.max(np.where(size > 0.0, q.uncertainty / np.where(size > 0.0, size, 1.0), 0.0))
-        )
-        if beyond.any():
-            where = f" at {int(beyond.sum())} of {beyond.size} values" if beyond.ndim else ""
-            missed.append(f"{q.name} (up to {100.0 * worst:.2g} %{where})")
-    if not missed:
-        return ()
-    warning = (
-        f"the solid's error bar exceeds the {100.0 * scene.accuracy:g} % asked for in "
-        f"{', '.join(missed)}; raise mesh.level (at most 5) or accept the bar"
-    )
-    return (warning,)
-
-
-def check_held(scene: Scene, quantities: Sequence[str]) -> None:
-    """Refuse a static question about an actuator that its springs do not hold.
-
-    Raises
-    ------
-    InputError
-        If a rigid-body motion is free and a value at 0 Hz is asked for.
-    """
-    if scene.support.kind != "spring":
-        return
-    loose = [
-        name
-        for name in ("rotational_stiffness", "lateral_stiffness")
-        if getattr(scene.support, name) == 0.0
-    ]
-    at_rest = [
-        name
+    lateral = {n: make_model(n, scene, stages) for n in models if n in LATERAL_MODELS}
+    magnetic = {n: make_magnetic_model(n, scene, stages) for n in models if n in MAGNETIC_MODELS}
+    found = [
+        evaluate_magnetic(name, magnetic[model])
+        if model in magnetic
+        else evaluate(name, lateral[model])
         for name in quantities
-        if name in ("static_tip_displacement", "capacitance_free")
-        or (
-            QUANTITIES[name].by_frequency and name != "dynamic_stiffness" and 0.0 in scene.frequency
-        )
+        for model in models
+        if gives(model, name)
     ]
-    if loose and at_rest:
-        raise InputError(
-            f"support.{loose[0]} = 0 leaves the actuator free to move as a rigid body, so "
-            f"{at_rest[0]} has no value at 0 Hz; give the support a stiffness or ask for "
-            "frequencies above 0 Hz"
-        )
-
-
-def load_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
-    """Check the frequencies against the range of the finger's load model.
-
-    Returns a warning if some lie outside.
-
-    Raises
-    ------
-    InputError
-        If all of them do.
-    """
-    loaded = [name for name in quantities if QUANTITIES[name].loaded]
-    outside = outside_finger_range(scene.load, np.asarray(scene.frequency))
-    if not loaded or not outside.any():
-        return ()
-    low, high = FINGER_RANGE
-    if outside.all():
-        first = scene.frequency[0]
-        raise InputError(
-            f"frequency = {first:g} Hz is outside the range of the finger's load model "
-            f"({low:g} to {high:g} Hz); choose frequencies inside it, or another load.kind"
-        )
-    warning = (
-        f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which the "
-        f"finger was measured ({low:g} to {high:g} Hz); there its stiffness and damping are held "
-        "at the nearer end of that range"
-    )
-    return (warning,)
-
-
-def threshold_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
-    """Check the frequencies against the range of the detection threshold.
-
-    Returns a warning if some lie outside, where the threshold voltage has no value.
-
-    Raises
-    ------
-    InputError
-        If all of them do and nothing else was asked for.
-    """
-    outside = DISPLAY_THRESHOLD.outside(np.asarray(scene.frequency))
-    if "threshold_voltage" not in quantities or not outside.any():
-        return ()
-    low, high = DISPLAY_THRESHOLD.range
-    if outside.all() and set(quantities) == {"threshold_voltage"}:
-        raise InputError(
-            f"frequency = {scene.frequency[0]:g} Hz is outside the range of the detection "
-            f"threshold ({low:g} to {high:g} Hz); choose frequencies inside it"
-        )
-    warning = (
-        f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which the "
-        f"detection threshold is stated ({low:g} to {high:g} Hz); threshold_voltage has no value "
-        "there"
-    )
-    return (warning,)
+    warnings += accuracy_warnings(scene, found)
+    return Solution(scene, tuple(found), plan, warnings, lateral, magnetic, stages)
 
 
 def evaluate(name: str, model: Model) -> Quantity:
-    """Return one quantity of one model with its numerical error bar."""
+    """Return one of the lateral actuator's quantities with its numerical error bar."""
     info = QUANTITIES[name]
     classes = None
     if name in ("short_circuit_frequencies", "open_circuit_frequencies"):
@@ -231,7 +112,21 @@ def evaluate(name: str, model: Model) -> Quantity:
     )
 
 
-def _cost(name: str, model: Model) -> float:
+def evaluate_magnetic(name: str, model: MagneticModel) -> Quantity:
+    """Return one of the normal actuator's quantities with its numerical error bar."""
+    found, method = read_magnetic(name, model)
+    return Quantity(
+        name=name,
+        model=model.name,
+        value=np.asarray(found.value),
+        unit=QUANTITIES[name].unit,
+        uncertainty=np.asarray(found.bar),
+        uncertainty_method=method,
+        seconds=_cost(name, model),
+    )
+
+
+def _cost(name: str, model: Model | MagneticModel) -> float:
     """Return the seconds of all stages this quantity needs, shared or not."""
     needed = make_plan(model.scene, (model.name,), (name,)).run
     return sum(model.stages.seconds.get(step.stage, 0.0) for step in needed)
@@ -338,10 +233,10 @@ def _harmonic(name: str, model: Model) -> tuple[Array, Array, str]:
 
 
 def as_json(solution: Solution) -> dict[str, Any]:
-    """Return the solution as plain JSON values; complex numbers as [re, im], no value as null."""
+    """Return the solution as plain JSON values; see quantity_json."""
     return {
         "scene": solution.scene.name,
-        "quantities": [_quantity_json(q) for q in solution.quantities],
+        "quantities": [quantity_json(q) for q in solution.quantities],
         "plan": plan_json(solution.plan),
         "warnings": list(solution.warnings),
     }
@@ -357,29 +252,3 @@ def plan_json(plan: Plan) -> dict[str, Any]:
         "run": [entry(step) for step in plan.run],
         "skipped": [{"stage": s.stage, "reason": s.reason} for s in plan.skipped],
     }
-
-
-def _quantity_json(q: Quantity) -> dict[str, Any]:
-    out: dict[str, Any] = {
-        "name": q.name,
-        "model": q.model,
-        "value": _numbers(q.value),
-        "unit": q.unit,
-        "uncertainty": _numbers(q.uncertainty),
-        "uncertainty_method": q.uncertainty_method,
-        "seconds": q.seconds,
-    }
-    if q.frequency is not None:
-        out["frequency"] = list(q.frequency)
-    if q.classes is not None:
-        out["classes"] = list(q.classes)
-    return out
-
-
-def _numbers(values: Array) -> Any:
-    if np.iscomplexobj(values):
-        return np.stack([values.real, values.imag], axis=-1).tolist()
-    if np.isfinite(values).all():
-        return values.tolist()
-    known = np.isfinite(values)
-    return np.where(known, values.astype(object), np.array(None)).tolist()

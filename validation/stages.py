@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
+from geometry.steel import magnetisation_curve
 from validation.scene import Scene
 
 T = TypeVar("T")
@@ -25,6 +26,10 @@ _SOLID = ("bimorph", "piezo", "shim", "support.kind", "glue", "rod")
 _GEOMETRY = ("bimorph", "support.kind", "glue", "rod")
 _MESH = (*_GEOMETRY, "mesh", "accuracy")
 _FIXED = ("support", "load")
+_MAGNETIC = (
+    "rod.radius", "rod.head_radius", "rod.head_thickness", "rod.flange_radius",
+    "rod.flange_thickness", "rod.flange_position", "rod.length", "coil", "sleeve", "steel", "gap",
+)  # fmt: skip
 
 #: What each stage reads, by scene key; a changed voltage re-meshes nothing.
 READS: dict[str, tuple[str, ...]] = {
@@ -43,6 +48,10 @@ READS: dict[str, tuple[str, ...]] = {
     "solid.modes_short": (*_MESH, *_SOLID, *_FIXED, "modes"),
     "solid.modes_open": (*_MESH, *_SOLID, *_FIXED, "modes"),
     "solid.ports": (*_MESH, *_SOLID, "frequency"),
+    "network.point": _MAGNETIC,
+    "network.map": (*_MAGNETIC, "spring.stop_gap"),
+    "axisymmetric.point": (*_MAGNETIC, "accuracy"),
+    "axisymmetric.map": (*_MAGNETIC, "spring.stop_gap"),
     "terminations": ("support", "load", "drive", "bimorph.wiring", "frequency"),
 }
 
@@ -102,5 +111,8 @@ def stage_key(name: str, scene: Scene) -> str:
         for part in path.split("."):
             value = value[part]
         read[path] = value
+        if path == "steel":  # the curve may be a file: what counts is what is in it
+            curve = magnetisation_curve(scene.steel)
+            read["steel curve"] = [curve.flux_density.tolist(), curve.field.tolist()]
     text = json.dumps([name, VERSION, read], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:12]

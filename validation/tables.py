@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from validation.plan import Plan
-from validation.solve import Quantity, Solution
+from validation.results import Quantity
+from validation.solve import Solution
 
 #: Arrays over frequency longer than this are shown at a few of their points.
 _SHOWN = 12
@@ -16,10 +17,10 @@ _SHOWN = 12
 
 def print_quantities(solution: Solution) -> None:
     """Print every quantity with its error bar; arrays are thinned out."""
-    print(f"{'quantity':26} {'model':7} {'at':>10}  {'value':>28}  {'+/-':>9}  unit")
+    print(f"{'quantity':26} {'model':12} {'at':>10}  {'value':>28}  {'+/-':>9}  unit")
     for q in solution.quantities:
         for label, value, bar in _rows(q):
-            print(f"{q.name:26} {q.model:7} {label:>10}  {value:>28}  {bar:>9}  {q.unit}")
+            print(f"{q.name:26} {q.model:12} {label:>10}  {value:>28}  {bar:>9}  {q.unit}")
 
 
 def print_plan(scene: str, plan: Plan) -> None:

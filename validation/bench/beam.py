@@ -63,7 +63,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
         ),
         Target(
             f"peak memory of {points:.0e} points", 1e9, memory, "B", True,
-            "largest resident size of a process that does only this (getrusage)",
+            "largest resident size of a process that does only this",
         ),
     )  # fmt: skip
     conditions = (

@@ -54,8 +54,9 @@ def run(options: argparse.Namespace) -> int:
     from validation.design.length_dependence import dependences
     from validation.design.length_design import design
     from validation.design.length_map import length_map
+    from validation.idle_keys import scene_warnings
     from validation.progress import announcer
-    from validation.scene import load_scene, scene_warnings
+    from validation.scene import load_scene
 
     scene, origins = load_scene(options.scene, options.overrides)
     aim = _aim(options)

@@ -78,7 +78,8 @@ def run(options: argparse.Namespace) -> int:
         write_scene,
     )
     from validation.identification.plot import checked_plot_name, write_plot
-    from validation.scene import load_scene, scene_warnings
+    from validation.idle_keys import scene_warnings
+    from validation.scene import load_scene
 
     # what is wrong with the names is said before any work is done
     plot = None if options.plot is None else checked_plot_name(options.plot)

@@ -21,9 +21,10 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    from validation.idle_keys import scene_warnings
     from validation.progress import announcer
     from validation.report.page import write_report
-    from validation.scene import load_scene, scene_warnings
+    from validation.scene import load_scene
 
     scene, origins = load_scene(options.scene, options.overrides)
     warn(scene_warnings(scene, origins))

@@ -55,9 +55,10 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    from validation.idle_keys import scene_warnings
+    from validation.limits import load_warnings
     from validation.progress import announcer
-    from validation.scene import load_scene, scene_warnings
-    from validation.solve import load_warnings
+    from validation.scene import load_scene
     from validation.uncertainty.propagation import parameter_uncertainty
     from validation.uncertainty.table import sensitivity_columns
 

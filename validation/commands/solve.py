@@ -28,8 +28,9 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    from validation.idle_keys import scene_warnings
     from validation.progress import announcer
-    from validation.scene import load_scene, scene_warnings
+    from validation.scene import load_scene
     from validation.solve import as_json, solve
 
     scene, origins = load_scene(options.scene, [*options.overrides, *_wanted(options)])

@@ -15,7 +15,8 @@ from pydantic import BeforeValidator, TypeAdapter, ValidationError
 
 from geometry.errors import InputError
 from geometry.units import Unit, quoted
-from validation.scene import Scene, scene_keys, scene_warnings
+from validation.idle_keys import scene_warnings
+from validation.scene import Scene, scene_keys
 from validation.wording import nearest, one_line
 
 #: Symbols of the paper that stand for scene keys.

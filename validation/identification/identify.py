@@ -38,8 +38,8 @@ from validation.identification.identifiability import (
 )
 from validation.identification.measured_curve import QUANTITY, MeasuredCurve
 from validation.identification.profile_likelihood import profile_interval
+from validation.limits import load_warnings
 from validation.scene import Scene
-from validation.solve import load_warnings
 
 #: Kinds of noise that may be asked for where no uncertainty is stated.
 NOISE = ("relative", "constant")

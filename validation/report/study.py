@@ -17,7 +17,7 @@ from validation.checks import CHECKS, Outcome, run_check
 from validation.comparison import ComparedRow, compare
 from validation.models import SolidModel
 from validation.parameter_list import ParameterRow, parameter_rows
-from validation.quantities import QUANTITIES
+from validation.quantities import LATERAL_QUANTITIES
 from validation.scene import Scene
 from validation.solve import Solution, solve
 
@@ -149,7 +149,7 @@ class Study:
 def _prepared(scene: Scene, quick: bool) -> Scene:
     """Return the scene with all quantities, a sweep dense enough to plot, coarser if quick."""
     low, high = min(scene.frequency), max(scene.frequency)
-    changes: dict[str, Any] = {"quantities": tuple(QUANTITIES)}
+    changes: dict[str, Any] = {"quantities": LATERAL_QUANTITIES}
     if low < high and len(scene.frequency) < _PLOT_POINTS:
         spaced = np.geomspace if 0.0 < 30.0 * low < high else np.linspace
         changes["frequency"] = (low, *spaced(low, high, _PLOT_POINTS)[1:-1].tolist(), high)

@@ -12,9 +12,9 @@ from tmm.parametric import parameter_keys
 from tmm.port_quantities import READOUTS
 from tmm.sensitivities import DIFFERENTIABLE, derivatives, values
 from validation.formats import engineering
+from validation.limits import check_held
 from validation.quantities import QUANTITIES
 from validation.scene import Scene
-from validation.solve import check_held
 from validation.uncertainty.headline_numbers import actuator
 
 
