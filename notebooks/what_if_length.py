@@ -2,47 +2,45 @@
 # # What if the bimorph were longer?
 #
 # The paper chose 20 mm: long enough to move the finger, short enough to keep the minimum of
-# the response out of the range that the finger feels. The transfer-matrix model answers in
-# milliseconds, so we can simply ask for every length.
+# the response at the end of the band. The transfer-matrix model answers in milliseconds, so
+# we can simply ask for every length.
 
 # %%
 import numpy as np
 
+from validation.design.length_design import Aim, design
+from validation.design.length_map import length_map
 from validation.scene import load_scene
-from validation.solve import solve
 
-lengths = np.arange(16, 42, 2)
-frequencies = np.geomspace(10.0, 1000.0, 600)
-sweep = "10:1000:600:log"
-
-# %%
-deflection = np.array(
-    [
-        np.abs(
-            solve(
-                load_scene("paper", [f"bimorph.length={mm}mm", f"frequency={sweep}"])[0],
-                ["tmm"],
-                ["tip_displacement"],
-            )
-            .quantities[0]
-            .value
-        )
-        for mm in lengths
-    ]
-)
+scene, _ = load_scene("paper")
+found = length_map(scene, np.arange(16, 42, 2) * 1e-3, (10.0, 1000.0))
 
 # %% [markdown]
-# Deflection at 10 Hz grows with length; the minimum moves down.
+# Deflection at 10 Hz grows with length; the minimum moves down, nearly as length^-1.57.
 
 # %%
-at_start = deflection[:, 0]
-minimum_at = frequencies[np.argmin(deflection, axis=1)]
-for mm, start, minimum in zip(lengths, at_start, minimum_at, strict=True):
-    print(f"{mm:3d} mm: {start * 1e6:6.1f} µm at 10 Hz, minimum at {minimum:5.0f} Hz")
+for length, displacement, minimum in zip(
+    found.lengths, found.displacement, found.minima, strict=True
+):
+    at = f"minimum at {minimum.frequency:5.0f} Hz" if minimum else "no minimum in the band"
+    print(f"{length * 1e3:3.0f} mm: {displacement[0] * 1e6:6.1f} µm at 10 Hz, {at}")
+
+# %% [markdown]
+# Which lengths stay above the detection threshold from 10 to 1000 Hz? Those whose minimum
+# lies above the band, and those whose minimum has moved to where the finger feels less.
 
 # %%
-assert np.all(np.diff(at_start) > 0.0)
-inside = minimum_at < 0.99 * frequencies[-1]
-assert np.all(np.diff(minimum_at[inside]) < 0.0)
-# 20 mm is the longest of these whose minimum stays above 900 Hz
-assert lengths[minimum_at > 900.0].max() == 20
+aim = design(scene, Aim(lengths=(10e-3, 40e-3)))
+for interval in aim.intervals:
+    print(f"{interval.shortest * 1e3:.2f} mm to {interval.longest * 1e3:.2f} mm")
+
+# %%
+assert np.all(np.diff(found.displacement[:, 0]) > 0.0)
+places = [minimum.frequency for minimum in found.minima if minimum]
+assert np.all(np.diff(places) < 0.0)
+exponent, misfit = found.minimum_law
+assert -1.7 < exponent < -1.4
+assert misfit < 0.01
+# the paper's 20 mm lies between the two intervals: it misses the threshold beside its minimum
+assert len(aim.intervals) == 2
+assert aim.intervals[0].longest < 20e-3 < aim.intervals[1].shortest

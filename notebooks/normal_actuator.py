@@ -1,0 +1,38 @@
+# %% [markdown]
+# # How the normal actuator switches
+#
+# The rod is drawn down by the coil and pushed up by a spring. From one co-energy map follow
+# the pull, the flux linkage and the currents at which the rod moves. Here the map comes from
+# the reluctance network, which takes a moment; the field gives the same kind of map.
+
+# %%
+from tmm.coenergy import closed_loop_work
+from tmm.coenergy_fit import fit
+from tmm.normal_actuator import finger_force, map_grid, switching, thermal_statement
+from tmm.reluctance_network import network_bridge, network_samples
+from validation.scene import load_scene
+
+device = load_scene("reluctance")[0].device
+pull = fit(network_samples(device, *map_grid(device)))
+
+# %% [markdown]
+# What each refinement of the textbook formula is worth at the upper stop:
+
+# %%
+bridge = network_bridge(device, device.coil.current, device.gap)
+for row in bridge:
+    print(f"{row.step:35} {row.force * 1e3:6.1f} mN  {row.force_change:+.1%}")
+
+# %%
+currents = switching(device, pull)
+print(f"pulls in at {currents.pull_in * 1e3:.0f} mA, holds down to {currents.holding * 1e3:.0f} mA")
+print(f"finger force at rest: {float(finger_force(device, pull, 0.0, device.gap)) * 1e3:.0f} mN")
+print(thermal_statement(device, device.coil.current))
+
+# %%
+assert currents.holding < 0.5 * currents.pull_in
+# around a closed loop of current and gap the map does no net work
+net, side = closed_loop_work(pull.sampled, (0.02, 0.12), (30e-6, 180e-6))
+assert abs(net) < 1e-6 * side
+# the textbook formula leaves out what matters most: the iron
+assert bridge[0].force > 1.5 * bridge[-1].force
