@@ -67,8 +67,8 @@ def _check_ceramic(bimorph: Bimorph) -> None:
     for name, profile in bimorph.profiles.items():
         if not math.isclose(profile.end, bimorph.length, rel_tol=1e-9):
             raise InputError(
-                f"bimorph.{name} ends at {profile.end * mm:g} mm but bimorph.length = "
-                f"{bimorph.length * mm:g} mm; let the profile end at the ceramic's upper edge"
+                f"bimorph.{name} ends at {profile.end * mm:.10g} mm but bimorph.length = "
+                f"{bimorph.length * mm:.10g} mm; let the profile end at the ceramic's upper edge"
             )
     if bimorph.bare_below + bimorph.bare_above >= bimorph.length:
         raise InputError(

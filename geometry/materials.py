@@ -26,11 +26,33 @@ _AXES = np.array([2, 1, 0])
 
 
 class Spread(NamedTuple):
-    """The range (SI) in which a value may lie, every place in it alike, and why that range."""
+    """The range (SI) in which a value may lie, every place in it alike, and why that range.
+
+    An `absolute` one, such as a tolerance of cutting, is as wide for any value; others keep
+    their proportion.
+    """
 
     low: float
     high: float
     reason: str
+    absolute: bool = False
+
+    def moved(self, usual: float, value: float) -> Spread:
+        """Return the range of `value` where this is that of `usual`.
+
+        An absolute range that would reach 0 says nothing about so small a value, and goes
+        in proportion as well.
+        """
+        if value == usual:
+            return self
+        reason = self.reason
+        if self.absolute:
+            low, high = value + (self.low - usual), value + (self.high - usual)
+            if low * high > 0.0:
+                return self._replace(low=low, high=high)
+            reason += ", in proportion for so small a value"
+        low, high = sorted((self.low * value / usual, self.high * value / usual))
+        return Spread(low, high, reason, self.absolute)
 
 
 #: Reason of a range that only says how a value was printed.
@@ -262,9 +284,9 @@ def _m1876() -> Piezoceramic:
             "loss_tangent": assumed,
         },
         spreads={
-            "s11": Spread(15.75e-12, 15.85e-12, PRINTED),
-            "s55": Spread(57.75e-12, 57.85e-12, PRINTED),
-            "d31": Spread(-385.5e-12, -384.5e-12, PRINTED),
+            "s11": Spread(15.75e-12, 15.85e-12, PRINTED, absolute=True),
+            "s55": Spread(57.75e-12, 57.85e-12, PRINTED, absolute=True),
+            "d31": Spread(-385.5e-12, -384.5e-12, PRINTED, absolute=True),
             "eps33": Spread(5300.0, 6500.0, "tables of soft PZT with d31 of -350 to -405 pC/N"),
             "density": Spread(7700.0, 8000.0, "tables of soft PZT, and a margin"),
             "quality_factor": Spread(50.0, 80.0, "tables of soft PZT, 55 to 75, and a margin"),

@@ -30,7 +30,7 @@ def _field(
     default: Any,
     source: str,
     description: str,
-    spread: tuple[float, float, str] | None = None,
+    spread: tuple[float, float, str] | Spread | None = None,
 ) -> Any:
     """Declare a parameter; `spread` is (low, high, reason), a tenth for a reconstructed size."""
     if spread is None and source == _RECONSTRUCTED:
@@ -41,7 +41,7 @@ def _field(
 
 def _printed(default: float, source: str, description: str, half_a_unit: float) -> Any:
     """Declare a parameter that is known to the digits printed, trailing zeros not counted."""
-    spread = (default - half_a_unit, default + half_a_unit, PRINTED)
+    spread = Spread(default - half_a_unit, default + half_a_unit, PRINTED, absolute=True)
     return _field(default, source, description, spread)
 
 
@@ -58,7 +58,7 @@ class Bimorph(Parameters):
         20e-3,
         _PAPER_4,
         "active (ceramic) length",
-        (19.9e-3, 20.1e-3, "chosen by design; assumed: cut to 0.1 mm"),
+        Spread(19.9e-3, 20.1e-3, "chosen by design; assumed: cut to 0.1 mm", absolute=True),
     )
     width: u.SmallLength = _printed(2.1e-3, _PAPER_2, "width b", 0.05e-3)
     piezo_thickness: u.SmallLength = _printed(
@@ -73,7 +73,8 @@ class Bimorph(Parameters):
     width_profile: LengthProfile = _field(
         UNIFORM,
         "assumed: uniform",
-        "width along the ceramic, as 0 mm: 2.1 mm, 20 mm: 1 mm; then width is that of the tab",
+        "width along the ceramic: uniform, or such as 0 mm: 2.1 mm, 20 mm: 1 mm; then width is "
+        "that of the tab",
     )
     piezo_thickness_profile: LengthProfile = _field(
         UNIFORM, "assumed: uniform", "thickness of one piezo layer along the ceramic"
@@ -89,7 +90,7 @@ class Bimorph(Parameters):
     bare_above: u.LengthOrZero = _field(
         0.0, "assumed: electrodes on the whole ceramic", "ceramic without electrode, upper end"
     )
-    glue_thickness: u.LengthOrZero = _field(
+    glue_thickness: u.LayerThickness = _field(
         0.0, "assumed: no glue between the layers", "glue between the shim and each piezo layer"
     )
     wiring: Literal["parallel", "series"] = _field(
@@ -399,7 +400,7 @@ def sources(group: Parameters) -> dict[str, str]:
 def spreads(group: Parameters) -> dict[str, Spread]:
     """Return the range of each scalar of a group that has one stated, as ``{field: range}``.
 
-    A value other than the default keeps the range's width relative to the value.
+    For a value other than the default the range moves along: :meth:`Spread.moved`.
     """
     stated: dict[str, tuple[float, Spread]] = {}
     for name, info in type(group).model_fields.items():
@@ -410,9 +411,6 @@ def spreads(group: Parameters) -> dict[str, Spread]:
         ceramic = LIBRARY[group.material]
         usual = ceramic.reduced()
         stated.update({name: (usual[name], spread) for name, spread in ceramic.spreads.items()})
-    found = {}
-    for name, (default, spread) in stated.items():
-        factor = getattr(group, name) / default
-        low, high = sorted((spread.low * factor, spread.high * factor))
-        found[name] = Spread(low, high, spread.reason)
-    return found
+    return {
+        name: spread.moved(usual, getattr(group, name)) for name, (usual, spread) in stated.items()
+    }

@@ -1,11 +1,12 @@
 """Dimensions that vary along the ceramic: text such as ``"0 mm: 2.1 mm, 20 mm: 1 mm"``.
 
 A profile runs straight from each point to the next; two points at one position are a
-step.  Read at the edge with units, held in metres.
+step; the word ``uniform`` is no profile.  Read at the edge with units, held in metres.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Any
@@ -20,6 +21,10 @@ _EXAMPLE = "0 mm: 2.1 mm, 20 mm: 1 mm"
 _LIMITS = (1e-9, 100.0)
 _POSITION = Unit("m", "position", "10 mm", at_least=0.0, limits=_LIMITS, shown="mm", per_si=1e3)
 _VALUE = Unit("m", "dimension", "2.1 mm", above=0.0, limits=_LIMITS, shown="mm", per_si=1e3)
+#: What a scene writes for no profile.
+_NONE = "uniform"
+#: A profile that ends this close (relative) to the ceramic's edge ends there: input is rounded.
+_ROUNDED = 1e-6
 #: Largest number of points: more than anyone writes, few enough to compute with.
 _MOST = 200
 
@@ -30,7 +35,7 @@ class Profile(tuple[tuple[float, float], ...]):
     __slots__ = ()
 
     def __str__(self) -> str:
-        return ", ".join(f"{_POSITION.show(z)}: {_VALUE.show(v)}" for z, v in self)
+        return ", ".join(f"{_POSITION.show(z)}: {_VALUE.show(v)}" for z, v in self) or _NONE
 
     @property
     def end(self) -> float:
@@ -60,6 +65,8 @@ class Profile(tuple[tuple[float, float], ...]):
 def read_profile(value: Any, info: ValidationInfo) -> Profile:
     """Return a profile from its text, or from pairs of numbers in metres.
 
+    An end that misses the ceramic's length by rounding is put there.
+
     Raises
     ------
     ValueError
@@ -70,6 +77,7 @@ def read_profile(value: Any, info: ValidationInfo) -> Profile:
     )
     if not points:
         return points
+    points = _ended(points, info.data.get("length"))
     remedy = f'; write for example "{_EXAMPLE}"'
     if len(points) == 1:
         raise ValueError(f"has one point only; give at least two{remedy}")
@@ -90,9 +98,18 @@ def read_profile(value: Any, info: ValidationInfo) -> Profile:
     return points
 
 
+def _ended(points: Profile, length: float | None) -> Profile:
+    """Return the points with the last one at the ceramic's edge if it is meant to be there."""
+    z, dimension = points[-1]
+    if length is None or not math.isclose(z, length, rel_tol=_ROUNDED):
+        return points
+    return Profile((*points[:-1], (length, dimension)))
+
+
 def _pairs(value: Any) -> list[tuple[Any, Any]]:
     if isinstance(value, str):
-        parts = [part.split(":") for part in value.split(",")] if value.strip() else []
+        given = value.strip().lower() not in ("", _NONE)
+        parts = [part.split(":") for part in value.split(",")] if given else []
     elif isinstance(value, Sequence) and all(isinstance(p, list | tuple) for p in value):
         parts = [list(p) for p in value]
     else:
@@ -100,7 +117,7 @@ def _pairs(value: Any) -> list[tuple[Any, Any]]:
     if any(len(part) != 2 for part in parts):
         raise ValueError(
             "is not a list of points, each a position and a dimension; "
-            f'write for example "{_EXAMPLE}"'
+            f'write for example "{_EXAMPLE}", or "{_NONE}" for none'
         )
     return [(first, second) for first, second in parts]
 

@@ -194,6 +194,13 @@ SmallLength = _quantity(
 LengthOrZero = _quantity(
     Unit("m", "length", "2 mm", at_least=0.0, limits=_SIZES, shown="mm", per_si=1e3)
 )
+#: Glue between layers: no thicker than the layers of the thickest bimorphs.
+LayerThickness = _quantity(
+    Unit(
+        "m", "thickness of glue", "20 um",
+        at_least=0.0, limits=(1e-9, 1e-3), shown="um", per_si=1e6,
+    )
+)  # fmt: skip
 Position = _quantity(Unit("m", "position", "0.3 mm", limits=_SIZES, shown="mm", per_si=1e3))
 Density = _quantity(
     Unit("kg/m**3", "density", "7900 kg/m^3", above=0.0, limits=(1.0, 1e5), shown="kg/m^3")

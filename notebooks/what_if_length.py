@@ -8,7 +8,8 @@
 # %%
 import numpy as np
 
-from validation.design.length_design import Aim, design
+from validation.design.aim import Aim
+from validation.design.length_design import design
 from validation.design.length_map import length_map
 from validation.scene import load_scene
 

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from validation.cli import main
@@ -22,14 +23,17 @@ def refuse(token):
 
 def test_table_and_statement_on_stdout(capsys):
     """What was found, all feasible lengths, the scene's own, the map, the sensitivities."""
-    code, out, err = run(capsys, "--lengths", "20mm:40mm")
+    code, out, err = run(capsys)
     assert (code, err) == (0, "")
     lines = out.splitlines()
-    assert lines[0].startswith("The shortest length of 20 mm to 40 mm that keeps |w| / threshold")
-    assert lines[1].startswith("Lengths that keep the margin: 22.6")
-    assert lines[2].startswith("The scene's own length, 20 mm, has |w| / threshold 0.76")
-    assert "stated at 10, 250 and 1000 Hz; between them it is interpolated" in lines[3]
-    assert sum(" mm " in line and " um " in line for line in lines) == 7
+    assert lines[0] == "Driven with 50 V, wired in parallel, under the finger."
+    assert lines[1].startswith("The shortest length of 20 mm to 40 mm that keeps |w| / threshold")
+    assert lines[2].startswith("Lengths that keep the margin: 22.643 mm")
+    assert lines[3].startswith("The scene's own length, 20 mm, has |w| / threshold 0.76")
+    assert "stated at 10, 250 and 1000 Hz; between them it is interpolated" in lines[4]
+    assert sum(" mm " in line and " µm " in line for line in lines) == 9
+    assert " um" not in out
+    assert "-0.000" not in out
     assert any(line.startswith("piezo.density") and "assumed" in line for line in lines)
     assert lines[-1].startswith("less than 0.0005: ")
 
@@ -41,17 +45,26 @@ def test_json_contract(capsys, arguments):
     assert (code, err) == (0, "")
     found = json.loads(out, parse_constant=refuse)
     assert set(found) == {
-        "scene", "aim", "length", "margin", "frequency", "limit", "feasible", "present", "map",
-        "sensitivity", "statements", "warnings",
+        "scene", "setting", "aim", "length", "margin", "frequency", "limit", "feasible", "present",
+        "map", "sensitivity", "statements", "warnings",
     }  # fmt: skip
     assert found["limit"] in {"threshold", "peak", "end", "compromise"}
-    assert 10e-3 <= found["length"] <= 40e-3
+    assert 20e-3 <= found["length"] <= 40e-3
+    assert set(found["setting"]) == {"voltage", "wiring", "load"}
     columns = len(found["sensitivity"]["lengths"])
     assert all(len(p["slopes"]) == columns for p in found["sensitivity"]["parameters"])
     assert all(point["source"].startswith("paper") for point in found["aim"]["threshold"])
     assert [row["length"] for row in found["map"]] == pytest.approx(
-        [10e-3, 15e-3, 20e-3, 25e-3, 30e-3, 35e-3, 40e-3], rel=1e-12
+        np.arange(20e-3, 41e-3, 2.5e-3), rel=1e-12
     )
+
+
+def test_the_scenes_own_drive_and_load_are_named(capsys):
+    """The prototype's 1 V and free tip decide; its 14 mm lie outside the range searched."""
+    code, out, _ = run(capsys, "prototype")
+    assert code == 0
+    assert out.startswith("Driven with 1 V, wired in parallel, with a free tip.\n")
+    assert "The scene's own length, 14 mm, outside that range, has" in out
 
 
 def test_units_at_the_edge(capsys):
@@ -65,7 +78,7 @@ def test_units_at_the_edge(capsys):
 def test_overrides_reach_the_design(capsys):
     """Half the voltage asks for a longer actuator."""
     lengths = [
-        json.loads(run(capsys, "--lengths", "20mm:40mm", "--json", *extra)[1])["length"]
+        json.loads(run(capsys, "--json", *extra)[1])["length"]
         for extra in ([], ["--set", "drive.voltage=25V"])
     ]
     assert lengths[0] < lengths[1]
@@ -108,6 +121,16 @@ def test_plot_is_a_whole_svg(capsys, tmp_path):
         (["--aim", "longest"], "--aim"),
         (["--plot", "length.png"], "is not an SVG file"),
         (["--plot", "/no/such/folder/length.svg"], "cannot be written"),
+        (["--lengths", "1um:40mm"], "no beam; start at 0.77 mm or more"),
+        (["--lengths", "1mm:1m"], "half waves at 1000 Hz"),
+        (
+            ["--set", "bimorph.bare_above=25mm", "--set", "bimorph.length=30mm"],
+            "leave no electrode beside",
+        ),
+        (
+            ["--set", "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm"],
+            "bimorph.width_profile is stated for 20 mm",
+        ),
         (["--set", "drive.voltage=0V"], "drive.voltage or piezo.d31 is 0"),
         (["nowhere"], "nowhere"),
     ],

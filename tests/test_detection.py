@@ -146,6 +146,18 @@ def test_study_agrees_with_the_quantity(study):
         assert study.voltages[wiring, load][::40] == pytest.approx(value, rel=1e-11)
 
 
+def test_the_curves_hold_their_extremes(study):
+    """What is drawn has its peaks and dips: no value between its frequencies lies beyond."""
+    for (wiring, load), drawn in study.voltages.items():
+        kind = "finger" if load == "loaded" else "none"
+        f = np.geomspace(20.0, 990.0, 1000)  # the ends of the range, not extremes, left out
+        scene, _ = load_scene("paper", [f"bimorph.wiring={wiring}", f"load.kind={kind}"])
+        scene = scene.model_copy(update={"frequency": tuple(f.tolist())})
+        value = solve(scene, ("tmm",), ("threshold_voltage",)).quantities[0].value
+        assert value.max() <= drawn.max() * (1.0 + 1e-9)
+        assert value.min() >= drawn.min() * (1.0 - 1e-9)
+
+
 def test_load_factor_gives_the_papers_displacement(study):
     """With the load multiplied by the stated factor, |w| per volt is the paper's."""
     from tmm.terminations import finger_spring_damper

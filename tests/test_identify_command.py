@@ -51,6 +51,36 @@ def test_table_for_people(capsys, sweep):
     assert "piezo.density" in out
 
 
+def test_header_shows_where_the_fit_started(capsys, sweep):
+    """A fitted voltage is not taken for the scene's."""
+    fit = ["--fit", "drive.voltage", "--fit", "piezo.d31"]
+    code, out, _ = run(capsys, sweep, *fit)
+    assert code == 0
+    assert "scene prototype, 1 V at the start" in out
+    assert "drive.voltage and piezo.d31 cannot be told apart" in out
+
+
+def test_exact_data_show_all_digits(capsys, tmp_path):
+    """Without noise every estimate has ten digits, whatever rounding leaves of its interval."""
+    f = np.linspace(100.0, 1500.0, 40)
+    values = 1e3 * curve_model(load_scene("prototype")[0], "tip_velocity", f, ())(np.zeros(0))
+    rows = [f"{a:.17g},{v.real:.17g},{v.imag:.17g}" for a, v in zip(f, values, strict=True)]
+    path = tmp_path / "exact.csv"
+    header = "frequency (Hz),velocity_re (mm/s),velocity_im (mm/s)\n"
+    path.write_text(header + "\n".join(rows), encoding="utf-8")
+    _, out, _ = run(capsys, path)
+    assert "0.2400000000 .. 0.2400000000" in out
+    assert "4.460000000e-06 .. 4.460000000e-06" in out
+
+
+def test_written_scene_keeps_a_profile(capsys, sweep, tmp_path):
+    """--write gives a profile as text that a scene reads."""
+    path, profile = tmp_path / "fitted.toml", "0 mm: 2.1 mm, 14 mm: 1 mm"
+    setting = f"bimorph.width_profile={profile}"
+    assert run(capsys, sweep, "--set", setting, "--write", path)[0] == 0
+    assert str(load_scene(str(path))[0].bimorph.width_profile) == profile
+
+
 def test_json(capsys, sweep):
     """The same numbers as in Python, SI units, null where there is no number."""
     fit = ["--fit", "c_s=1N*m/rad:0.5..2N*m/rad", "--fit", "d_s"]
@@ -205,5 +235,12 @@ def test_help_says_what_the_data_must_be(capsys):
     """--help names the columns, the drive voltage, the default and the syntax of --fit."""
     code, out, _ = run(capsys, "--help")
     assert code == 0
-    for word in ("frequency (Hz)", "drive.voltage", "c_s and d_s", "NAME[=START][:LOW..HIGH]"):
+    for word in (
+        "frequency (Hz)",
+        "only ratios matter",
+        "comments from #",
+        "drive.voltage",
+        "c_s and d_s",
+        "NAME[=START][:LOW..HIGH]",
+    ):
         assert word in out

@@ -4,21 +4,30 @@ import re
 
 import numpy as np
 import pytest
+from jinja2 import Environment, PackageLoader, StrictUndefined
 from scipy.optimize import minimize_scalar
 
 from geometry.errors import InputError
 from tmm import terminations
+from validation.design import excitation_voltage
+from validation.design.aim import PAPER_LENGTHS, Aim
 from validation.design.detection import DISPLAY_THRESHOLD
 from validation.design.length_dependence import decided_lengths, dependences
-from validation.design.length_design import Aim, design, largest_margin, lowest_margin
+from validation.design.length_design import design, largest_margin
 from validation.design.length_map import actuator, length_map, local_minima, tip_amplitude
-from validation.design.length_section import PAPER_LENGTHS, section
-from validation.design.wording import sentences
-from validation.identification.fit_parameters import value_of, with_values
+from validation.design.length_scan import lowest_margin
+from validation.design.length_section import section
+from validation.design.plots import length_plot
+from validation.design.wording import sentences, signed
+from validation.formats import filters
+from validation.identification.fit_parameters import fit_parameter, value_of, with_values
 from validation.scene import load_scene
 from validation.solve import solve
 
 BAND = (10.0, 1000.0)
+#: From well below to above the paper's lengths: m is decided by the band's end, then a minimum.
+SHORTER = (10e-3, 40e-3)
+PROFILE = "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm"
 KINDS = [
     ("paper", []),
     ("paper", ["bimorph.wiring=series"]),
@@ -31,6 +40,17 @@ KINDS = [
 @pytest.fixture(scope="module")
 def paper():
     return load_scene("paper")
+
+
+def environment():
+    """The report's templates: an undefined name is an error."""
+    found = Environment(
+        loader=PackageLoader("validation", "templates/report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+    )
+    found.filters.update(filters())
+    return found
 
 
 def solved(scene, length, frequencies):
@@ -131,7 +151,7 @@ def test_lowest_margin_is_the_lowest(paper):
 def test_intervals_are_exactly_the_feasible_lengths(name, overrides, margin):
     """The margin is reached at each crossing, kept inside the intervals and nowhere else."""
     scene, _ = load_scene(name, overrides)
-    aim = Aim(margin=margin)
+    aim = Aim(margin=margin, lengths=(14e-3, 28e-3))
     found, device = design(scene, aim), actuator(scene)
     if found.crossings:
         ends = np.array([length for length, _ in found.crossings])
@@ -149,9 +169,144 @@ def test_intervals_are_exactly_the_feasible_lengths(name, overrides, margin):
         assert found.margin >= found.margins.max()
 
 
+@pytest.fixture(scope="module")
+def brute_force(paper):
+    """2000 lengths from 3 to 130 mm, 0.2 % apart, and m of each."""
+    lengths = np.geomspace(3e-3, 130e-3, 2000)
+    device = actuator(paper[0])
+    return lengths, np.concatenate(
+        [lowest_margin(device, Aim(), part)[0] for part in np.array_split(lengths, 10)]
+    )
+
+
+@pytest.mark.parametrize(("margin", "number"), [(1.0, 3), (0.69, 3), (1.12, 4), (3.52, 2)])
+def test_no_gap_is_missed_over_a_wide_range(paper, brute_force, margin, number):
+    """Against brute force: every interval of feasible lengths, and every gap, however narrow.
+
+    At 1 the second gap is 9 % of a length wide; 0.69 and 1.12 cut the tips of dips of m that
+    reach 0.681 and 1.104, 3.52 that of a peak of 3.524.
+    """
+    lengths, margins = brute_force
+    edges = np.flatnonzero(np.diff(np.pad(margins >= margin, 1).astype(int)))
+    aim = Aim(margin=margin, lengths=(lengths[0], lengths[-1]))
+    found = design(paper[0], aim).intervals
+    assert len(found) == len(edges) // 2 == number
+    step = lengths[1] / lengths[0]
+    for interval, first, after in zip(found, edges[::2], edges[1::2], strict=True):
+        # the brute force knows an end to one of its own steps
+        assert lengths[first] / step <= interval.shortest <= lengths[first]
+        assert lengths[after - 1] <= interval.longest <= lengths[after - 1] * step
+
+
+@pytest.mark.parametrize("lengths", [(18.0e-3, 22e-3), (19.9999e-3, 20.0001e-3), (1e-3, 270e-3)])
+def test_the_scenes_own_length_is_judged_once(paper, lengths):
+    """Sentence on the scene's 20 mm (margin below 1) and list of intervals never disagree."""
+    found = design(paper[0], Aim(lengths=lengths))
+    own = paper[0].bimorph.length
+    assert own in found.lengths
+    assert found.present[0] < 1.0
+    assert not any(i.shortest <= own <= i.longest for i in found.intervals)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "lengths", "message"),
+    [
+        ([PROFILE], (20e-3, 40e-3), r"bimorph\.width_profile is stated for 20 mm; leave"),
+        (["bimorph.bare_above=12mm"], SHORTER, r"leave no electrode .* 12 mm; start above 12 mm"),
+        (
+            [],
+            (1e-6, 40e-3),
+            r"from 0\.001 mm are shorter than .* thick, no beam; start at 0\.77 mm",
+        ),
+        ([], (1e-3, 1.0), r"to 1000 mm hold up to 29\.2 half waves at 1000 Hz.*; stop at 274 mm"),
+    ],
+)
+def test_lengths_that_cannot_be_had_are_refused(overrides, lengths, message):
+    """One sentence with the remedy; never the same answer for every length."""
+    scene, _ = load_scene("paper", overrides)
+    with pytest.raises(InputError, match=message):
+        design(scene, Aim(lengths=lengths))
+
+
+def test_the_remedies_are_accepted(paper):
+    """What the refusals of a range propose is answered."""
+    design(paper[0], Aim(lengths=(0.77e-3, 274e-3)))
+    scene, _ = load_scene("paper", ["bimorph.bare_above=12mm"])
+    design(scene, Aim(lengths=(12.1e-3, 40e-3)))
+
+
+def test_map_refuses_what_the_ceramic_cannot_be(paper):
+    """The map of single lengths has the same limits."""
+    scene, _ = load_scene("paper", [PROFILE])
+    with pytest.raises(InputError, match="leave the profile out"):
+        length_map(scene, np.array([10e-3]), BAND)
+    with pytest.raises(InputError, match="leave the profile out"):
+        tip_amplitude(actuator(scene), np.array([10e-3]), np.array([100.0]))
+    scene, _ = load_scene("paper", ["bimorph.bare_below=11mm"])
+    with pytest.raises(InputError, match="leave no electrode"):
+        length_map(scene, np.array([10e-3, 20e-3]), BAND)
+
+
+def test_identification_refuses_the_length_under_a_profile():
+    """Fitting the length would meet the same profile."""
+    scene, _ = load_scene("paper", [PROFILE])
+    with pytest.raises(InputError, match=r"bimorph\.width_profile is stated for 20 mm"):
+        fit_parameter(scene, "bimorph.length")
+    assert fit_parameter(load_scene("paper")[0], "bimorph.length").start == 20e-3
+
+
+@pytest.mark.parametrize(
+    "overrides", [[PROFILE], ["bimorph.bare_below=21mm", "bimorph.length=25mm"]]
+)
+def test_report_says_why_it_asks_for_no_length(overrides):
+    """A plain sentence in place of the study."""
+    scene, origins = load_scene("paper", overrides)
+    context = section(scene, origins, lambda _: None)
+    assert context["found"] is None
+    html = environment().get_template("length.html").render(context | {"scene": scene})
+    assert "not asked of this scene: " in html
+    assert "<svg" not in html
+
+
+@pytest.mark.parametrize("name", ["paper", "generator"])
+def test_curves_pass_through_their_minima(name):
+    """What is plotted is what is stated: each dot lies on its curve, which goes no lower.
+
+    And straight lines in log-log between the points are |w|: beside a dip, where |w| goes as
+    the distance x from it and x doubles from point to point, log x is missed by up to
+    log10(3 / 2^1.5) = 0.0256 decades, half a line's width in the plot; a fifth is added for |w|
+    not being quite straight there.
+    """
+    scene, _ = load_scene(name)
+    study = length_map(scene, np.array([20e-3, 40e-3]), BAND)
+    for curve, minimum in zip(study.displacement, study.minima, strict=True):
+        at = np.flatnonzero(study.frequencies == minimum.frequency)
+        assert curve[at] == pytest.approx([minimum.displacement], rel=1e-9)
+        assert curve.min() >= minimum.displacement * (1.0 - 1e-9)
+    f, drawn = study.frequencies, np.log10(study.displacement)
+    between = tip_amplitude(actuator(scene), study.lengths[:, None], np.sqrt(f[1:] * f[:-1]))
+    assert np.abs(np.log10(between) - 0.5 * (drawn[:, 1:] + drawn[:, :-1])).max() < 1.2 * 0.0256
+
+
+@pytest.mark.parametrize(
+    ("slope", "text"), [(-1e-9, "0.000"), (0.0, "0.000"), (-0.0004, "0.000"), (0.0006, "+0.001")]
+)
+def test_zero_has_no_sign(slope, text):
+    """No "-0.000"."""
+    assert signed(slope) == text
+
+
+def test_no_power_law_across_different_minima(paper):
+    """Where another minimum becomes the deepest, no exponent is stated and it is still drawn."""
+    study = length_map(paper[0], np.array([1e-3, 20e-3, 40e-3, 80e-3]), BAND)
+    assert study.minimum_law is None
+    assert length_plot(study, design(paper[0], Aim())).startswith("<svg")
+
+
 def test_the_papers_range(paper):
     """20 to 40 mm: 22.64 mm keep the threshold, 20 mm miss it beside the minimum at 934 Hz."""
-    found = design(paper[0], Aim(lengths=PAPER_LENGTHS))
+    found = design(paper[0], Aim())
+    assert found.aim.lengths == (20e-3, 40e-3)
     assert found.limit == "threshold"
     assert found.margin == pytest.approx(1.0, rel=1e-6)
     assert 22e-3 < found.length < 23e-3
@@ -238,7 +393,7 @@ def test_sensitivity_of_the_largest_margin(name, key):
     level cannot move a maximum.
     """
     scene, origins = load_scene(name)
-    found = design(scene, Aim(kind="margin"))
+    found = design(scene, Aim(kind="margin", lengths=SHORTER))
     rows = {row.key: row for row in dependences(found, origins)}
     column = [length for length, _ in decided_lengths(found)].index(found.length)
     around = 0.95 * found.length, 1.05 * found.length
@@ -258,7 +413,7 @@ def test_sensitivity_of_the_largest_margin(name, key):
 
 def test_largest_margin_is_a_maximum(paper):
     """No length of a dense scan does better."""
-    aim = Aim(kind="margin")
+    aim = Aim(kind="margin", lengths=SHORTER)
     found = design(paper[0], aim)
     margins, _ = lowest_margin(actuator(paper[0]), aim, np.linspace(10e-3, 11e-3, 201))
     assert found.margin >= margins.max()
@@ -270,7 +425,7 @@ def test_an_end_of_the_range_is_called_so(paper):
     found = design(scene, Aim(lengths=(12e-3, 16e-3)))
     assert (found.length, found.limit) == (12e-3, "end")
     assert dependences(found, origins) == ()
-    assert "The range decides here" in sentences(found)[0]
+    assert "The range decides here" in sentences(found)[1]
 
 
 def test_no_feasible_length_gives_the_best_compromise(paper):
@@ -279,8 +434,8 @@ def test_no_feasible_length_gives_the_best_compromise(paper):
     assert found.limit == "compromise"
     assert found.intervals == ()
     text = sentences(found)
-    assert text[0].startswith("No length of 10 mm to 40 mm keeps |w| / threshold at 50 or more")
-    assert text[1] == "No length keeps the margin."
+    assert text[1].startswith("No length of 20 mm to 40 mm keeps |w| / threshold at 50 or more")
+    assert text[2] == "No length keeps the margin."
 
 
 def test_a_stubby_beam_is_doubted(paper):
@@ -318,27 +473,22 @@ def test_an_actuator_that_does_nothing_is_refused(paper):
     "name", ["paper", "prototype", "j1", pytest.param("generator", marks=pytest.mark.heavy)]
 )
 def test_partials_render(name):
-    """Both sections of every built-in scene: no undefined name, no nan, pictures inside."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    """Both sections of every built-in scene: no undefined name, no nan, pictures inside.
 
-    from validation.design import excitation_voltage
-    from validation.formats import filters
-
+    And where the scene's own drive and load are not the paper's, that is said.
+    """
     scene, origins = load_scene(name)
-    environment = Environment(
-        loader=PackageLoader("validation", "templates/report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-    )
-    environment.filters.update(filters())
     steps = []
     contexts = {
         "length.html": section(scene, origins, steps.append),
         "voltage.html": excitation_voltage.section(scene, steps.append),
     }
     assert steps == ["length design", "excitation voltage"]
+    changed = {"prototype": "at 50 V under the finger instead of this scene's 1 V, with a free tip"}
+    if name in ("paper", "generator", "prototype"):
+        assert contexts["length.html"]["changed"] == changed.get(name, "")
     for template, context in contexts.items():
-        html = environment.get_template(template).render(context | {"scene": scene})
+        html = environment().get_template(template).render(context | {"scene": scene})
         assert html.count("<svg") == 1
         text = re.sub(r"<svg.*?</svg>", "", html, flags=re.DOTALL)
         assert not re.search(r"\bnan\b|\bNone\b|\binf\b", re.sub(r"<[^>]+>", " ", text))

@@ -6,6 +6,7 @@ from geometry.errors import InputError
 from geometry.parameters import Bimorph
 from geometry.profile import UNIFORM, Profile
 from validation.scene import load_scene
+from validation.scene_template import template
 
 STEPPED = "0 mm: 2.1 mm, 10 mm: 2.1 mm, 10 mm: 1.5 mm, 20 mm: 1 mm"
 POINTS = ((0.0, 2.1e-3), (10e-3, 2.1e-3), (10e-3, 1.5e-3), (20e-3, 1e-3))
@@ -32,8 +33,27 @@ def test_a_profile_says_itself_as_it_is_read():
     profile = read(STEPPED)
     assert str(profile) == STEPPED
     assert read(str(profile)) == profile
-    assert str(UNIFORM) == ""
-    assert Bimorph(width_profile="") == Bimorph()
+    assert str(UNIFORM) == "uniform"
+    for text in ("", "uniform", " Uniform "):
+        assert Bimorph(width_profile=text) == Bimorph()
+
+
+def test_a_profile_is_taken_away_again():
+    """On the command line by the word uniform, which the refusal of an empty value names."""
+    both = [f"bimorph.width_profile={STEPPED}", "bimorph.width_profile=uniform"]
+    assert load_scene("paper", both)[0].bimorph == Bimorph()
+    with pytest.raises(InputError, match=r"--set bimorph\.width_profile=uniform"):
+        load_scene("paper", ["bimorph.width_profile="])
+    with pytest.raises(InputError) as other:
+        load_scene("paper", ["bimorph.length="])
+    assert "uniform" not in str(other.value)
+    assert '# width_profile = "uniform"' in template()
+
+
+@pytest.mark.parametrize("end", ["20.0000001", "19.9999999", "20.00001", "19.99999"])
+def test_an_end_missed_by_rounding_is_the_edge(end):
+    """Up to 1e-6 of the length the last point is put to the ceramic's edge: no sliver beyond."""
+    assert read(f"0 mm: 2.1 mm, {end} mm: 1 mm") == ((0.0, 2.1e-3), (20e-3, 1e-3))
 
 
 def test_a_profile_survives_a_dump():
@@ -61,7 +81,7 @@ def test_values_between_points(low, high, ends):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("abc", ("list of points", '"0 mm: 2.1 mm, 20 mm: 1 mm"')),
+        ("abc", ("list of points", '"0 mm: 2.1 mm, 20 mm: 1 mm"', '"uniform"')),
         ("5 mm", ("list of points",)),
         ("0 mm: 1 mm: 2 mm, 20 mm: 1 mm", ("list of points",)),
         ("0 mm: 1 mm", ("at least two",)),
@@ -76,6 +96,7 @@ def test_values_between_points(low, high, ends):
         ("0 mm: 2 mm, 20 mm: 1 mm, 20 mm: 2 mm", ("a step at its",)),
         ("0 mm: 1 mm, 5 mm: 1 mm, 5 mm: 2 mm, 5 mm: 3 mm, 20 mm: 1 mm", ("more than two points",)),
         ("0 mm: 1 mm, 19 mm: 1 mm", ("ends at 19 mm", "bimorph.length = 20 mm")),
+        ("0 mm: 1 mm, 20.0001 mm: 1 mm", ("ends at 20.0001 mm", "bimorph.length = 20 mm")),
         (", ".join(f"{i / 20} mm: 1 mm" for i in range(401)), ("401 points", "at most 200")),
     ],
 )  # fmt: skip

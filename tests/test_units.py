@@ -114,6 +114,15 @@ def test_wrong_dimension_is_refused(kind, text, unit):
     assert unit in message
 
 
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("-1 um", 'at least 0 um; write for example "20 um"'), ("5 mm", "from 0.001 um to 1000 um")],
+)
+def test_glue_between_layers_is_thin(text, words):
+    """Glue is measured in micrometres, and a layer of 5 mm is a slip."""
+    assert words in refusal(u.LayerThickness, text, SCENE)
+
+
 @pytest.mark.parametrize("text", ["628 rad/s", "60 rpm", "360 deg/s"])
 def test_angular_frequency_is_not_a_frequency(text):
     """rad/s and rpm are refused as frequency: taken for Hz they would be off by 2π."""

@@ -17,7 +17,7 @@ import numpy as np
 from geometry.arrays import Complex, Floats
 from geometry.beam_pieces import Layers, Piece, beam_pieces
 from geometry.errors import InputError
-from geometry.parameters import Beam, Device, Drive, Load, Support
+from geometry.parameters import Beam, Bimorph, Device, Drive, Load, Support
 from geometry.units import Unit, quoted
 from tmm.multiport import PSI_BASE, W_BASE, W_TIP, in_series
 from tmm.section import Section
@@ -115,11 +115,32 @@ def check_keys(actuator: Actuator, keys: Sequence[str]) -> None:
     known = _number_keys(actuator)
     for key in keys:
         if key not in known or _slopes(actuator, key) is None:
-            listed = ", ".join(parameter_keys(actuator))
-            raise InputError(
-                f"key {quoted(key)} is no number other than 0 on which a transfer-matrix model "
-                f"can depend smoothly; this scene's depends on {listed}"
-            )
+            raise _unvariable(actuator, key)
+
+
+def _unvariable(actuator: Actuator, key: str) -> InputError:
+    if key == "bimorph.length":
+        check_length_free(actuator.device.bimorph)
+    listed = ", ".join(parameter_keys(actuator))
+    return InputError(
+        f"key {quoted(key)} is no number other than 0 on which a transfer-matrix model "
+        f"can depend smoothly; this scene's depends on {listed}"
+    )
+
+
+def check_length_free(bimorph: Bimorph) -> None:
+    """Refuse to vary the ceramic's length where a profile is stated for the present one.
+
+    Raises
+    ------
+    InputError
+        Naming the profile.
+    """
+    for name in bimorph.profiles:
+        raise InputError(
+            f"bimorph.length cannot be varied, since bimorph.{name} is stated for "
+            f"{1e3 * bimorph.length:g} mm; leave the profile out"
+        )
 
 
 def terminated(
@@ -148,6 +169,11 @@ def terminated(
     -------
     (n, 5, 5) complex array
         Over [w_base, ψ_base, w_tip, ψ_tip, U].
+
+    Raises
+    ------
+    InputError
+        If the row of pieces does not follow a key smoothly; see :func:`check_keys`.
     """
     now = actuator.with_values(values)
     support, load = now.support, now.load
@@ -191,7 +217,7 @@ def _pieces(actuator: Actuator, values: Values) -> list[Piece]:
     for key, value in values.items():
         slopes = _slopes(actuator, key)
         if slopes is None:
-            continue
+            raise _unvariable(actuator, key)
         for i, k in zip(*np.nonzero(slopes), strict=True):
             dimensions[i][k] = dimensions[i][k] + slopes[i, k] * (value - actuator.value(key))
     return [_with_dimensions(piece, d) for piece, d in zip(row, dimensions, strict=True)]

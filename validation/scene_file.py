@@ -100,9 +100,14 @@ def split_override(text: str) -> tuple[str, str]:
     """
     key, equals, value = text.partition("=")
     if not equals or not key.strip() or not value.strip():
+        unset = (
+            f"; to take the profile away write --set {key.strip()}=uniform"
+            if equals and key.strip().endswith("_profile")
+            else ""
+        )
         raise InputError(
             f"--set {quoted(text)} is not of the form KEY=VALUE; write for example "
-            "--set bimorph.length=25mm"
+            f"--set bimorph.length=25mm{unset}"
         )
     return key.strip(), value.strip()
 

@@ -13,13 +13,11 @@ from geometry.errors import InputError
 from validation.commands.common import Commands, scene_options, warn
 
 if TYPE_CHECKING:
+    from validation.design.aim import Aim
     from validation.design.length_dependence import Dependence
-    from validation.design.length_design import Aim, Design
+    from validation.design.length_design import Design
     from validation.design.length_map import LengthMap
     from validation.scene import Scene
-
-#: Lengths of the table and the plot.
-_SHOWN = 7
 
 
 def add(commands: Commands) -> None:
@@ -40,8 +38,9 @@ def add(commands: Commands) -> None:
         "--band", default="10:1000", metavar="LOW:HIGH", help="in Hz (default 10:1000)"
     )
     parser.add_argument(
-        "--lengths", default="10mm:40mm", metavar="LOW:HIGH", help="default 10mm:40mm"
-    )
+        "--lengths", default="20mm:40mm", metavar="LOW:HIGH",
+        help="search these (default 20mm:40mm, the paper's)",
+    )  # fmt: skip
     parser.add_argument("--plot", metavar="FILE.svg", help="draw it")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
@@ -54,6 +53,7 @@ def run(options: argparse.Namespace) -> int:
     from validation.design.length_dependence import dependences
     from validation.design.length_design import design
     from validation.design.length_map import length_map
+    from validation.design.length_section import CURVES
     from validation.idle_keys import scene_warnings
     from validation.progress import announcer
     from validation.scene import load_scene
@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
     with announcer() as announce:
         announce("length design")
         found = design(scene, aim)
-        study = length_map(scene, np.linspace(*aim.lengths, _SHOWN), aim.band)
+        study = length_map(scene, np.linspace(*aim.lengths, CURVES), aim.band)
         announce("what the length depends on")
         rows = dependences(found, origins)
         if options.plot:
@@ -83,7 +83,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _aim(options: argparse.Namespace) -> Aim:
-    from validation.design.length_design import Aim
+    from validation.design.aim import Aim
     from validation.frequencies import parse_frequencies
 
     try:
@@ -96,7 +96,7 @@ def _aim(options: argparse.Namespace) -> Aim:
         )
     low, high = _two(options.band, "--band", "10:1000")
     first, last = parse_frequencies([low, high])
-    short, long = _two(options.lengths, "--lengths", "10mm:40mm")
+    short, long = _two(options.lengths, "--lengths", "20mm:40mm")
     return Aim(options.aim, margin, (first, last), (_length(short), _length(long)))
 
 
@@ -133,7 +133,7 @@ def _draw(file: Path, study: LengthMap, found: Design) -> None:
 def _print(scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence, ...]) -> None:
     from validation.design.length_dependence import decided_lengths
     from validation.design.length_section import NEGLIGIBLE, table_rows
-    from validation.design.wording import sentences
+    from validation.design.wording import sentences, signed
 
     for sentence in sentences(found):
         print(sentence)
@@ -142,9 +142,9 @@ def _print(scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence
     for row in table_rows(scene, study, found.aim):
         dip = row["minimum"]
         lowest = (
-            (f"{1e6 * dip.displacement:.4g} um", f"{dip.frequency:.4g} Hz") if dip else ("none", "")
+            (f"{1e6 * dip.displacement:.4g} µm", f"{dip.frequency:.4g} Hz") if dip else ("none", "")
         )
-        print(f"{1e3 * row['length']:>7.4g} mm {1e6 * row['start']:>10.4g} um {lowest[0]:>11} "
+        print(f"{1e3 * row['length']:>7.4g} mm {1e6 * row['start']:>10.4g} µm {lowest[0]:>11} "
               f"{lowest[1]:>9} {row['margin']:>14.4g} {row['margin_at']:>6.4g} Hz")  # fmt: skip
     columns = decided_lengths(found)
     if not columns:
@@ -155,7 +155,7 @@ def _print(scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence
     print(f"{'parameter':32} {'value':>22} {heads}  source")
     for line in rows:
         if line.largest >= NEGLIGIBLE:
-            slopes = " ".join(f"{slope:>+12.3f}" for slope in line.slopes)
+            slopes = " ".join(f"{signed(slope):>12}" for slope in line.slopes)
             print(f"{line.key:32} {line.text:>22} {slopes}  {line.source}")
     idle = [line.key for line in rows if line.largest < NEGLIGIBLE]
     if idle:
@@ -173,6 +173,10 @@ def _as_json(
     aim = found.aim
     return {
         "scene": scene.name,
+        "setting": {
+            "voltage": scene.drive.voltage, "wiring": scene.bimorph.wiring,
+            "load": scene.load.kind,
+        },
         "aim": {
             "kind": aim.kind, "margin": aim.margin,
             "band": list(aim.band), "lengths": list(aim.lengths),

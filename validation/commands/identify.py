@@ -18,12 +18,13 @@ MEASURED.csv has a header that names each column with its unit:
   velocity (mm/s)              a magnitude; or with velocity_phase (deg);
                                or velocity_re (mm/s) and velocity_im (mm/s)
   uncertainty (mm/s)           optional: one standard deviation of each point, or
-  weight                       optional: how often a point counts, 0 leaves it out
+  weight                       optional: how much a point counts; only ratios matter, the
+                               variance of its noise goes as 1/weight, 0 leaves it out
 Instead of velocity: displacement (um), admittance (S) or current (A).  Comma, semicolon or tab
-between columns, a decimal point, comments after #.  Amplitudes are peak values, the phase is
-that against the voltage, with the time factor exp(+j omega t).  Velocity, displacement and
-current are those at the scene's drive.voltage (1 V in prototype): set another with
---set drive.voltage=5V.
+between columns, a decimal point, comments from # to the end of a line.  Amplitudes are peak
+values, the phase is that against the voltage, with the time factor exp(+j omega t).  Velocity,
+displacement and current are those at the scene's drive.voltage (1 V in prototype): set another
+with --set drive.voltage=5V.
 """
 _EXAMPLES = """\
 NAME is c_s, c_sl, d_s, theta, rho_p or a scene key such as piezo.quality_factor.  START is the

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from validation.commands.common import Commands, scene_options, warn
+from validation.commands.common import Commands, say, scene_options, warn
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -56,18 +56,23 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from validation.idle_keys import scene_warnings
-    from validation.limits import load_warnings
+    from validation.limits import load_warnings, threshold_warnings
     from validation.progress import announcer
     from validation.scene import load_scene
+    from validation.uncertainty.headline_numbers import actuator
     from validation.uncertainty.propagation import parameter_uncertainty
-    from validation.uncertainty.table import sensitivity_columns
+    from validation.uncertainty.table import sensitivity_columns, thinned
+    from validation.uncertainty.varied_keys import left_out
 
     names = ",".join(options.quantity or _DEFAULT)
     wanted = (f"frequency={options.frequency}", f"quantities={names}")
     scene, origins = load_scene(options.scene, [*options.overrides, *wanted])
     warn(scene_warnings(scene, origins))
     columns = sensitivity_columns(scene, options.key)
-    warn(load_warnings(scene, scene.quantities))
+    warn(load_warnings(scene, scene.quantities) + threshold_warnings(scene, scene.quantities))
+    omitted = left_out(scene, actuator(scene)) if options.sobol or not options.key else ""
+    if omitted:
+        say(f"note: {omitted}")
     uncertain: list[Uncertainty] = []
     if options.sobol:
         with announcer() as announce:
@@ -76,7 +81,10 @@ def run(options: argparse.Namespace) -> int:
         json.dump(_as_json(scene.name, columns, uncertain), sys.stdout)
         print()
     else:
-        _print_sensitivities(columns)
+        shown = thinned(columns)
+        if len(shown) < len(columns):
+            say(f"note: {len(shown)} of {len(columns)} columns are shown; --json gives all")
+        _print_sensitivities(shown)
         if uncertain:
             _print_uncertainty(uncertain)
     return 0
@@ -117,27 +125,28 @@ def _as_json(
     }
 
 
-def _print(table: Table) -> None:
+def _print(title: str, table: Table) -> None:
     """Print a table as wide as it has to be: digits are not to be cut off."""
     from rich.console import Console
 
     console = Console()
     needed = console.measure(table, options=console.options.update(width=1000)).maximum
     console.width = max(console.width, needed)
+    print(title)  # a table's own title is broken to the table's width
     console.print(table)
 
 
 def _print_sensitivities(columns: Sequence[SensitivityColumn]) -> None:
     from rich.table import Table
 
-    table = Table(title="change in percent per percent of parameter", title_justify="left")
+    table = Table()
     table.add_column("parameter", no_wrap=True)
     for column in columns:
         table.add_column(column.label, justify="right")
     table.add_row("value", *(column.text for column in columns), end_section=True)
     for key in columns[0].logarithmic:
         table.add_row(key, *(_signed(column.logarithmic[key]) for column in columns))
-    _print(table)
+    _print("change in percent per percent of parameter", table)
 
 
 def _signed(value: float) -> str:
@@ -149,7 +158,7 @@ def _print_uncertainty(uncertain: Sequence[Uncertainty]) -> None:
 
     from validation.formats import engineering, share
 
-    table = Table(title="uncertainty from the ranges of the parameters", title_justify="left")
+    table = Table()
     for name in ("number", "value", "numerical", "95 % of samples", "main contributors"):
         table.add_column(
             name, justify="left" if name in ("number", "main contributors") else "right"
@@ -165,4 +174,4 @@ def _print_uncertainty(uncertain: Sequence[Uncertainty]) -> None:
             f"{low:+.1f} … {high:+.1f} %",
             ", ".join(contributors),
         )
-    _print(table)
+    _print("uncertainty from the ranges of the parameters", table)

@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
+from geometry.arrays import Complex, Floats, Ints
 from tmm.multiport import W_TIP
 from tmm.parametric import terminated
 from tmm.port_quantities import free_ports, port_motion
@@ -26,7 +26,13 @@ from validation.design.detection import (
     STATED_VOLTAGES,
     StatedVoltage,
 )
-from validation.design.length_map import actuator, band_points
+from validation.design.length_map import (
+    actuator,
+    band_points,
+    local_minima,
+    with_surroundings,
+)
+from validation.design.wording import LOADS
 from validation.scene import Scene
 
 #: Wiring, and whether the tip is loaded.
@@ -93,9 +99,7 @@ def voltage_study(scene: Scene) -> VoltageStudy:
 
     Loaded is the scene's load, or the finger if the scene has none.
     """
-    # stated frequencies belong to the grid, so that no value there is interpolated
-    own = [f for s in STATED_VOLTAGES for f in s.frequencies]
-    grid = np.unique([*band_points(DISPLAY_THRESHOLD.range), *own])
+    grid = _grid(scene)
     per_volt = {case: _per_volt(scene, case, grid) for case in CASES}
     threshold = DISPLAY_THRESHOLD.at(grid)
     voltages: dict[Case, Floats] = {case: threshold / np.abs(w) for case, w in per_volt.items()}
@@ -111,6 +115,24 @@ def voltage_study(scene: Scene) -> VoltageStudy:
     )
 
 
+def _grid(scene: Scene) -> Floats:
+    """Return the frequencies (Hz): the stated ones, and close by every extreme of a voltage."""
+    own = [f for s in STATED_VOLTAGES for f in s.frequencies]
+    grid = np.unique([*band_points(DISPLAY_THRESHOLD.range), *own])
+    extremes = [_extremes(scene, case, grid, sign) for case in CASES for sign in (1.0, -1.0)]
+    return with_surroundings(grid, np.concatenate(extremes))
+
+
+def _extremes(scene: Scene, case: Case, grid: Floats, sign: float) -> Floats:
+    """Return where (Hz) the voltage has its minima (sign 1) or maxima (−1)."""
+
+    def voltage(_: Ints, f: Floats) -> Floats:
+        moved = np.abs(_per_volt(scene, case, f.ravel())).reshape(f.shape)
+        return np.asarray(sign * DISPLAY_THRESHOLD.at(f) / moved)
+
+    return local_minima(grid, voltage(np.zeros(1, int), grid)[None], voltage)[1]
+
+
 def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any] | None:
     """Return what the report shows of it; None for an actuator that does not move."""
     if scene.piezo.d31 == 0.0:
@@ -119,9 +141,8 @@ def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any] | N
 
     announce("excitation voltage")
     study = voltage_study(scene)
-    titles = {"finger": "under the finger", "mass": "with the tip mass"}
     kind = _loaded(scene).load.kind
-    loads = {"loaded": titles.get(kind, "on spring and damper"), "free": "free tip"}
+    loads = {"loaded": LOADS[kind], "free": "free tip"}
     return {
         "study": study,
         "findings": findings(study),

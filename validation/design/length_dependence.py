@@ -25,8 +25,10 @@ from geometry.arrays import Floats
 from tmm.parametric import Actuator, parameter_keys
 from tmm.sensitivities import logarithmic_sensitivities
 from tmm.terminations import finger_spring_damper
-from validation.design.length_design import Aim, Design, lowest_margin
+from validation.design.aim import Aim
+from validation.design.length_design import Design
 from validation.design.length_map import actuator
+from validation.design.length_scan import lowest_margin
 from validation.parameter_list import parameter_rows
 
 #: How far on either side of a largest margin the slopes are taken (relative).

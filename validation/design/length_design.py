@@ -8,7 +8,8 @@ to detection threshold over the band,
 
 the aims are the shortest l with m(l) >= margin, and the l of largest m.  m is neither smooth
 nor monotone: the frequency that decides changes, and dips of |w| pass through the band.  So
-it is scanned, and every crossing and the highest peak are then refined.
+it is scanned (:mod:`validation.design.length_scan`), and every crossing and the highest peak
+are then refined.
 """
 
 from __future__ import annotations
@@ -20,86 +21,21 @@ from typing import Literal
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.errors import InputError
+from geometry.arrays import Floats
 from tmm.parametric import Actuator
-from validation.design.detection import DISPLAY_THRESHOLD, ThresholdCurve
-from validation.design.length_map import (
-    actuator,
-    band_points,
-    check_moves,
-    local_minima,
-    tip_amplitude,
-)
+from validation.design.aim import Aim
+from validation.design.length_map import actuator
+from validation.design.length_scan import lowest_margin, scan
 from validation.scene import Scene
 
-AimKind = Literal["shortest", "margin"]
 #: What decides the length: the margin is just reached, the margin is largest, an end of the
 #: range, or no length reaches the margin and the largest one is given instead.
 Limit = Literal["threshold", "peak", "end", "compromise"]
 
-#: Lengths of the scan: a feasible interval shorter than their spacing may be missed.
-_SCANNED = 81
 #: Relative accuracy to which crossings are refined, and peaks, which rounding flattens.
 _ACCURACY, _PEAK_ACCURACY = 1e-9, 1e-7
 #: A beam shorter than this many thicknesses is no longer slender.
 _SLENDER = 10.0
-
-
-@dataclass(frozen=True)
-class Aim:
-    """What is wanted of the length.
-
-    Attributes
-    ----------
-    kind : {"shortest", "margin"}
-        The shortest length that keeps the margin, or the length of the largest margin.
-    margin : float
-        Deflection over detection threshold to keep.
-    band : (float, float)
-        Frequencies over which it is to be kept (Hz).
-    lengths : (float, float)
-        Shortest and longest ceramic length (m).
-    threshold : ThresholdCurve
-        The detection threshold.
-    """
-
-    kind: AimKind = "shortest"
-    margin: float = 1.0
-    band: tuple[float, float] = (10.0, 1000.0)
-    lengths: tuple[float, float] = (10e-3, 40e-3)
-    threshold: ThresholdCurve = DISPLAY_THRESHOLD
-
-    def __post_init__(self) -> None:
-        """Refuse an aim that means nothing.
-
-        Raises
-        ------
-        InputError
-            Naming the option.
-        """
-        if not (math.isfinite(self.margin) and self.margin > 0.0):
-            raise InputError(
-                f"margin = {self.margin:g} is not a factor above 0; write for example --margin 1.5"
-            )
-        low, high = self.band
-        if not low < high:
-            raise InputError(
-                f"band = {low:g} to {high:g} Hz does not rise; write for example --band 10:1000"
-            )
-        if self.threshold.outside(np.array(self.band)).any():
-            first, last = self.threshold.range
-            raise InputError(
-                f"band = {low:g} to {high:g} Hz reaches beyond the detection threshold, which is "
-                f"stated from {first:g} to {last:g} Hz; write for example --band "
-                f"{first:g}:{last:g}"
-            )
-        short, long = self.lengths
-        if not 0.0 < short < long:
-            raise InputError(
-                f"lengths = {1e3 * short:g} mm to {1e3 * long:g} mm do not rise from above 0 mm; "
-                "write for example --lengths 10mm:40mm"
-            )
 
 
 @dataclass(frozen=True)
@@ -158,36 +94,17 @@ class Design:
         return tuple((length, at) for length, at in ends if at is not None)
 
 
-def lowest_margin(device: Actuator, aim: Aim, lengths: Floats) -> tuple[Floats, Floats]:
-    """Return m (n,) and the frequency (n,) in Hz that decides it, for lengths (n,) in m."""
-    lengths = np.asarray(lengths, dtype=float)
-    f = band_points(aim.band)
-
-    def ratio(which: Ints, frequencies: Floats) -> Floats:
-        w = tip_amplitude(device, lengths[which][:, None], frequencies)
-        return np.asarray(w / aim.threshold.at(frequencies))
-
-    on_grid = ratio(np.arange(lengths.size), f)
-    at = np.argmin(on_grid, axis=1)
-    lowest, where = on_grid[np.arange(lengths.size), at], f[at]
-    for row, frequency, value in zip(*local_minima(f, on_grid, ratio), strict=True):
-        if value < lowest[row]:
-            lowest[row], where[row] = value, frequency
-    return lowest, where
-
-
 def design(scene: Scene, aim: Aim) -> Design:
     """Find the length for an aim.
 
     Raises
     ------
     InputError
-        If the tip does not move.
+        If the tip does not move, or if the lengths cannot be had; see
+        :func:`validation.design.length_scan.scan`.
     """
     device = actuator(scene)
-    grid = np.linspace(*aim.lengths, _SCANNED)
-    margins, _ = lowest_margin(device, aim, grid)
-    check_moves(margins)
+    grid, margins = scan(device, aim, scene.bimorph.length)
     intervals = _feasible(device, aim, grid, margins)
     limit: Limit
     if aim.kind == "shortest" and intervals:

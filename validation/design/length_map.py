@@ -13,7 +13,7 @@ import numpy as np
 from geometry.arrays import Floats, Ints
 from geometry.errors import InputError
 from tmm.multiport import W_TIP
-from tmm.parametric import Actuator, terminated
+from tmm.parametric import Actuator, check_length_free, terminated
 from tmm.port_quantities import free_ports, port_motion
 from validation.scene import Scene
 
@@ -22,6 +22,11 @@ _POINTS = 120
 #: Points per round of narrowing, and rounds: the bracket, 8 % of a frequency, shrinks to 2e-7
 #: of it, where rounding hides what is left of a smooth minimum.
 _PROBES, _ROUNDS = 17, 6
+#: Points of a curve beside each of its extremes, at these shares of its frequency: from a
+#: sharp minimum's own width up to the spacing of the other points.
+_BESIDE = 4e-4 * 2.0 ** np.arange(8)
+#: Frequencies that a power law misses by more than this (relative) do not follow one.
+_LAWFUL = 0.1
 
 
 @dataclass(frozen=True)
@@ -41,7 +46,7 @@ class LengthMap:
     lengths : (m,) array
         Ceramic length (m).
     frequencies : (n,) array
-        Hz.
+        Hz: evenly in ln f, and around every minimum and maximum of a curve.
     displacement : (m, n) array
         Amplitudes (m).
     minima : tuple of Minimum or None
@@ -55,13 +60,17 @@ class LengthMap:
 
     @property
     def minimum_law(self) -> tuple[float, float] | None:
-        """Exponent n and worst relative misfit of f_min = C length^n; None below three minima."""
+        """Exponent n and worst relative misfit of f_min = C length^n.
+
+        None below three minima, or where another of them becomes the deepest in between.
+        """
         found = [(l, m.frequency) for l, m in zip(self.lengths, self.minima, strict=True) if m]
         if len(found) < 3:
             return None
         l, f = np.log(np.array(found)).T
         slope, offset = np.polyfit(l, f, 1)
-        return float(slope), float(np.abs(np.expm1(offset + slope * l - f)).max())
+        misfit = float(np.abs(np.expm1(offset + slope * l - f)).max())
+        return (float(slope), misfit) if misfit < _LAWFUL else None
 
 
 def actuator(scene: Scene) -> Actuator:
@@ -89,10 +98,11 @@ def length_map(scene: Scene, lengths: Floats, band: tuple[float, float]) -> Leng
     Raises
     ------
     InputError
-        If the tip does not move at all.
+        If the tip does not move at all, or a length cannot be had.
     """
     device, f = actuator(scene), band_points(band)
     lengths = np.asarray(lengths, dtype=float)
+    check_lengths(device, lengths)
     displacement = tip_amplitude(device, lengths[:, None], f)
     check_moves(displacement)
 
@@ -109,7 +119,36 @@ def length_map(scene: Scene, lengths: Floats, band: tuple[float, float]) -> Leng
             minima.append(Minimum(float(where[own][deepest]), float(values[own][deepest])))
         else:
             minima.append(None)
+    peaks = local_minima(f, -displacement, lambda row, x: -at(row, x))[1]
+    f = with_surroundings(f, np.concatenate([where, peaks]))
+    displacement = tip_amplitude(device, lengths[:, None], f)
     return LengthMap(lengths, f, displacement, tuple(minima))
+
+
+def check_lengths(device: Actuator, lengths: Floats) -> None:
+    """Refuse lengths (n,) in m of which the scene's ceramic cannot be cut.
+
+    Raises
+    ------
+    InputError
+        If a profile is stated for another length, or no electrode is left.
+    """
+    bimorph, mm = device.device.bimorph, 1e3
+    check_length_free(bimorph)
+    bare, shortest = bimorph.bare_below + bimorph.bare_above, float(lengths.min())
+    if shortest <= bare:
+        raise InputError(
+            f"lengths from {mm * shortest:g} mm leave no electrode beside bimorph.bare_below = "
+            f"{mm * bimorph.bare_below:g} mm and bimorph.bare_above = "
+            f"{mm * bimorph.bare_above:g} mm; start above {mm * bare:g} mm"
+        )
+
+
+def with_surroundings(frequencies: Floats, extremes: Floats) -> Floats:
+    """Return the grid (n,) with extremes (k,) and some points around each, ascending (Hz)."""
+    near = np.outer(extremes, [*(1.0 - _BESIDE), 1.0, *(1.0 + _BESIDE)])
+    inside = near[(near > frequencies[0]) & (near < frequencies[-1])]
+    return np.unique([*frequencies, *inside])
 
 
 def check_moves(displacement: Floats) -> None:

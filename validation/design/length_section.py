@@ -7,17 +7,20 @@ from typing import Any
 
 import numpy as np
 
+from geometry.errors import InputError
 from tmm.sensitivities import logarithmic_sensitivities
+from validation.design import wording
+from validation.design.aim import PAPER_LENGTHS, Aim
 from validation.design.length_dependence import decided_lengths, dependences
-from validation.design.length_design import Aim, Design, design, lowest_margin
+from validation.design.length_design import Design, design
 from validation.design.length_map import LengthMap, actuator, length_map
-from validation.design.wording import sentences
+from validation.design.length_scan import lowest_margin
 from validation.scene import Scene
 
-#: The paper's lengths: 20 mm (red) to 40 mm (blue line of Fig 9).
-PAPER_LENGTHS = (20e-3, 40e-3)
-#: Curves between them.
-_CURVES = 9
+#: Lengths of the table and the plot: from 20 to 40 mm in steps of 2.5 mm.
+CURVES = 9
+#: Lengths (m) that the paper does not show, for comparison.
+_SHORTER = (10e-3, 40e-3)
 _SOUGHT = {"shortest": "shortest that keeps margin 1", "margin": "largest margin"}
 #: Parameters with smaller slopes are named without their number: 10 % of one then moves the
 #: length by less than 0.005 %.
@@ -30,19 +33,27 @@ def section(
     """Return what the report shows; None for an actuator that does not move.
 
     The scene's bimorph and support in the paper's own question: under the finger, at 50 V.
+    Where the ceramic cannot have other lengths, `found` is None and `why` says so.
     """
     if scene.piezo.d31 == 0.0:
         return None
+    announce("length design")
+    try:
+        return _found(scene, origins)
+    except InputError as reason:
+        return {"found": None, "why": str(reason)}
+
+
+def _found(scene: Scene, origins: dict[str, str]) -> dict[str, Any]:
     from validation.design.plots import length_plot
 
-    announce("length design")
     asked = scene.model_copy(
         update={
             "load": scene.load.model_copy(update={"kind": "finger"}),
             "drive": scene.drive.model_copy(update={"voltage": 50.0}),
         }
     )
-    study = length_map(asked, np.linspace(*PAPER_LENGTHS, _CURVES), Aim().band)
+    study = length_map(asked, np.linspace(*PAPER_LENGTHS, CURVES), Aim().band)
     found = design(asked, Aim())
     rows = dependences(found, origins)
     return {
@@ -50,7 +61,14 @@ def section(
         "rows": table_rows(asked, study, found.aim),
         "law": study.minimum_law,
         "found": found,
-        "statements": sentences(found),
+        "changed": wording.changed_setting(scene, asked),
+        "caveat": wording.caveat(found),
+        "statements": (
+            wording.statement(found),
+            wording.feasible(found),
+            wording.present(found),
+        ),
+        "signed": wording.signed,
         "cases": _cases(asked),
         "decided": decided_lengths(found),
         "dependences": [row for row in rows if row.largest >= NEGLIGIBLE],
@@ -78,7 +96,9 @@ def table_rows(scene: Scene, study: LengthMap, aim: Aim) -> list[dict[str, Any]]
 
 def _cases(scene: Scene) -> list[tuple[str, str, Design]]:
     """Return the aims worth comparing: title, what is sought, result."""
-    aims = (Aim(lengths=PAPER_LENGTHS), Aim(kind="margin"))
+    aims = [Aim(), Aim(kind="margin")]
+    if scene.bimorph.bare_below + scene.bimorph.bare_above < _SHORTER[0]:
+        aims.append(Aim(kind="margin", lengths=_SHORTER))
     found = []
     for wiring in ("parallel", "series"):
         bimorph = scene.bimorph.model_copy(update={"wiring": wiring})

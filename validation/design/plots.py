@@ -33,6 +33,10 @@ VOLTAGE_STYLE: dict[Case, dict[str, Any]] = {
 }
 
 
+#: Lengths that span more than this factor are drawn over a logarithmic axis.
+_WIDE = 5.0
+
+
 def length_plot(study: LengthMap, found: Design) -> str:
     """Plot deflection over frequency, margin over length, and the minimum over length.
 
@@ -43,8 +47,12 @@ def length_plot(study: LengthMap, found: Design) -> str:
     found : Design
         Threshold and margin asked for.
     """
-    figure, axes = _figure(9.0, 7.4, [["curves", "curves"], ["margin", "minimum"]], (1.25, 1.0))
+    layout = [[*6 * ["curves"], *2 * ["key"]], [*4 * ["margin"], *4 * ["minimum"]]]
+    figure, axes = _figure(9.0, 7.4, layout, (1.25, 1.0))
     _curves(axes["curves"], study, found.aim.threshold)
+    names = axes["curves"].get_legend_handles_labels()
+    axes["key"].legend(*names, frameon=False, loc="center left", fontsize=8)
+    axes["key"].axis("off")
     _margin(axes["margin"], found)
     _minimum(axes["minimum"], study)
     return _drawn(figure)
@@ -67,8 +75,6 @@ def _curves(axis: Any, study: LengthMap, threshold: ThresholdCurve) -> None:
     axis.set_title("Deflection of each length; dots: its minimum", loc="left")
     axis.set_xlabel("frequency (Hz)")
     axis.set_ylabel("tip displacement |w| (µm)")
-    axis.set_ylim(bottom=0.12e6 * float(level.min()))  # room for the legend
-    axis.legend(frameon=False, ncols=6, loc="lower center", fontsize=8)
 
 
 def _margin(axis: Any, found: Design) -> None:
@@ -80,10 +86,12 @@ def _margin(axis: Any, found: Design) -> None:
     axis.plot(1e3 * found.length, found.margin, "o", color="#D55E00", clip_on=False, label="found")
     own = 1e3 * found.scene.bimorph.length
     if millimetres[0] <= own <= millimetres[-1]:
-        axis.plot(own, found.present[0], "ko", mfc="white", label="the scene's")
+        axis.plot(own, found.present[0], "ko", mfc="white", clip_on=False, label="the scene's")
     axis.legend(frameon=False)
     axis.set(yscale="log", xlim=(millimetres[0], millimetres[-1]))
-    axis.set_title("Lowest margin over the band; green: kept", loc="left")
+    if millimetres[-1] > _WIDE * millimetres[0]:
+        axis.set_xscale("log")
+    axis.set_title("Lowest margin; green: kept", loc="left")
     axis.set_xlabel("length (mm)")
     axis.set_ylabel("lowest |w| / threshold")
 
@@ -100,6 +108,8 @@ def _minimum(axis: Any, study: LengthMap) -> None:
             line = np.exp(np.mean(np.log(frequencies)) + exponent * relative)
             axis.plot(1e3 * lengths, line, "k-", lw=0.9, label=f"∝ length$^{{{exponent:.2f}}}$")
             axis.legend(frameon=False)
+    if study.lengths[-1] > _WIDE * study.lengths[0]:
+        axis.set(xscale="log", yscale="log")
     axis.set_title("Frequency of the deepest minimum", loc="left")
     axis.set_xlabel("length (mm)")
     axis.set_ylabel("frequency (Hz)")

@@ -3,11 +3,47 @@
 from __future__ import annotations
 
 from validation.design.length_design import Design
+from validation.scene import Scene
+
+#: What the tip pushes against, by the scene's ``load.kind``.
+LOADS = {
+    "none": "with a free tip",
+    "finger": "under the finger",
+    "mass": "with the tip mass",
+    "spring_damper": "on spring and damper",
+}
 
 
 def sentences(found: Design) -> tuple[str, ...]:
     """Return all that is to be said of a design."""
-    return statement(found), feasible(found), present(found), caveat(found)
+    return setting(found), statement(found), feasible(found), present(found), caveat(found)
+
+
+def setting(found: Design) -> str:
+    """Return how the actuator is driven and loaded."""
+    scene = found.scene
+    return (
+        f"Driven with {scene.drive.voltage:g} V, wired in {scene.bimorph.wiring}, "
+        f"{LOADS[scene.load.kind]}."
+    )
+
+
+def changed_setting(scene: Scene, asked: Scene) -> str:
+    """Return where `asked` is driven or loaded otherwise than the scene; nothing if nowhere."""
+    now, own = [], []
+    if asked.drive.voltage != scene.drive.voltage:
+        now.append(f"at {asked.drive.voltage:g} V")
+        own.append(f"{scene.drive.voltage:g} V")
+    if asked.load.kind != scene.load.kind:
+        now.append(LOADS[asked.load.kind])
+        own.append(LOADS[scene.load.kind])
+    return f"{' '.join(now)} instead of this scene's {', '.join(own)}" if now else ""
+
+
+def signed(slope: float) -> str:
+    """Return a slope with its sign and three decimals; zero has no sign."""
+    text = f"{slope:+.3f}"
+    return text if float(text) else "0.000"
 
 
 def statement(found: Design) -> str:
@@ -49,8 +85,10 @@ def feasible(found: Design) -> str:
 def present(found: Design) -> str:
     """Return how the scene's own length stands."""
     margin, at = found.present
+    own, (low, high) = found.scene.bimorph.length, found.aim.lengths
+    outside = "" if low <= own <= high else " outside that range,"
     return (
-        f"The scene's own length, {_mm(found.scene.bimorph.length)}, has |w| / threshold "
+        f"The scene's own length, {_mm(own)},{outside} has |w| / threshold "
         f"{margin:.4g} at worst, at {at:.4g} Hz."
     )
 

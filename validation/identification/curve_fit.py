@@ -40,6 +40,7 @@ class Misfit:
         ``relative``: every point is uncertain by the same fraction; the residual is
         ln(model/data), real part and (with a phase) imaginary part.  ``constant``: by the
         same amount; the residual is the difference.  ``stated``: by its own uncertainty.
+        For the first two the variance goes as 1/weight, the weights' mean taken as 1.
     """
 
     curve: MeasuredCurve
@@ -51,7 +52,7 @@ class Misfit:
         if self.noise == "stated":
             assert self.curve.uncertainty is not None
             return np.asarray(1.0 / self.curve.uncertainty)
-        weight = np.sqrt(self.curve.weight)
+        weight = np.sqrt(self.curve.relative_weight)
         return weight if self.noise == "relative" else np.asarray(weight / self.unit_of_noise)
 
     @property

@@ -15,6 +15,7 @@ from pydantic import BeforeValidator, TypeAdapter, ValidationError
 
 from geometry.errors import InputError
 from geometry.units import Unit, quoted
+from tmm.parametric import check_length_free
 from validation.idle_keys import scene_warnings
 from validation.scene import Scene, scene_keys
 from validation.wording import nearest, one_line
@@ -77,6 +78,8 @@ def fit_parameter(scene: Scene, text: str) -> FitParameter:
         )
     key = SYMBOLS.get(name, name)
     unit = _unit(scene, key, name)
+    if key == "bimorph.length":
+        check_length_free(scene.bimorph)
     start = _read(key, start_text, unit) if equals else float(value_of(scene, key))
     if start == 0.0:
         raise InputError(

@@ -11,7 +11,12 @@ from geometry.arrays import Complex, Floats, Numbers
 from validation.identification.curve_fit import Misfit, Scan
 from validation.identification.curve_model import CurveModel, curve_model, sensitivities
 from validation.identification.fit_parameters import idle, value_of
-from validation.identification.identifiability import Statistics, neighbours_alike, unlikely_scatter
+from validation.identification.identifiability import (
+    RANK,
+    Statistics,
+    neighbours_alike,
+    unlikely_scatter,
+)
 from validation.identification.measured_curve import MeasuredCurve
 from validation.parameter_list import ParameterRow, parameter_rows
 from validation.scene import Scene
@@ -45,7 +50,8 @@ def assumed_slopes(
     """Return how the estimates follow assumed parameters: −J⁺ ∂r/∂ln q at the optimum.
 
     This is implicit differentiation of the normal equations with the residuals' second
-    derivatives left out, as in the covariance.
+    derivatives left out, as in the covariance.  What the data do not tell apart shares a
+    change alike.
     """
     rows = [
         row
@@ -60,7 +66,7 @@ def assumed_slopes(
     varied = curve_model(scene, model.quantity, model.frequencies, keys)
     shifts = misfit.jacobian(now, sensitivities(varied, values))
     slopes = np.full((len(model.keys), len(keys)), np.nan)
-    slopes[free] = -np.linalg.lstsq(jacobian, shifts, rcond=None)[0]
+    slopes[free] = -np.linalg.lstsq(jacobian, shifts, rcond=RANK)[0]
     found = [
         Assumption(row, tuple(map(float, slope)))
         for row, slope, shift in zip(rows, slopes.T, shifts.T, strict=True)

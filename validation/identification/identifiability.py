@@ -22,7 +22,7 @@ VAGUE = 2.0
 #: Intervals narrower than this (of ln p) are those of an exact curve.
 _EXACT = 1e-9
 #: Singular values below this fraction of the largest are rounding of the derivatives.
-_RANK = 1e-9
+RANK = 1e-9
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def statistics(jacobian: Floats, residuals: Floats, *, stated: bool) -> Statisti
     # an exact curve would have a variance of 0 and no correlations
     deviation = 1.0 if stated else max(level, np.finfo(float).eps)
     _, values, right = np.linalg.svd(jacobian / deviation, full_matrices=False)
-    kept = np.maximum(values, _RANK * values.max(initial=0.0))
+    kept = np.maximum(values, RANK * values.max(initial=0.0))
     tail = 0.5 * (1.0 + CONFIDENCE)
     quantile = float(ndtri(tail) if stated else stdtrit(freedom, tail))
     return Statistics(right / kept[:, None], quantile, values, level, freedom)

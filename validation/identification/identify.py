@@ -30,6 +30,7 @@ from validation.identification.fit_quality import (
     phase_hint,
 )
 from validation.identification.identifiability import (
+    INSEPARABLE,
     VAGUE,
     Statistics,
     inseparable,
@@ -183,8 +184,9 @@ def identify(
     now, sensitivity = model(values), sensitivities(model, values)
     residuals = misfit.residuals(now)
     free = [i for i, edge in enumerate(edges) if not edge]
-    jacobian = misfit.jacobian(now, sensitivity)[:, free]
-    stats = statistics(jacobian, residuals, stated=misfit.noise == "stated")
+    everything = misfit.jacobian(now, sensitivity)
+    jacobian, stated = everything[:, free], misfit.noise == "stated"
+    stats = statistics(jacobian, residuals, stated=stated)
     fitted_scene = with_values(start, dict(zip(model.keys, map(float, values), strict=True)))
     warnings += doubts(misfit, stats, now, residuals) + phase_hint(curve, found)
     warnings += _inadmissible(fitted_scene)
@@ -202,7 +204,8 @@ def identify(
         fitted=now,
         band=_band(sensitivity[:, free], stats),
         assumptions=assumed_slopes(fitted_scene, origins or {}, misfit, now, jacobian, free, model),
-        findings=_findings([estimates[i] for i in free], estimates, stats),
+        # two that only their product fixes may both have drifted to their bounds
+        findings=_findings(estimates, statistics(everything, residuals, stated=stated)),
         warnings=tuple(warnings),
     )
 
@@ -307,19 +310,19 @@ def _estimates(
     return tuple(estimates)
 
 
-def _findings(
-    free: Sequence[Estimate], estimates: Sequence[Estimate], stats: Statistics
-) -> tuple[str, ...]:
-    """Say what the curve does not determine."""
+def _findings(estimates: Sequence[Estimate], stats: Statistics) -> tuple[str, ...]:
+    """Say what the curve does not determine; the statistics are those of all parameters."""
     found = inseparable(
-        [e.parameter.symbol for e in free], stats, np.array([e.half_width for e in free])
+        [e.parameter.symbol for e in estimates], stats, np.array([e.half_width for e in estimates])
     )
-    for e in estimates:
+    # the diagonal is 1, so a second correlation near 1 is with another parameter
+    tied = (np.abs(stats.correlation) > INSEPARABLE).sum(axis=1) > 1
+    for e, drifts in zip(estimates, tied, strict=True):
         low, high = (e.parameter.unit.show(float(f"{end:.3g}")) for end in e.interval)
         span = float(np.exp(min(2.0 * e.half_width, 300.0)))
         if not e.edge or span > VAGUE:
             found.append(vague(e.parameter.symbol, (low, high), e.opened, span))
-        if e.edge:
+        if e.edge and not drifts:
             at = e.parameter.unit.show(e.value)
             found.append(
                 f"{e.parameter.symbol} ended at its {'lower' if e.edge == 'low' else 'upper'} "

@@ -45,7 +45,8 @@ class MeasuredCurve:
     uncertainty : (n,) array or None
         Standard deviation of the magnitude, or of the real and of the imaginary part.
     weight : (n,) array
-        How often each point counts in the sum of squares; 0 leaves it out.
+        How much each point counts in the sum of squares compared with others, whatever the
+        scale; 0 leaves it out.
     """
 
     source: str
@@ -64,6 +65,11 @@ class MeasuredCurve:
     def used(self) -> Bools:
         """Which points (n,) count."""
         return np.asarray(self.weight > 0.0)
+
+    @property
+    def relative_weight(self) -> Floats:
+        """Weights (n,) with a mean of 1: only their ratios mean anything."""
+        return np.asarray(self.weight / self.weight.mean())
 
     def at(self, points: Ints | Bools) -> MeasuredCurve:
         """Return the curve at some of its points."""

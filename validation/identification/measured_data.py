@@ -44,7 +44,7 @@ def read_measured(path: str | Path) -> MeasuredCurve:
     ``displacement``, ``admittance``, ``current`` as a magnitude, as a magnitude with
     ``…_phase``, or as ``…_re`` with ``…_im``; optionally ``uncertainty`` (one standard
     deviation, same unit) or ``weight`` (no unit).  Separated by comma, semicolon or tab;
-    decimal point; lines that begin with ``#`` are comments.
+    decimal point; comments from ``#`` to the end of the line.
 
     Raises
     ------
@@ -99,18 +99,19 @@ def _table(text: str, source: str) -> tuple[_Row, list[_Row]]:
     """Return the header and the rows of measured points, each as wide as the header."""
     lines = [
         (number, line)
-        for number, line in enumerate(text.split("\n"), start=1)
-        if line.strip(" \t,;") and not line.lstrip().startswith("#")
+        for number, line in enumerate(map(_without_comment, text.split("\n")), start=1)
+        if line.strip(" \t\r,;")
     ]
     if not lines:
         raise InputError(f"{source} is empty; give a CSV file with columns such as {_EXAMPLE}")
     counts = Counter(c for c in lines[0][1] if c in ",;\t")
     separator = counts.most_common(1)[0][0] if counts else ","
     (number, header), *rows = [(at, _cells(line, separator, at, source)) for at, line in lines]
-    if all(_NUMBER.fullmatch(cell) for cell in header):
+    if not any(_plain_name(cell) in _KNOWN for cell in header):
+        what = "numbers" if all(_NUMBER.fullmatch(cell) for cell in header) else "other text"
         raise InputError(
-            f"{source} line {number} holds numbers where the column names should be; begin the "
-            f"file with a header such as {_EXAMPLE}"
+            f"{source} line {number} holds {what} where the column names should be; begin the "
+            f"file with a header such as {_EXAMPLE}, and lines of remarks with #"
         )
     for at, cells in rows:
         if len(cells) != len(header):
@@ -119,6 +120,14 @@ def _table(text: str, source: str) -> tuple[_Row, list[_Row]]:
                 "columns; fill or remove that line, and write decimals with a point"
             )
     return (number, header), rows
+
+
+def _without_comment(line: str) -> str:
+    """Return a line up to the first ``#`` outside quotes."""
+    for at, character in enumerate(line):
+        if character == "#" and line.count('"', 0, at) % 2 == 0:
+            return line[:at]
+    return line
 
 
 def _cells(line: str, separator: str, number: int, source: str) -> list[str]:
@@ -130,13 +139,18 @@ def _cells(line: str, separator: str, number: int, source: str) -> list[str]:
         ) from None
 
 
+def _plain_name(heading: str) -> str:
+    """Return a column's name without its unit, or nothing if it cannot be read."""
+    parts = _HEADING.fullmatch(heading)
+    return parts["name"].strip().lower().replace(" ", "_") if parts else ""
+
+
 def _columns(names: list[str], where: str) -> dict[str, tuple[int, float, Unit]]:
     """Return position, factor to SI and kind of unit of each column, by its plain name."""
     found: dict[str, tuple[int, float, Unit]] = {}
     units: dict[str, str] = {}
     for at, text in enumerate(names):
-        parts = _HEADING.fullmatch(text)
-        name = parts["name"].strip().lower().replace(" ", "_") if parts else ""
+        parts, name = _HEADING.fullmatch(text), _plain_name(text)
         if name not in _KNOWN or parts is None:
             raise InputError(
                 f"{where}: column {at + 1} {quoted(text)} is unknown{nearest(name, _KNOWN)}; "
@@ -170,9 +184,10 @@ def _the_curve(names: dict[str, tuple[int, float, Unit]], where: str) -> str:
     kind = kinds[0]
     have = {part for part in _PARTS if kind + part in names}
     if have not in ({""}, {"", "_phase"}, {"_re", "_im"}):
+        alone = " and ".join(kind + part for part in _PARTS if part in have)
         raise InputError(
-            f"{where}: {', '.join(kind + part for part in _PARTS if part in have)} do not make a "
-            f"curve; give {kind} alone, {kind} with {kind}_phase, or {kind}_re with {kind}_im"
+            f"{where}: {alone} without what belongs to it is no curve; give {kind} "
+            f"alone, {kind} with {kind}_phase, or {kind}_re with {kind}_im"
         )
     if "uncertainty" in names and "weight" in names:
         raise InputError(f"{where}: uncertainty and weight are both there; keep one of them")

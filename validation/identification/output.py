@@ -13,6 +13,7 @@ import numpy as np
 
 from geometry.errors import InputError
 from geometry.files import written_whole
+from geometry.profile import Profile
 from geometry.units import quoted
 from validation.formats import engineering
 from validation.identification.fit_parameters import SYMBOLS, value_of
@@ -24,6 +25,8 @@ from validation.scene_file import scene_name
 #: Assumptions that shift every estimate by less than this (in percent per percent) are counted.
 _SLIGHT = 0.005
 _WIDTH = 100
+#: Digits of an estimate; an interval whose half width (of ln p) is below the last is rounding.
+_FEWEST, _MOST, _ROUNDING = 3, 10, 1e-8
 
 
 def as_text(found: Identification) -> str:
@@ -43,11 +46,14 @@ def _headline(found: Identification) -> str:
     low, high = (f"{f:g}" for f in curve.frequencies[[0, -1]])
     kind = "with phase" if curve.has_phase else "magnitude only"
     points = f"{curve.frequencies.size} points from {low} to {high} Hz"
+    fitted = [e.parameter.key for e in found.estimates]
+    voltage = f"{found.start.drive.voltage:g} V"
+    if "drive.voltage" in fitted:
+        voltage += " at the start"
     lines = [
         f"{curve.source}: {curve.kind}, {kind}, {points}",
-        f"model: transfer matrix, scene {found.scene.name}, {found.scene.drive.voltage:g} V",
+        f"model: transfer matrix, scene {found.start.name}, {voltage}",
     ]
-    fitted = [e.parameter.key for e in found.estimates]
     held = [
         f"{symbol} = {row.text}"
         for symbol, key in SYMBOLS.items()
@@ -74,11 +80,13 @@ def _estimate_table(found: Identification) -> str:
 
 
 def _digits(e: Estimate) -> int:
-    """Return how many digits show two of the interval's half width."""
+    """Return how many digits show two of the interval's half width, 10 for exact data."""
     half_width = e.half_width
-    if not 0.0 < half_width < 1.0:
-        return 3
-    return min(max(2 - math.floor(math.log10(half_width)), 3), 10)
+    if not half_width < 1.0:
+        return _FEWEST
+    if half_width < _ROUNDING:
+        return _MOST
+    return min(max(2 - math.floor(math.log10(half_width)), _FEWEST), _MOST)
 
 
 def _correlation_table(found: Identification) -> str:
@@ -94,6 +102,8 @@ def _correlation_table(found: Identification) -> str:
 
 def _noise_words(found: Identification) -> str:
     freedom = f"{found.freedom} degrees of freedom"
+    if np.ptp(found.curve.weight):
+        freedom = f"weighted; {freedom}"
     if found.noise == "stated":
         return (
             f"misfit: chi2 per degree of freedom {found.level**2:.4g} against the stated "
@@ -272,6 +282,8 @@ def _interval_comment(e: Estimate) -> str:
 
 
 def _toml(value: Any, text: str) -> str:
+    if isinstance(value, str | Profile):
+        return json.dumps(text)
     if isinstance(value, tuple):
         return json.dumps(list(value), ensure_ascii=False)
-    return text if text == str(value) and not isinstance(value, str) else json.dumps(text)
+    return text if text == str(value) else json.dumps(text)

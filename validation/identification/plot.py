@@ -78,8 +78,8 @@ def draw(found: Identification) -> Figure:
     _draw_curves(axes[0], found)
     fitted, left = np.abs(found.fitted), found.residuals
     level = {
-        "relative": np.full(fitted.shape, found.level),
-        "constant": found.level / fitted,
+        "relative": found.level / np.sqrt(found.curve.relative_weight),
+        "constant": found.level / np.sqrt(found.curve.relative_weight) / fitted,
         "stated": np.ones(1)
         if found.curve.uncertainty is None
         else found.curve.uncertainty / fitted,

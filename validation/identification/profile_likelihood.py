@@ -57,7 +57,7 @@ def profile_interval(
     ends, opened = [], []
     for edge, direction in (("low", -1.0), ("high", 1.0)):
         room = abs(float(np.log(best[index] / getattr(parameters[index], edge))))
-        walk = _Walk(model, misfit, parameters, best, index, direction)
+        walk = _Walk(model, misfit, parameters, best, index, direction, least)
         reached = _crossing(walk, least + variance * quantile**2, step, room)
         if reached is None:
             opened.append(edge)
@@ -81,12 +81,14 @@ class _Walk:
         best: Floats,
         index: int,
         direction: float,
+        least: float,
     ) -> None:
         self._fit = (model, misfit, parameters)
         self._best, self._now = best, best.copy()
         self._index, self._direction = index, direction
         self._others = [i for i in range(best.size) if i != index]
-        self._costs: dict[float, float] = {}
+        # the optimum is not refitted: of an exact curve that could end above its own target
+        self._costs = {0.0: least}
 
     def __call__(self, distance: float) -> float:
         # a second refit at the same place could end lower, and so hide a change of sign

@@ -20,10 +20,10 @@ from geometry.materials import PRINTED
 from geometry.parameters import spreads
 from tmm.parametric import parameter_keys
 from tmm.transfer_matrix import is_tapered
-from validation.comparison import compare
 from validation.parameter_list import show
 from validation.scene import Scene
 from validation.solve import Solution
+from validation.uncertainty.detailed_numbers import detailed_numbers
 from validation.uncertainty.headline_numbers import (
     HeadlineNumbers,
     SampledNumbers,
@@ -31,6 +31,7 @@ from validation.uncertainty.headline_numbers import (
     actuator,
     targets,
 )
+from validation.uncertainty.varied_keys import left_out
 
 #: Evaluations that one study may take; Saltelli's scheme takes (parameters + 2) times a
 #: power of two.  Rows of several pieces get fewer, since each piece costs.
@@ -93,7 +94,7 @@ class Uncertainty:
 
     @property
     def nonlinearity(self) -> float:
-        """By how much (relative) the samples scatter more than first order says."""
+        """By how much (relative) the standard deviation of the samples exceeds first order."""
         return self.sampled / self.standard - 1.0
 
     @property
@@ -105,7 +106,7 @@ class Uncertainty:
 def uncertain_parameters(scene: Scene) -> tuple[UncertainParameter, ...]:
     """Return the parameters of the transfer-matrix model that have a range, in the scene's order.
 
-    A value that the scene changes keeps the relative width of the range.
+    For a value that the scene changes the range moves along.
     """
     found = []
     for key in parameter_keys(actuator(scene)):
@@ -215,11 +216,13 @@ def section(scene: Scene, solution: Solution, announce: Callable[[str], None]) -
     rows = parameter_uncertainty(scene, announce=announce)
     parameters = uncertain_parameters(scene)
     detailed = tuple(solution.models)[-1]
+    omitted = left_out(scene, actuator(scene))
     return {
         "uncertainties": rows,
         "uncertain_parameters": parameters,
         "contributors_plot": contributors_plot(rows),
         "evaluations": base_samples(len(parameters), _affordable(scene)) * (len(parameters) + 2),
         "detailed_model": detailed if detailed != "tmm" else None,
-        "detailed": {row.quantity: row.cells[-1] for row in compare(solution)},
+        "detailed": detailed_numbers(scene, solution, detailed, [row.target for row in rows]),
+        "left_out": f"{omitted[0].upper()}{omitted[1:]}." if omitted else "",
     }
