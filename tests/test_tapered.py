@@ -209,3 +209,28 @@ def test_error_bar_of_a_taper_covers_it(model):
     assert 0.0 < abs(tip.value[0] - exact) < tip.uncertainty[0] < 1e-5 * abs(exact)
     assert 0.0 < first.uncertainty[0] < 1e-5 * first.value[0]
     assert 0.0 < capacitance.uncertainty < 1e-5 * capacitance.value
+
+
+ENTANGLED = (
+    "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm",
+    "bimorph.piezo_thickness_profile=0 mm: 0.26 mm, 8 mm: 0.2 mm, 8 mm: 0.15 mm, 20 mm: 0.1 mm",
+    "bimorph.tab_length=2mm",
+    "bimorph.bare_above=2mm",
+    "bimorph.glue_thickness=10um",
+)
+RUNNING_OUT = ("bimorph.piezo_thickness_profile=0 mm: 0.26 mm, 20 mm: 0.001 mm", "load.kind=none")
+
+
+@pytest.mark.parametrize("settings", [ENTANGLED, RUNNING_OUT], ids=["steps", "runs out"])
+def test_natural_frequencies_agree_with_beam_elements(settings):
+    """Two models of one theory: all modes and the coupling factor agree within their bars."""
+    from validation.scene import load_scene
+    from validation.solve import solve
+
+    scene, _ = load_scene("paper", list(settings))
+    names = ("short_circuit_frequencies", "open_circuit_frequencies", "coupling_factor")
+    solution = solve(scene, ["tmm", "beam"], names)
+    for name in names:
+        ours, theirs = (solution.get(name, model) for model in ("tmm", "beam"))
+        apart = np.abs(np.asarray(ours.value) - theirs.value)
+        assert (apart < np.asarray(ours.uncertainty) + theirs.uncertainty).all(), name

@@ -1,31 +1,54 @@
-"""All lossless bending modes of a row of beams, none missed (Wittrick-Williams count).
+"""All lossless bending modes of a row of beams, none missed, to the rounding of the row.
 
-The row is divided into parts so short that none can vibrate with its ends held; then the
-number of negative eigenvalues of the assembled exact dynamic stiffness *is* the number
-of natural frequencies below Ω (Wittrick and Williams 1971), and counting brackets every
-mode with certainty.
+With its ends attached and in the units of :mod:`tmm.scattering`, a lossless row has a real
+symmetric dynamic stiffness E(Ω).  Its eigenvalues e_i fall with frequency; each is taken as an
+angle, e_i = cot θ_i, and followed through infinity, where the row vibrates with its ends held:
+
+    Θ = Σ θ_i + π (modes with ends held),   modes below Ω = (Θ − Σ θ_i)/π + #(e_i < 0)
+
+(Wittrick and Williams 1971).  With all ends held Θ counts just those modes.  Neither Θ nor
+R = (E + j)⁻¹ has a pole, both are built up from the elements, and each step changes Θ by a
+known angle, so that no turn can be lost:
+
+* an element too short to vibrate with its ends held, S = 1 − 2j R with eigenvalues e^{−2jθ};
+* two elements joined, Θ = Θ₀ + Θ₁ − π + arg det(1 − R₁ R₀), the reflections at the joint;
+* a stiffness d v vᵀ attached, Θ' = Θ + arg(1 + d vᵀR v): since Im R is negative definite the
+  argument lies between 0 and −π for d > 0, and between 0 and π for d < 0.
+
+The smallest angle π/2 − θ_i tells how far the next mode is; it is smooth and vanishes there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TypeAlias
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from tmm.multiport import symmetric_form
-from tmm.scattering import Element, joined
-from tmm.section import Joint, Section
+from geometry.arrays import Complex, Floats, Ints
+from tmm.scattering import THROUGH, Element, in_waves, star
+from tmm.section import Section
 from tmm.timoshenko import wavenumbers
 
 Row: TypeAlias = Sequence[Element]
 
-#: Largest |λ| of a part; held at both ends a beam first vibrates above λ = 3.
+_EPS = float(np.finfo(float).eps)
+#: Largest |λ| of an element; held at both ends a beam first vibrates above λ = 3.
 _LONGEST_WAVE = 1.5
-#: Trial frequencies per counting pass; each pass narrows the bracket by this factor.
-_TRIALS = 15
+#: Size of X below which S keeps its eigenvalues near those of an element without length.
+_SMALL = 0.5
+#: Compliance, or angle θ, taken for none: those of an infinite stiffness but for rounding.
+_NOTHING = 1e-9
+#: Least rounding of an angle in units of machine epsilon, and what is added of the change
+#: seen in other units.  Of 114 frequencies of 38 rows held against 60 digits, foils at 10⁻⁷
+#: of the stiffness among them, none had more than a third of the error so estimated.
+_ROUNDINGS, _SAFETY = 4.0, 4.0
+#: Relative width of a bracket that is interpolated: tens of roundings, of which the angles
+#: have some, so that their signs are right at its ends.
+_NARROW = 64.0 * _EPS
+#: Reference stiffness in those, and the relative step of a difference quotient.
+_OTHER_UNIT, _STEP = 5.0, 1e-5
 
 
 @dataclass(frozen=True)
@@ -40,44 +63,212 @@ class Fixture:
     tip_mass: float = 0.0
 
 
+@dataclass(frozen=True)
+class NaturalFrequencies:
+    """Natural frequencies (Hz), ascending, and the relative rounding error of each."""
+
+    frequencies: Floats
+    rounding: Floats
+
+
 def bending_frequencies(row: Row, fixture: Fixture, count: int, *, open_circuit: bool) -> Floats:
     """Return the lowest `count` natural frequencies (Hz), ascending, of a lossless row.
 
-    Rigid-body motion at 0 Hz is not counted.  Converged to the last digits that
-    counting can tell apart (a few units in 1e-14).
+    Rigid-body motion at 0 Hz is not counted.
     """
-    found = []
-    low, high = 0.0, _first_guess(row)
-    rigid = _rigid_motions(fixture)
-    parts = _short_parts(row, high)
-    for wanted in range(rigid, rigid + count):
-        while _count(parts, fixture, np.array([high]), open_circuit=open_circuit)[0] <= wanted:
-            low, high = high, 2.0 * high
-            parts = _short_parts(row, high)
-        found.append(_bisect(parts, fixture, wanted, low, high, open_circuit=open_circuit))
-        low, high = found[-1] * (1.0 - 1e-9), max(high, found[-1] * 1.5)
-        parts = _short_parts(row, high)
-    return np.array(found)
+    return natural_frequencies(row, fixture, count, open_circuit=open_circuit).frequencies
 
 
-def _bisect(
-    parts: Sequence[Row],
-    fixture: Fixture,
-    wanted: int,
-    low: float,
-    high: float,
-    *,
-    open_circuit: bool,
-) -> float:
-    while high - low > 4.0 * np.finfo(float).eps * high:
-        trials = np.linspace(low, high, _TRIALS + 2)[1:-1]
-        below = _count(parts, fixture, trials, open_circuit=open_circuit) <= wanted
-        last = int(np.flatnonzero(below)[-1]) if below.any() else -1
-        bracket = np.concatenate(([low], trials, [high]))
-        if bracket[last + 1] == low and bracket[last + 2] == high:
-            break
-        low, high = float(bracket[last + 1]), float(bracket[last + 2])
-    return 0.5 * (low + high)
+def natural_frequencies(
+    row: Row, fixture: Fixture, count: int, *, open_circuit: bool
+) -> NaturalFrequencies:
+    """Return the lowest `count` natural frequencies of a lossless row with their rounding.
+
+    Raises
+    ------
+    ArithmeticError
+        If the count of modes is not certain (section constants beyond all proportion).
+    """
+    first = _rigid_motions(fixture)
+    wanted = np.arange(first, first + count)
+    attached = _Attached(row, fixture, open_circuit=open_circuit)
+    # grows like (n + 1/2)²; four points to a mode
+    highest = _first_guess(row) * (wanted[-1] + 1.5) ** 2
+    shares = (np.arange(1, 4 * wanted[-1] + 5) / (4 * wanted[-1] + 4)) ** 2
+    points = highest * shares
+    counts, angles = attached.count(points)
+    while counts[-1] <= wanted[-1]:
+        more = points[-1] * np.array([2.0, 4.0])
+        found = attached.count(more)
+        points = np.append(points, more)
+        counts = np.append(counts, found[0])
+        angles = np.concatenate([angles, found[1]])
+    at = _roots(attached, wanted, points, counts, angles)
+    return NaturalFrequencies(at, _rounding(attached, at))
+
+
+def _rounding(attached: _Attached, at: Floats) -> Floats:
+    """Return the relative rounding error of roots (n,).
+
+    In other units, and with the last digits of the frequency changed, everything is rounded
+    anew: how far the root then moves shows what rounding does to it.
+    """
+    steps = np.array([0.0, 1e3 * _EPS, 2e3 * _EPS, 3e3 * _EPS, _STEP])
+    trials = (at[:, None] * (1.0 + steps)).ravel()
+    left = attached.nearest(trials, _OTHER_UNIT).reshape(at.size, steps.size)
+    slope = (left[:, -1] - left[:, 0]) / _STEP
+    moved = np.abs(left[:, :-1] / slope[:, None] - steps[:-1]).max(axis=1)
+    return np.asarray(_SAFETY * moved + _EPS * (1.0 + _ROUNDINGS / np.abs(slope)))
+
+
+def _roots(
+    attached: _Attached, wanted: Ints, points: Floats, counts: Ints, angles: Floats
+) -> Floats:
+    """Return where the count passes each wanted number, by Chandrupatla's method (1997)."""
+    above = np.array([int(np.flatnonzero(counts > n)[0]) for n in wanted])
+    b, fb = points[above], _signed(counts[above], angles[above], wanted)
+    a = np.where(above > 0, points[above - 1], 0.0)
+    fa = np.where(above > 0, _signed(counts[above - 1], angles[above - 1], wanted), 0.5 * np.pi)
+    share = np.full(wanted.size, 0.5)
+    while True:
+        x = a + share * (b - a)
+        f = _signed(*attached.count(x), wanted)
+        same = (f > 0.0) == (fa > 0.0)
+        c, fc = np.where(same, a, b), np.where(same, fa, fb)
+        b, fb = np.where(same, b, a), np.where(same, fb, fa)
+        a, fa = x, f
+        width = np.abs(b - a) / np.maximum(a, b)
+        if (width < _NARROW).all():
+            return np.asarray(a + fa / (fa - fb) * (b - a))
+        least = 0.5 * _NARROW / np.maximum(width, _NARROW)
+        with np.errstate(divide="ignore", invalid="ignore"):  # two equal: bisection
+            xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+            inverse = fa / (fb - fa) * fc / (fb - fc)
+            inverse += (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        smooth = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
+        share = np.clip(np.where(smooth, inverse, 0.5), least, 1.0 - least)
+
+
+def _signed(counts: Ints, angles: Floats, wanted: Ints) -> Floats:
+    """Return the angle left to a wanted mode, positive below it and negative above."""
+    below = counts <= wanted
+    side = np.where(below[:, None], angles, -angles)
+    # an angle of nought has a side all the same
+    left = np.where(side >= 0.0, np.maximum(side, 1e-30), 0.5 * np.pi).min(axis=1)
+    return np.asarray(np.where(below, left, -left))
+
+
+class _Attached:
+    """A row with both ends attached and its circuit open or closed."""
+
+    def __init__(self, row: Row, fixture: Fixture, *, open_circuit: bool) -> None:
+        self._row, self._fixture, self._open = row, fixture, open_circuit
+
+    def nearest(self, frequencies: Floats, unit: float) -> Floats:
+        """Return the angle (n,) that is nearest to zero; see :meth:`count`."""
+        angles = self.count(frequencies, unit)[1]
+        at = np.abs(angles).argmin(axis=1)
+        return np.asarray(np.take_along_axis(angles, at[:, None], axis=1)[:, 0])
+
+    def count(self, frequencies: Floats, unit: float = 1.0) -> tuple[Ints, Floats]:
+        """Return the number (n,) of modes below each frequency (Hz) and angles π/2 − θ (n, k).
+
+        `unit` changes the reference stiffness, and nothing but rounding and the angles' size.
+        """
+        omega = 2.0 * np.pi * frequencies
+        made, order, reference = in_waves(_cut(self._row, float(omega.max())), omega, unit)
+        x, turned = _joined(made, order)
+        r = (np.eye(4) - THROUGH[:, :4] - x[:, :4, :4]) / 2j
+        if self._open and x[:, :4, 4].any():
+            # no charge: k kᵀ/C attached, k the forces per volt; x has R k, −kᵀR and C + kᵀR k
+            turned = turned - _descent(x[:, 4, 4])
+            r = r + x[:, :4, 4:] * x[:, 4:, :4] / (2j * x[:, 4:, 4:])
+        displacement, force = reference.units()
+        free = [0, 1, 2, 3]
+        for port, stiffness in self._ends(omega):
+            column = r[:, port]
+            if stiffness is None:
+                free.remove(port)
+                turned = turned - _descent(column[:, port])
+                r = r - column[:, :, None] * column[:, None, :] / column[:, port, None, None]
+                continue
+            d = stiffness * displacement[:, port % 2] / force[:, port % 2]
+            whole = 1.0 + d * column[:, port]
+            turned = turned + np.where(d > 0.0, -_descent(whole), _descent(whole.conj()))
+            r = r - (d / whole)[:, None, None] * column[:, :, None] * column[:, None, :]
+        g = np.linalg.eigvals(r[:, free][:, :, free])
+        # an infinite stiffness is no turn, whatever its rounding
+        g = np.where(np.abs(g) < _NOTHING, _NOTHING, g)
+        angles = np.arctan2(g.real, -g.imag)
+        turns = (turned - (np.copysign(0.5 * np.pi, angles) - angles).sum(axis=1)) / np.pi
+        counts = np.rint(turns)
+        if not (np.abs(turns - counts) < 0.1).all():
+            raise ArithmeticError("the natural frequencies of this row cannot be counted")
+        return counts.astype(int), np.asarray(angles)
+
+    def _ends(self, omega: Floats) -> list[tuple[int, Floats | None]]:
+        """Return the ports to which something is attached, with it (n,); None holds the port."""
+        f, o2 = self._fixture, omega**2
+        tip = f.tip_stiffness - o2 * f.tip_mass
+        base: list[Floats | None] = [None, None]
+        if not f.clamped:
+            rotational = f.rotational_stiffness - o2 * f.rotational_inertia
+            base = [np.full_like(o2, f.lateral_stiffness), rotational]
+        return [(port, d) for port, d in enumerate([*base, tip]) if d is None or d.any()]
+
+
+def _descent(value: Complex) -> Floats:
+    """Return −arg (n,) of numbers in the lower half plane, between 0 and π but for rounding."""
+    angle = -np.angle(value)
+    return np.asarray(np.where(angle < -0.5 * np.pi, angle + 2.0 * np.pi, angle))
+
+
+def _cut(row: Row, omega: float) -> list[Element]:
+    """Divide what could vibrate with its ends held up to Ω (rad/s); a joint has no mass."""
+    beams = {id(e): e for e, _ in row if isinstance(e, Section)}
+    constants = (np.array([getattr(e, f.name) for e in beams.values()]) for f in fields(Section))
+    waves = np.max(wavenumbers(Section(*constants), 1.0, np.array([omega])), axis=0)
+    shortest = dict(zip(beams, waves, strict=True))
+    parts: list[Element] = []
+    for entry in row:
+        element, length = entry
+        number = 1 + int(shortest.get(id(element), 0.0) * length / _LONGEST_WAVE)
+        parts += [entry] if number == 1 else [(element, length / number)] * number
+    return parts
+
+
+def _joined(made: Complex, order: list[int]) -> tuple[Complex, Floats]:
+    """Return X (n, 5, 5) of the row and Θ (n,), from the X (k, n, 5, 5) of its entries.
+
+    Neighbours are joined, then pairs of neighbours, and so on; equal pairs once.
+    """
+    turned = _turned(made[..., :4, :4])
+    while len(order) > 1:
+        pairs = list(zip(order[::2], order[1::2], strict=False))
+        place = {pair: i for i, pair in enumerate(dict.fromkeys(pairs))}
+        lower, upper = (list(side) for side in zip(*place, strict=True))
+        left_over = order[2 * len(pairs) :]
+        order = [place[pair] for pair in pairs] + [len(place)] * len(left_over)
+        between = made[lower][..., 2:4, 2:4] @ made[upper][..., :2, :2]
+        # reflections are below one, so that each eigenvalue of 1 − R₁ R₀ has a positive part
+        angle = np.angle(1.0 - np.linalg.eigvals(between)).sum(axis=-1)
+        both = turned[lower] + turned[upper] - np.pi + angle
+        turned = np.concatenate([both, turned[left_over]])
+        made = np.concatenate([star(made[lower], made[upper]), made[left_over]])
+    return np.asarray(made[order[0]]), np.asarray(turned[order[0]])
+
+
+def _turned(x: Complex) -> Floats:
+    """Return Θ (k, n) of short elements from X (k, n, 4, 4)."""
+    through = THROUGH[:, :4]
+    # S of no length has the eigenvalues −1 and 1 twice, each θ a quarter turn and none
+    turned = np.asarray(np.pi - 0.5 * np.angle(np.linalg.det(np.eye(4) + through @ x)))
+    large = np.abs(x).sum(axis=-1).max(axis=-1) > _SMALL
+    if large.any():
+        theta = np.mod(-0.5 * np.angle(np.linalg.eigvals(through + x[large])), np.pi)
+        theta = np.where(theta > np.pi - _NOTHING, theta - np.pi, theta)
+        turned[large] = theta.sum(axis=-1)
+    return turned
 
 
 def _rigid_motions(fixture: Fixture) -> int:
@@ -93,80 +284,3 @@ def _first_guess(row: Row) -> float:
     length = sum(element_length for _, element_length in row)
     beam = next(element for element, _ in reversed(row) if isinstance(element, Section))
     return float(np.sqrt(complex(beam.EI).real / beam.m) / length**2 / (2.0 * np.pi))
-
-
-def _count(
-    parts: Sequence[Row],
-    fixture: Fixture,
-    frequencies: Floats,
-    *,
-    open_circuit: bool,
-) -> Ints:
-    """Return how many natural frequencies (n,) lie below each frequency (Hz).
-
-    No part may vibrate by itself at any of them.
-    """
-    omega = 2.0 * np.pi * frequencies
-    blocks = {id(part): symmetric_form(joined(part, omega)).real for part in parts}
-    n = 2 * (len(parts) + 1) + 1
-    s = np.zeros((omega.size, n, n))
-    at = 0
-    for part in parts:
-        ports = [at, at + 1, at + 2, at + 3, n - 1]
-        s[np.ix_(range(omega.size), ports, ports)] += blocks[id(part)]
-        at += 2
-    s[:, at, at] += fixture.tip_stiffness - omega**2 * fixture.tip_mass
-    s[:, 0, 0] += fixture.lateral_stiffness
-    s[:, 1, 1] += fixture.rotational_stiffness - omega**2 * fixture.rotational_inertia
-    first, last = (2 if fixture.clamped else 0), (n if open_circuit else n - 1)
-    s = s[:, first:last, first:last]
-    scale = 1.0 / np.sqrt(np.abs(np.einsum("nii->ni", s)) + np.finfo(float).tiny)
-    eigenvalues = np.linalg.eigvalsh(s * scale[:, :, None] * scale[:, None, :])
-    # with the voltage as an unknown, the capacitance adds one negative eigenvalue
-    return np.asarray((eigenvalues < 0.0).sum(axis=1) - int(open_circuit))
-
-
-def _short_parts(row: Row, highest: float) -> list[Row]:
-    """Divide the row into parts none of which, its ends held, can vibrate up to `highest` Hz.
-
-    A long beam is cut.  Short ones are taken together while a uniform beam that is as soft
-    and as heavy as any of them would not vibrate either (Rayleigh): many short parts would
-    cost time and, in their stiffness matrices, digits.  A joint has no mass.
-    """
-    parts: list[Row] = []
-    omega = 2.0 * np.pi * highest
-    worst, total = None, 0.0
-    for entry in row:
-        element, length = entry
-        if isinstance(element, Joint):
-            parts.append([entry])
-            worst = None
-            continue
-        number = 1 + int(_longest_wave(element, length, omega) / _LONGEST_WAVE)
-        if number > 1:
-            parts += [[(element, length / number)]] * number
-            worst = None
-            continue
-        both = _softer(worst, element) if worst else element
-        if worst and _longest_wave(both, total + length, omega) < _LONGEST_WAVE:
-            parts[-1] = [*parts[-1], entry]
-            worst, total = both, total + length
-        else:
-            parts.append([entry])
-            worst, total = element, length
-    return parts
-
-
-def _softer(one: Section, other: Section) -> Section:
-    """Return a section as soft as the softer and as heavy as the heavier of two."""
-    return Section(
-        EI=min(complex(one.EI).real, complex(other.EI).real),
-        GA=min(one.GA, other.GA),
-        m=max(one.m, other.m),
-        rhoI=max(one.rhoI, other.rhoI),
-    )
-
-
-def _longest_wave(beam: Section, length: float, omega: float) -> float:
-    first, second = wavenumbers(beam, length, np.array([omega]))
-    return float(max(first[0], second[0]))

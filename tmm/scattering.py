@@ -19,9 +19,8 @@ Reference: F in units of EI κ², M of EI κ, w of 1/κ, with the EI of the soft
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from operator import attrgetter
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -41,7 +40,7 @@ _SERIES_TERMS = 15
 _AT_ONCE = 20_000
 
 #: S of an element without length: b_0 = −a_1, b_1 = −a_0.
-_THROUGH = -np.eye(4, 5)[[2, 3, 0, 1]]
+THROUGH = -np.eye(4, 5)[[2, 3, 0, 1]]
 
 
 @dataclass(frozen=True)
@@ -62,6 +61,17 @@ class Reference:
         return Reference(self.stiffness[points], self.wavenumber[points])
 
 
+@dataclass(frozen=True)
+class _Stack:
+    """Elements by kind with their places: compliances (n, 2, 2), beams' constants (k, n)."""
+
+    joints_at: list[int]
+    compliances: list[Floats]
+    beams_at: list[int]
+    beams: Section
+    lengths: Any
+
+
 def joined(row: Sequence[Element], omega: Floats) -> Complex:
     """Return D(Ω) (n, 5, 5) of elements joined end to end; see :mod:`tmm.multiport`.
 
@@ -75,20 +85,33 @@ def joined(row: Sequence[Element], omega: Floats) -> Complex:
     """
     if len(row) == 1:
         return element_stiffness(*row[0], omega)
-    reference = _reference(row, omega)
-    entries = {id(entry): entry for entry in row}
-    place = {key: i for i, key in enumerate(entries)}
-    order = [place[id(entry)] for entry in row]
-    stack = [_along(entry, omega.size) for entry in entries.values()]
+    entries, order = _different(row)
+    stack = _stacked(entries, omega.size)
+    reference = _reference(row, stack, omega)
     d = np.empty((omega.size, 5, 5), dtype=complex)
-    size = max(1, _AT_ONCE // len(stack))
+    size = max(1, _AT_ONCE // len(entries))
     for first in range(0, omega.size, size):
         part = slice(first, first + size)
         made = _scattering(stack, part, omega[part], reference.at(part))
         d[part] = _stiffness(_tree(made, order), reference.at(part))
-    if not any(np.iscomplexobj(v) for entry in entries.values() for v in _numbers(entry)):
+    if not any(np.iscomplexobj(v) for entry in entries for v in _numbers(entry)):
         d.imag = 0.0  # a lossless row: what is left there is rounding
     return d
+
+
+def in_waves(
+    row: Sequence[Element], omega: Floats, unit: float = 1.0
+) -> tuple[Complex, list[int], Reference]:
+    """Return X (k, n, 5, 5) of the k different entries of a row, its order and its reference.
+
+    The row, see :func:`joined`, is entries `order[0]`, `order[1]` and so on.  Its reference
+    stiffness is `unit` times the usual one.
+    """
+    entries, order = _different(row)
+    stack = _stacked(entries, omega.size)
+    usual = _reference(row, stack, omega)
+    reference = Reference(unit * usual.stiffness, usual.wavenumber)
+    return _scattering(stack, slice(None), omega, reference), order, reference
 
 
 def element_stiffness(element: Section | Joint, length: Any, omega: Floats) -> Complex:
@@ -136,35 +159,45 @@ def scattering(beam: Section, length: Any, omega: Floats, reference: Reference) 
     return s
 
 
-def _along(entry: Element, n: int) -> Element:
-    """Return the element with every constant, and its length, along n points."""
-    element, length = entry
-    if isinstance(element, Joint):
-        return Joint(np.broadcast_to(element.compliance, (n, 2, 2))), length
-    constants = (np.broadcast_to(getattr(element, f.name), n) for f in fields(element))
-    return Section(*constants), np.broadcast_to(length, n)
+def _different(row: Sequence[Element]) -> tuple[list[Element], list[int]]:
+    """Return the entries that differ as objects, and the place of each of the row's among them."""
+    entries = {id(entry): entry for entry in row}
+    place = {key: i for i, key in enumerate(entries)}
+    return list(entries.values()), [place[id(entry)] for entry in row]
 
 
-def _scattering(
-    stack: Sequence[Element], part: slice, omega: Floats, reference: Reference
-) -> Complex:
+def _stacked(entries: Sequence[Element], n: int) -> _Stack:
+    """Return different elements by kind, their constants along n points."""
+    beams = [i for i, (element, _) in enumerate(entries) if isinstance(element, Section)]
+    joints = {i: e.compliance for i, (e, _) in enumerate(entries) if isinstance(e, Joint)}
+
+    def along(constants: list[Any]) -> Any:
+        if all(np.ndim(c) == 0 for c in constants):
+            return np.broadcast_to(np.array(constants)[:, None], (len(constants), n))
+        return np.stack([np.broadcast_to(c, n) for c in constants])
+
+    return _Stack(
+        list(joints),
+        [np.broadcast_to(compliance, (n, 2, 2)) for compliance in joints.values()],
+        beams,
+        Section(*(along([getattr(entries[i][0], f.name) for i in beams]) for f in fields(Section))),
+        along([entries[i][1] for i in beams]),
+    )
+
+
+def _scattering(stack: _Stack, part: slice, omega: Floats, reference: Reference) -> Complex:
     """Return X (k, n, 5, 5) of k elements at a part of the points, all beams in one go."""
-    s = np.empty((len(stack), omega.size, 5, 5), dtype=complex)
+    count = len(stack.beams_at)
+    s = np.empty((count + len(stack.joints_at), omega.size, 5, 5), dtype=complex)
     units = _state_units(reference)
-    for i, (element, _) in enumerate(stack):
-        if isinstance(element, Joint):
-            t = change_along(Joint(element.compliance[part]), 0.0, omega)
-            nothing = np.zeros(omega.size)
-            s[i] = _from_transfer(t / units[:, :, None] * units[:, None, :], nothing, nothing)
-    at = [i for i, (element, _) in enumerate(stack) if isinstance(element, Section)]
-
-    def flat(read: Callable[[Any], Any]) -> Any:
-        return np.concatenate([read(stack[i][0])[part] for i in at])
-
-    beams = Section(*(flat(attrgetter(f.name)) for f in fields(Section)))
-    lengths = np.concatenate([stack[i][1][part] for i in at])
-    many = Reference(*(np.tile(v, len(at)) for v in (reference.stiffness, reference.wavenumber)))
-    s[at] = scattering(beams, lengths, np.tile(omega, len(at)), many).reshape(len(at), -1, 5, 5)
+    for i, compliance in zip(stack.joints_at, stack.compliances, strict=True):
+        t = change_along(Joint(compliance[part]), 0.0, omega)
+        nothing = np.zeros(omega.size)
+        s[i] = _from_transfer(t / units[:, :, None] * units[:, None, :], nothing, nothing)
+    beams = Section(*(getattr(stack.beams, f.name)[:, part].ravel() for f in fields(Section)))
+    many = Reference(*(np.tile(v, count) for v in (reference.stiffness, reference.wavenumber)))
+    made = scattering(beams, stack.lengths[:, part].ravel(), np.tile(omega, count), many)
+    s[stack.beams_at] = made.reshape(count, -1, 5, 5)
     return s
 
 
@@ -173,15 +206,10 @@ def _numbers(entry: Element) -> list[Any]:
     return [length, *(getattr(element, f.name) for f in fields(element))]
 
 
-def _reference(row: Sequence[Element], omega: Floats) -> Reference:
-    beams = {id(e): e for e, _ in row if isinstance(e, Section)}.values()
+def _reference(row: Sequence[Element], stack: _Stack, omega: Floats) -> Reference:
     total = np.abs(sum(length for _, length in row))
-    kappa = np.broadcast_to(1.0 / total, omega.shape)
-    softest = np.full(omega.shape, np.inf)
-    for beam in beams:
-        kappa = np.maximum(kappa, np.abs(wavenumbers(beam, 1.0, omega)).max(axis=0))
-        softest = np.minimum(softest, np.abs(beam.EI))
-    return Reference(softest, kappa)
+    waves = np.abs(wavenumbers(stack.beams, 1.0, omega)).max(axis=(0, 1))
+    return Reference(np.abs(stack.beams.EI).min(axis=0), np.maximum(waves, 1.0 / total))
 
 
 def _state_units(reference: Reference) -> Floats:
@@ -246,7 +274,7 @@ def _from_stiffness(d: Complex, reference: Reference) -> Complex:
     right[:, :, :4], right[:, :, 4] = np.eye(4), -scaled[:, :4, 4]
     u = np.linalg.solve(scaled[:, :4, :4] + 1j * np.eye(4), right)
     s = np.empty((n, 5, 5), dtype=complex)
-    s[:, :4] = np.eye(4, 5) - _THROUGH - 2j * u
+    s[:, :4] = np.eye(4, 5) - THROUGH - 2j * u
     s[:, 4] = (scaled[:, 4:5, :4] @ u)[:, 0]
     s[:, 4, 4] += scaled[:, 4, 4]
     return s
@@ -259,7 +287,7 @@ def _stiffness(s: Complex, reference: Reference) -> Complex:
     one = np.eye(4)
     right = np.zeros((n, 4, 5), dtype=complex)
     right[:, :, :4], right[:, :, 4] = 2j * one, s[:, :4, 4]
-    a = np.linalg.solve(one - _THROUGH[:, :4] - s[:, :4, :4], right)
+    a = np.linalg.solve(one - THROUGH[:, :4] - s[:, :4, :4], right)
     d = np.empty((n, 5, 5), dtype=complex)
     d[:, :4] = a
     d[:, :4, :4] -= 1j * one

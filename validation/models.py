@@ -8,15 +8,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 
 from geometry.arrays import Floats
+from geometry.beam_pieces import beam_pieces
 from tmm import lumped, transfer_matrix
-from tmm.modes import Fixture, bending_frequencies
+from tmm.modes import Fixture, NaturalFrequencies, natural_frequencies
 from tmm.multiport import Multiport
 from tmm.terminations import conservative_load
 from validation.refinement import SAFETY, two_mesh_factor
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
     from fem.piezo_solid import SolidSystem
     from fem.solid_response import SolidMode
     from geometry.mesh import Mesh
+
+#: Ratio of a size at both ends of a segment from which on its order is not that of a smooth
+#: taper: (ratio − 1)⁴ is then no longer small.
+_STEEP = 1.5
 
 T = TypeVar("T")
 
@@ -122,9 +127,23 @@ class RowModel(Model):
         if not transfer_matrix.is_tapered(self.scene.device, self.scene.support):
             return Refined(fine, (), method)
         coarse = read(transfer_matrix.SEGMENTS // 2)
-        taper = f"half as many segments of the taper, order {self._ORDER}, safety factor {SAFETY}"
-        factor = SAFETY / (2.0**self._ORDER - 1.0)
+        order = 1 if self._steep else self._ORDER
+        taper = f"half as many segments of the taper, order {order}, safety factor {SAFETY}"
+        factor = SAFETY / (2.0**order - 1.0)
         return Refined(fine, ((coarse, factor),), f"{method}; {taper}")
+
+    @property
+    def _steep(self) -> bool:
+        """Whether some coarse segment ends much thinner or narrower than it begins.
+
+        Where a taper runs out, what goes with 1/thickness is resolved by ever shorter parts
+        of the last segment, and the error falls only with its length.
+        """
+        pieces = beam_pieces(self.scene.device, self.scene.support)
+        sizes = [np.array([astuple(end) for end in p.ends]) for p in pieces if p.ends]
+        share = 1.0 / (transfer_matrix.SEGMENTS // 2)
+        ratios = (both.max(axis=0) / both.min(axis=0) for both in sizes)
+        return any((1.0 + share * (ratio - 1.0) > _STEEP).any() for ratio in ratios)
 
 
 class LumpedModel(RowModel):
@@ -226,17 +245,23 @@ class TmmModel(RowModel):
     def _both_modes(self) -> tuple[Refined[Modes], ...]:
         s = self.scene
 
-        def found(segments: int, *, open_circuit: bool) -> Modes:
+        def found(segments: int, *, open_circuit: bool) -> NaturalFrequencies:
             row = transfer_matrix.sections(
                 s.device, s.support, s.beam, lossy=False, segments=segments
             )
-            f = bending_frequencies(row, self._fixture(), s.modes, open_circuit=open_circuit)
-            return Modes(f, ("bending_x",) * f.size)
+            return natural_frequencies(row, self._fixture(), s.modes, open_circuit=open_circuit)
 
-        method = "bracketed by counting modes (Wittrick-Williams) to the rounding limit"
-        return tuple(
-            self._judged(partial(found, open_circuit=circuit), method) for circuit in (False, True)
-        )
+        def modes(of: NaturalFrequencies) -> Modes:
+            return Modes(of.frequencies, ("bending_x",) * of.frequencies.size)
+
+        method = "counted (Wittrick-Williams), rounding from a second evaluation in other units"
+        both = []
+        for circuit in (False, True):
+            judged = self._judged(partial(found, open_circuit=circuit), method)
+            coarser = tuple((modes(of), factor) for of, factor in judged.coarser)
+            rounding = float(judged.fine.rounding.max())
+            both.append(Refined(modes(judged.fine), coarser, judged.method, rounding))
+        return tuple(both)
 
 
 class BeamModel(Model):
@@ -298,7 +323,12 @@ class BeamModel(Model):
             )
             classes = ("bending_x",) * fine.size
             out.append(
-                Refined(Modes(fine, classes), ((Modes(coarse, classes), 1.0),), self._METHOD)
+                Refined(
+                    Modes(fine, classes),
+                    ((Modes(coarse, classes), 1.0),),
+                    self._METHOD,
+                    self._ROUNDING,
+                )
             )
         return tuple(out)
 
