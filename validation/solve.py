@@ -160,7 +160,8 @@ def _coupling(model: Model) -> tuple[Array, Array, str]:
 
     value, _, _ = _judge(pairs, factor, 0.0)
     # k² is the difference of nearly equal numbers: rounding grows by 1/k²
-    return _judge(pairs, factor, 1e-13 / max(float(value) ** 2, 1e-12))
+    rounding = 1e-13 + short.rounding + opened.rounding
+    return _judge(pairs, factor, rounding / max(float(value) ** 2, 1e-12))
 
 
 def _terminations(model: Model) -> tuple[Termination, Termination]:
