@@ -8,7 +8,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from coaxial_coils import between_windings, mutual_inductance, mutual_inductance_slope
 
 from fem.axisymmetric_field import solve_field, truncation_error
 from fem.axisymmetric_force import eggshell_force, eggshell_weight, virtual_work_force
@@ -16,9 +15,21 @@ from fem.axisymmetric_grid import Grid, Region, graded_grid
 from fem.axisymmetric_space import discretise, lowered
 from fem.linear_solver import SolverError
 from geometry.steel import MU0, TEAM20, MagnetisationCurve, linear
-
-LOW = Region("low", (0.04, 0.05), (-0.02, -0.005), turns=100.0)
-HIGH = Region("high", (0.03, 0.045), (0.01, 0.02), turns=50.0, moves=True)
+from validation.magnetic_cases import coaxial_coils
+from validation.magnetic_cases.coaxial_coils import (
+    HIGH,
+    LOW,
+    between_windings,
+    mutual_inductance,
+    mutual_inductance_slope,
+)
+from validation.magnetic_cases.infinite_solenoid import (
+    SOLENOID_ERROR,
+    core_tolerance,
+    exact_profile,
+    flux_density_in_core,
+    infinite_solenoid,
+)
 
 
 def manufactured(curve, order, n):
@@ -53,27 +64,6 @@ def test_manufactured_solution(curve, order, steepest):
     assert errors[1] < (h / 2.0) ** order / (2.0 ** (order - 1) * math.factorial(order)) * steepest
 
 
-#: u has a term 1/r² outside the bore.  In the cell where that is worst, 10 to 12.5 mm, its pole
-#: lies 9 half widths from the middle: polynomials gain 9 + √80 ≈ 18 per degree, B loses one.
-SOLENOID_ERROR = 18.0**-5
-
-
-def infinite_solenoid(density, core=None, order=6):
-    """Return the field of an infinite winding, radii 10 to 20 mm, with a core of 8 mm.
-
-    All sides are left open for tangential H = 0: exact outside an infinite solenoid.
-    """
-    height = 5e-3
-    parts = [Region("winding", (10e-3, 20e-3), (0.0, height), turns=1.0)]
-    if core:
-        parts.append(Region("core", (0.0, 8e-3), (0.0, height), core))
-    spans = ((0.0, 8), (8.0, 10), (10.0, 20), (20.0, 30.0))
-    r = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in spans])) * 1e-3
-    grid = Grid(r, np.array([0.0, height]), np.zeros(2), tuple(parts))
-    d = discretise(grid, order, closed=())
-    return solve_field(d, np.array([density * 10e-3 * height]))
-
-
 def test_thick_solenoid():
     """B = µ0 J (r2 − r) in the winding, 0.012566 T inside, none outside (J = 1e6 A/m²).
 
@@ -81,7 +71,7 @@ def test_thick_solenoid():
     """
     field = infinite_solenoid(1e6)
     b_r, b_z = field.flux_density
-    exact = MU0 * 1e6 * np.clip(20e-3 - field.discretisation.radii, 0.0, 10e-3)
+    exact = exact_profile(1e6, field.discretisation.radii)
     assert np.abs(b_z - exact).max() < SOLENOID_ERROR * exact.max()
     assert np.abs(b_r).max() < 1e-12 * exact.max()
     assert exact.max() == pytest.approx(0.012566, abs=5e-7)
@@ -115,27 +105,22 @@ def test_flux_function_between_coils(radius, height):
 def test_iron_core_in_a_solenoid(core, density):
     """H is uniform in an infinitely long rod, so its B is read off the curve, saturated or not."""
     field = infinite_solenoid(density, core)
-    inside = field.discretisation.cell_labels == 1
     exact = float(core.flux_density_at(np.array(density * 10e-3)))
-    # the flux's error is the square of the field's, weighed by the core's permeability; the
-    # second term is the tolerance of Newton's method
-    largest = 1.0 / (MU0 * core.reluctivity(np.linspace(0.0, 2.0, 200)).min())
-    tolerance = 4.0 * largest * SOLENOID_ERROR**2 + 1e-8
-    assert field.flux_density[1][inside] == pytest.approx(exact, rel=tolerance)
+    assert flux_density_in_core(field) == pytest.approx(exact, rel=core_tolerance(core))
 
 
 def test_mutual_inductance_and_force_of_two_coils():
     """Maxwell's elliptic integrals, in open space: M, reciprocity and the force by both routes."""
     mutual = between_windings(LOW, HIGH, mutual_inductance)
     slope = between_windings(LOW, HIGH, mutual_inductance_slope)
-    d = discretise(graded_grid((LOW, HIGH), 4.0, refinement=2.0), 4)
-    field = solve_field(d, np.array([2.0, 3.0]))
+    field = coaxial_coils.solved()
     inductance = field.incremental_inductance
     # 1e-5: the open boundary at 80 coil radii leaves 2e-6
     assert inductance[0, 1] == pytest.approx(mutual, rel=1e-5)
     assert inductance[0, 1] == pytest.approx(inductance[1, 0], rel=1e-12)
     assert virtual_work_force(field) == pytest.approx(6.0 * slope, rel=1e-5)
-    assert eggshell_force(field, eggshell_weight(d)) == pytest.approx(6.0 * slope, rel=1e-5)
+    weight = eggshell_weight(field.discretisation)
+    assert eggshell_force(field, weight) == pytest.approx(6.0 * slope, rel=1e-5)
 
 
 def test_truncation_falls_with_the_cube_of_the_radius():

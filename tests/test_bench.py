@@ -7,9 +7,10 @@ import os
 import pytest
 
 from geometry.errors import InputError
-from validation.bench import beam
+from validation.bench import beam, magnetics
 from validation.bench.one_core import on_one_core, peak_memory
-from validation.bench.result import Bench, Target, Timing
+from validation.bench.output import time_error_plot
+from validation.bench.result import Bench, FieldTiming, Target, Timing
 from validation.commands import bench as command
 
 
@@ -54,6 +55,71 @@ def test_all_ways_can_be_timed():
     assert beam.map_seconds(2, 100, 2) > 0.0
 
 
+def test_point_of_the_normal_actuator():
+    """What the reference and each way bring back; finer is nearer and has a smaller bar."""
+    coarse, fine = (magnetics.point_of(order, 0.5, 1) for order in (2, 3))
+    assert coarse["unknowns"] < fine["unknowns"]
+    assert 0.0 < fine["force_bar"] < coarse["force_bar"]
+    assert min(coarse["seconds"], magnetics.map_seconds(2, 2)) > 0.0
+
+
+@pytest.mark.parametrize("potential", ["A", "φ"])
+def test_team20_in_a_process_of_its_own(potential):
+    """A coarse mesh is within a quarter of the 80.1 N that were measured."""
+    found = on_one_core(magnetics.__name__, "solid_of", potential, 3.0)
+    assert found["force"] == pytest.approx(80.1, rel=0.25)
+    assert found["seconds"] > 0.0
+
+
+def field_timings(error):
+    """One grid with the given error in flux linkage and in force, and a dearer one without."""
+    cases = ((magnetics._LINKAGE_CASE, 5e-4), (magnetics._WORK, 1e-3))
+    return [
+        FieldTiming(f"order {order}", "1", case, 10, seconds, 1.0, "N", miss, wanted)
+        for order, seconds, miss in ((2, 0.5, error), (4, 1.0, 1e-5))
+        for case, wanted in cases
+    ]
+
+
+@pytest.mark.parametrize(("error", "seconds"), [(1e-4, 0.5), (4.5e-4, 1.0), (7e-4, 1.0)])
+def test_cheapest_way_within_both_errors_is_judged(error, seconds):
+    """With the reference's own bar added; both force and flux linkage count."""
+    reference = {"flux_linkage_bar": 1e-4, "force_bar": 1e-4}
+    point, mapped = magnetics._targets(field_timings(error), reference, 61.0)
+    assert point.measured == seconds
+    assert point.met
+    assert not mapped.met
+
+
+def test_no_way_within_the_errors():
+    """Then the target is not met."""
+    reference = {"flux_linkage_bar": 1e-2, "force_bar": 1e-2}
+    assert not magnetics._targets(field_timings(1e-4), reference, 1.0)[0].met
+
+
+def test_plot_has_a_panel_per_result():
+    """More than three go to another row."""
+    timings = [FieldTiming("A", "1", f"result {n}", 10, 1.0, 1.0, "N", 1e-3) for n in range(5)]
+    text = time_error_plot(timings)
+    assert text.startswith("<svg")
+
+
+def test_command_shows_fields(monkeypatch, tmp_path, capsys):
+    """The same command for the magnetic part: its own columns, its own files."""
+    made = Bench("magnetics", "on paper", tuple(field_timings(1e-4)), (), 0.0)
+    monkeypatch.setattr(magnetics, "run", lambda *_: made)
+    assert command.run(options(only=["magnetics"], out=str(tmp_path))) == 0
+    assert "flux linkage" in capsys.readouterr().out
+    head = (tmp_path / "bench-magnetics.csv").read_text().splitlines()[0]
+    assert head == ",".join(FieldTiming.fields)
+
+
+@pytest.mark.heavy
+def test_magnetic_targets_are_met():
+    """Force within 0.1 %, flux linkage within 0.05 % in 2 s; a 10 x 10 map in a minute."""
+    assert all(target.met for target in magnetics.run(True, lambda _: None).targets)
+
+
 @pytest.mark.parametrize(
     ("measured", "at_most", "met"), [(1.0, True, True), (3.0, True, False), (3.0, False, True)]
 )
@@ -79,7 +145,7 @@ def options(**changes):
 
 def test_command(made_up, tmp_path, capsys):
     """Tables on stdout; with --out a CSV file and the time-against-error plot."""
-    assert command.run(options(out=str(tmp_path))) == 0
+    assert command.run(options(only=["tmm"], out=str(tmp_path))) == 0
     text = capsys.readouterr().out
     assert "100,000" in text
     assert "not met" in text
@@ -88,7 +154,7 @@ def test_command(made_up, tmp_path, capsys):
 
 def test_command_as_json(made_up, capsys):
     """Timings and verdicts, machine-readable."""
-    command.run(options(json=True))
+    command.run(options(only=["tmm"], json=True))
     told = json.loads(capsys.readouterr().out)
     assert told["met"] == {"tmm": [False]}
     assert told["parts"][0]["timings"][0]["points"] == 100

@@ -11,6 +11,7 @@ from tmm.coenergy import CoenergyMap, Samples, closed_loop_work
 from tmm.coenergy_fit import fit
 from tmm.reluctance_circuit import FULL, Refinements
 from tmm.reluctance_network import network_samples
+from validation.magnetic_cases import square_law
 
 #: A linear actuator: λ = C i/(g + G0).
 C, G0 = 2e-6, 0.1e-3
@@ -82,12 +83,7 @@ def test_linear_actuator():
 def test_vm213_bookkeeping():
     """The law of ANSYS VM213, λ ∝ √i, through the map: 0.0333 J of co-energy, 0.0166 J stored,
     1.25 H apparent, 0.625 H differential at 0.2 A (here at the gap where the factor is 1)."""
-    i, g = 0.3 * (np.arange(25) / 24.0) ** 3, np.linspace(0.1e-3, 0.3e-3, 8)
-    # a square root divided among gaps: W' = (2/3) · 0.25 · i^1.5/√0.2 · (0.2 mm/g)
-    factor = 0.2e-3 / g
-    linkage = 0.25 * np.sqrt(i[:, None] / 0.2) * factor
-    coenergy = 2.0 / 3.0 * i[:, None] * linkage
-    pull = CoenergyMap.from_samples(i, g, linkage, coenergy / g, coenergy)
+    pull = square_law.by_map()
     # the square root has an infinite slope at no current, which no spline follows: 1e-3
     assert pull.coenergy(0.2, 0.2e-3) == pytest.approx(2.0 / 3.0 * 0.05, rel=1e-3)
     assert pull.energy(0.2, 0.2e-3) == pytest.approx(1.0 / 3.0 * 0.05, rel=3e-3)

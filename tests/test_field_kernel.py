@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from skfem import Basis, BilinearForm, ElementTetP2, LinearForm
 from skfem.helpers import dot, mul
-from sphere_mesh import sphere_mesh
 
 from fem.magnetic_problem import MagneticSolid, sample
 from fem.magnetic_scalar import gradient_kernel
 from fem.magnetic_solid import VectorPotential
 from fem.nedelec import ElementTetEdge2
 from fem.tet_quadrature import tet_rule
+from validation.magnetic_cases.sphere_mesh import sphere_mesh
 
 RULE = tet_rule()
 TENSOR = np.array([[2.0, 0.3, -0.1], [0.3, 1.0, 0.2], [-0.1, 0.2, 4.0]])

@@ -6,38 +6,8 @@ import pytest
 from geometry import steel
 from geometry.steel import TEAM20
 from tmm.flux_ladder import Ladder, solve
-
-
-class SquareLaw:
-    """H = Hs (B/Bs)², the core of ANSYS VM213 (differential inductance of a transformer)."""
-
-    def __init__(self, field, flux_density):
-        self.h, self.b = field, flux_density
-
-    def field_strength(self, b):
-        return self.h * (b / self.b) ** 2
-
-    def slope(self, b):
-        return 2.0 * self.h * b / self.b**2
-
-    def energy_density(self, b):
-        return self.h * b**3 / (3.0 * self.b**2)
-
-
-def one_loop(curve, area, length, turns, reluctance=0.0):
-    """Return one flux through one piece of iron and one gap."""
-    none = np.zeros((1, 1))
-    return Ladder(
-        curve=curve,
-        area=np.array([[area]]),
-        length=np.array([[length]]),
-        d_length=none,
-        cell=np.array([0]),
-        reluctance=np.array([[0.0, reluctance]]),
-        d_reluctance=np.zeros((1, 2)),
-        turns=np.array([[turns]]),
-        d_turns=none,
-    )
+from validation.magnetic_cases import square_law
+from validation.magnetic_cases.square_law import one_loop
 
 
 def random_ladder(curve, seed=0, m=3, n=6):
@@ -75,16 +45,13 @@ def shifted(ladder, step):
 def test_vm213_bookkeeping():
     """ANSYS VM213: 0.0166 J stored, 0.0333 J of co-energy at 0.2 A; apparent 1.25 H, half of it
     differential, flux linkage 0.25 Wb follow from them for λ ∝ √i."""
-    hs, bs, turns, area = 100.0, 2.0, 10.0, 0.01
-    # the core's length for which λ(0.2 A) = N A Bs √(N i/(l Hs)) is 0.25 Wb
-    length = turns * 0.2 / hs * (turns * area * bs / 0.25) ** 2
-    found = solve(one_loop(SquareLaw(hs, bs), area, length, turns), np.array([0.2, -0.2]))
+    found = square_law.by_ladder()
     linkage, coenergy = found.flux_linkage[0, 0], found.coenergy[0, 0]
     # printed with three digits, cut off rather than rounded: one unit of the last
     assert coenergy == pytest.approx(0.0333, abs=1e-4)
     assert 0.2 * linkage - coenergy == pytest.approx(0.0166, abs=1e-4)
     # exact for this law; Newton stops at 1e-12 of the mmf, half of that in the flux
-    assert coenergy == pytest.approx(2.0 / 3.0 * 0.2 * 0.25, rel=1e-11)
+    assert coenergy == pytest.approx(square_law.COENERGY, rel=1e-11)
     assert linkage / 0.2 == pytest.approx(1.25, rel=1e-11)
     assert found.incremental_inductance[0, 0] == pytest.approx(0.625, rel=1e-11)
     assert (found.flux_linkage[1], found.coenergy[1]) == (-linkage, coenergy)

@@ -5,7 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from sphere_mesh import OUTER, RADIUS, mirrored, sphere_mesh
 
 import fem.magnetic_solid
 from fem.magnetic_bracket import disagreement
@@ -17,6 +16,8 @@ from geometry.errors import InputError
 from geometry.steel import MU0, TEAM20, linear
 from geometry.team20 import Team20Meshing, team20_mesh, team20_source
 from geometry.tensor_tets import box_tetrahedra, graded_planes
+from validation.magnetic_cases.sphere_in_field import ball_error
+from validation.magnetic_cases.sphere_mesh import mirrored, sphere_mesh
 
 STEEL = {"pole": TEAM20, "yoke": TEAM20}
 BOTH = pytest.mark.parametrize("potential", [VectorPotential, ScalarPotential])
@@ -83,28 +84,6 @@ def test_probe_reads_linear_fields_exactly():
         flux_density_at(field, np.array([[-1.0, 0.0, 0.0]]))
 
 
-def ball_in_uniform_field(potential, n, *, curved, permeability=1000.0):
-    """Relative error of B in the ball: of its mean and in the mean square."""
-    mesh = sphere_mesh(n, curved=curved)
-    problem = MagneticSolid(
-        mesh,
-        {"ball": linear(permeability)},
-        lambda points: np.broadcast_to([0.0, 0.0, 1.0], points.shape),
-        flux_normal=("z_low", "outer"),
-        copies=8,
-    )
-    solid = sample(problem)
-    field = potential(solid).solve(1.0)
-    # with φ = −H0 z held at r = OUTER; 3 µr / (µr + 2) when that is far away
-    shape = (permeability + 2.0) - (permeability - 1.0) * (RADIUS / OUTER) ** 3
-    exact = np.array([0.0, 0.0, 3.0 * permeability * MU0 / shape])
-    cells = mesh.cells_of("ball")
-    weights = solid.weights[cells] / solid.weights[cells].sum()
-    miss = (field.flux_density[cells] - exact) / exact[2]
-    mean = float(np.sum(miss[..., 2] * weights))
-    return mean, float(np.sqrt(np.sum(np.sum(miss**2, axis=-1) * weights)))
-
-
 @BOTH
 def test_ball_in_a_uniform_field(potential):
     """B = 3 µr B0/(µr + 2) inside; curved cells converge with order above 2, straight below.
@@ -112,8 +91,8 @@ def test_ball_in_a_uniform_field(potential):
     Measured on 2, 3, 4, 5 intervals per edge: curved 1.1e-2, 4e-3, 2e-3, 1.2e-3 (order 2.4);
     straight 4e-2 to 1e-2 (order 1.5), six to eleven times as much on the finest.
     """
-    curved = [ball_in_uniform_field(potential, n, curved=True) for n in (2, 3)]
-    straight = [ball_in_uniform_field(potential, n, curved=False) for n in (2, 3)]
+    curved = [ball_error(potential, n, curved=True) for n in (2, 3)]
+    straight = [ball_error(potential, n, curved=False) for n in (2, 3)]
     orders = [np.log(coarse[1] / fine[1]) / np.log(1.5) for coarse, fine in (curved, straight)]
     assert orders[0] > 2.0 > orders[1]
     assert curved[1][1] < 5e-3
@@ -122,8 +101,8 @@ def test_ball_in_a_uniform_field(potential):
 
 def test_ball_is_enclosed_by_both_potentials():
     """The mean B in the ball comes out too small by A and too large by φ, alike in size."""
-    low, _ = ball_in_uniform_field(VectorPotential, 3, curved=True)
-    high, _ = ball_in_uniform_field(ScalarPotential, 3, curved=True)
+    low, _ = ball_error(VectorPotential, 3, curved=True)
+    high, _ = ball_error(ScalarPotential, 3, curved=True)
     assert low < 0.0 < high
     assert abs(low + high) < 0.2 * (high - low)
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from sphere_mesh import OUTER, RADIUS, mirrored, sphere_mesh
 
 from fem.magnetic_probe import flux_density_at
 from fem.magnetic_problem import MagneticSolid, sample
@@ -24,7 +23,8 @@ from geometry.team20 import (
     team20_mesh,
     team20_source,
 )
-from geometry.tensor_tets import box_tetrahedra, graded_planes
+from validation.magnetic_cases.long_conductors import PUBLISHED_FORCE, conductors, thin_strips
+from validation.magnetic_cases.sphere_mesh import OUTER, RADIUS, mirrored, sphere_mesh
 
 DOWN = np.array([0.0, 0.0, -1.0])
 STEP = 2e-6  # m, beside a gap of 1.5 mm
@@ -114,55 +114,10 @@ def test_routes_are_one_derivative_on_curved_cells():
 
 # Two long conductors: ANSYS verification manual, VM188
 
-CURRENT, APART, TALL, THICK, SLICE = 24.0, 10e-3, 12e-3, 0.5e-3, 2e-3
-NEAR, FAR = 0.5 * (APART - THICK), 0.5 * (APART + THICK)
-
-
-def thin_strips():
-    """Force per length (N/m) between facing strips, Maxwell's integral in closed form."""
-    ratio = APART / TALL
-    factor = 2.0 * ratio * np.arctan(1.0 / ratio) - ratio**2 * np.log1p(1.0 / ratio**2)
-    return 2e-7 * CURRENT**2 / APART * factor
-
-
-def conductor_source(points):
-    """T0 between the bars, falling to 0 across each: ±1 A along z."""
-    field = np.zeros(points.shape)
-    ramp = np.clip((FAR - points[..., 0]) / THICK, 0.0, 1.0)
-    field[..., 1] = np.where(points[..., 1] < 0.5 * TALL, ramp / TALL, 0.0)
-    return field
-
-
-def conductors(potential, scale):
-    """Force per length (N/m) away from the other bar: by stress and by J x B."""
-    mm = 1e-3 * scale
-
-    def planes(*stops):
-        return graded_planes(stops, growth=scale)
-
-    far = (1.0, 500.0 * mm)
-    x = planes(
-        (0.0, 2 * mm), (1.5e-3, 2 * mm), (NEAR, 0.3 * mm), (FAR, 0.3 * mm), (13e-3, 6 * mm), far
-    )
-    y = planes((0.0, 3 * mm), (0.5 * TALL, 0.3 * mm), (14e-3, 6 * mm), far)
-    z = np.array([0.0, SLICE])
-    mid = np.meshgrid(*(0.5 * (v[1:] + v[:-1]) for v in (x, y, z)), indexing="ij")
-    shell = (mid[0] > 1.5e-3) & (mid[0] < 13e-3) & (mid[1] < 14e-3)
-    bar = (mid[0] > NEAR) & (mid[0] < FAR) & (mid[1] < 0.5 * TALL)
-    region = np.where(bar, 0, np.where(shell, 1, 2))
-    mesh = box_tetrahedra(x, y, z, region, ("bar", "shell", "air"))
-    solid = sample(MagneticSolid(mesh, {}, conductor_source, flux_normal=("y_low",), copies=2))
-    weight = harmonic_weight(solid, "bar", ("shell",))
-    field = potential(solid).solve(CURRENT)
-    cells = mesh.cells_of("bar")
-    density = CURRENT / (TALL * THICK)  # along −z here: F_x = −J_z B_y
-    lorentz = 2.0 * np.sum(solid.weights[cells] * density * field.flux_density[cells][..., 1])
-    return eggshell_force(field, weight, np.array([1.0, 0.0, 0.0])) / SLICE, lorentz / SLICE
-
 
 def test_published_force_is_that_of_thin_strips():
     """VM188's 9.684e-3 N/m is the closed form for strips 12 mm tall, 10 mm apart, 24 A."""
-    assert thin_strips() == pytest.approx(9.684e-3, abs=0.5e-6)
+    assert thin_strips() == pytest.approx(PUBLISHED_FORCE, abs=0.5e-6)
 
 
 def test_long_conductors_repel_as_published():

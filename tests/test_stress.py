@@ -10,8 +10,16 @@ import pytest
 from geometry.errors import InputError
 from tmm.precision import error_bound
 from validation.commands import stress as command
-from validation.stress import beam, output
-from validation.stress.result import WANTED, Approach, ErrorMap, Point, Stress, judged
+from validation.stress import beam, magnetics, output
+from validation.stress.result import (
+    WANTED,
+    Approach,
+    ErrorMap,
+    Point,
+    Stress,
+    answered,
+    judged,
+)
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +53,7 @@ def test_into_a_resonance(found, family):
 
 def test_chains_stay_within_their_condition(found):
     """Joining n pieces costs n³ roundings at most."""
-    assert row(found, "long chain").within_bounds
+    assert row(found, "long chain").verdict != "fails"
 
 
 def test_the_naive_formulas_fail(found):
@@ -87,6 +95,56 @@ def test_verdicts(points, verdict):
     assert judged("family", "what", points).verdict == verdict
 
 
+@pytest.mark.parametrize(
+    ("points", "refusals", "verdict"),
+    [
+        ([synthetic(1e-13)], [], "holds"),
+        ([synthetic(1e-13)], ["too far: come nearer"], "holds or says why not"),
+        ([], ["too far: come nearer"], "holds or says why not"),
+        ([synthetic(1e-3), synthetic(1e-2)], [], "fails"),
+        ([synthetic(math.nan)], [], "fails"),
+        ([], ["Traceback:\n  File"], "fails"),
+        ([], [""], "fails"),
+    ],
+)
+def test_verdicts_of_answers(points, refusals, verdict):
+    """A family of answers and refusals holds, says why not, or fails."""
+    assert answered("family", "what", points, refusals).verdict == verdict
+
+
+def test_worst_is_one_that_failed():
+    """A large error within its bound does not hide a small one beyond its own."""
+    allowed = Point("far", 0.5, math.nan, 1.0, math.nan)
+    assert answered("family", "what", [allowed, synthetic(1e-3)]).worst.where == "somewhere"
+
+
+@pytest.mark.parametrize(
+    "name", ["narrow gap", "long core", "3D slivers", "3D ball", "network", "no answer exists"]
+)
+def test_magnetic_families(name):
+    """The normal actuator's models converge, or say why not."""
+    rows = magnetics._FAMILIES[name](True)
+    for row in rows if isinstance(rows, list) else [rows]:
+        assert row.verdict != "fails", row
+        if name in ("network", "no answer exists"):
+            assert row.refusals
+
+
+def test_nothing_impossible_is_answered():
+    """Each of them ends in a sentence of its own."""
+    row = magnetics._FAMILIES["no answer exists"](True)
+    assert row.points == 0
+    assert len(set(row.refusals)) == len(row.refusals) == 9
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("quick", [True, False])
+def test_whole_magnetic_run(quick):
+    """µr 1 to 1e6, gaps 1 µm to 5 mm, 1 µA to 1 kA, coarse to fine, badly graded: none fails."""
+    found = magnetics.run(quick, lambda _: None)
+    assert all(row.verdict != "fails" for row in found.rows)
+
+
 @pytest.fixture
 def small(monkeypatch):
     """Put a made-up run in the place of the real one."""
@@ -97,7 +155,8 @@ def small(monkeypatch):
     approach = Approach("made up", np.array([1e3, 1e6]), np.array([1e-15, 1e-13]), np.ones(2))
 
     def run(points):
-        made = Stress("tmm", "words", (judged("family", "what", points),), (table,), (approach,), 0)
+        rows = (judged("family", "what", points),)
+        made = Stress("tmm", beam._COLUMNS, "words", rows, (table,), (approach,), 0)
         monkeypatch.setattr(beam, "run", lambda *_: made)
 
     return run
@@ -112,7 +171,7 @@ def options(**changes):
 def test_command_writes_tables_and_plots(small, tmp_path, capsys):
     """With --out come CSV files and SVG plots; the table goes to stdout."""
     small([synthetic(1e-13)])
-    assert command.run(options(out=str(tmp_path / "out"))) == 0
+    assert command.run(options(only=["tmm"], out=str(tmp_path / "out"))) == 0
     assert "holds" in capsys.readouterr().out
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
     assert names == [
@@ -124,16 +183,26 @@ def test_command_writes_tables_and_plots(small, tmp_path, capsys):
     assert (tmp_path / "out" / "stress-tmm-map-1.svg").read_text().startswith("<svg")
 
 
+def test_command_quotes_refusals(monkeypatch, tmp_path, capsys):
+    """Each sentence once, with how often it was said; the file has them too."""
+    rows = (answered("family", "what", [synthetic(1e-13)], ["come nearer", "come nearer"]),)
+    made = Stress("magnetics", magnetics._COLUMNS, "words", rows, (), (), 0.0)
+    monkeypatch.setattr(magnetics, "run", lambda *_: made)
+    assert command.run(options(only=["magnetics"], out=str(tmp_path))) == 0
+    assert "refused 2 x: come nearer" in capsys.readouterr().out
+    assert "come nearer" in (tmp_path / "stress-magnetics.csv").read_text()
+
+
 def test_command_fails_if_a_family_does(small):
     """The exit code is 1."""
     small([synthetic(1e-3)])
-    assert command.run(options()) == 1
+    assert command.run(options(only=["tmm"])) == 1
 
 
 def test_command_as_json(small, capsys):
     """Standard JSON: what is not finite is null."""
     small([synthetic(1e-13)])
-    command.run(options(json=True))
+    command.run(options(only=["tmm"], json=True))
     told = json.loads(capsys.readouterr().out)
     assert told["verdicts"] == {"tmm": ["holds"]}
     assert told["parts"][0]["maps"][0]["naive"] == [[None, None]]

@@ -1,5 +1,6 @@
-"""Every check as one declarative row, in four tiers that are never mixed.
+"""What a check is, and those of the lateral actuator: one declarative row each, in four tiers.
 
+Tiers are never mixed.  The normal actuator's rows are in :mod:`validation.magnetic_checks`.
 The test suite, the report and the documentation read the same rows.  A row that is known
 not to agree says why; it is shown, not hidden, and not counted as passed.
 """
@@ -14,6 +15,7 @@ from typing import Literal
 from validation import measurements as m
 
 Tier = Literal["code verification", "solution verification", "cross-model", "validation"]
+Subject = Literal["lateral", "normal"]
 Status = Literal["pass", "fail", "differs, explained"]
 
 
@@ -39,6 +41,8 @@ class Check:
         The deviation that the explanation was written for; another one fails.
     heavy : bool
         Whether it takes more than a few seconds.
+    subject : {"lateral", "normal"}
+        Which actuator it is about.
     """
 
     id: str
@@ -53,6 +57,7 @@ class Check:
     explained: str = ""
     known: float = 0.0
     heavy: bool = False
+    subject: Subject = "lateral"
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from validation.bench.result import Bench
 
 #: Name of each part and the module that measures it.
-PARTS = {"tmm": "validation.bench.beam"}
+PARTS = {"tmm": "validation.bench.beam", "magnetics": "validation.bench.magnetics"}
 
 
 def run_parts(names: Iterable[str], quick: bool, announce: Callable[[str], None]) -> list[Bench]:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import ClassVar
+
+from validation.formats import engineering
 
 
 @dataclass(frozen=True)
@@ -29,10 +33,102 @@ class Timing:
     seconds: float
     error: float
 
+    columns: ClassVar = (
+        "way",
+        "range",
+        "points",
+        "points per second",
+        "ns per point",
+        "worst error",
+    )
+    fields: ClassVar = ("way", "range", "points", "seconds", "points_per_second", "error")
+    cost_label: ClassVar = "time per point (ns)"
+    #: Error asked for.
+    wanted: ClassVar = 1e-12
+
     @property
     def rate(self) -> float:
         """Points per second."""
         return self.points / self.seconds
+
+    @property
+    def cost(self) -> float:
+        """What is plotted along x."""
+        return 1e9 / self.rate
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The row of the table, as `columns`."""
+        return (
+            self.path, self.case, f"{self.points:,}", f"{self.rate:,.0f}", f"{self.cost:.0f}",
+            f"{self.error:.1e}",
+        )  # fmt: skip
+
+    @property
+    def values(self) -> tuple[str | float, ...]:
+        """The row of the file, as `fields`."""
+        return self.path, self.case, self.points, self.seconds, self.rate, self.error
+
+
+@dataclass(frozen=True)
+class FieldTiming:
+    """One result of one field solution.
+
+    Attributes
+    ----------
+    path, level : str
+        The formulation, and how fine.
+    case : str
+        The result that was compared.
+    unknowns : int
+        Size of the system.
+    seconds : float
+        Least of several runs, everything included.
+    value : float
+        The result, in `unit`.
+    error : float
+        Relative, against the reference of the run.
+    wanted : float
+        Error asked for; nan if none is.
+    """
+
+    path: str
+    level: str
+    case: str
+    unknowns: int
+    seconds: float
+    value: float
+    unit: str
+    error: float
+    wanted: float = math.nan
+
+    columns: ClassVar = ("way", "fineness", "result", "unknowns", "time", "value", "error")
+    fields: ClassVar = (
+        "way", "fineness", "result", "unknowns", "seconds", "value", "unit", "error",
+    )  # fmt: skip
+    cost_label: ClassVar = "time (s)"
+
+    @property
+    def cost(self) -> float:
+        """What is plotted along x."""
+        return self.seconds
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The row of the table, as `columns`."""
+        return (
+            self.path, self.level, self.case, f"{self.unknowns:,}",
+            engineering(self.seconds, "s", 3), engineering(self.value, self.unit),
+            f"{self.error:.1e}",
+        )  # fmt: skip
+
+    @property
+    def values(self) -> tuple[str | float, ...]:
+        """The row of the file, as `fields`."""
+        return (
+            self.path, self.level, self.case, self.unknowns, self.seconds, self.value, self.unit,
+            self.error,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -58,6 +154,6 @@ class Bench:
 
     part: str
     conditions: str
-    timings: tuple[Timing, ...]
+    timings: tuple[Timing, ...] | tuple[FieldTiming, ...]
     targets: tuple[Target, ...]
     seconds: float

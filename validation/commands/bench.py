@@ -9,11 +9,13 @@ from pathlib import Path
 
 from validation.commands.common import Commands
 
+_PARTS = "tmm or magnetics; may be repeated, both by default"
+
 
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("bench", help="measure speed, memory and accuracy on one core")
-    parser.add_argument("--only", action="append", metavar="PART", help="tmm; may be repeated")
+    parser.add_argument("--only", action="append", metavar="PART", help=_PARTS)
     parser.add_argument("--quick", action="store_true", help="fewer points")
     parser.add_argument("--out", metavar="DIR", help="also write a table (CSV) and plots (SVG)")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")

@@ -9,13 +9,13 @@ from pathlib import Path
 
 from validation.commands.common import Commands
 
+_PARTS = "tmm or magnetics; may be repeated, both by default"
+
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser(
-        "stress", help="errors against 80-digit arithmetic, far beyond any use"
-    )
-    parser.add_argument("--only", action="append", metavar="PART", help="tmm; may be repeated")
+    parser = commands.add_parser("stress", help="errors against exact answers, far beyond any use")
+    parser.add_argument("--only", action="append", metavar="PART", help=_PARTS)
     parser.add_argument("--quick", action="store_true", help="a coarser grid")
     parser.add_argument("--out", metavar="DIR", help="also write tables (CSV) and plots (SVG)")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from validation.stress.result import Stress
 
 #: Name of each part and the module that runs it.
-PARTS = {"tmm": "validation.stress.beam"}
+PARTS = {"tmm": "validation.stress.beam", "magnetics": "validation.stress.magnetics"}
 
 
 def run_parts(names: Iterable[str], quick: bool, announce: Callable[[str], None]) -> list[Stress]:

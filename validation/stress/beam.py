@@ -31,6 +31,7 @@ from validation.stress.result import WANTED, Approach, ErrorMap, Point, Row, Str
 
 _LENGTH = 20e-3
 _PAPER = Ends(Support(), Load())
+_COLUMNS = ("family", "points", "worst", "condition", "matrix A", "verdict", "worst at")
 _CLAMPED_FREE = Ends(Support(kind="clamped"), Load(kind="none"))
 
 
@@ -52,7 +53,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Stress:
         approaches.append(line)
         rows.append(row)
     return Stress(
-        "tmm", _statement(), tuple(rows), tuple(maps), tuple(approaches),
+        "tmm", _COLUMNS, _statement(), tuple(rows), tuple(maps), tuple(approaches),
         time.perf_counter() - started,
     )  # fmt: skip
 
@@ -62,8 +63,9 @@ def _statement() -> str:
         f"Relative error of every entry, of tip velocity and of charge at most {WANTED:.0e} "
         "wherever the condition number (size of the terms over size of their sum; 1/distance in "
         f"radians of phase to the next pole or zero) is below {CONDITION_LIMIT:.0e}; beyond, at "
-        f"most {EXTENDED_ROUNDINGS:g} x {EXTENDED_EPS:.1e} x condition. Exactly at a resonance of "
-        "a lossless beam the condition number, like the value, has no bound."
+        f"most {EXTENDED_ROUNDINGS:g} x {EXTENDED_EPS:.1e} x condition, {EXTENDED_EPS:.1e} being "
+        "the rounding unit of this machine's long double. Exactly at a resonance of a lossless "
+        "beam the condition number, like the value, has no bound."
     )
 
 

@@ -5,20 +5,23 @@ from __future__ import annotations
 import csv
 import math
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 from geometry.files import written_whole
-from validation.stress import PARTS, run_parts
+from validation.stress import run_parts
 from validation.stress.plots import approach_plot, map_plot
 from validation.stress.result import ErrorMap, Row, Stress
 
 
-def section(quick: bool, announce: Callable[[str], None]) -> dict[str, Any]:
-    """Run all parts and return what ``templates/report/stress.html`` shows."""
-    parts = run_parts(PARTS, quick, announce)
+def section(
+    quick: bool, announce: Callable[[str], None], names: Iterable[str] = ("tmm",)
+) -> dict[str, Any]:
+    """Run the named parts and return what ``templates/report/stress.html`` shows."""
+    parts = run_parts(names, quick, announce)
     return {
         "stress": parts,
         "stress_maps": [map_plot(table) for part in parts for table in part.maps],
@@ -27,34 +30,42 @@ def section(quick: bool, announce: Callable[[str], None]) -> dict[str, Any]:
 
 
 def print_stress(parts: Iterable[Stress]) -> None:
-    """Print one table per part."""
+    """Print one table per part, and what was said where there is no answer."""
     from rich.console import Console
     from rich.table import Table
 
     console = Console(width=None if sys.stdout.isatty() else 170)
     for part in parts:
         table = Table(title=f"{part.part}: worst relative errors ({part.seconds:.0f} s)")
-        for name in ("family", "points", "worst", "condition", "naive", "verdict", "worst at"):
+        for name in part.columns:
             table.add_column(name, justify="right" if name in _NUMBERS else "left")
         for row in part.rows:
-            table.add_row(row.family, *_cells(row), row.verdict, row.worst.where)
+            table.add_row(*(_CELLS[name](row) for name in part.columns))
         console.print(table)
+        for words, count in Counter(w for row in part.rows for w in row.refusals).items():
+            console.print(f"refused {count} x: {words}", markup=False)
         console.print(part.statement)
 
 
-_NUMBERS = ("points", "worst", "condition", "naive")
-
-
-def _cells(row: Row) -> tuple[str, ...]:
-    numbers = (row.worst.error, row.worst.condition, row.naive)
-    return str(row.points), *(short(value) for value in numbers)
+_CELLS: dict[str, Callable[[Row], str]] = {
+    "family": lambda row: row.family,
+    "points": lambda row: str(row.points),
+    "refused": lambda row: str(len(row.refusals)),
+    "worst": lambda row: short(row.worst.error),
+    "promised": lambda row: short(row.worst.bound),
+    "condition": lambda row: f"{row.worst.condition:.1e}",
+    "matrix A": lambda row: short(row.naive),
+    "verdict": lambda row: row.verdict,
+    "worst at": lambda row: row.worst.where,
+}
+_NUMBERS = ("points", "refused", "worst", "promised", "condition", "matrix A")
 
 
 def short(value: float) -> str:
     """Return two digits; words for what has no number."""
     if math.isnan(value):
         return "-"
-    return "no digit" if math.isinf(value) else f"{value:.1e}"
+    return "no digit" if value >= 1.0 else f"{value:.1e}"
 
 
 def write_stress(parts: Iterable[Stress], out: Path) -> list[Path]:
@@ -62,11 +73,14 @@ def write_stress(parts: Iterable[Stress], out: Path) -> list[Path]:
     written = []
     for part in parts:
         rows = (
-            (r.family, r.what, r.points, r.worst.error, r.worst.condition, r.naive, r.verdict,
-             r.worst.where)
+            (r.family, r.what, r.points, r.worst.error, r.worst.bound, r.worst.condition, r.naive,
+             r.verdict, r.worst.where, len(r.refusals), " | ".join(dict.fromkeys(r.refusals)))
             for r in part.rows
         )  # fmt: skip
-        head = ("family", "what", "points", "worst", "condition", "naive", "verdict", "worst at")
+        head = (
+            "family", "what", "points", "worst", "promised", "condition", "naive", "verdict",
+            "worst at", "refused", "refusals",
+        )  # fmt: skip
         written.append(_csv(out / f"stress-{part.part}.csv", head, rows))
         for number, table in enumerate(part.maps, start=1):
             stem = f"stress-{part.part}-map-{number}"

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Floats
+from tmm.precision import error_bound
+from validation.formats import engineering
 from validation.plots import svg
 from validation.stress.result import WANTED, Approach, ErrorMap
 
@@ -27,8 +30,8 @@ def map_plot(table: ErrorMap) -> str:
     for axis, title, values in panels:
         image = _decades(axis, table, values)
         axis.set_title(f"{title}: {table.title}", fontsize="medium")
-        axis.set_xlabel("frequency (Hz)")
-    axes[0].set_ylabel("length (m)")
+        axis.set_xlabel("frequency")
+    axes[0].set_ylabel("length")
     figure.colorbar(image, ax=axes.tolist(), label="log10 of the relative error", extend="max")
     return svg(figure)
 
@@ -36,19 +39,26 @@ def map_plot(table: ErrorMap) -> str:
 def _decades(axis: Any, table: ErrorMap, values: Floats) -> Any:
     import matplotlib as mpl
 
-    colours = mpl.colormaps["viridis"].with_extremes(over="black", bad="white")
+    colours = mpl.colormaps["viridis"].with_extremes(over="black", bad="black")
     with np.errstate(divide="ignore"):
         shown = np.log10(np.clip(values, 10.0 ** _DECADES[0], 1e300))
     low, high = _DECADES
     image = axis.imshow(shown, cmap=colours, vmin=low, vmax=high, origin="lower", aspect="auto")
-    for ticks, labels, spaced in (
-        (axis.set_xticks, axis.set_xticklabels, table.frequencies),
-        (axis.set_yticks, axis.set_yticklabels, table.lengths),
-    ):
-        at = np.unique(np.linspace(0, spaced.size - 1, 7).astype(int))
-        ticks(at)
-        labels([f"{v:.2g}" for v in spaced[at]])
+    axis.set_xticks(*_decade_ticks(table.frequencies, "Hz", every=3))
+    axis.set_yticks(*_decade_ticks(table.lengths, "m", every=1))
     return image
+
+
+def _decade_ticks(spaced: Floats, unit: str, every: int) -> tuple[list[float], list[str]]:
+    """Return places between the cells, and names, of decades; a leading 0 keeps its cell."""
+    start = int(spaced[0] == 0.0)
+    powers = np.log10(spaced[start:])
+    cells = np.arange(start, spaced.size)
+    first, last = math.ceil(powers[0] - 1e-9), math.floor(powers[-1] + 1e-9)
+    decades = [d for d in range(first, last + 1) if d % every == 0]
+    places = [float(np.interp(d, powers, cells)) for d in decades]
+    names = [engineering(10.0**d, unit, 3) for d in decades]
+    return ([0.0, *places], ["0", *names]) if start else (places, names)
 
 
 def approach_plot(approaches: tuple[Approach, ...]) -> str:
@@ -60,9 +70,9 @@ def approach_plot(approaches: tuple[Approach, ...]) -> str:
     for approach, marker in zip(approaches, "os^v", strict=False):
         axis.loglog(approach.condition, approach.error, marker, label=approach.title)
     condition = np.concatenate([a.condition for a in approaches])
-    bounds = np.concatenate([a.bound for a in approaches])
-    order = np.argsort(condition)
-    axis.loglog(condition[order], bounds[order], "k-", linewidth=1.0, label="promised bound")
+    spread = np.geomspace(condition.min(), condition.max(), 200)
+    bounds = [error_bound(float(c)) for c in spread]
+    axis.loglog(spread, bounds, "k-", linewidth=1.0, label="the method's bound")
     axis.axhline(WANTED, color="#D55E00", linestyle="--", linewidth=1.0, label="wanted")
     axis.set_xlabel("condition number")
     axis.set_ylabel("relative error")

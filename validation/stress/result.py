@@ -39,23 +39,31 @@ class Point:
 
 @dataclass(frozen=True)
 class Row:
-    """One family of points, judged."""
+    """One family of points, judged.
+
+    Attributes
+    ----------
+    family, what : str
+        What it is called, and what was varied.
+    points : int
+        How many were answered.
+    worst : Point
+        The answer with the largest error; of those beyond their bound, if there are any.
+    naive : float
+        Largest error of the naive formulas.
+    verdict : str
+        ``holds``, ``holds up to the condition limit``, ``holds or says why not``, or ``fails``.
+    refusals : tuple of str
+        What was said at the points that were not answered.
+    """
 
     family: str
     what: str
     points: int
     worst: Point
-    #: Worst among the points whose bound is what was asked for or less.
-    worst_well: Point | None
     naive: float
-    within_bounds: bool
-
-    @property
-    def verdict(self) -> str:
-        """Whether the family is within what was asked for, and if not everywhere, where."""
-        if not self.within_bounds or (self.worst_well and self.worst_well.error > WANTED):
-            return "fails"
-        return "holds" if self.worst.error <= WANTED else "holds up to the condition limit"
+    verdict: str
+    refusals: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -82,9 +90,10 @@ class Approach:
 
 @dataclass(frozen=True)
 class Stress:
-    """All that one part found."""
+    """All that one part found; `columns` are those of the table of its rows."""
 
     part: str
+    columns: tuple[str, ...]
     statement: str
     rows: tuple[Row, ...]
     maps: tuple[ErrorMap, ...]
@@ -93,15 +102,33 @@ class Stress:
 
 
 def judged(family: str, what: str, points: Sequence[Point]) -> Row:
-    """Return the row of a family."""
-    well = [p for p in points if p.bound <= WANTED]
+    """Return the row of a family that is held against what was asked for.
+
+    It fails if a point is beyond its bound, or beyond what was asked for where its bound
+    is that or less.
+    """
+    well = [p.error for p in points if p.bound <= WANTED]
     naive = [p.naive for p in points if not math.isnan(p.naive)]
-    return Row(
-        family,
-        what,
-        len(points),
-        max(points, key=lambda p: p.error),
-        max(well, key=lambda p: p.error) if well else None,
-        max(naive, default=math.nan),
-        all(p.error <= p.bound for p in points),
-    )
+    worst = max(points, key=lambda p: p.error)
+    if not all(p.error <= p.bound for p in points) or max(well, default=0.0) > WANTED:
+        verdict = "fails"
+    else:
+        verdict = "holds" if worst.error <= WANTED else "holds up to the condition limit"
+    return Row(family, what, len(points), worst, max(naive, default=math.nan), verdict)
+
+
+#: Stands for the worst of no answers.
+_NONE = Point("", math.nan, math.nan, math.nan, math.nan)
+
+
+def answered(family: str, what: str, points: Sequence[Point], refusals: Sequence[str] = ()) -> Row:
+    """Return the row of a family that is held against the bound of each answer.
+
+    It fails if an answer is beyond its bound, or a refusal is not one sentence.
+    """
+    beyond = [p for p in points if not p.error <= p.bound]
+    worst = max(beyond or points, key=lambda p: p.error, default=_NONE)
+    clear = all(words.strip() and "\n" not in words for words in refusals)
+    holds = "holds or says why not" if refusals else "holds"
+    verdict = "fails" if beyond or not clear else holds
+    return Row(family, what, len(points), worst, math.nan, verdict, tuple(refusals))

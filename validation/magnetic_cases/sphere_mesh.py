@@ -5,21 +5,24 @@ s = CORE the map is the identity.  Quadratic nodes take the same map, so curved 
 the sphere at their mid-edge nodes too.
 """
 
+from __future__ import annotations
+
 import itertools
 from dataclasses import replace
 
 import numpy as np
 
+from geometry.arrays import Floats, Ints
 from geometry.mesh import Mesh
 from geometry.quadratic import unique_edges
 
 RADIUS, OUTER, CORE = 1.0, 3.0, 0.4
 
 
-def sphere_mesh(n, *, curved):
-    """Regions ball, air and far; faces x_low, y_low, z_low, outer; n intervals along each edge.
+def sphere_mesh(n: int, *, curved: bool) -> Mesh:
+    """Return the mesh with `n` intervals along each edge of the core and of the ball's shell.
 
-    ``far`` is the outermost layer of cells.
+    Regions ball, air and far, the outermost layer of cells; faces x_low, y_low, z_low, outer.
     """
     q, hexes = _cube_octant(n)
     tets, q = _split(hexes, q)
@@ -46,11 +49,11 @@ def sphere_mesh(n, *, curved):
     )
 
 
-def _shells(n):
-    return np.geomspace(RADIUS, OUTER, 2 * n + 1)
+def _shells(n: int) -> Floats:
+    return np.asarray(np.geomspace(RADIUS, OUTER, 2 * n + 1))
 
 
-def mirrored(mesh, axis):
+def mirrored(mesh: Mesh, axis: int) -> Mesh:
     """Return the mesh and its image at the plane through the origin as one, outer faces kept."""
     image = mesh.points.copy()
     image[:, axis] *= -1.0
@@ -72,7 +75,7 @@ def mirrored(mesh, axis):
     )
 
 
-def _mapped(q):
+def _mapped(q: Floats) -> Floats:
     """Move straight from the core's surface to the ball's along each ray; spheres beyond."""
     s = q.max(axis=1)
     away = s > CORE
@@ -84,8 +87,8 @@ def _mapped(q):
     return p
 
 
-def _cube_octant(n):
-    """Hexahedra of an inner cube and of three blocks around it, merged."""
+def _cube_octant(n: int) -> tuple[Floats, Ints]:
+    """Return points and hexahedra of an inner cube and of three blocks around it, merged."""
     across = np.tan(0.25 * np.pi * np.linspace(0.0, 1.0, n + 1))
     layers = np.concatenate([np.linspace(CORE, RADIUS, n + 1), _shells(n)[1:]])
     blocks = [np.stack(np.meshgrid(*[CORE * across] * 3, indexing="ij"), axis=-1)]
@@ -93,7 +96,7 @@ def _cube_octant(n):
     blocks += [np.roll(np.stack([s, s * a, s * b], axis=-1), k, axis=-1) for k in range(3)]
     points, hexes, start = [], [], 0
     for grid in blocks:
-        index = start + np.arange(grid[..., 0].size).reshape(grid.shape[:3])
+        index: Ints = start + np.arange(grid[..., 0].size).reshape(grid.shape[:3])
         corners = [
             index[
                 i : index.shape[0] - 1 + i, j : index.shape[1] - 1 + j, k : index.shape[2] - 1 + k
@@ -109,11 +112,14 @@ def _cube_octant(n):
     return np.concatenate(points)[first], same.reshape(-1)[np.concatenate(hexes)]
 
 
-def _split(hexes, q):
-    """Twelve tetrahedra around each centre; cutting faces from their lowest vertex matches."""
+def _split(hexes: Ints, q: Floats) -> tuple[Ints, Floats]:
+    """Return twelve tetrahedra around each centre, and the points with the centres.
+
+    Faces cut from their lowest vertex match between neighbours.
+    """
     centre = len(q) + np.arange(len(hexes))
     q = np.concatenate([q, q[hexes].mean(axis=1)])
-    tets = []
+    corners = []
     for quad in (
         [0, 1, 3, 2],
         [4, 5, 7, 6],
@@ -125,8 +131,8 @@ def _split(hexes, q):
         face = hexes[:, quad]
         lowest = np.argmin(face, axis=1)
         face = np.take_along_axis(face, (lowest[:, None] + np.arange(4)) % 4, axis=1)
-        tets += [np.column_stack([face[:, pick], centre]) for pick in ([0, 1, 2], [0, 2, 3])]
-    tets = np.concatenate(tets)
+        corners += [np.column_stack([face[:, pick], centre]) for pick in ([0, 1, 2], [0, 2, 3])]
+    tets = np.concatenate(corners)
     p = _mapped(q)[tets]
     wrong = np.linalg.det(p[:, 1:] - p[:, :1]) < 0.0
     tets[wrong] = tets[wrong][:, [1, 0, 2, 3]]
