@@ -175,3 +175,15 @@ def test_paper_on_the_network():
     at = normal_actuator.switching(built, pull)
     assert at.drop_out < 50e-3 < at.pull_in < 130e-3
     assert normal_actuator.finger_force(built, pull, 0.0, built.gap) == pytest.approx(110e-3)
+
+
+def test_a_map_needs_a_current():
+    """Either sign spans the same map; no current is refused with the remedy."""
+    device = Device()
+    turned = device.model_copy(update={"coil": device.coil.model_copy(update={"current": -0.13})})
+    np.testing.assert_array_equal(
+        normal_actuator.map_grid(turned)[0], normal_actuator.map_grid(device)[0]
+    )
+    idle = device.model_copy(update={"coil": device.coil.model_copy(update={"current": 0.0})})
+    with pytest.raises(InputError, match=r"coil\.current = 0 mA .* set the largest"):
+        normal_actuator.map_grid(idle)

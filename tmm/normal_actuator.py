@@ -102,11 +102,21 @@ def map_grid(device: Device, currents: int = 13, gaps: int = 12) -> tuple[Floats
 
     Half as much again as the device's current, and from the lower stop to a quarter beyond
     the upper; denser where the map bends: at small currents and small gaps.
+
+    Raises
+    ------
+    InputError
+        If the device's current is 0.
     """
+    if device.coil.current == 0.0:
+        raise InputError(
+            "coil.current = 0 mA spans no map of currents; set the largest current of interest, "
+            "such as coil.current=130mA"
+        )
     share = np.linspace(0.0, 1.0, currents)
     largest = 1.25 * device.gap
     return (
-        1.5 * device.coil.current * share**1.5,
+        1.5 * abs(device.coil.current) * share**1.5,
         np.geomspace(min(device.spring.stop_gap, 0.5 * device.gap), largest, gaps),
     )
 
@@ -230,7 +240,7 @@ def thermal_statement(device: Device, current: float) -> str:
         f"{abs(current) * 1e3:.3g} mA in {wound.wire_diameter * 1e6:.3g} um wire is "
         f"{wound.current_density(current) * 1e-6:.3g} A/mm^2 and {wound.power(current):.3g} W; "
         f"uncooled, the wire would warm by 100 K in {seconds:.2g} s, and still air alone would "
-        f"leave the actuator {rise:.3g} K warmer: {verdict}"
+        f"leave the actuator {rise:,.0f} K warmer: {verdict}"
     )
 
 

@@ -204,14 +204,6 @@ CHECKS: tuple[Check, ...] = (
         m.paper_start_deflection,
     ),
     Check(
-        "PAP-4", "validation",
-        "Wired in series, the same holds for the normal actuator not activated (the paper does "
-        "not state the wiring).",
-        (3.1e-6, 24.8e-6), "m", "paper section 6, Fig 15 left", 0.0,
-        "the span of the whole measured curve: necessary, not sufficient",
-        m.series_start_deflection,
-    ),
-    Check(
         "PAP-5", "validation",
         "At 1000 Hz the simulated deflection lies below all that was measured (the paper says of "
         "its own simulation that it starts with the measurement and then falls below it).",

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from validation.bridge import Rung
 from validation.solve import Solution
+
+if TYPE_CHECKING:
+    from validation.bridge import Rung
 
 Verdict = Literal["reference", "agrees", "explained", "model form", "differs"]
 

@@ -1,4 +1,4 @@
-"""CAD and mesh files of a scene."""
+"""CAD, mesh and co-energy map files of a scene."""
 
 from __future__ import annotations
 
@@ -6,14 +6,19 @@ import os
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from geometry.errors import InputError
 from geometry.files import written_whole
+from geometry.parameters import Bimorph, Device
+from validation.quantities import MAGNETIC_MODELS, gives
 from validation.scene import Scene
 
+if TYPE_CHECKING:
+    from tmm.coenergy import CoenergyMap
+
 #: Endings that each kind of file may have.
-_SUFFIXES = {"step": (".step", ".stp"), "glb": (".glb",), "mesh": (".vtu", ".msh")}
+_SUFFIXES = {"step": (".step", ".stp"), "glb": (".glb",), "mesh": (".vtu", ".msh"), "map": (".nc",)}
 
 
 def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> list[Path]:
@@ -21,15 +26,18 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
 
     Parameters
     ----------
-    targets : dict of {"step", "glb", "mesh"} to Path
+    targets : dict of {"step", "glb", "mesh", "map"} to Path
         What to write where.
 
     Raises
     ------
     InputError
-        If a place cannot be written, has the wrong ending or is named twice.
+        If a place cannot be written, has the wrong ending or is named twice, or a map is
+        wanted of a scene without a model of the normal actuator.
     """
     _check_targets(targets)
+    if "map" in targets:
+        _magnetic_model(scene)
     with ExitStack() as stack:
         # the files take their names together, when all of them have been written
         drafts = {kind: stack.enter_context(written_whole(p)) for kind, p in targets.items()}
@@ -82,16 +90,64 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
 
         announce("mesh")
         write_mesh(mesh_pair(scene)[0], files["mesh"])
+    if "map" in files:
+        from tmm.coenergy_file import write_map
+
+        write_map(files["map"], _map(scene, announce))
+
+
+def _magnetic_model(scene: Scene) -> str:
+    """Return the scene's most detailed model that has a co-energy map."""
+    able = [name for name in MAGNETIC_MODELS if gives(name, "holding_current")]
+    found = [name for name in able if name in scene.models]
+    if not found:
+        raise InputError(
+            f"--map needs one of the models {', '.join(able)}, and the scene asks for "
+            f"{', '.join(scene.models)}; add --set models={able[0]}"
+        )
+    return found[-1]
+
+
+def _map(scene: Scene, announce: Callable[[str], None]) -> CoenergyMap:
+    from validation.magnetic_models import make_magnetic_model
+    from validation.plan import make_plan
+    from validation.stages import Stages
+
+    name = _magnetic_model(scene)
+    plan = make_plan(scene, (name,), ("holding_current",))
+    return make_magnetic_model(name, scene, Stages(plan.keys, announce)).map()
 
 
 def scene_solids(scene: Scene) -> dict[str, Any]:
-    """Return the CAD solids of a scene: the whole generator, or the bimorph alone (mm)."""
+    """Return the CAD solids of a scene (mm): the whole generator, or the actuator asked about."""
     from geometry.layout import BIMORPH
     from geometry.solids import build_solids
 
     if scene.support.kind == "rod":
         return build_solids(scene.device, None, "rod")
+    if set(scene.models) <= set(MAGNETIC_MODELS):
+        return normal_actuator_solids(scene.device)
     return build_solids(scene.device, BIMORPH, "alone")
+
+
+def normal_actuator_solids(device: Device) -> dict[str, Any]:
+    """Return the CAD solids of rod, coil and sleeve (mm), the rod with its slot.
+
+    The bimorph matters by its cross-section only; the tab that goes into the slot fits.
+    """
+    from geometry.solids import build_solids
+
+    given = device.bimorph
+    fitting = Bimorph().model_copy(
+        update={
+            "width": given.width,
+            "shim_thickness": given.shim_thickness,
+            "tab_length": device.rod.slot_depth,
+        }
+    )
+    return build_solids(
+        device.model_copy(update={"bimorph": fitting}), ("rod", "coil", "sleeve"), "rod"
+    )
 
 
 def _export_solids(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> None:

@@ -44,7 +44,8 @@ def _excess(q: Quantity, accuracy: float) -> str:
     beyond = q.uncertainty > accuracy * size
     if not beyond.any():
         return ""
-    worst = float(np.max(q.uncertainty / np.where(size > 0.0, size, np.inf)))
+    # no value, no bar: a threshold voltage outside the threshold's range
+    worst = float(np.nanmax(q.uncertainty / np.where(size > 0.0, size, np.inf)))
     where = f" at {int(beyond.sum())} of {beyond.size} values" if beyond.ndim else ""
     return f"{q.name} (up to {100.0 * worst:.2g} %{where})"
 

@@ -147,11 +147,6 @@ def paper_start_deflection() -> float:
     return _deflection(10.0)
 
 
-def series_start_deflection() -> float:
-    """Return the same in series wiring (m)."""
-    return _deflection(10.0, "bimorph.wiring=series")
-
-
 def paper_end_deflection() -> float:
     """Return the loaded deflection at 1000 Hz and 50 V (m)."""
     return _deflection(1000.0)

@@ -1,4 +1,4 @@
-"""``tactgen export``: write CAD or mesh files."""
+"""``tactgen export``: write CAD, mesh or map files."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ from validation.commands.common import Commands, scene_options
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("export", help="write CAD or mesh files")
+    parser = commands.add_parser("export", help="write CAD, mesh or map files")
     scene_options(parser)
     parser.add_argument("--step", metavar="FILE", help="solids as STEP (mm)")
     parser.add_argument("--glb", metavar="FILE", help="solids as binary glTF")
     parser.add_argument("--mesh", metavar="FILE.vtu", help="the solid model's mesh (m)")
+    parser.add_argument(
+        "--map", metavar="FILE.nc", help="the normal actuator's co-energy map as netCDF (SI)"
+    )
     parser.set_defaults(run=run)
 
 
@@ -26,10 +29,12 @@ def run(options: argparse.Namespace) -> int:
     from validation.scene import load_scene
 
     scene, _ = load_scene(options.scene, options.overrides)
-    targets = {kind: getattr(options, kind) for kind in ("step", "glb", "mesh")}
+    targets = {kind: getattr(options, kind) for kind in ("step", "glb", "mesh", "map")}
     wanted = {kind: Path(file) for kind, file in targets.items() if file}
     if not wanted:
-        raise InputError("export needs at least one of --step FILE, --glb FILE, --mesh FILE.vtu")
+        raise InputError(
+            "export needs at least one of --step FILE, --glb FILE, --mesh FILE.vtu, --map FILE.nc"
+        )
     with announcer() as announce:
         for path in export(scene, wanted, announce):
             print(path)

@@ -14,7 +14,9 @@ def add(commands: Commands) -> None:
     scene_options(parser)
     parser.add_argument("--out", default="report", metavar="DIR", help="folder (default report)")
     parser.add_argument(
-        "--quick", action="store_true", help="coarser meshes and one mesh family: a minute less"
+        "--quick",
+        action="store_true",
+        help="coarser meshes, one mesh family, no heavy checks, no map of the magnetic field",
     )
     parser.set_defaults(run=run)
 

@@ -17,10 +17,14 @@ _KIND = {
 
 
 def pictures(study: Study) -> list[dict[str, str]]:
-    """Return pictures of the CAD solids and, with the solid model, of its mesh.
+    """Return pictures of the CAD solids and, with the solid model, of its mesh."""
+    found = _lateral(study) if study.lateral else []
+    whole = study.lateral and study.scene.support.kind == "rod"
+    return found if whole or not study.normal else [*found, _normal(study)]
 
-    None of a bimorph that only the beam models know.
-    """
+
+def _lateral(study: Study) -> list[dict[str, str]]:
+    """Return pictures of the bimorph; none of one that only the beam models know."""
     if beyond_plain_layers(study.scene.bimorph):
         return []
     from validation.export import scene_solids
@@ -36,6 +40,17 @@ def pictures(study: Study) -> list[dict[str, str]]:
         found.append({"caption": caption, "png": _inline(mesh_picture(mesh))})
         found.append({"caption": "the same at its held end", "png": close_up(mesh)})
     return found
+
+
+def _normal(study: Study) -> dict[str, str]:
+    """Return a picture of rod, coil and sleeve."""
+    from validation.export import normal_actuator_solids
+    from validation.pictures import solids_picture
+
+    study.announce("picture of the normal actuator")
+    solids = solids_picture(normal_actuator_solids(study.scene.device))
+    caption = "normal actuator: the rod inside coil and sleeve, these cut open"
+    return {"caption": caption, "png": _inline(solids)}
 
 
 def close_up(mesh: Mesh) -> str:

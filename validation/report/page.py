@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from geometry.files import written_whole
+from validation.comparison import ComparedRow
 from validation.files import writable_folder
 from validation.formats import filters
-from validation.report.sections import SECTIONS
+from validation.report.sections import sections
 from validation.report.study import Study
 from validation.scene import Scene
 
@@ -51,7 +52,7 @@ def _page(study: Study, started: float) -> str:
         lstrip_blocks=True,
     )
     environment.filters.update(filters())
-    shown = [(s, found) for s in SECTIONS if (found := s.context(study)) is not None]
+    shown = [(s, found) for s in sections(study) if (found := s.context(study)) is not None]
     numbers = {section.id: number for number, (section, _) in enumerate(shown, start=1)}
     common: dict[str, Any] = {
         "scene": study.scene,
@@ -59,6 +60,8 @@ def _page(study: Study, started: float) -> str:
         "quick": study.quick,
         "number": numbers,
         "seconds": time.perf_counter() - started,
+        "lateral": study.lateral,
+        "normal": study.normal,
     }
     bodies = [
         {
@@ -75,18 +78,29 @@ def _page(study: Study, started: float) -> str:
 
 def _summary(study: Study) -> dict[str, Any]:
     """Return what the head of the page says about the whole."""
-    compared, outcomes = study.comparison, study.outcomes
-    cells = [cell for row in compared for cell in row.cells]
-    most_detailed = [row.cells[-1] for row in compared]
+    outcomes = study.outcomes
     statuses = ("pass", "differs, explained", "fail")
+    most_detailed = [row.cells[-1] for row in study.compared]
     return {
-        "comparison": compared,
+        "lateral_rows": study.comparison if study.lateral else [],
+        "normal_rows": study.normal.comparison if study.normal else [],
+        "spread": {
+            "lateral": _spread(study.comparison if study.lateral else []),
+            "normal": _spread(study.normal.comparison if study.normal else []),
+        },
         "invariants": study.invariants,
         "parameters": study.parameters,
         "bridge": study.rungs,
         "asked": study.asked,
         "counts": {s: sum(o.status == s for o in outcomes) for s in statuses},
+        "missed": sum(c.uncertainty > study.scene.accuracy * abs(c.value) for c in most_detailed),
+    }
+
+
+def _spread(rows: Sequence[ComparedRow]) -> dict[str, float]:
+    """Return the widest error bar and the largest difference between models, as fractions."""
+    cells = [cell for row in rows for cell in row.cells]
+    return {
         "widest": max((c.uncertainty / abs(c.value) for c in cells if c.value), default=0.0),
         "farthest": max((abs(c.difference) for c in cells), default=0.0),
-        "missed": sum(c.uncertainty > study.scene.accuracy * abs(c.value) for c in most_detailed),
     }

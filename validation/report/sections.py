@@ -1,124 +1,62 @@
-"""The sections of the report, in order: title, template, and what the template shows.
-
-A section whose function returns None is left out; numbers and contents follow.
-"""
+"""The sections of the report, in order; those of an actuator only if the scene asks for it."""
 
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable
-from dataclasses import dataclass
 from importlib import metadata
-from typing import Any
 
-import numpy as np
-
-from validation import audit, plots
-from validation.comparison import UNEXPLAINED, compare
-from validation.design import excitation_voltage, length_section
-from validation.models import LumpedModel, SolidModel
 from validation.report import gallery
+from validation.report.section import Context, Section
 from validation.report.study import INVARIANT_TOLERANCE, Study
-from validation.solve import solve
-from validation.stress import output as stress_output
-from validation.uncertainty import propagation
-
-Context = dict[str, Any]
 
 
-@dataclass(frozen=True)
-class Section:
-    """One section: its anchor (also the template's name), its title, its contents."""
+def sections(study: Study) -> tuple[Section, ...]:
+    """Return the sections of a study; what is not asked for is not even imported."""
+    found = [Section("what", "What was studied", _what)]
+    after: list[Section] = []
+    if study.lateral:
+        from validation.report.lateral_sections import LATERAL, PRINTED_FORMULAS
 
-    id: str
-    title: str
-    context: Callable[[Study], Context | None]
+        found += LATERAL
+        after = [PRINTED_FORMULAS]
+    if study.normal:
+        from validation.report.normal_sections import NORMAL
+
+        found += NORMAL
+    return (
+        *found,
+        Section("checks", "Checks in four tiers", _checks),
+        *after,
+        Section("parameters", "Parameters and assumptions", _parameters),
+        Section("plan", "What ran, what was skipped, what it cost", _plan),
+    )
 
 
 def _what(study: Study) -> Context:
     return {"pictures": gallery.pictures(study)}
 
 
-def _models(study: Study) -> Context:
-    return {"comparison": study.comparison, "unexplained": UNEXPLAINED, "tet": _tetrahedra(study)}
-
-
-def _tetrahedra(study: Study) -> Context | None:
-    """Return the solid on a tetwild mesh beside the structured one."""
-    from validation.solid_meshes import uses_tetrahedra
-
-    scene = study.scene
-    if study.quick or study.solid is None or uses_tetrahedra(scene):
-        return None
-    study.announce("solid on a tetwild mesh")
-    mesh = scene.mesh.model_copy(update={"kind": "tetwild"})
-    names = ("static_tip_displacement", "short_circuit_frequencies", "capacitance_free")
-    other = solve(scene.model_copy(update={"mesh": mesh}), ("solid",), names, study.announce)
-    model = other.models["solid"]
-    assert isinstance(model, SolidModel)
-    return {
-        "rows": compare(other),
-        "reference": {row.quantity: row.cells[-1] for row in compare(study.solution)},
-        "cells": model.meshes()[0].cells.shape[0],
-        "png": gallery.close_up(model.meshes()[0]),
-    }
-
-
-def _modes(study: Study) -> Context:
-    lumped = study.solution.models.get("lumped")
-    circuit = lumped.circuit() if isinstance(lumped, LumpedModel) else None
-    return {"modes": gallery.modes(study), "circuit": circuit}
-
-
-def _bridge(study: Study) -> Context:
-    rungs = study.rungs
-    return {"bridge": {"rungs": rungs, "plot": plots.bridge_plot(rungs)} if rungs else None}
-
-
-def _response(study: Study) -> Context:
-    cases = study.cases
-    curves = {case.name: {m: case.curve(m) for m in case.solution.models} for case in cases}
-    titles = {case.name: case.title for case in cases}
-    frequency = np.asarray(study.scene.frequency)
-    return {"cases": cases, "response": plots.response_plot(frequency, curves, titles)}
-
-
-def _stress(study: Study) -> Context:
-    return stress_output.section(study.quick, study.announce)
-
-
 def _checks(study: Study) -> Context:
     return {
-        "comparison": study.comparison,
+        "comparison": study.compared,
         "outcomes": study.outcomes,
         "invariants": study.invariants,
         "invariant_tolerance": INVARIANT_TOLERANCE,
     }
 
 
-def _length(study: Study) -> Context | None:
-    return length_section.section(study.scene, study.origins, study.announce)
-
-
-def _voltage(study: Study) -> Context | None:
-    return excitation_voltage.section(study.scene, study.announce)
-
-
-def _uncertainty(study: Study) -> Context:
-    return propagation.section(study.scene, study.solution, study.announce)
-
-
-def _audit(study: Study) -> Context:
-    return audit.section(study.scene, study.announce)
-
-
 def _parameters(study: Study) -> Context:
     return {"parameters": study.parameters}
 
 
-def _plan(_: Study) -> Context:
+def _plan(study: Study) -> Context:
     machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
-    return {"versions": _versions(), "machine": machine}
+    return {
+        "plan": study.plan,
+        "stage_seconds": study.seconds,
+        "versions": _versions(),
+        "machine": machine,
+    }
 
 
 _PACKAGES = ("numpy", "scipy", "scikit-fem", "cadquery", "pytetwild", "pyvista", "mkl")
@@ -134,20 +72,3 @@ def _versions() -> dict[str, str]:
         except metadata.PackageNotFoundError:
             found[package] = "not installed"
     return found
-
-
-SECTIONS: tuple[Section, ...] = (
-    Section("what", "What was studied", _what),
-    Section("models", "Models side by side", _models),
-    Section("modes", "Natural modes", _modes),
-    Section("bridge", "From the beam to the solid", _bridge),
-    Section("response", "Frequency response", _response),
-    Section("length", "Length design", _length),
-    Section("voltage", "Voltage at the detection threshold", _voltage),
-    Section("uncertainty", "Numerical and parameter uncertainty", _uncertainty),
-    Section("stress", "Numerical limits of the beam model", _stress),
-    Section("checks", "Checks in four tiers", _checks),
-    Section("audit", "The printed formulas", _audit),
-    Section("parameters", "Parameters and assumptions", _parameters),
-    Section("plan", "What ran, what was skipped, what it cost", _plan),
-)

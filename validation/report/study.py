@@ -5,21 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from geometry.arrays import Complex
 from tmm.multiport import passivity_margin, reciprocity_error
 from tmm.terminations import outside_finger_range
-from validation.bridge import Rung
-from validation.checks import CHECKS, Outcome, run_check
+from validation.checks import CHECKS, Check, Outcome, run_check
 from validation.comparison import ComparedRow, compare
 from validation.models import SolidModel
 from validation.parameter_list import ParameterRow, parameter_rows
-from validation.quantities import LATERAL_QUANTITIES
+from validation.plan import Plan, check_models
+from validation.quantities import MAGNETIC_MODELS, QUANTITIES, gives
+from validation.report.normal_actuator import NormalActuator
 from validation.scene import Scene
 from validation.solve import Solution, solve
+from validation.stages import READS
+
+if TYPE_CHECKING:
+    from validation.bridge import Rung
 
 #: Points of the frequency response in the report.
 _PLOT_POINTS = 400
@@ -75,6 +80,17 @@ class Study:
         self.solution = solve(self.scene, announce=announce)
 
     @property
+    def lateral(self) -> bool:
+        """Whether the scene asks for the lateral actuator."""
+        return bool(self.solution.models)
+
+    @cached_property
+    def normal(self) -> NormalActuator | None:
+        """The normal actuator, if the scene asks for it."""
+        asked = self.solution.magnetic_models
+        return NormalActuator(self.solution, self.announce) if asked else None
+
+    @property
     def solid(self) -> SolidModel | None:
         """The solid model, if the scene asks for it."""
         model = self.solution.models.get("solid")
@@ -91,14 +107,25 @@ class Study:
 
     @cached_property
     def comparison(self) -> list[ComparedRow]:
-        """All scalar quantities by all models."""
+        """All scalar quantities of the lateral actuator by all its models."""
         return compare(self.solution, self.rungs)
+
+    @property
+    def compared(self) -> list[ComparedRow]:
+        """All scalar quantities that were asked for, of both actuators."""
+        lateral = self.comparison if self.lateral else []
+        return lateral + (self.normal.comparison if self.normal else [])
 
     @cached_property
     def outcomes(self) -> list[Outcome]:
-        """The suite's own checks, without the heavy ones if quick."""
+        """The suite's own checks of what the scene asks for, without the heavy ones if quick."""
+        rows: tuple[Check, ...] = CHECKS if self.lateral else ()
+        if self.normal:
+            from validation.magnetic_checks import MAGNETIC_CHECKS
+
+            rows += MAGNETIC_CHECKS
         found = []
-        for check in CHECKS:
+        for check in rows:
             if self.quick and check.heavy:
                 continue
             self.announce(f"check {check.id}")
@@ -139,17 +166,49 @@ class Study:
     @cached_property
     def parameters(self) -> list[ParameterRow]:
         """The parameters that this scene's models read."""
-        groups = {"bimorph", "piezo", "shim", "support", "load", "drive", "beam"}
-        if self.scene.support.kind == "rod":
-            groups |= {"glue", "rod", "coil", "sleeve", "gap"}
+        keys: set[str] = set()
+        if self.lateral:
+            keys |= {"bimorph", "piezo", "shim", "support", "load", "drive", "beam"}
+            if self.scene.support.kind == "rod":
+                keys |= {"glue", "rod", "coil", "sleeve", "gap"}
+        if self.normal:
+            keys |= {*READS["network.map"], "spring"}
+        unread = set() if self.scene.steel.curve == "linear" else {"steel.relative_permeability"}
         rows = parameter_rows(self.scene, self.origins)
-        return [row for row in rows if row.key.split(".")[0] in groups]
+        return [r for r in rows if {r.key, r.key.split(".")[0]} & keys and r.key not in unread]
+
+    @property
+    def plan(self) -> Plan:
+        """The stages of the solution, and of the normal actuator's map if it came apart."""
+        return self.normal.merged_plan() if self.normal else self.solution.plan
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """What each stage of the plan cost."""
+        apart = self.normal.mapped.stages.seconds if self.normal else {}
+        return apart | self.solution.stages.seconds
 
 
 def _prepared(scene: Scene, quick: bool) -> Scene:
-    """Return the scene with all quantities, a sweep dense enough to plot, coarser if quick."""
+    """Return the scene with all quantities, a sweep dense enough to plot, coarser if quick.
+
+    An actuator of which the scene asks for no quantity, or no model, is left alone.
+
+    Raises
+    ------
+    InputError
+        If the scene asks for a quantity that none of its models can compute.
+    """
+    check_models(scene.models, scene.quantities)
+    kinds = {QUANTITIES[name].magnetic for name in scene.quantities}
+    models = tuple(name for name in scene.models if (name in MAGNETIC_MODELS) in kinds)
+    quantities = tuple(name for name in QUANTITIES if any(gives(m, name) for m in models))
+    if quick and "axisymmetric" in models:
+        quantities = tuple(
+            name for name in quantities if "magnetic_map" not in QUANTITIES[name].needs
+        )
+    changes: dict[str, Any] = {"models": models, "quantities": quantities}
     low, high = min(scene.frequency), max(scene.frequency)
-    changes: dict[str, Any] = {"quantities": LATERAL_QUANTITIES}
     if low < high and len(scene.frequency) < _PLOT_POINTS:
         spaced = np.geomspace if 0.0 < 30.0 * low < high else np.linspace
         changes["frequency"] = (low, *spaced(low, high, _PLOT_POINTS)[1:-1].tolist(), high)

@@ -1,0 +1,294 @@
+"""The report on the normal actuator: complete, honest about assumptions, nothing else run."""
+
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from tmm.coenergy_file import read_map
+from validation.checks import Outcome
+from validation.cli import main
+from validation.export import normal_actuator_solids, scene_solids
+from validation.magnetic_checks import MAGNETIC_CHECKS
+from validation.report.normal_actuator import NormalActuator
+from validation.report.page import write_report
+from validation.report.study import Study
+from validation.scene import load_scene
+from validation.solve import solve
+
+NORMAL = ["magnetic_models", "magnetic_field", "characteristics"]
+BOTH = "quantities=tip_displacement,magnetic_force"
+
+
+def make(folder, name, *overrides):
+    scene, origins = load_scene(name, overrides)
+    steps = []
+    page = write_report(scene, origins, folder, True, steps.append)
+    return page.read_text(encoding="utf-8"), steps
+
+
+def ids(html):
+    return re.findall(r'<h2 id="(\w+)">', html)
+
+
+def words(html):
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", html[html.index("<main>") :]))
+
+
+@pytest.fixture(scope="module")
+def reluctance(tmp_path_factory):
+    """The quick report of the built-in scene; checks have tests of their own and are not run."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("validation.report.study.run_check", lambda c: Outcome(c, 1.0, 0.0, "pass"))
+        return make(tmp_path_factory.mktemp("reluctance"), "reluctance")
+
+
+@pytest.fixture(scope="module")
+def at_a_point():
+    """The built-in scene without a map of the field."""
+    return actuator("accuracy=1%", quantities=("magnetic_force", "incremental_inductance"))
+
+
+@pytest.fixture
+def without_checks(monkeypatch):
+    """Leave out the suite's checks, which have tests of their own."""
+    monkeypatch.setattr("validation.report.study.CHECKS", ())
+    monkeypatch.setattr("validation.magnetic_checks.MAGNETIC_CHECKS", ())
+
+
+def actuator(*overrides, models=None, quantities=None):
+    scene, _ = load_scene("reluctance", overrides)
+    return NormalActuator(solve(scene, models, quantities), lambda _: None)
+
+
+def test_report_is_complete_and_self_contained(reluctance):
+    """Sections of the normal actuator only, all its light checks, pictures inside the page."""
+    html, _ = reluctance
+    assert ids(html) == ["what", *NORMAL, "checks", "parameters", "plan"]
+    assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
+    assert html.count('<img src="data:image/png;base64,') == 1  # rod, coil and sleeve
+    assert html.count("<figure><svg") == 5  # bridge, field, forces, fluxes, switching
+    assert all(f"<td>{c.id}</td>" in html for c in MAGNETIC_CHECKS if not c.heavy)
+    assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", words(html))
+
+
+def test_report_asks_nothing_of_the_lateral_actuator(reluctance):
+    """No stage, section, check or parameter of the bimorph."""
+    html, steps = reluctance
+    assert not any(step.split(".")[0] in ("lumped", "tmm", "beam", "solid") for step in steps)
+    assert "<td>TMM-1</td>" not in html
+    assert "<code>bimorph.length</code>" not in html
+    assert "<code>rod.density</code>" not in html
+    assert "<code>spring.preload</code>" in html
+
+
+def test_what_is_assumed_is_said_first(reluctance):
+    """Before any section: reconstructed, and agreement with the paper is no confirmation."""
+    html, _ = reluctance
+    head = words(html[: html.index('<h2 id="what">')])
+    assert "The normal actuator is reconstructed" in head
+    assert "turns were chosen so that the field model pulls with the paper's 110 mN" in head
+    assert "confirms nothing" in head
+
+
+def test_all_that_was_asked_for_is_there(reluctance):
+    """Families, switching, finger force, coil, heat, inductance: each with its unit."""
+    text = words(reluctance[0])
+    for wanted in (
+        "pull-in", "drop-out", "holding, at the lower stop", "spring &minus; magnetic pull",
+        "resistance 225.2 Ω", "current density in the wire 424 A/mm&sup2;", "not plausible",
+        "electrical time constant", "Force&ndash;gap and force&ndash;current families",
+    ):  # fmt: skip
+        assert wanted in text, wanted
+
+
+def test_quick_report_solves_no_map_of_the_field(reluctance):
+    """The map is the costly part: left out, said so, and single points shown instead."""
+    html, steps = reluctance
+    assert "axisymmetric.map" not in steps
+    assert "field at single points" in steps
+    assert "not in the quick version" in html
+    assert "network.map" in steps
+    plan = html[html.index('<h2 id="plan">') :]
+    assert re.search(r"<td>network.map</td><td class=\"n\">[\d.]+</td>", plan)
+
+
+def test_network_alone(tmp_path, without_checks):
+    """Without the field there is no picture of it, and the bridge ends at the network."""
+    html, steps = make(tmp_path, "reluctance", "models=network")
+    assert ids(html) == [
+        "what",
+        "magnetic_models",
+        "characteristics",
+        "checks",
+        "parameters",
+        "plan",
+    ]
+    assert "the field was not asked for" in html
+    assert not any("axisymmetric" in step or "field" in step for step in steps)
+
+
+def test_steps_of_the_bridge_add_up(at_a_point):
+    """From nothing to the reference: the steps' sum is zero, each one named and explained."""
+    bridge = at_a_point.bridge
+    assert bridge[-1].name == "the field"
+    assert all(step.meaning for step in bridge)
+    for key in ("force", "flux_linkage"):
+        assert sum(step.step[key] for step in bridge) == pytest.approx(0.0, abs=1e-12)
+        ratio = bridge[0].value[key] / bridge[-1].value[key]
+        assert bridge[0].left[key] == pytest.approx(ratio - 1.0, rel=1e-12)
+
+
+def test_network_is_held_against_the_field(at_a_point):
+    """Differences are those of the two values; the field stands last as the reference."""
+    force = next(row for row in at_a_point.comparison if row.quantity == "magnetic_force")
+    network, field = force.cells
+    assert (field.model, field.verdict) == ("axisymmetric", "reference")
+    assert network.difference == pytest.approx(network.value / field.value - 1.0)
+    assert network.verdict == "model form"
+    assert "tubes of assumed shape" in force.remarks[0]
+
+
+def test_paper_is_judged_by_the_field_where_there_is_one(at_a_point):
+    """The quick version has no map of the field, but what the paper says is asked of the field."""
+    by_field = at_a_point.pull_at(0.13, 0.2e-3)
+    by_network = float(at_a_point.pull.force(0.13, 0.2e-3))
+    assert by_field == pytest.approx(0.11, rel=0.005)  # what the turns were chosen for
+    assert by_network > 1.1 * by_field
+
+
+def test_parts_follow_what_is_asked():
+    """An actuator is shown if a model and a quantity of it are asked for, else left alone."""
+
+    def parts(*overrides):
+        scene, origins = load_scene("paper", ("models=tmm,network", *overrides))
+        study = Study(scene, origins, lambda _: None, quick=True)
+        return study.lateral, study.normal is not None
+
+    assert parts(BOTH) == (True, True)
+    assert parts("quantities=tip_displacement") == (True, False)
+    assert parts("quantities=magnetic_force") == (False, True)
+
+
+def test_quantity_without_a_model_is_refused(tmp_path):
+    """The same sentence as elsewhere, before anything is solved."""
+    with pytest.raises(InputError, match="computed by network"):
+        make(tmp_path, "paper", "models=tmm", "quantities=magnetic_force")
+
+
+@pytest.mark.heavy
+def test_report_of_both_actuators(tmp_path, without_checks):
+    """All sections, both kinds of cards, parameters of both."""
+    html, _ = make(tmp_path, "paper", "models=lumped,tmm,network,axisymmetric", BOTH)
+    assert ids(html) == [
+        "what", "models", "modes", "bridge", "response", "length", "voltage", "uncertainty",
+        "stress", *NORMAL, "checks", "audit", "parameters", "plan",
+    ]  # fmt: skip
+    text = words(html)
+    assert "For the lateral actuator, in the table of section 2" in text
+    assert "for the normal one, in the table of section 10" in text
+    assert "<code>bimorph.length</code>" in html
+    assert "<code>coil.turns</code>" in html
+    assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", text)
+
+
+LATERAL_ONLY = """
+import sys
+import validation.report.study as study
+from validation.report.sections import sections
+from validation.scene import load_scene
+scene, origins = load_scene("prototype", ("models=lumped,tmm",))
+made = study.Study(scene, origins, lambda _: None, quick=True)
+study.CHECKS = ()
+for section in sections(made):
+    if section.id not in ("stress", "uncertainty", "length", "voltage"):  # slow, closed forms
+        section.context(made)
+made.parameters
+print(*sys.modules)
+"""
+NORMAL_ONLY = """
+import sys
+from pathlib import Path
+import validation.magnetic_checks as rows
+from validation.report.page import write_report
+from validation.scene import load_scene
+scene, origins = load_scene("reluctance", ("models=network",))
+rows.MAGNETIC_CHECKS = ()
+write_report(scene, origins, Path(sys.argv[1]), True, lambda _: None)
+print(*sys.modules)
+"""
+
+
+def modules(script, folder):
+    command = [sys.executable, "-c", script, str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return set(done.stdout.split())
+
+
+def test_lateral_report_imports_nothing_magnetic(tmp_path):
+    """A scene that asks for the bimorph alone loads no magnetic model, check or plot."""
+    loaded = modules(LATERAL_ONLY, tmp_path)
+    assert "validation.report.lateral_sections" in loaded
+    assert not loaded & {
+        "fem.reluctance_field", "fem.axisymmetric_field", "tmm.reluctance_network",
+        "validation.magnetic_checks", "validation.normal_actuator_plots",
+        "validation.report.normal_sections",
+    }  # fmt: skip
+
+
+def test_normal_report_imports_nothing_piezoelectric(tmp_path):
+    """The other way round: no solid, no beam elements, no lateral sections."""
+    loaded = modules(NORMAL_ONLY, tmp_path)
+    assert "tmm.reluctance_network" in loaded
+    assert not loaded & {
+        "fem.piezo_solid", "fem.solid_response", "fem.beam", "validation.bridge",
+        "validation.audit", "validation.report.lateral_sections",
+    }  # fmt: skip
+
+
+def test_map_is_exported(tmp_path, capsys):
+    """The most detailed model's map that the scene asks for, as netCDF that reads back."""
+    file = tmp_path / "map.nc"
+    assert main(["export", "reluctance", "--set", "models=network", "--map", str(file)]) == 0
+    assert capsys.readouterr().out.split() == [str(file)]
+    found, solved = read_map(file), actuator("models=network").pull
+    assert found.samples.model == "network"
+    assert float(found.force(0.1, 1e-4)) == pytest.approx(float(solved.force(0.1, 1e-4)), rel=1e-12)
+    assert [p.name for p in tmp_path.iterdir()] == ["map.nc"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("paper", "--map", "map.nc"), "--map needs one of the models network, axisymmetric"),
+        (("reluctance", "--map", "map.csv"), "must end in .nc"),
+    ],
+)
+def test_map_that_cannot_be_had_is_refused(tmp_path, monkeypatch, capsys, arguments, sentence):
+    """One sentence, exit code 2, no file."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert sentence in error
+    assert error.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_solids_are_those_of_the_actuator_asked_about():
+    """Rod, coil and sleeve for a magnetic scene; the rod keeps its slot though no tab fits it."""
+    scene, _ = load_scene("reluctance")
+    assert sorted(scene_solids(scene)) == ["coil", "rod", "sleeve"]
+    rod = normal_actuator_solids(scene.device)["rod"]
+    r, slot = scene.rod, scene.glue.thickness
+    full = np.pi * (
+        r.radius**2 * (r.length + 0.2e-3 - r.flange_thickness)
+        + r.flange_radius**2 * r.flange_thickness
+        + r.head_radius**2 * r.head_thickness
+    )
+    cut = (
+        (scene.bimorph.shim_thickness + 2 * slot) * (scene.bimorph.width + 2 * slot) * r.slot_depth
+    )
+    assert rod.Volume() * 1e-9 == pytest.approx(full - cut, rel=1e-6)

@@ -1,0 +1,246 @@
+"""The normal actuator in the report: what its sections share, computed once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.arrays import Floats
+from tmm.coenergy import CoenergyMap
+from tmm.normal_actuator import Switching, switching
+from validation.comparison import Cell, ComparedRow, Verdict
+from validation.magnetic_models import AxisymmetricModel, NetworkModel
+from validation.plan import Plan
+from validation.quantities import MAGNETIC_MODELS, QUANTITIES
+from validation.results import Quantity
+from validation.solve import Solution, solve
+
+if TYPE_CHECKING:
+    from fem.reluctance_field import FieldPoint
+
+#: Quantities that need a whole map; for the field, the better part of a minute.
+MAP_QUANTITIES = tuple(name for name, q in QUANTITIES.items() if "magnetic_map" in q.needs)
+
+#: Curves of a family: shares of the scene's current.
+_SHARES = (0.25, 0.5, 0.75, 1.0, 1.25)
+#: Curves of a family: this many gaps, from stop to stop.
+_GAPS = 4
+#: Order of single field points of the quick version: 0.2 % in force.
+_POINT_ORDER = 3
+
+_TUBES = (
+    "flux runs in tubes of assumed shape; left out are the field outside the sleeve but for tubes "
+    "that start on the head, the field below the flange, and the shaft between collar and head "
+    "as a source of leakage"
+)
+_SAME_FIELD = "both solve the same field, so their error bars should cover this; not understood"
+#: What each refinement of the network means, by its name there.
+_MEANING = {
+    "one straight gap, perfect iron": "all ampere-turns stand across one gap with a uniform "
+    "field: F = µ0 N² i² A / (2 g²), the textbook's formula",
+    "fringing beside the pole faces": "flux also crosses beside the faces, the more so the wider "
+    "the gap",
+    "parasitic gap at the flange": "the way back from the sleeve into the rod takes its share of "
+    "the ampere-turns",
+    "leakage across the coil": "part of the flux crosses from shaft to sleeve inside the coil; it "
+    "links turns but hardly pulls",
+    "iron at its highest permeability": "the steel takes ampere-turns as well, as few as it ever "
+    "does",
+    "saturation": "the steel's real curve: the shaft carries what it can",
+}
+
+
+@dataclass(frozen=True)
+class BridgeStep:
+    """One step from the one-gap formula to the field.
+
+    Attributes
+    ----------
+    name, meaning : str
+        What it adds.
+    value : dict of str to float
+        Force (N) and flux linkage (Wb) with it.
+    left : dict of str to float
+        Difference from the reference (a fraction of it).
+    step : dict of str to float
+        Change of `left` since the step before, or since the reference in the first.
+    """
+
+    name: str
+    meaning: str
+    value: dict[str, float]
+    left: dict[str, float]
+    step: dict[str, float]
+
+
+class NormalActuator:
+    """The normal actuator of a study; everything is computed at most once.
+
+    Parameters
+    ----------
+    solution : Solution
+        With magnetic models.  If it holds no quantity that needs a map, maps come from the
+        network, which costs nothing.
+    announce : callable
+        Told what is being done.
+    """
+
+    def __init__(self, solution: Solution, announce: Callable[[str], None]) -> None:
+        self.solution, self.announce = solution, announce
+        self.scene, self.device = solution.scene, solution.scene.device
+        self.current, self.gap = self.scene.coil.current, self.scene.gap
+
+    @property
+    def models(self) -> tuple[str, ...]:
+        """Models asked for, cheapest first."""
+        return tuple(name for name in MAGNETIC_MODELS if name in self.solution.magnetic_models)
+
+    @property
+    def reference(self) -> str:
+        """The model that others are held against: the half section's field, the most accurate."""
+        return AxisymmetricModel.name if self.field_model else self.models[-1]
+
+    @property
+    def field_model(self) -> AxisymmetricModel | None:
+        """The field model, if the scene asks for it."""
+        model = self.solution.magnetic_models.get(AxisymmetricModel.name)
+        return model if isinstance(model, AxisymmetricModel) else None
+
+    @property
+    def has_field(self) -> bool:
+        """Whether a model that solves the field is asked for."""
+        return self.reference != NetworkModel.name
+
+    @cached_property
+    def mapped(self) -> Solution:
+        """The solution whose models have maps."""
+        if any(q.name in MAP_QUANTITIES for q in self.solution.quantities):
+            return self.solution
+        return solve(self.scene, ("network",), MAP_QUANTITIES, self.announce, reuse=self.solution)
+
+    @cached_property
+    def maps(self) -> dict[str, CoenergyMap]:
+        """Co-energy map by model, the most detailed last."""
+        models = self.mapped.magnetic_models
+        return {name: models[name].map() for name in MAGNETIC_MODELS if name in models}
+
+    @property
+    def pull(self) -> CoenergyMap:
+        """The map of the most detailed model that has one."""
+        return list(self.maps.values())[-1]
+
+    @property
+    def pull_model(self) -> str:
+        """Its name."""
+        return list(self.maps)[-1]
+
+    @cached_property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """All of the normal actuator's quantities."""
+        found = self.solution.quantities
+        if self.mapped is not self.solution:
+            found += self.mapped.quantities
+        return tuple(q for q in found if QUANTITIES[q.name].magnetic)
+
+    @cached_property
+    def comparison(self) -> list[ComparedRow]:
+        """All quantities by all models; the one they are held against stands last."""
+        order = [*(name for name in MAGNETIC_MODELS if name != self.reference), self.reference]
+        rows = []
+        for name in QUANTITIES:
+            by_model = {q.model: q for q in self.quantities if q.name == name}
+            found = [by_model[model] for model in order if model in by_model]
+            if found:
+                rows.append(ComparedRow(name, found[0].unit, _cells(found)))
+        return rows
+
+    @cached_property
+    def bridge(self) -> list[BridgeStep]:
+        """The way from the one-gap formula over the network to the field, if that was asked for."""
+        from tmm.reluctance_network import network_bridge
+
+        rows: list[tuple[str, str, dict[str, float]]] = [
+            (
+                row.step,
+                _MEANING[row.step],
+                {"force": row.force, "flux_linkage": row.flux_linkage},
+            )
+            for row in network_bridge(self.device, self.current, self.gap)
+        ]
+        if self.has_field:
+            point = self.solution.magnetic_models[self.reference].point()
+            value = {"force": point.force.value, "flux_linkage": point.flux_linkage.value}
+            rows.append(("the field", "what tubes of assumed shape leave out", value))
+        reference, before = rows[-1][2], dict.fromkeys(rows[-1][2], 0.0)
+        steps = []
+        for name, meaning, value in rows:
+            left = {key: value[key] / reference[key] - 1.0 for key in value}
+            step = {key: left[key] - before[key] for key in value}
+            steps.append(BridgeStep(name, meaning, value, left, step))
+            before = left
+        return steps
+
+    @cached_property
+    def switching(self) -> dict[str, Switching]:
+        """Switching currents by model."""
+        return {name: switching(self.device, pull) for name, pull in self.maps.items()}
+
+    @property
+    def currents(self) -> Floats:
+        """Currents of the families (A)."""
+        return np.asarray(np.multiply(_SHARES, self.current))
+
+    @property
+    def gaps(self) -> Floats:
+        """Gaps of the families (m)."""
+        return np.asarray(np.geomspace(self.scene.spring.stop_gap, self.gap, _GAPS))
+
+    @cached_property
+    def points(self) -> tuple[FieldPoint, ...]:
+        """Single solutions of the field along both families, where it has no map."""
+        if self.field_model is None or self.field_model.name in self.maps:
+            return ()
+        from fem.reluctance_field import solve_map
+
+        self.announce("field at single points")
+        device, order = self.device, _POINT_ORDER
+        across = solve_map(device, self.gaps.tolist(), [self.current], order=order)
+        along = solve_map(device, [self.gap], self.currents.tolist(), order=order)
+        return tuple(point for row in (*across, *along) for point in row)
+
+    def pull_at(self, current: float, gap: float) -> float:
+        """Return the pull (N) by the field, from its map if there is one, else by the best map."""
+        if self.field_model is None or self.field_model.name in self.maps:
+            return float(self.pull.force(current, gap))
+        from fem.reluctance_field import solve_point
+
+        return solve_point(self.device, current, gap, order=_POINT_ORDER).force
+
+    def merged_plan(self) -> Plan:
+        """Return the plan of all that ran, the map's included."""
+        plan, more = self.solution.plan, self.mapped.plan
+        names = {step.stage for step in plan.run}
+        run = plan.run + tuple(step for step in more.run if step.stage not in names)
+        names = {step.stage for step in run}
+        return Plan(run, tuple(skip for skip in plan.skipped if skip.stage not in names))
+
+
+def _cells(found: Sequence[Quantity]) -> tuple[Cell, ...]:
+    """Judge each model by the last one."""
+    base = found[-1]
+    cells = []
+    for q in found:
+        value, bar = float(q.value), float(q.uncertainty)
+        difference = value / float(base.value) - 1.0
+        covered = abs(value - float(base.value)) <= bar + float(base.uncertainty)
+        verdict: Verdict = "reference" if q is base else "agrees" if covered else "differs"
+        why = ""
+        if verdict == "differs":
+            tubes = q.model == NetworkModel.name
+            verdict, why = ("model form", _TUBES) if tubes else ("differs", _SAME_FIELD)
+        cells.append(Cell(q.model, value, bar, difference, verdict, why))
+    return tuple(cells)
