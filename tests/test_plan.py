@@ -9,6 +9,9 @@ from validation.scene import load_scene
 from validation.solve import solve
 from validation.stages import READS, Stages, stage_key
 
+#: Quantities of the normal actuator at one current and gap.
+MAGNETIC_POINT = tuple(n for n, info in QUANTITIES.items() if info.needs == ("magnetic_point",))
+
 
 def test_only_what_is_needed_runs():
     """A static value by TMM touches no mesh, no mode, no other model."""
@@ -36,6 +39,18 @@ def test_quantity_without_a_model_is_refused():
     scene, _ = load_scene("paper")
     with pytest.raises(InputError, match=r"computed by network, axisymmetric.*--model"):
         make_plan(scene, ("tmm",), ("magnetic_force",))
+
+
+def test_solid_magnetic_field_gives_no_map():
+    """Only single points: a quantity of the whole stroke is refused, and a map is never asked."""
+    scene, _ = load_scene("reluctance", ["accuracy=0.05"])
+    with pytest.raises(InputError, match=r"computed by network, axisymmetric, not by magnetic3d"):
+        make_plan(scene, ("magnetic3d",), ("pull_in_current",))
+    solution = solve(scene, ("magnetic3d",), MAGNETIC_POINT)
+    assert set(solution.stages.seconds) == {"magnetic3d.point"}
+    assert {q.name for q in solution.quantities} == set(MAGNETIC_POINT)
+    with pytest.raises(InputError, match="take pull_in_current"):
+        solution.magnetic_models["magnetic3d"].map()
 
 
 @pytest.mark.parametrize(
@@ -67,7 +82,9 @@ def test_unplanned_stage_is_a_defect():
         Stages({}).run("tmm.static", lambda: 1)
 
 
-MAGNETIC = {"network.point", "network.map", "axisymmetric.point", "axisymmetric.map"}
+MAGNETIC = {
+    "network.point", "network.map", "axisymmetric.point", "axisymmetric.map", "magnetic3d.point",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(

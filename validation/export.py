@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from geometry.errors import InputError
 from geometry.files import written_whole
-from geometry.parameters import Bimorph, Device
+from geometry.parameters import Device
 from validation.quantities import MAGNETIC_MODELS, gives
 from validation.scene import Scene
 
@@ -135,19 +135,10 @@ def normal_actuator_solids(device: Device) -> dict[str, Any]:
 
     The bimorph matters by its cross-section only; the tab that goes into the slot fits.
     """
+    from geometry.actuator_tets import with_fitting_tab
     from geometry.solids import build_solids
 
-    given = device.bimorph
-    fitting = Bimorph().model_copy(
-        update={
-            "width": given.width,
-            "shim_thickness": given.shim_thickness,
-            "tab_length": device.rod.slot_depth,
-        }
-    )
-    return build_solids(
-        device.model_copy(update={"bimorph": fitting}), ("rod", "coil", "sleeve"), "rod"
-    )
+    return build_solids(with_fitting_tab(device, device.gap), ("rod", "coil", "sleeve"), "rod")
 
 
 def _export_solids(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> None:

@@ -38,6 +38,8 @@ def scene_warnings(scene: Scene, origins: Mapping[str, str]) -> tuple[str, ...]:
 def _not_asked(scene: Scene, key: str) -> str:
     """Return why a key has no effect on the models asked for."""
     group, models = key.split(".", 1)[0], f"with models = {', '.join(scene.models)}"
+    if group == "mesh" and "magnetic3d" in scene.models:
+        return ""
     if group in _LATERAL and not set(scene.models) & set(LATERAL_MODELS):
         return f"{models}; ask for one of the lateral actuator, such as --model tmm, to use it"
     magnetic = set(scene.models) & set(MAGNETIC_MODELS)
@@ -66,7 +68,7 @@ def _idle(scene: Scene, key: str) -> str:
     tetrahedra = scene.mesh.kind == "tetwild" or support == "rod"
     if key == "mesh.time_limit" and not tetrahedra:
         return f'with mesh.kind = "{scene.mesh.kind}"; set mesh.kind = "tetwild" to use it'
-    if key == "accuracy" and scene.mesh.level and "axisymmetric" not in scene.models:
+    if key == "accuracy" and scene.mesh.level and not {"axisymmetric", "magnetic3d"} & set(scene.models):
         return f"with mesh.level = {scene.mesh.level}; leave mesh.level out to use it"
     return ""
 

@@ -61,7 +61,7 @@ _STAGES["solid"] = {
 _STAGES |= {
     model: {
         "magnetic_point": (f"{model}.point",),
-        "magnetic_map": (f"{model}.map",),
+        "magnetic_map": (f"{model}.map",) if gives(model, "pull_in_current") else (),
     }
     for model in MAGNETIC_MODELS
 }

@@ -141,11 +141,18 @@ LATERAL_MODELS: dict[str, str] = {
 MAGNETIC_MODELS: dict[str, str] = {
     "network": "lumped reluctance network with fringing, leakage and saturation",
     "axisymmetric": "nonlinear magnetic field in the half section, finite elements",
+    "magnetic3d": "nonlinear magnetic field in 3D by vector and scalar potential",
 }
+
+#: Models that give single points only: a map takes a hundred and more.
+_WITHOUT_MAP = ("magnetic3d",)
 
 MODELS: dict[str, str] = LATERAL_MODELS | MAGNETIC_MODELS
 
 
 def gives(model: str, quantity: str) -> bool:
     """Return whether a model can compute a quantity."""
-    return (model in MAGNETIC_MODELS) == QUANTITIES[quantity].magnetic
+    info = QUANTITIES[quantity]
+    if model in _WITHOUT_MAP and "magnetic_map" in info.needs:
+        return False
+    return (model in MAGNETIC_MODELS) == info.magnetic

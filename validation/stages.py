@@ -31,6 +31,10 @@ _MAGNETIC = (
     "rod.flange_thickness", "rod.flange_position", "rod.length", "coil", "sleeve", "steel", "gap",
 )  # fmt: skip
 
+_SLOT = (
+    "support.kind", "rod.slot_depth", "bimorph.width", "bimorph.shim_thickness", "glue.thickness",
+)  # fmt: skip
+
 #: What each stage reads, by scene key; a changed voltage re-meshes nothing.
 READS: dict[str, tuple[str, ...]] = {
     "lumped.ports": (*_PIECES, "frequency"),
@@ -52,6 +56,7 @@ READS: dict[str, tuple[str, ...]] = {
     "network.map": (*_MAGNETIC, "spring.stop_gap"),
     "axisymmetric.point": (*_MAGNETIC, "accuracy"),
     "axisymmetric.map": (*_MAGNETIC, "spring.stop_gap"),
+    "magnetic3d.point": (*_MAGNETIC, "accuracy", "mesh.kind", *_SLOT),
     "terminations": ("support", "load", "drive", "bimorph.wiring", "frequency"),
 }
 

@@ -15,7 +15,7 @@ from tmm.normal_actuator import Switching, switching
 from validation.comparison import Cell, ComparedRow, Verdict
 from validation.magnetic_models import AxisymmetricModel, NetworkModel
 from validation.plan import Plan
-from validation.quantities import MAGNETIC_MODELS, QUANTITIES
+from validation.quantities import MAGNETIC_MODELS, QUANTITIES, gives
 from validation.results import Quantity
 from validation.solve import Solution, solve
 
@@ -126,7 +126,11 @@ class NormalActuator:
     def maps(self) -> dict[str, CoenergyMap]:
         """Co-energy map by model, the most detailed last."""
         models = self.mapped.magnetic_models
-        return {name: models[name].map() for name in MAGNETIC_MODELS if name in models}
+        return {
+            name: models[name].map()
+            for name in MAGNETIC_MODELS
+            if name in models and gives(name, MAP_QUANTITIES[0])
+        }
 
     @property
     def pull(self) -> CoenergyMap:

@@ -1,0 +1,73 @@
+"""Swept curved tetrahedra: volumes, orientation, conformity, walls."""
+
+import numpy as np
+import pytest
+
+from geometry.mesh_check import check_conformity
+from geometry.quadratic import TET_EDGES, jacobian_coefficients
+from geometry.swept_tets import swept_tetrahedra
+
+R = np.array([0.0, 0.3, 0.5, 0.51, 1.0])
+Z = np.array([-1.0, 0.0, 0.02, 1.5])
+REGION = np.arange(12).reshape(4, 3) % 3
+NAMES = ("one", "two", "three")
+
+
+def swept(turn, layers):
+    return swept_tetrahedra(R, Z, np.linspace(0.0, turn, layers + 1), REGION, NAMES)
+
+
+def volumes(mesh):
+    return jacobian_coefficients(mesh.points[mesh.cells]).mean(axis=1) / 6.0
+
+
+@pytest.mark.parametrize("layer", [np.pi / 4, np.pi / 8, np.pi / 16])
+def test_regions_have_their_volume(layer):
+    """Each region's volume is that of its rings, with an error of fourth order in the angle.
+
+    Measured 9e-5 of the volume at 22.5 degrees, 16 times less at half of that.
+    """
+    turn = np.pi / 2
+    mesh = swept(turn, round(turn / layer))
+    rings = np.diff(R**2)[:, None] * np.diff(Z) * turn / 2.0
+    for number, name in enumerate(NAMES):
+        exact = rings[number == REGION].sum()
+        found = volumes(mesh)[mesh.cells_of(name)].sum()
+        assert found == pytest.approx(exact, rel=1e-4 * (layer / (np.pi / 8)) ** 4)
+
+
+def test_cells_are_positive_and_conforming():
+    """Jacobians are positive everywhere; a face is shared by two cells or is on a named side."""
+    mesh = swept(np.pi / 2, 4)
+    assert jacobian_coefficients(mesh.points[mesh.cells]).min() > 0.0
+    check_conformity(mesh.cells[:, :4], sum(len(faces) for faces in mesh.faces.values()))
+
+
+def test_nodes_are_on_their_cylinders():
+    """Edges between nodes of one radius and one height follow the arc."""
+    mesh = swept(np.pi / 2, 4)
+    radius = np.hypot(*mesh.points[:, :2].T)
+    height = mesh.points[:, 2]
+    for middle, (a, b) in enumerate(TET_EDGES, start=4):
+        one, other, between = mesh.cells[:, a], mesh.cells[:, b], mesh.cells[:, middle]
+        level = np.abs(radius[one] - radius[other]) < 1e-12
+        level &= np.abs(height[one] - height[other]) < 1e-12
+        np.testing.assert_allclose(radius[between[level]], radius[one[level]], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "area"),
+    [
+        ("start", 2.5), ("end", 2.5), ("bottom", np.pi / 4), ("top", np.pi / 4),
+        ("mantle", 2.5 * np.pi / 2),
+    ],
+)  # fmt: skip
+def test_walls_are_named(name, area):
+    """Corners of each wall's triangles span its area, less what the chords cut off (1 %)."""
+    mesh = swept(np.pi / 2, 6)
+    a, b, c = mesh.points[mesh.faces[name]].transpose(1, 0, 2)
+    found = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+    chords = 1.0 if name in ("start", "end") else np.sinc(1.0 / 24.0)  # sin(x)/x of half a layer
+    if name in ("bottom", "top"):
+        chords = np.sinc(1.0 / 12.0)
+    assert found == pytest.approx(area * chords, rel=1e-9)
