@@ -68,7 +68,8 @@ def _idle(scene: Scene, key: str) -> str:
     tetrahedra = scene.mesh.kind == "tetwild" or support == "rod"
     if key == "mesh.time_limit" and not tetrahedra:
         return f'with mesh.kind = "{scene.mesh.kind}"; set mesh.kind = "tetwild" to use it'
-    if key == "accuracy" and scene.mesh.level and not {"axisymmetric", "magnetic3d"} & set(scene.models):
+    graded = {"axisymmetric", "magnetic3d"} & set(scene.models)
+    if key == "accuracy" and scene.mesh.level and not graded:
         return f"with mesh.level = {scene.mesh.level}; leave mesh.level out to use it"
     return ""
 
