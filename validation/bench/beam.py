@@ -56,7 +56,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
     memory = on_one_core(__name__, "memory_of", points)
     rate = next(t.rate for t in timings if t.path == _CLOSED)
     targets = (
-        Target("terminated points per second", 1.5e6, rate, "1/s", False, _CLOSED),
+        Target("terminated points per second", 1.5e6, rate, "points/s", False, _CLOSED),
         Target(
             "design map, 200 lengths x 2000 frequencies x 3 loads", 2.0, map_seconds, "s", True,
             "tmm.sweep.design_map",
