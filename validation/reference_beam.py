@@ -201,14 +201,3 @@ def _pick(matrix: mp.matrix, rows: Sequence[int], columns: Sequence[int]) -> mp.
 def as_array(matrix: mp.matrix) -> np.ndarray:
     """Round to double precision."""
     return np.array(matrix.apply(complex).tolist(), dtype=complex)
-
-
-@_exact
-def stiffness_and_condition(
-    beam: Constants, length: float, omega: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return D (5, 5) and |Ω dD/dΩ| (5, 5): what a relative error of Ω costs in each entry."""
-    step = mp.mpf(10) ** (-DIGITS // 3)
-    d = dynamic_stiffness(beam, length, omega)
-    moved = dynamic_stiffness(beam, length, mp.mpf(omega) * (1 + step))
-    return as_array(d), np.abs(as_array((moved - d) / step))
