@@ -23,7 +23,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.axisymmetric_space import Discretisation, gathered
-from fem.linear_solver import SolverError, factorise
+from fem.linear_solver import Factor, SolverError, factorise
 from geometry.arrays import Floats, Sparse
 from geometry.steel import MU0
 
@@ -110,7 +110,10 @@ class MagneticField:
 
 
 def solve_field(
-    discretisation: Discretisation, currents: Floats, start: Floats | None = None
+    discretisation: Discretisation,
+    currents: Floats,
+    start: Floats | None = None,
+    inverse: Inverse | None = None,
 ) -> MagneticField:
     """Find the field of given currents.
 
@@ -122,6 +125,8 @@ def solve_field(
         Current of each region with turns (A), in the order of the regions.
     start : (n_dofs,) float, optional
         Potential to start from; zero by default.
+    inverse : Inverse, optional
+        The one of an earlier solution on this grid, so that its ordering is kept.
 
     Raises
     ------
@@ -136,8 +141,9 @@ def solve_field(
     total, size = _functional(d, field, float(source @ u))
     forces, matrix = _derivatives(d, field)
     before = np.inf
+    inverse = inverse or Inverse()
     for iteration in range(_MOST_ITERATIONS):
-        inverse = _Inverse(d, matrix, iteration)
+        inverse.update(d, matrix, iteration)
         step = inverse(source - forces)
         descent = float((forces - source) @ step)
         u, field, total, size = _line_search(d, u, step, source, total, descent)
@@ -154,31 +160,30 @@ def solve_field(
     raise SolverError(_failure(d, _MOST_ITERATIONS, f"the decrement stays at {before:.1e}"))
 
 
-class _Inverse:
-    """K⁻¹ on the free unknowns, 0 on the held ones.
+class Inverse:
+    """K⁻¹ on the free unknowns, 0 on the held ones; K changes, its sparsity pattern does not.
 
-    Scaled to ones on the diagonal first: functions at the axis count for little (r³).
+    One for all currents and displacements of a grid finds the ordering once.
     """
 
-    def __init__(self, d: Discretisation, matrix: Sparse, iteration: int) -> None:
-        from scipy import sparse
+    def __init__(self) -> None:
+        self._factor: Factor | None = None
 
-        diagonal = matrix.diagonal()
-        if not np.all(diagonal > 0.0):
+    def update(self, d: Discretisation, matrix: Sparse, iteration: int) -> None:
+        """Take the matrix K over the free unknowns of Newton step `iteration`."""
+        if not np.all(matrix.diagonal() > 0.0):
             raise SolverError(_failure(d, iteration, "the system is not definite"))
         self._free = d.free
-        self._scale = 1.0 / np.sqrt(diagonal)
-        rows = np.repeat(self._scale, np.diff(matrix.indptr))
-        data = matrix.data * rows * self._scale[matrix.indices]
-        self._factor = factorise(
-            sparse.csr_matrix((data, matrix.indices, matrix.indptr), shape=matrix.shape)
-        )
+        if self._factor is None:
+            self._factor = factorise(matrix, definite=True)
+        else:
+            self._factor.refactorise(matrix)
 
     def __call__(self, right: Floats) -> Floats:
         """Return K⁻¹ right for right of shape (n_dofs,) or (n_dofs, k)."""
+        assert self._factor is not None
         found = np.zeros_like(right)
-        scale = self._scale if right.ndim == 1 else self._scale[:, None]
-        found[self._free] = scale * self._factor.solve(scale * right[self._free])
+        found[self._free] = self._factor.solve(right[self._free])
         return found
 
 

@@ -55,7 +55,7 @@ def eggshell_weight(discretisation: Discretisation) -> EggshellWeight:
     matrix, right, weight, free = condense(
         laplace.assemble(basis), np.zeros(basis.N), x=weight, D=held
     )
-    weight[free] = factorise(matrix).solve(right)
+    weight[free] = factorise(matrix, definite=True).solve(right)
     slope = basis.interpolate(weight).grad
     return EggshellWeight(np.asarray(slope[0][cells]), np.asarray(slope[1][cells]))
 

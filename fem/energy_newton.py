@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from fem.linear_solver import factorise
+from fem.linear_solver import Factor, factorise
 from geometry.arrays import Floats, Sparse
 
 #: Stop when the step's energy norm is this fraction of the field's: energies are then right
@@ -77,11 +77,16 @@ def minimise(energy: ConvexEnergy, start: Floats) -> Minimum:
         If it takes more than 60 steps.
     """
     x, size = start, np.inf
+    factor: Factor | None = None
     for step in range(1, _MAX_STEPS + 1):
         gradient = energy.gradient(x)
         if not gradient.any():
             return Minimum(x, step - 1)
-        direction = -factorise(energy.hessian(x)).solve(gradient)
+        if factor is None:
+            factor = factorise(energy.hessian(x), definite=True)
+        else:
+            factor.refactorise(energy.hessian(x))
+        direction = -factor.solve(gradient)
         slope = float(gradient @ direction)
         x = x + _length(energy, x, direction, slope) * direction
         size = np.sqrt(max(-slope, 0.0) / energy.scale(x))

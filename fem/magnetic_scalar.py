@@ -112,5 +112,5 @@ class _ScalarEnergy:
         """
         tensor = permeability_tensor(self._solid.iron, np.zeros_like(self._source))
         driven = np.einsum("cqab,cqb->cqa", tensor, self._source)
-        stiffness = factorise(self._gradient.matrix(tensor))
+        stiffness = factorise(self._gradient.matrix(tensor), definite=True)
         return stiffness.solve(self._gradient.functional(driven))

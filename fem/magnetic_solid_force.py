@@ -91,7 +91,7 @@ def harmonic_weight(solid: SampledSolid, body: str, shell: tuple[str, ...]) -> M
     conductance = np.zeros((*solid.weights.shape, 3, 3))
     conductance[in_shell] = np.eye(3)
     matrix = gradients.matrix(conductance)
-    value[free] = factorise(matrix[free][:, free]).solve(-(matrix @ value)[free])
+    value[free] = factorise(matrix[free][:, free], definite=True).solve(-(matrix @ value)[free])
     return MotionWeight(
         nodal=_at_mesh_points(mesh, value, basis.element_dofs),
         gradient=gradients.field(value),

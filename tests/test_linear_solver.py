@@ -5,19 +5,37 @@ import pytest
 from scipy import sparse
 
 from fem import linear_solver
-from fem.linear_solver import SolverError, factorise, refined_solution
+from fem.linear_solver import Factor, SolverError, factorise, refined_solution
 from fem.piezo_solid import assemble
+from geometry.brick_family import LEVELS, bimorph_bricks
 from geometry.parameters import Device
-from geometry.structured import LEVELS, hexahedral
 
-needs_mkl = pytest.mark.skipif(
-    linear_solver.available_solver().startswith("SuperLU"), reason="Intel MKL is not installed"
-)
+without_mkl = linear_solver.available_solver().startswith("SuperLU")
+needs_mkl = pytest.mark.skipif(without_mkl, reason="Intel MKL is not installed")
+both = pytest.mark.parametrize("solver", [pytest.param("pardiso", marks=needs_mkl), "superlu"])
 
 
 @pytest.fixture(scope="module", params=[False, True], ids=["lossless", "lossy"])
 def system(request):
-    return assemble(Device(), hexahedral(Device(), LEVELS[0]), lossy=request.param)
+    return assemble(Device(), bimorph_bricks(Device(), LEVELS[0]), lossy=request.param)
+
+
+def piezo_like(n=12, seed=5):
+    """A random saddle point of the piezoelectric kind: [[A, B], [Bᵀ, −C]], A and C definite."""
+    rng = np.random.default_rng(seed)
+    a, c = (m @ m.T + np.eye(n) for m in rng.standard_normal((2, n, n)))
+    b = rng.standard_normal((n, n))
+    return np.block([[a, b], [b.T, -c]])
+
+
+def laplacian(*shape):
+    """The Laplacian on a grid that nothing holds: constants are in its null space."""
+    total = sparse.csr_matrix((1, 1))
+    for n in shape:
+        line = sparse.diags([-np.ones(n - 1), -np.ones(n - 1)], [-1, 1])
+        line = line - sparse.diags(np.asarray(line.sum(axis=1)).ravel())
+        total = sparse.kronsum(line, total)
+    return sparse.csr_matrix(total)
 
 
 @needs_mkl
@@ -35,17 +53,15 @@ def test_pardiso_and_superlu_agree(system):
 @needs_mkl
 def test_negative_pivots_count_the_potentials():
     """A well-posed piezoelectric matrix has one negative pivot per free potential."""
-    system = assemble(Device(), hexahedral(Device(), LEVELS[0]), lossy=False)
+    system = assemble(Device(), bimorph_bricks(Device(), LEVELS[0]), lossy=False)
     n = system.size - 3
     assert factorise(system.stiffness[:n, :n]).negative_pivots == system.potentials
 
 
-@pytest.mark.parametrize("solver", ["pardiso", "superlu"])
+@both
 @pytest.mark.parametrize("dtype", [float, complex])
 def test_small_indefinite_system(solver, dtype):
     """Both libraries solve a symmetric indefinite system, also for complex right sides."""
-    if solver == "pardiso" and linear_solver.available_solver().startswith("SuperLU"):
-        pytest.skip("Intel MKL is not installed")
     rng = np.random.default_rng(7)
     dense = rng.standard_normal((30, 30)) + (
         1j * rng.standard_normal((30, 30)) if dtype is complex else 0
@@ -56,15 +72,188 @@ def test_small_indefinite_system(solver, dtype):
     assert np.allclose(dense @ solution, right, rtol=0, atol=1e-9)  # cond about 1e2
 
 
-def test_superlu_reports_a_singular_matrix():
-    """A mechanism is reported, not solved."""
+@both
+@pytest.mark.parametrize("exponent", range(-10, 11, 2))
+@pytest.mark.parametrize("loss", [0.0, 0.02])
+def test_unit_of_a_block_does_not_matter(solver, exponent, loss):
+    """The potential in units of 1e-10 to 1e10: every unknown right to 1e-9 of its own size."""
+    dense = piezo_like() * (1.0 + 1j * loss)
+    n = dense.shape[0]
+    exact = np.random.default_rng(2).uniform(0.5, 1.0, n)
+    unit = np.where(np.arange(n) < n // 2, 1.0, 10.0**exponent)
+    factor = factorise(sparse.csr_matrix(unit[:, None] * dense * unit), solver=solver)
+    found = unit * factor.solve(unit * (dense @ exact))
+    # condition below 1e4 once balanced
+    assert found == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.parametrize("block", [1, 7, 1000])
+def test_balance_in_blocks(monkeypatch, block):
+    """Rows end near 1, whatever pieces the matrix is looked at in."""
+    size = 10.0 ** np.linspace(-150.0, 100.0, 24)
+    matrix = sparse.csr_matrix(size[:, None] * piezo_like() * size)
+    whole = linear_solver._balance(matrix)
+    rows = np.abs(whole[:, None] * matrix.toarray() * whole).max(axis=1)
+    # balanced within 4, rounding to powers of two adds at most 2
+    assert rows.max() <= 8.0
+    assert rows.min() >= 0.125
+    monkeypatch.setattr(linear_solver, "_BLOCK", block)
+    assert np.array_equal(linear_solver._balance(matrix), whole)
+
+
+@both
+@pytest.mark.parametrize("zeros", [False, True], ids=["absent", "stored"])
+def test_multipliers(solver, zeros):
+    """Constraints put zeros on the diagonal, whether stored or not."""
+    a = laplacian(6, 5)
+    n = a.shape[0]
+    b = sparse.csr_matrix(np.eye(n)[:, :7])
+    corner = sparse.csr_matrix((np.zeros(7), (range(7), range(7))), shape=(7, 7)) if zeros else None
+    matrix = sparse.bmat([[a, b], [b.T, corner]], format="csr")
+    exact = np.linspace(-1.0, 1.0, n + 7)
+    assert factorise(matrix, solver=solver).solve(matrix @ exact) == pytest.approx(exact, abs=1e-11)
+
+
+@both
+@pytest.mark.parametrize("definite", [False, True])
+@pytest.mark.parametrize(
+    "matrix",
+    [
+        sparse.csr_matrix((3, 3)),
+        sparse.diags([1.0, 0.0, 2.0]),
+        sparse.csr_matrix(np.ones((2, 2))),
+        laplacian(50),
+        laplacian(2000),
+        laplacian(12, 11),
+        laplacian(9, 8, 7),
+        sparse.block_diag([2.0 * sparse.identity(40), 1e-6 * laplacian(5, 5, 5)]),
+        sparse.csr_matrix(np.diag([1.0, np.nan])),
+        (1.0 + 0.01j) * laplacian(9, 8, 7),
+    ],
+    ids=["nothing", "zero row", "rank one", "line", "long line", "plane", "space", "floating part",
+         "not a number", "lossy"],
+)  # fmt: skip
+def test_singular_matrices_are_refused(solver, definite, matrix):
+    """A mechanism is reported, not solved; also where rounding hides the zero pivot."""
+    with pytest.raises(SolverError, match=r"singular|not finite"):
+        factorise(sparse.csr_matrix(matrix), definite=definite, solver=solver)
+
+
+@both
+def test_a_rigid_body_is_refused(solver):
+    """A bimorph whose base is free has rigid motions."""
+    system = assemble(Device(), bimorph_bricks(Device(), LEVELS[0]), lossy=False)
     with pytest.raises(SolverError, match="singular"):
-        factorise(sparse.csr_matrix(np.zeros((3, 3))), solver="superlu")
+        factorise(system.stiffness[:-1, :-1], solver=solver)
+
+
+@both
+def test_definite(solver):
+    """A definite matrix gives the same answer said to be definite or not."""
+    matrix = laplacian(15, 14) + 0.1 * sparse.identity(210)
+    right = np.arange(210.0)
+    plain, fast = (factorise(matrix, definite=d, solver=solver) for d in (False, True))
+    assert fast.solve(right) == pytest.approx(plain.solve(right), rel=1e-12)  # cond 80
+    assert fast.negative_pivots in (0, None)
+
+
+@both
+def test_said_to_be_definite_but_is_not(solver):
+    """The answer is right all the same, and the negative pivots tell."""
+    matrix, exact = sparse.csr_matrix(piezo_like()), np.arange(24.0)
+    factor = factorise(matrix, definite=True, solver=solver)
+    assert factor.solve(matrix @ exact) == pytest.approx(exact, abs=1e-9)
+    assert factor.negative_pivots in (12, None)
+
+
+@both
+@pytest.mark.parametrize("definite", [False, True])
+def test_refactorise(solver, definite, monkeypatch):
+    """Another matrix of the pattern, definite or not, gives what a fresh factor does."""
+    base, right = laplacian(15, 14), np.arange(210.0)
+    first, *others = (base + s * sparse.identity(210) for s in (0.1, 7.0, -0.03))
+    factor = factorise(first, definite=definite, solver=solver)
+    for other in others:
+        with monkeypatch.context() as patch:
+            patch.setattr(Factor, "_order", None)  # not called
+            factor.refactorise(other)
+        fresh = factorise(other, solver=solver)
+        assert factor.solve(right) == pytest.approx(fresh.solve(right), rel=1e-10)
+        assert factor.negative_pivots == fresh.negative_pivots
+
+
+@both
+def test_refactorise_another_pattern(solver):
+    """Another pattern or type of number is ordered anew instead of misread."""
+    factor = factorise(laplacian(6, 6) + sparse.identity(36), definite=True, solver=solver)
+    exact = np.linspace(1.0, 2.0, 40)
+    other = laplacian(8, 5) + sparse.identity(40)
+    for matrix in (other, 1j * other, other, sparse.identity(40, format="csr")):
+        factor.refactorise(matrix)
+        assert factor.solve(matrix @ exact) == pytest.approx(exact, rel=1e-12)
+
+
+@both
+def test_refactorise_a_singular_matrix(solver):
+    """It is refused like a new one."""
+    factor = factorise(laplacian(6, 6) + sparse.identity(36), definite=True, solver=solver)
+    with pytest.raises(SolverError, match="singular"):
+        factor.refactorise(laplacian(6, 6))
+
+
+@needs_mkl
+def test_shifted_system_counts_modes(system):
+    """K − Ω²M on the ordering of K: same answer as fresh, one more negative pivot per mode."""
+    n = system.size - 3
+    k, m = system.stiffness[:n, :n], system.mass[:n, :n]
+    factor = factorise(k)
+    static = factor.negative_pivots
+    shifted = (k - (2.0 * np.pi * 5000.0) ** 2 * m).tocsr()
+    factor.refactorise(shifted)
+    fresh = factorise(shifted)
+    right = system.tip[:n]
+    a, b = (refined_solution(shifted, f, right) for f in (factor, fresh))
+    # one refinement of seven digits lost
+    assert np.abs(a - b).max() < 1e-9 * np.abs(b).max()
+    assert factor.negative_pivots == fresh.negative_pivots
+    if static is not None:
+        assert fresh.negative_pivots > static
+
+
+@needs_mkl
+def test_matching_where_pivots_are_lost(monkeypatch):
+    """If the answer is wrong without weighted matching, it is tried with it, then refused."""
+    tried = []
+
+    def wrong_at_first(self, matrix):
+        tried.append(self._method._matching)
+        if not self._method._matching:
+            raise SolverError("singular")
+
+    monkeypatch.setattr(Factor, "_check", wrong_at_first)
+    matrix, exact = sparse.csr_matrix(piezo_like()), np.arange(24.0)
+    factor = factorise(matrix)
+    assert tried == [False, True]
+    assert factor.perturbed_pivots == 0
+    assert factor.solve(matrix @ exact) == pytest.approx(exact, abs=1e-9)
+    factor.refactorise(2.0 * matrix)
+    assert factor.solve(matrix @ exact) == pytest.approx(exact / 2.0, abs=1e-9)
+
+
+@needs_mkl
+def test_perturbed_pivots_are_counted():
+    """A pivot that had to be replaced is told of."""
+    from fem.pardiso import Pardiso
+
+    upper = sparse.triu(laplacian(50), format="csr")
+    line = Pardiso(upper.indptr, upper.indices, complex_numbers=False)
+    line.factorise(upper.data)
+    assert line.perturbed_pivots == 1
 
 
 def test_unknown_library_is_refused(monkeypatch):
     """Asking for Pardiso without MKL is an explained error, and auto falls back."""
-    monkeypatch.setattr(linear_solver, "_library", lambda: None)
+    monkeypatch.setattr(linear_solver, "mkl", lambda: None)
     with pytest.raises(SolverError, match="not installed"):
         factorise(sparse.identity(3), solver="pardiso")
     assert factorise(sparse.identity(3)).solve(np.ones(3)) == pytest.approx(np.ones(3))
