@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 
 from geometry.errors import InputError
-from geometry.parameters import Bimorph, Device, Support
+from geometry.parameters import NOMINAL_GAP, Bimorph, Device, Support
+
+#: Rounding of sums of dimensions (m).
+_ROUNDING = 1e-12
 
 
 def check_fit(device: Device, support: Support) -> None:
@@ -16,7 +19,19 @@ def check_fit(device: Device, support: Support) -> None:
     InputError
         In one sentence, with the values in millimetres.
     """
-    bimorph, rod, sleeve, coil = device.bimorph, device.rod, device.sleeve, device.coil
+    check_bimorph(device, support)
+    check_actuator(device)
+
+
+def check_bimorph(device: Device, support: Support) -> None:
+    """Refuse a bimorph that is not whole, or does not go on the rod that holds it.
+
+    Raises
+    ------
+    InputError
+        In one sentence, with the values in millimetres.
+    """
+    bimorph, rod = device.bimorph, device.rod
     mm = 1e3
     _check_ceramic(bimorph)
     profile = bimorph.width_profile
@@ -31,6 +46,18 @@ def check_fit(device: Device, support: Support) -> None:
         )
     if support.kind == "rod":
         _check_joint(device)
+
+
+def check_actuator(device: Device) -> None:
+    """Refuse a rod, coil and sleeve that do not go into each other.
+
+    Raises
+    ------
+    InputError
+        In one sentence, with the values in millimetres.
+    """
+    rod, sleeve, coil = device.rod, device.sleeve, device.coil
+    mm = 1e3
     if not rod.radius <= coil.inner_radius < coil.outer_radius < sleeve.inner_radius:
         raise InputError(
             f"coil.inner_radius = {coil.inner_radius * mm:g} mm and coil.outer_radius = "
@@ -48,16 +75,50 @@ def check_fit(device: Device, support: Support) -> None:
             f"rod.flange_radius = {rod.flange_radius * mm:g} mm must lie between rod.radius = "
             f"{rod.radius * mm:g} mm and sleeve.inner_radius = {sleeve.inner_radius * mm:g} mm"
         )
-    if rod.flange_position + rod.flange_thickness > rod.length + 1e-12:
+    if rod.flange_position + rod.flange_thickness > rod.length + _ROUNDING:
         raise InputError(
             f"rod.length = {rod.length * mm:g} mm ends above the flange's lower face at "
             f"{(rod.flange_position + rod.flange_thickness) * mm:g} mm; make the rod longer"
         )
-    if coil.position + coil.length > rod.flange_position:
+    if coil.position + coil.length > rod.flange_position + _ROUNDING:
         raise InputError(
             f"coil.length = {coil.length * mm:g} mm from coil.position = {coil.position * mm:g} mm "
             f"runs into the flange at rod.flange_position = {rod.flange_position * mm:g} mm; "
             "shorten the coil"
+        )
+    if coil.position + NOMINAL_GAP < -_ROUNDING:
+        raise InputError(
+            f"coil.position = {coil.position * mm:g} mm puts the coil's top into the rod's head, "
+            f"whose underside is at {-NOMINAL_GAP * mm:g} mm; move the coil down"
+        )
+    check_gap(device, device.gap)
+
+
+def widest_gap(device: Device) -> float:
+    """Return the gap (m) at which flange or coil meets the collar; inf if both go through it."""
+    rod, coil, sleeve = device.rod, device.coil, device.sleeve
+    tops = ((rod.flange_radius, rod.flange_position), (coil.outer_radius, coil.position))
+    caught = [top for radius, top in tops if radius >= sleeve.collar_radius]
+    return float(NOMINAL_GAP + min(caught, default=math.inf) - sleeve.collar_thickness)
+
+
+def check_gap(device: Device, gap: float) -> None:
+    """Refuse a working gap (m) at which the flange has met the collar, which it cannot pass.
+
+    Raises
+    ------
+    InputError
+        With the gap at which they meet.
+    """
+    rod, sleeve = device.rod, device.sleeve
+    mm = 1e3
+    meeting = NOMINAL_GAP + rod.flange_position - sleeve.collar_thickness
+    if rod.flange_radius >= sleeve.collar_radius and gap >= meeting - _ROUNDING:
+        raise InputError(
+            f"gap = {gap * mm:g} mm needs the flange (rod.flange_radius = "
+            f"{rod.flange_radius * mm:g} mm) to pass the collar (sleeve.collar_radius = "
+            f"{sleeve.collar_radius * mm:g} mm), which it meets at a gap of {meeting * mm:g} mm; "
+            "use a smaller gap or a wider collar"
         )
 
 
@@ -86,7 +147,7 @@ def beyond_plain_layers(bimorph: Bimorph) -> str:
 
 
 def check_plain_layers(device: Device) -> None:
-    """Refuse a bimorph that the solid model and the CAD parts do not know.
+    """Refuse a bimorph that the CAD parts do not know.
 
     Raises
     ------
@@ -94,14 +155,30 @@ def check_plain_layers(device: Device) -> None:
         In one sentence that names the models that can.
     """
     key = beyond_plain_layers(device.bimorph)
+    if key in device.bimorph.profiles:
+        check_constant_section(device)
     if key:
-        remedy = f"leave out bimorph.{key}"
-        if key not in device.bimorph.profiles:
-            remedy = f"set bimorph.{key} = 0 mm"
+        raise InputError(
+            f"bimorph.{key} is not in the CAD parts and their tetrahedra (three plain layers with "
+            'electrodes all over); use mesh.kind = "structured" on a support other than "rod", '
+            f"ask for models=lumped,tmm,beam or set bimorph.{key} = 0 mm"
+        )
+
+
+def check_constant_section(device: Device) -> None:
+    """Refuse a bimorph whose cross-section changes along it.
+
+    Raises
+    ------
+    InputError
+        In one sentence that names the models that can.
+    """
+    if device.bimorph.profiles:
+        key = next(iter(device.bimorph.profiles))
         raise InputError(
             f"bimorph.{key} is known to the models lumped, tmm and beam only (the solid model and "
-            "the CAD parts have three plain layers with electrodes all over); ask for "
-            f"models=lumped,tmm,beam or {remedy}"
+            "the CAD parts have plain layers of constant size); ask for models=lumped,tmm,beam or "
+            f"leave out bimorph.{key}"
         )
 
 

@@ -7,7 +7,7 @@ from geometry.errors import InputError
 from geometry.fit import check_fit
 from geometry.layout import layout
 from geometry.parameters import Bimorph, Device, Support
-from geometry.structured import LEVELS, hexahedral
+from geometry.brick_family import LEVELS, bimorph_bricks
 from validation.idle_keys import scene_warnings
 from validation.plan import make_plan
 from validation.scene import load_scene
@@ -88,19 +88,37 @@ def test_ceramic_that_does_not_fit_is_refused(bimorph, words):
 
 
 @pytest.mark.parametrize("setting", ODD)
-def test_only_the_beam_models_know_them(setting):
-    """Plan, structured mesh and CAD refuse before any work, naming the key and the models."""
-    scene, _ = load_scene("paper", [f"bimorph.{setting}"])
+def test_cad_and_tetrahedra_do_not_know_them(setting):
+    """Plan and CAD refuse before any work, naming the key and the models that can."""
+    scene, _ = load_scene("paper", [f"bimorph.{setting}", "mesh.kind=tetwild"])
     key = setting.split("=")[0]
     refusals = (
         lambda: make_plan(scene, ("tmm", "solid"), ("capacitance_free",)),
-        lambda: hexahedral(scene.device, LEVELS[0]),
         lambda: layout(scene.device, "alone"),
     )
     for refused in refusals:
         with pytest.raises(InputError, match=f"bimorph.{key} .* models=lumped,tmm,beam"):
             refused()
     assert make_plan(scene, ("lumped", "tmm", "beam"), ("capacitance_free",)).run
+
+
+@pytest.mark.parametrize("setting", ODD)
+def test_bricks_know_what_keeps_the_section_constant(setting):
+    """Bare ends and glue layers are in the bricks; profiles are refused, in plan and mesh."""
+    scene, _ = load_scene("paper", [f"bimorph.{setting}"])
+    key = setting.split("=")[0]
+
+    def meshed():
+        make_plan(scene, ("tmm", "solid"), ("capacitance_free",))
+        return bimorph_bricks(scene.device, LEVELS[0])
+
+    if not key.endswith("_profile"):
+        assert meshed().brick_count > 0
+        return
+    with pytest.raises(InputError, match=f"bimorph.{key} .* models=lumped,tmm,beam"):
+        meshed()
+    with pytest.raises(InputError, match=f"bimorph.{key} "):
+        bimorph_bricks(scene.device, LEVELS[0])
 
 
 def test_a_constant_that_a_profile_replaces_is_said_to_be_idle():

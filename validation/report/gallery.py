@@ -6,11 +6,11 @@ import base64
 from typing import Any
 
 from geometry.fit import beyond_plain_layers
+from geometry.bricks import Bricks
 from geometry.mesh import Mesh
 from validation.report.study import Study
 
 _KIND = {
-    "hexahedron": "hexahedra with 20 nodes",
     "tetra": "tetrahedra with 10 nodes",
     "tetra10": "curved tetrahedra with 10 nodes",
 }
@@ -29,14 +29,16 @@ def _lateral(study: Study) -> list[dict[str, str]]:
         return []
     from validation.export import scene_solids
     from validation.pictures import mesh_picture, solids_picture
+    from validation.solid_meshes import cells_of
 
     study.announce("picture of the geometry")
     solids = solids_picture(scene_solids(study.scene))
     found = [{"caption": "CAD solids", "png": _inline(solids)}]
     if study.solid is not None:
         study.announce("picture of the mesh")
-        mesh = study.solid.meshes()[0]
-        caption = f"mesh of the solid model: {mesh.cells.shape[0]} {_KIND[mesh.kind]}"
+        solved = study.solid.meshes()[0]
+        mesh = cells_of(solved)
+        caption = f"mesh of the solid model: {mesh.cells.shape[0]} {_kind(solved)}"
         found.append({"caption": caption, "png": _inline(mesh_picture(mesh))})
         found.append({"caption": "the same at its held end", "png": close_up(mesh)})
     return found
@@ -65,11 +67,12 @@ def modes(study: Study) -> list[dict[str, Any]]:
     from scipy.spatial import cKDTree
 
     from validation.pictures import mode_picture
+    from validation.solid_meshes import points_of
 
     solid = study.solid
     if solid is None:
         return []
-    mesh, system = solid.meshes()[0], solid.systems()[0]
+    mesh, system = points_of(solid.meshes()[0]), solid.systems()[0]
     at_points = cKDTree(system.nodes).query(mesh.points)[1]
     found = []
     for number, mode in enumerate(solid.shapes()[0][:4], start=1):
@@ -77,6 +80,14 @@ def modes(study: Study) -> list[dict[str, Any]]:
         picture = mode_picture(mesh, mode.displacement[at_points])
         found.append({"number": number, "mode": mode, "png": _inline(picture)})
     return found
+
+
+def _kind(mesh: Mesh | Bricks) -> str:
+    """Return the cells of a mesh in words."""
+    if not isinstance(mesh, Bricks):
+        return _KIND[mesh.kind]
+    x, y, z = mesh.degree
+    return f"bricks of degree {x}, {y}, {z} across the layers, the width and along the length"
 
 
 def _inline(png: bytes) -> str:

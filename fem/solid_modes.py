@@ -1,0 +1,181 @@
+"""Natural modes of an assembled solid and the class of each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy import sparse
+
+from fem.solid_system import SolidSystem
+from geometry.arrays import Floats, Sparse
+
+ModeClass = Literal["bending_x", "bending_y", "torsion", "axial", "mixed"]
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """Lossless constants at the ports: `base` None is a clamp.
+
+    Attributes
+    ----------
+    base : tuple of float or None
+        Lateral stiffness (N/m), rotational stiffness (N m/rad), rotational inertia (kg m²).
+    tip_stiffness, tip_mass : float
+        Load on the mean tip displacement (N/m, kg).
+    """
+
+    base: tuple[float, float, float] | None
+    tip_stiffness: float = 0.0
+    tip_mass: float = 0.0
+
+
+@dataclass(frozen=True)
+class SolidMode:
+    """A natural mode.
+
+    Attributes
+    ----------
+    frequency : float
+        Natural frequency (Hz).
+    kind : str
+        Class, by the motion that holds most of the kinetic energy.
+    share : float
+        Share of the class in the kinetic energy.
+    displacement : (n_nodes, 3) array
+        Nodal displacements, largest component 1.
+    """
+
+    frequency: float
+    kind: ModeClass
+    share: float
+    displacement: Floats
+
+
+def natural_modes(
+    system: SolidSystem, attachment: Attachment, count: int, *, open_circuit: bool = False
+) -> list[SolidMode]:
+    """Return the lowest `count` modes of a lossless system, ascending.
+
+    Inverse Lanczos at 0 Hz with the factor that statics uses as well; the potential is part of
+    the indefinite operator and has no mass.  A base on springs borders that factor, tip load
+    and open circuit (the electrode's charge stays zero) are updates of rank one.
+    """
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    mass, solve, tip = _attached(system, attachment)
+    n = mass.shape[0]
+    updates = []
+    if attachment.tip_stiffness > 0.0 and system.has_ports:
+        updates.append((tip, attachment.tip_stiffness))
+    if open_circuit and system.has_ports:
+        charge, capacitance = _electrode(system, n)
+        updates.append((charge, 1.0 / capacitance))
+    solve = _updated(solve, updates)
+
+    def weigh(v: Floats) -> Floats:
+        return np.asarray(mass @ v + attachment.tip_mass * tip * (tip @ v))
+
+    rng = np.random.default_rng(0)
+    wanted = min(count, n - 2)
+    # in inverse mode the stiffness itself is not asked for
+    values, vectors = eigsh(
+        LinearOperator((n, n), matvec=lambda v: v, dtype=float),
+        k=wanted,
+        M=LinearOperator((n, n), matvec=weigh, dtype=float),
+        sigma=0.0,
+        which="LM",
+        OPinv=LinearOperator((n, n), matvec=solve, dtype=float),
+        v0=solve(mass @ rng.standard_normal(n)),
+        ncv=min(max(2 * wanted + 4, 12), n - 1),
+        tol=1e-12,
+    )
+    order = np.argsort(values)
+    return [_mode(system, float(values[i]), vectors[:, i], n) for i in order]
+
+
+def _attached(
+    system: SolidSystem, attachment: Attachment
+) -> tuple[Sparse, Callable[[Floats], Floats], Floats]:
+    """Return mass, inverse stiffness and tip functional at U = 0 with the support attached."""
+    held = system.size - 3
+    factor = system.held_factor
+    if attachment.base is None or not system.has_ports:
+        return system.mass.tocsr()[:held, :held], factor.solve, system.tip[:held, 0]
+    n = held + 2
+    lateral, rotational, inertia = attachment.base
+    added = np.zeros(n)
+    added[-1] = inertia
+    mass = (system.mass.tocsr()[:n, :n] + sparse.diags(added)).tocsr()
+    coupling = system.stiffness.tocsr()[:held, held:n].toarray()
+    follows = -factor.solve(coupling)
+    # a body held by its base alone follows it without force, so only the springs resist
+    springs = np.array([lateral, rotational])
+
+    def solve(right: Floats) -> Floats:
+        base = ((right[held:] + follows.T @ right[:held]).T / springs).T
+        return np.concatenate([factor.solve(right[:held]) + follows @ base, base])
+
+    return mass, solve, system.tip[:n, 0]
+
+
+def _electrode(system: SolidSystem, n: int) -> tuple[Floats, float]:
+    """Return charge per unknown (n,) and the capacitance at U alone."""
+    column = system.stiffness.tocsc()[:, [-1]].toarray().ravel()
+    return -column[:n], float(-column[-1])
+
+
+def _updated(
+    inverse: Callable[[Floats], Floats], updates: list[tuple[Floats, float]]
+) -> Callable[[Floats], Floats]:
+    """Return v ↦ (A + Σ weight c cᵀ)⁻¹ v by the Woodbury identity."""
+    if not updates:
+        return inverse
+    c = np.column_stack([u for u, _ in updates])
+    z = inverse(c)
+    small = np.linalg.inv(np.diag([1.0 / w for _, w in updates]) + c.T @ z)
+
+    def solve(v: Floats) -> Floats:
+        x = inverse(np.asarray(v).ravel())
+        return np.asarray(x - z @ (small @ (c.T @ x)))
+
+    return solve
+
+
+def _mode(system: SolidSystem, value: float, vector: Floats, n: int) -> SolidMode:
+    y = np.zeros(system.size)
+    y[:n] = vector
+    nodal = (system.expand @ y).reshape(4, -1)[:3].T
+    nodal = nodal / np.abs(nodal).max()
+    kind, share = classify(system.nodes, system.node_mass, nodal)
+    return SolidMode(float(np.sqrt(value) / (2.0 * np.pi)), kind, share, nodal)
+
+
+def classify(nodes: Floats, mass: Floats, displacement: Floats) -> tuple[ModeClass, float]:
+    """Name a mode by the rigid section motion that holds most of its kinetic energy.
+
+    Nodes are gathered in slices along z; in each the displacement is fitted by section
+    translations, rotations and twist.  Returns the class and its share of the energy
+    (``mixed`` below one half).
+    """
+    z = nodes[:, 2]
+    slices = np.minimum((40 * (z - z.min()) / np.ptp(z)).astype(int), 39)
+    energy = dict.fromkeys(("bending_x", "bending_y", "torsion", "axial"), 0.0)
+    for number in np.unique(slices):
+        at = slices == number
+        m, u = mass[at], displacement[at]
+        x, y = (nodes[at, i] - np.average(nodes[at, i], weights=m) for i in (0, 1))
+        for axis, name, lever in ((0, "bending_x", x), (1, "bending_y", y)):
+            mean = np.average(u[:, axis], weights=m)
+            tilt = (m * lever * u[:, 2]).sum() ** 2 / (m * lever**2).sum()
+            energy[name] += m.sum() * mean**2 + tilt
+        energy["axial"] += m.sum() * np.average(u[:, 2], weights=m) ** 2
+        twist = (m * (x * u[:, 1] - y * u[:, 0])).sum() ** 2
+        energy["torsion"] += twist / (m * (x**2 + y**2)).sum()
+    total = float((mass[:, None] * displacement**2).sum())
+    best = max(energy, key=lambda name: energy[name])
+    share = energy[best] / total
+    kind: ModeClass = best if share >= 0.5 else "mixed"  # type: ignore[assignment]
+    return kind, share

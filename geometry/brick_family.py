@@ -1,0 +1,143 @@
+"""How the bimorph is divided into bricks: fine where the solution is singular.
+
+Layers, shim tab and electrodes are resolved exactly.  Bricks shrink geometrically towards
+the held end, the ceramic's and the electrodes' ends and the side edges; elsewhere a few
+long ones of high degree carry the smooth rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Floats
+from geometry.bricks import Axis, Bricks, Held, Slab
+from geometry.fit import check_constant_section
+from geometry.parameters import Device
+
+#: Ratio of neighbouring intervals towards an edge or an end.
+_GROWTH = 4.0
+#: Longest brick across the width, in thicknesses of the bimorph, or this share of half the
+#: width if that is more: in a thin plate what is far from the edges varies with the width.
+_WIDEST = 3.0
+_WIDEST_SHARE = 0.5
+
+
+@dataclass(frozen=True)
+class BrickMeshing:
+    """How finely the bimorph is divided.
+
+    Attributes
+    ----------
+    degree : (int, int, int)
+        Degree of the polynomials along x, y and z.
+    layer : tuple of float
+        Intervals of a piezo layer from its inner to its outer face, as shares of it.
+    side : float
+        Interval at the side edge, as a share of the bimorph's thickness (0: no grading).
+    smallest : float
+        Length of the bricks at the held end and at the ceramic's lower end, as a share of the
+        thinnest layer.
+    tip : float
+        The same at the upper end, where the singularity is weak.
+    longest : float
+        Longest brick along z, in thicknesses of the bimorph.
+    pieces : (float, float)
+        Fewest and most pieces of the length that the longest brick may be all the same: modes
+        of a stout bimorph, and what is far from the ends of a slender one, vary with it.
+    growth : float
+        Ratio of neighbouring lengths along z.
+    """
+
+    degree: tuple[int, int, int]
+    layer: tuple[float, ...] = (1.0,)
+    side: float = 0.0
+    smallest: float = 0.2
+    tip: float = 0.3
+    longest: float = 4.0
+    pieces: tuple[float, float] = (6.0, 10.0)
+    growth: float = _GROWTH
+
+
+#: A family of divisions for refinement studies; from one to the next errors fall at least by
+#: half (about 1.5, 4, 11, 24 and 50 thousand unknowns for the paper's bimorph).
+LEVELS = (
+    BrickMeshing((2, 2, 3), side=0.2, smallest=0.4, tip=1.0, longest=6.0, pieces=(4.0, 8.0)),
+    BrickMeshing((3, 3, 3), side=0.2, smallest=0.2, tip=0.3, pieces=(5.0, 10.0)),
+    BrickMeshing((3, 4, 3), (0.2, 0.8), side=0.2, smallest=0.1),
+    BrickMeshing((3, 5, 4), (0.15, 0.7, 0.15), side=0.15, smallest=0.05, tip=0.2),
+    BrickMeshing((4, 5, 4), (0.1, 0.6, 0.3), side=0.12, smallest=0.03, tip=0.1),
+)
+
+
+def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers") -> Bricks:
+    """Divide a quarter of the bimorph, z = 0 at the lower end of the tab (or of the ceramic).
+
+    Raises
+    ------
+    InputError
+        If the cross-section changes along the ceramic.
+    """
+    check_constant_section(device)
+    bimorph = device.bimorph
+    half, glue = 0.5 * bimorph.shim_thickness, bimorph.glue_thickness
+    piezo = bimorph.piezo_thickness
+    steps = [half] + ([glue] if glue > 0.0 else []) + [share * piezo for share in meshing.layer]
+    x = np.concatenate([[0.0], np.cumsum(steps)])
+    x[-1] = half + glue + piezo
+    y = _across(0.5 * bimorph.width, bimorph.thickness, meshing)
+    z, ceramic, electrode = _along(device, meshing)
+    n, first = z.size - 1, 1 + (glue > 0.0)
+    slabs = [Slab("shim", (0, 1), (0, n)), Slab("piezo", (first, x.size - 1), (ceramic, n))]
+    if glue > 0.0:
+        slabs.insert(1, Slab("glue", (1, 2), (ceramic, n)))
+    along_x, along_y, along_z = meshing.degree
+    axes = (Axis(x, along_x), Axis(y, along_y), Axis(z, along_z))
+    return Bricks(*axes, slabs=tuple(slabs), electrode=electrode, held=held)
+
+
+def _across(half_width: float, thickness: float, meshing: BrickMeshing) -> Floats:
+    """Divide the half width, intervals growing from the side edge inwards."""
+    widest = max(_WIDEST * thickness, _WIDEST_SHARE * half_width)
+    if meshing.side == 0.0:
+        return np.linspace(0.0, half_width, int(np.ceil(half_width / widest)) + 1)
+    steps = [min(meshing.side * thickness, 0.4 * half_width)]
+    # what rounding leaves over is not an interval
+    while (rest := half_width - sum(steps)) > 1e-9 * half_width:
+        step = min(_GROWTH * steps[-1], widest)
+        steps.append(rest if rest <= 1.5 * step else step)
+    return np.concatenate([[0.0], np.cumsum(steps[::-1])[:-1], [half_width]])
+
+
+def _along(device: Device, meshing: BrickMeshing) -> tuple[Floats, int, tuple[int, int]]:
+    """Divide the length; also return where the ceramic starts and its electrode reaches."""
+    bimorph = device.bimorph
+    layers = [bimorph.piezo_thickness, bimorph.shim_thickness]
+    thin = min(layers)
+    at_most, at_least = (bimorph.length / pieces for pieces in meshing.pieces)
+    longest = min(max(meshing.longest * bimorph.thickness, at_least), at_most)
+    first, last = meshing.smallest * thin, max(meshing.smallest, meshing.tip) * thin
+    below, above = bimorph.bare_below, bimorph.bare_above
+    stretches = [(bimorph.tab_length, first, first), (below, first, first)]
+    end = last if above == 0.0 else first
+    stretches.append((bimorph.length - below - above, first, end))
+    stretches.append((above, first, last))
+    z, marks = np.zeros(1), []
+    for length, lower, upper in stretches:
+        marks.append(z.size - 1)
+        if length > 0.0:
+            part = _graded(length, lower, upper, meshing.growth, longest)
+            z = np.concatenate([z, z[-1] + part[1:]])
+    z[-1] = bimorph.tab_length + bimorph.length
+    return z, marks[1], (marks[2], marks[3])
+
+
+def _graded(length: float, first: float, last: float, growth: float, longest: float) -> Floats:
+    """Divide [0, length], intervals growing from `first` below and `last` above."""
+    lower, upper = [first], [last]
+    while sum(lower) + sum(upper) < length:
+        side = lower if lower[-1] <= upper[-1] else upper
+        side.append(min(side[-1] * growth, longest))
+    steps = np.array(lower + upper[::-1])
+    return np.concatenate([[0.0], np.cumsum(steps)]) * float(length / steps.sum())

@@ -1,0 +1,101 @@
+"""The bricks are the device: volumes, faces and names, and their mirrored whole."""
+
+import numpy as np
+import pytest
+
+from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.bricks import lobatto_points
+from geometry.parameters import Bimorph, Device
+
+VARIANTS = (
+    {},
+    {"tab_length": 1.6e-3},
+    {"bare_below": 1e-3, "bare_above": 0.4e-3},
+    {"glue_thickness": 10e-6},
+    {"width": 9e-3},
+    {"width": 0.3e-3},
+)
+
+
+def box_volumes(mesh):
+    return np.prod(np.ptp(mesh.points[mesh.cells], axis=1), axis=1)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("level", [0, 3])
+@pytest.mark.parametrize("kind", ["corner_mesh", "node_mesh"])
+def test_region_volumes_are_exact(variant, level, kind):
+    """Each layer has the volume of the box it stands for; the tab belongs to the shim."""
+    b = Bimorph(**variant)
+    mesh = getattr(bimorph_bricks(Device(bimorph=b), LEVELS[level]), kind)()
+    volumes = box_volumes(mesh)
+    ceramic = b.length * b.width * b.piezo_thickness
+    shim = (b.length + b.tab_length) * b.width * b.shim_thickness
+    expected = {"piezo_top": ceramic, "piezo_bottom": ceramic, "shim": shim}
+    if b.glue_thickness:
+        expected["glue"] = 2.0 * b.length * b.width * b.glue_thickness
+    assert set(expected) == set(mesh.regions)
+    for region, volume in expected.items():
+        assert volumes[mesh.cells_of(region)].sum() == pytest.approx(volume, rel=1e-11)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_named_faces_have_the_right_areas(variant):
+    """Outer electrodes leave the bare ends free; the base is the section or the tab's end."""
+    b = Bimorph(**variant)
+    mesh = bimorph_bricks(Device(bimorph=b), LEVELS[1]).corner_mesh()
+    areas = {}
+    for name, quads in mesh.faces.items():
+        extent = np.sort(np.ptp(mesh.points[quads], axis=1), axis=1)
+        areas[name] = (extent[:, 1] * extent[:, 2]).sum()
+    covered = (b.length - b.bare_below - b.bare_above) * b.width
+    for side in ("top", "bottom"):
+        assert areas[f"electrode_{side}_outer"] == pytest.approx(covered, rel=1e-11)
+        assert areas[f"electrode_{side}_inner"] == pytest.approx(b.length * b.width, rel=1e-11)
+    assert areas["tip"] == pytest.approx(b.width * b.thickness, rel=1e-11)
+    base = b.shim_thickness if b.tab_length else b.thickness
+    assert areas["base"] == pytest.approx(b.width * base, rel=1e-11)
+
+
+def test_held_shim_leaves_the_ceramic_free():
+    """A base of the shim alone is the shim's section, with and without a tab."""
+    b = Bimorph()
+    bricks = bimorph_bricks(Device(bimorph=b), LEVELS[0], held="shim")
+    x = bricks.x.nodes[bricks.base().any(axis=(1, 2))]
+    assert x.max() == pytest.approx(0.5 * b.shim_thickness)
+    quads = bricks.corner_mesh().points[bricks.corner_mesh().faces["base"]]
+    assert np.abs(quads[..., 0]).max() == pytest.approx(0.5 * b.shim_thickness)
+
+
+def test_cells_are_positively_oriented():
+    """VTK order: the Jacobian of every box is positive."""
+    mesh = bimorph_bricks(Device(), LEVELS[0]).node_mesh()
+    p = mesh.points[mesh.cells]
+    edges = np.stack([p[:, i] - p[:, 0] for i in (1, 3, 4)], axis=1)
+    assert (np.linalg.det(edges) > 0.0).all()
+
+
+def test_family_gets_finer():
+    """Every level of the family has more nodes than the one before."""
+    counts = [np.prod(bimorph_bricks(Device(), level).shape) for level in LEVELS]
+    assert counts == sorted(set(counts))
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 6])
+def test_lobatto_points_are_exact(degree):
+    """Ends included, symmetric, and the inner ones are where Legendre's slope vanishes."""
+    points = lobatto_points(degree)
+    assert points[[0, -1]] == pytest.approx([-1.0, 1.0], abs=0.0)
+    assert points == pytest.approx(-points[::-1], abs=1e-14)
+    slope = np.polynomial.Legendre.basis(degree).deriv()
+    assert np.abs(slope(points[1:-1])).max(initial=0.0) < 1e-12
+
+
+def test_neighbouring_bricks_grow_gently():
+    """No interval along the length is more than the growth times its neighbour."""
+    meshing = BrickMeshing((2, 2, 2), smallest=0.01, growth=3.0)
+    bimorph = Bimorph(tab_length=1e-3, bare_below=0.5e-3)
+    steps = np.diff(bimorph_bricks(Device(bimorph=bimorph), meshing).z.breaks)
+    ratio = steps[1:] / steps[:-1]
+    # where two gradings meet, their smaller steps do
+    assert np.maximum(ratio, 1.0 / ratio).max() < 3.0 * 1.5
