@@ -1,0 +1,108 @@
+"""Reduction to ports: against direct solutions at every peak and dip."""
+
+import numpy as np
+import pytest
+
+from fem.piezo_solid import assemble
+from fem.port_extremes import extremes, motions, standard_ends
+from fem.port_reduction import port_error, reduce_to_ports
+from fem.solid_ports import direct_multiport
+from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.parameters import Device, Load, Support
+from tmm.multiport import passivity_margin, reciprocity_error, respond
+from tmm.terminations import termination
+
+BOUNDS = (10.0, 20000.0)
+SWEEP = np.geomspace(*BOUNDS, 1000)
+#: A direct solution is itself uncertain by this much at a peak: it moves by 5e-8 from one step
+#: of refinement to the next.
+DIRECT = 2e-7
+
+
+@pytest.fixture(scope="module")
+def system():
+    meshing = BrickMeshing((2, 2, 2), smallest=0.5)
+    return assemble(Device(), bimorph_bricks(Device(), meshing), lossy=True)
+
+
+@pytest.fixture(scope="module")
+def reduced(system):
+    return reduce_to_ports(system, SWEEP)
+
+
+def compare(system, reduced, at):
+    """Check errors at frequencies; the wanted accuracy is 1e-6, dips and peaks included."""
+    exact, found = direct_multiport(system, at), reduced.multiport(at)
+    assert port_error(exact, found).max() < 1e-8
+    worst = np.zeros(at.size)
+    for end in standard_ends(reduced.fine):
+        direct = motions(exact, end)
+        worst = np.maximum(worst, (np.abs(motions(found, end) / direct - 1.0)).max(axis=0))
+    assert worst.max() < 1e-6
+    # not optimistic: the estimate covers the error as far as the reference can tell
+    assert np.all(worst < reduced.error_estimate(at) + DIRECT)
+
+
+def test_peaks_and_dips_are_right(system, reduced):
+    """At each turning point of the responses, the hardest places, the error is below 1e-6."""
+    at = extremes(reduced.fine, *BOUNDS, standard_ends(reduced.fine))
+    assert at.size > 20
+    compare(system, reduced, at)
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("level", [0, 1])
+def test_hundred_frequencies_on_daily_meshes(level):
+    """Coarse and medium mesh, 10 Hz to 20 kHz, more than 100 check frequencies."""
+    system = assemble(Device(), bimorph_bricks(Device(), LEVELS[level]), lossy=True)
+    reduced = reduce_to_ports(system, SWEEP)
+    assert reduced.error < 1e-6
+    turning = extremes(reduced.fine, *BOUNDS, standard_ends(reduced.fine))
+    compare(system, reduced, np.union1d(turning, np.geomspace(*BOUNDS, 80)))
+
+
+def test_turning_points_are_found(reduced):
+    """No sample of a far finer grid beats a peak or dip by more than the grid can resolve."""
+    (clamped, _) = standard_ends(reduced.fine)
+    at = extremes(reduced.fine, 500.0, 20000.0, (clamped,))
+    grid = np.linspace(500.0, 20000.0, 40001)
+    size = np.abs(motions(reduced.multiport(grid), clamped)[0])
+    rise = np.sign(np.diff(size))
+    for i in np.flatnonzero(rise[1:] != rise[:-1]):
+        assert np.abs(at - grid[i + 1]).min() <= grid[1] - grid[0]
+
+
+def test_poor_basis_is_seen(system):
+    """Asked for hardly anything, the estimate still tells what the error is."""
+    narrow = reduce_to_ports(system, np.array([100.0]), tolerance=1.0)
+    far = np.array([150e3, 200e3])
+    exact = direct_multiport(system, far)
+    error = port_error(exact, narrow.multiport(far))
+    assert np.all(error > 1e-6)  # it is poor indeed
+    assert np.all(narrow.error_estimate(far) > error)
+
+
+def test_estimate_is_kept(system):
+    """The model says what it reached, over the range it was made for."""
+    model = reduce_to_ports(system, np.array([10.0, 5000.0]), tolerance=1e-4)
+    assert model.range == (10.0, 5000.0)
+    assert model.error <= 1e-4
+    assert model.unknowns == system.size
+
+
+def test_reduced_solid_is_passive_and_reciprocal(reduced):
+    """The projection is real and symmetric, so neither property can be lost."""
+    port = reduced.multiport(SWEEP)
+    assert reciprocity_error(port).max() < 1e-9
+    # rigid motion loses nothing at 10 Hz: rounding around zero, 2e-9 in the direct solution too
+    assert passivity_margin(port).min() > -1e-8
+
+
+def test_other_ends_need_no_field(reduced):
+    """Support, finger and voltage are attached to D(Ω); a doubled voltage doubles the motion."""
+    port = reduced.multiport(SWEEP)
+    one = respond(port, termination(Support(), Load(), SWEEP), 1.0)
+    two = respond(port, termination(Support(), Load(), SWEEP), 2.0)
+    assert two.w_tip == pytest.approx(2.0 * one.w_tip, rel=1e-12)
+    other = respond(port, termination(Support(kind="clamped"), Load(kind="none"), SWEEP), 1.0)
+    assert np.abs(other.w_tip / one.w_tip - 1.0).max() > 0.1

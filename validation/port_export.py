@@ -1,0 +1,83 @@
+"""The solid model reduced to its ports, and its state space, as files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.errors import InputError
+from geometry.fit import check_plain_layers
+from validation.scene import Scene
+
+if TYPE_CHECKING:
+    from fem.port_model import PortModel
+    from fem.state_space import BaseSupport
+
+
+def check_frequencies(scene: Scene) -> None:
+    """Refuse a state space without a range of frequencies to be true in.
+
+    Raises
+    ------
+    InputError
+        If the scene has no frequency above 0 Hz.
+    """
+    if max(scene.frequency) <= 0.0:
+        raise InputError(
+            "frequency = 0 Hz alone gives a state space no range; "
+            'write for example --set frequency="10:20000:200:log"'
+        )
+
+
+def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
+    """Write the scene's solid on its finer mesh: kinds "ports" and "state_space".
+
+    Raises
+    ------
+    InputError
+        If the solid model cannot take the scene or a file cannot be written.
+    """
+    from fem.port_cache import made_from, reduced_solid
+    from fem.port_file import write_ports
+    from fem.state_space_file import write_state_space
+    from validation.solid_meshes import mesh_pair
+
+    check_plain_layers(scene.device)
+    mesh = mesh_pair(scene).meshes[0]
+    frequencies = np.asarray(scene.frequency, dtype=float)
+    # the tolerance of `tactgen solve`, so that one reduction serves both
+    reduced = reduced_solid(scene.device, mesh, frequencies, tolerance=1e-3 * scene.accuracy)
+    if "ports" in files:
+        write_ports(files["ports"], reduced, made_from=made_from(scene.device, mesh))
+    if "state_space" in files:
+        top = float(frequencies.max())
+        bounds = max(float(frequencies.min()), 1e-3 * top), top
+        model = _wired(scene, reduced.fine)
+        write_state_space(files["state_space"], model, _support(scene), bounds)
+
+
+def _wired(scene: Scene, model: PortModel) -> PortModel:
+    """Return the port seen in the scene's wiring: in series each layer takes half of U."""
+    if scene.bimorph.wiring == "parallel":
+        return model
+    stiffness = model.stiffness.copy()
+    stiffness[-1] *= 0.5
+    stiffness[:, -1] *= 0.5
+    return replace(model, stiffness=stiffness)
+
+
+def _support(scene: Scene) -> BaseSupport | None:
+    from fem.state_space import BaseSupport
+
+    support = scene.support
+    if support.kind != "spring":
+        return None
+    return BaseSupport(
+        support.lateral_stiffness,
+        support.rotational_stiffness,
+        support.rotational_damping,
+        support.rotational_inertia,
+    )
