@@ -22,7 +22,9 @@ from geometry.mesh_check import (
     is_poor,
 )
 from geometry.quadratic import edges_of_triangles, unique_edges
+from geometry.relaxing import relaxed
 from geometry.snapping import bent_middles, is_curved, memberships, snapped
+from geometry.stretching import UNSTRETCHED, Stretching
 from geometry.tagging import Skin, region_labels, skin
 from geometry.tessellation import Plane, Tessellation
 
@@ -56,6 +58,7 @@ def conform(
     slack: float,
     named: dict[str, NamedFace],
     curved: bool,
+    stretching: Stretching = UNSTRETCHED,
 ) -> Mesh:
     """Return the mesh of the solids.
 
@@ -75,6 +78,8 @@ def conform(
         Faces to name.
     curved : bool
         Whether curved boundaries get curved elements.
+    stretching : Stretching
+        Under which the mesher saw the solids: the elements' shape is judged there.
 
     Returns
     -------
@@ -86,8 +91,8 @@ def conform(
     MeshError
         If it does not pass its checks.
     """
-    draft = _draft(raw, tets, solids, tessellation, slack)
-    return _finished(draft, solids, tessellation, named, curved)
+    draft = _draft(raw, tets, solids, tessellation, slack, stretching)
+    return _finished(draft, solids, tessellation, named, curved, stretching)
 
 
 def _draft(
@@ -96,6 +101,7 @@ def _draft(
     solids: dict[str, cq.Solid],
     tessellation: Tessellation,
     slack: float,
+    stretching: Stretching,
 ) -> _Draft:
     """Tag the tetrahedra and put the vertices on their surfaces, from which they are `slack`."""
     surfaces = list(dict.fromkeys(face.surface for face in tessellation.faces))
@@ -105,8 +111,14 @@ def _draft(
         found = skin(raw, tets, labels, tuple(solids), tessellation.faces, 2.0 * slack)
         belongs = memberships(found.triangles, found.face, surface_of_face)
         points = snapped(raw, *belongs, surfaces, reach=5.0 * slack)
-        flat = _flat_on_the_outside(points, tets, found)
+        seen = stretching.squeezed(points)
+        flat = _flat_on_the_outside(seen, tets, found)
         if not flat.size:
+            free = np.ones(len(points), dtype=bool)
+            free[belongs[0]] = False
+            points = np.where(
+                free[:, None], stretching.restored(relaxed(seen, tets[labels >= 0], free)), points
+            )
             return _Draft(points, tets, labels, found)
         labels[flat] = -1
 
@@ -129,6 +141,7 @@ def _finished(
     tessellation: Tessellation,
     named: dict[str, NamedFace],
     curved: bool,
+    stretching: Stretching,
 ) -> Mesh:
     """Return the mesh without what is outside, with curved edges, checked, in metres."""
     found, faces = draft.skin, tessellation.faces
@@ -138,7 +151,7 @@ def _finished(
     triangles = np.searchsorted(used, found.triangles)
     points = draft.points[used]
     labels = draft.labels[inside]
-    check_shape(points, tets)
+    check_shape(stretching.squeezed(points), tets)
     check_conformity(tets, int(found.open.sum()))
 
     edges, edges_of_cell = unique_edges(tets)

@@ -34,6 +34,12 @@ _PASSES = 20
 #: Points of the sizing grid across x and y, and along z.
 _GRID = (9, 9, 161)
 
+#: Points around the device of a sizing field that is given at points.
+_AROUND = (9, 9, 21)
+
+#: Growth of the edge length per distance from the device.
+_GROWTH_OUTSIDE = 0.5
+
 
 @dataclass(frozen=True)
 class SizingField:
@@ -153,9 +159,43 @@ def sizing_along_z(points: Floats, length_at: Callable[[Floats], Floats]) -> Siz
         axes[i] = np.unique(np.concatenate([axes[i], [low[i], high[i]]]))
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     away = np.maximum(np.maximum(low - grid, grid - high), 0.0).max(axis=1)
-    lengths = length_at(grid[:, 2]) + 0.5 * away
+    lengths = length_at(grid[:, 2]) + _GROWTH_OUTSIDE * away
     n_x, n_y, n_z = (len(axis) for axis in axes)
     return SizingField(grid, _cubes_to_tets(n_x, n_y, n_z), lengths)
+
+
+def sizing_at_points(surface: Floats, points: Floats, lengths: Floats) -> SizingField:
+    """Return a sizing field through given lengths that coarsens away from the points.
+
+    Parameters
+    ----------
+    surface : (n_surface, 3) array
+        The surface's points (mm): they give the box.
+    points : (n_points, 3) array
+        Where edge lengths are given (mm), all over the device.
+    lengths : (n_points,) array
+        Target edge lengths (mm).
+    """
+    from scipy.spatial import Delaunay, cKDTree
+
+    low, high = surface.min(axis=0), surface.max(axis=0)
+    margin = _MARGIN * np.linalg.norm(high - low)
+    axes = [
+        np.linspace(lo - margin, hi + margin, n)
+        for lo, hi, n in zip(low, high, _AROUND, strict=True)
+    ]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    away, nearest = cKDTree(points).query(grid)
+    around = away > lengths[nearest]
+    everywhere = np.concatenate([points, grid[around]])
+    outside = lengths[nearest[around]] + _GROWTH_OUTSIDE * away[around]
+    tets = Delaunay(everywhere).simplices.astype(np.int64)
+    a, b, c = (everywhere[tets[:, k]] - everywhere[tets[:, 0]] for k in (1, 2, 3))
+    volumes = np.einsum("ni,ni->n", np.cross(a, b), c)
+    tets[volumes < 0.0] = tets[volumes < 0.0][:, [1, 0, 2, 3]]
+    # points in one plane can give tetrahedra without volume
+    solid = np.abs(volumes) > 1e-9 * np.ptp(everywhere[tets], axis=1).max(axis=1) ** 3
+    return SizingField(everywhere, tets[solid], np.concatenate([lengths, outside]))
 
 
 def _cubes_to_tets(n_x: int, n_y: int, n_z: int) -> Ints:

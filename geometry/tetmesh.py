@@ -14,28 +14,33 @@ import numpy as np
 
 from geometry.conform import NamedFace, conform
 from geometry.errors import InputError, MeshError
-from geometry.ftetwild import run_ftetwild, sizing_along_z
+from geometry.ftetwild import SizingField, run_ftetwild, sizing_along_z, sizing_at_points
 from geometry.layout import BIMORPH, MM, Standing, ceramic_base, layout, rod_base, shim_base
-from geometry.mesh import Floats, Ints, Mesh
+from geometry.mesh import Floats, Mesh
 from geometry.mesh_cache import cache_key, store_mesh, stored_mesh
 from geometry.parameters import Device
+from geometry.sizing import Sizing
 from geometry.solids import build_solids, fuse, thinnest_feature
+from geometry.stretching import Stretching
 from geometry.tessellation import Plane, Tessellation, tessellate
 
 if TYPE_CHECKING:
     import cadquery as cq
 
-__all__ = ["MeshError", "TetMeshing", "tetrahedralise"]
+__all__ = ["MeshError", "TetMeshing", "squeezed", "tetrahedralise"]
 
 #: Part of every cache key: raise it when the same input gives another mesh.
-VERSION = 2
+VERSION = 3
 
 #: How far the mesher may stray from the surface, as a share of the thinnest feature, since
 #: its vertices are put back afterwards; …
 _ENVELOPE = 0.2
 
-#: … and as a share of the edge length, since putting back bends the elements.
+#: … and as a share of the edge length, since putting back bends the elements, …
 _ENVELOPE_PER_EDGE = 0.05
+
+#: … of the shortest one where sizes are given point by point.
+_ENVELOPE_PER_SHORTEST = 0.25
 
 #: A mesh that fails its checks is tried again with a tighter envelope, and so is one on which
 #: the mesher got stuck: each attempt has this share of the time that is left.
@@ -45,6 +50,12 @@ _TIGHTER = 0.7
 #: Distance of the triangulated from the true cylinders, as a share of the thinnest feature.
 #: A closer triangulation has narrower triangles, on which the mesher gets stuck.
 _DEFLECTION = 0.125
+
+#: Elements along the ceramic are up to this many times longer than wide, …
+_SLENDER = 3.0
+
+#: … and become so by this much per thickness of the bimorph from the ceramic's ends.
+_SLENDER_GROWTH = 1.0
 
 #: Thinnest feature (relative to the device's diagonal) below which meshing takes hours.
 _THINNEST = 2e-4
@@ -99,6 +110,7 @@ def tetrahedralise(
     standing: Standing = "rod",
     regions: tuple[str, ...] | None = None,
     options: TetMeshing = TetMeshing(),
+    sizing: Sizing | None = None,
 ) -> Mesh:
     """Mesh chosen solids of the device with tetrahedra and check the mesh against CAD.
 
@@ -114,6 +126,9 @@ def tetrahedralise(
         Solids to mesh; all by default.
     options : TetMeshing
         How to mesh.
+    sizing : Sizing, optional
+        Edge lengths in place of those of the options, as the mesher sees the device
+        (:func:`squeezed`).
 
     Returns
     -------
@@ -134,13 +149,18 @@ def tetrahedralise(
     named = _named_faces(device, standing, tuple(parts))
     # from the tab's lower end to the ceramic's lower edge: where the bending begins
     root = (shim_base(device, standing) * MM, ceramic_base(device, standing) * MM)
-    shape = (options.edge_length, options.root_edge_length, options.grading, options.curved)
+    shape: tuple[object, ...] = (
+        (sizing.digest, options.curved)
+        if sizing
+        else (options.edge_length, options.root_edge_length, options.grading, options.curved)
+    )
     key = cache_key(VERSION, parts, named, shape, root)
     kept = stored_mesh(key)
     if kept is not None:
         return kept
     solids = fuse(build_solids(device, tuple(parts), standing))
-    mesh = _first_good_mesh(solids, named, root, options)
+    stretching = _stretching(device, standing)
+    mesh = _first_good_mesh(solids, named, root, options, sizing, stretching)
     store_mesh(key, mesh)
     return mesh
 
@@ -173,11 +193,30 @@ def _plane(axis: int, offset: float) -> Plane:
     return Plane(normal, round(offset, 9) + 0.0)
 
 
+def squeezed(device: Device, standing: Standing, points: Floats) -> Floats:
+    """Return points (n, 3) in m as the mesher sees them: sizes are lengths there.
+
+    Elements along the ceramic are meshed shorter than they will be.
+    """
+    return _stretching(device, standing).squeezed(points * MM) / MM
+
+
+def _stretching(device: Device, standing: Standing) -> Stretching:
+    """Return the map under which the ceramic-covered length is meshed."""
+    low = ceramic_base(device, standing)
+    b = device.bimorph
+    return Stretching(
+        low * MM, (low + b.length) * MM, _SLENDER, _SLENDER_GROWTH / (b.thickness * MM)
+    )
+
+
 def _first_good_mesh(
     solids: dict[str, cq.Solid],
     named: dict[str, NamedFace],
     root: tuple[float, float],
     options: TetMeshing,
+    sizing: Sizing | None,
+    stretching: Stretching,
 ) -> Mesh:
     """Return the first mesh that passes all checks, with a tighter envelope each time."""
     deadline = time.monotonic() + options.time_limit
@@ -185,14 +224,32 @@ def _first_good_mesh(
     deflection = _DEFLECTION * thinnest
     tessellation = tessellate(solids, deflection, angle=0.5)
     _refuse_too_thin(tessellation, thinnest)
-    widest = min(_ENVELOPE * thinnest, _ENVELOPE_PER_EDGE * options.edge_length * MM)
+    surface = stretching.squeezed(tessellation.points)
+    length, field = _edge_lengths(surface, root, options, sizing)
+    widest = min(_ENVELOPE * thinnest, _ENVELOPE_PER_EDGE * length)
+    if sizing is not None:
+        widest = min(widest, _ENVELOPE_PER_SHORTEST * float(sizing.lengths.min()) * MM)
     for attempt, share in enumerate(_SHARES):
         envelope = widest * _TIGHTER**attempt
         limit = share * max(deadline - time.monotonic(), 0.0)
         try:
-            raw, tets = _run(tessellation, envelope, root, options, limit)
+            raw, tets = run_ftetwild(
+                surface,
+                tessellation.triangles,
+                edge_length=length,
+                envelope=envelope,
+                sizing=field,
+                time_limit=limit,
+            )
             return conform(
-                raw, tets, solids, tessellation, envelope + deflection, named, options.curved
+                stretching.restored(raw),
+                tets,
+                solids,
+                tessellation,
+                envelope + deflection,
+                named,
+                options.curved,
+                stretching,
             )
         except MeshError as error:
             if time.monotonic() >= deadline:
@@ -214,29 +271,19 @@ def _refuse_too_thin(tessellation: Tessellation, thinnest: float) -> None:
         )
 
 
-def _run(
-    tessellation: Tessellation,
-    envelope: float,
-    root: tuple[float, float],
-    options: TetMeshing,
-    limit: float,
-) -> tuple[Floats, Ints]:
-    """Return the mesher's raw points (mm) and tetrahedra."""
+def _edge_lengths(
+    surface: Floats, root: tuple[float, float], options: TetMeshing, sizing: Sizing | None
+) -> tuple[float, SizingField | None]:
+    """Return the edge length (mm) far from everything fine, and the field if it varies."""
+    if sizing is not None:
+        lengths = sizing.lengths * MM
+        return float(np.median(lengths)), sizing_at_points(surface, sizing.points * MM, lengths)
     edge_length = options.edge_length * MM
-    sizing = None
-    if options.root_edge_length is not None:
-        finest = options.root_edge_length * MM
-        sizing = sizing_along_z(
-            tessellation.points,
-            lambda z: np.minimum(
-                edge_length, finest + options.grading * np.abs(z - np.clip(z, *root))
-            ),
-        )
-    return run_ftetwild(
-        tessellation.points,
-        tessellation.triangles,
-        edge_length=edge_length,
-        envelope=envelope,
-        sizing=sizing,
-        time_limit=limit,
+    if options.root_edge_length is None:
+        return edge_length, None
+    finest = options.root_edge_length * MM
+    field = sizing_along_z(
+        surface,
+        lambda z: np.minimum(edge_length, finest + options.grading * np.abs(z - np.clip(z, *root))),
     )
+    return edge_length, field
