@@ -25,8 +25,9 @@ report: $(READY) ## write the full report to report/
 report-quick: $(READY) ## write the reduced report to report-quick/
 	$(BIN)/tactgen report --quick --out report-quick
 
+# one file's tests stay together: they share solved models
 test: $(READY) ## run the tests, less the heavy ones
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses auto --dist loadfile
 
 test-heavy: $(READY) ## run the heavy tests
 	$(BIN)/pytest -m heavy

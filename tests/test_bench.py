@@ -7,7 +7,7 @@ import os
 import pytest
 
 from geometry.errors import InputError
-from validation.bench import beam, magnetics
+from validation.bench import beam, magnetics, solver
 from validation.bench.one_core import on_one_core, peak_memory
 from validation.bench.output import time_error_plot
 from validation.bench.result import Bench, FieldTiming, Target, Timing
@@ -164,3 +164,35 @@ def test_unknown_part_is_refused():
     """With the nearest known name."""
     with pytest.raises(InputError, match='did you mean "tmm"'):
         command.run(options(only=["tm"]))
+
+
+@pytest.mark.parametrize("lossy", [False, True])
+@pytest.mark.parametrize("library", ["auto", "superlu"])
+def test_solver_on_a_small_matrix(tmp_path, lossy, library):
+    """The size asked for is met, the answer is right, every step took time and memory."""
+    path = str(tmp_path / "matrix.npz")
+    potentials = solver.write_matrix(12_000, lossy, path)
+    found = solver.measured(path, library)
+    # those held at the planes of symmetry and the base are not foreseen
+    assert found["unknowns"] == pytest.approx(12_000, rel=0.2)
+    assert found["error"] < 1e-6
+    assert min(found[step] for step in (solver._FIRST, solver._AGAIN, solver._SOLVE)) > 0.0
+    assert found["memory"] > 1e7
+    assert found["negative"] in (-1, potentials)
+
+
+def test_solver_part(monkeypatch):
+    """One row per step, way and size; a count of pivots that is off is not met."""
+    measured = {
+        "unknowns": 9, "entries": 81, solver._FIRST: 3.0, solver._AGAIN: 1.0, solver._SOLVE: 0.1,
+        "memory": 1e6, "error": 1e-8, "negative": 4,
+    }  # fmt: skip
+
+    def alone(module, function, *arguments):
+        return 3 if function == "write_matrix" else dict(measured)
+
+    monkeypatch.setattr(solver, "on_one_core", alone)
+    part = solver.run(quick=True, announce=lambda _: None)
+    assert {row.case for row in part.timings} == {solver._FIRST, solver._AGAIN, solver._SOLVE}
+    assert [target.met for target in part.targets] == [True, False, True]
+    assert time_error_plot(part.timings).count("superlu, complex") >= 1

@@ -11,7 +11,12 @@ from collections.abc import Callable, Iterable
 from validation.bench.result import Bench
 
 #: Name of each part and the module that measures it.
-PARTS = {"tmm": "validation.bench.beam", "magnetics": "validation.bench.magnetics"}
+PARTS = {
+    "tmm": "validation.bench.beam",
+    "magnetics": "validation.bench.magnetics",
+    "piezo": "validation.bench.piezo",
+    "solver": "validation.bench.solver",
+}
 
 
 def run_parts(names: Iterable[str], quick: bool, announce: Callable[[str], None]) -> list[Bench]:

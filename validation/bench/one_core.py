@@ -20,8 +20,11 @@ from geometry.errors import InputError
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-def on_one_core(module: str, function: str, *arguments: Any) -> Any:
+def on_one_core(module: str, function: str, *arguments: Any, python: str = sys.executable) -> Any:
     """Call ``module.function(*arguments)`` alone; arguments and result are JSON values.
+
+    What the call itself prints is not looked at.  `python` may be another interpreter, as
+    long as it can import the module.
 
     Raises
     ------
@@ -29,8 +32,8 @@ def on_one_core(module: str, function: str, *arguments: Any) -> Any:
         If the process ends badly, with the last line that it wrote.
     """
     done = subprocess.run(
-        [sys.executable, "-m", __name__, module, function, json.dumps(arguments)],
-        env={**os.environ, **dict.fromkeys(_THREADS, "1")},
+        [python, "-m", __name__, module, function, json.dumps(arguments)],
+        env={**os.environ, **dict.fromkeys(_THREADS, "1"), "PYTHONPATH": _path()},
         capture_output=True,
         text=True,
         check=False,
@@ -41,7 +44,13 @@ def on_one_core(module: str, function: str, *arguments: Any) -> Any:
             f"the measurement {function} could not be finished ({last}); free some memory, or "
             "ask for less with --quick"
         )
-    return json.loads(done.stdout)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def _path() -> str:
+    """Return PYTHONPATH with this package's place, which another interpreter need not know."""
+    here = str(Path(__file__).parents[2])
+    return os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
 
 
 def peak_memory() -> int:
@@ -62,4 +71,5 @@ def peak_memory() -> int:
 if __name__ == "__main__":
     _module, _function, _arguments = sys.argv[1:]
     _call = getattr(importlib.import_module(_module), _function)
-    json.dump(_call(*json.loads(_arguments)), sys.stdout)
+    _result = json.dumps(_call(*json.loads(_arguments)))
+    print(f"\n{_result}")

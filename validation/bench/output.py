@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 import sys
 from collections.abc import Iterable
@@ -10,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from geometry.files import written_whole
-from validation.bench.result import Bench, FieldTiming, Timing
+from validation.bench.result import AnyTiming, Bench
 from validation.formats import engineering
 from validation.plots import svg
 
@@ -20,7 +21,7 @@ def print_bench(parts: Iterable[Bench]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    console = Console(width=None if sys.stdout.isatty() else 140)
+    console = Console(width=None if sys.stdout.isatty() else 170)
     for part in parts:
         ways = Table(title=f"{part.part}: time against error ({part.seconds:.0f} s)")
         columns = part.timings[0].columns
@@ -43,7 +44,7 @@ def print_bench(parts: Iterable[Bench]) -> None:
         console.print(part.conditions)
 
 
-_WORDS = ("way", "range", "fineness", "result")
+_WORDS = ("way", "range", "fineness", "result", "job")
 
 
 def write_bench(parts: Iterable[Bench], out: Path) -> list[Path]:
@@ -68,44 +69,66 @@ def write_bench(parts: Iterable[Bench], out: Path) -> list[Path]:
 
 #: Panels side by side, and the least error that is told apart from none.
 _ACROSS, _LEAST = 3, 1e-17
+#: Range of times with labels at whole decades only.
+_WIDE = 30.0
+#: So many ways have their legend in every panel, more share one below.
+_FEW = 5
+#: One look per way, the same in every panel.
+_LOOKS = [
+    {"color": f"C{n % 10}", "marker": "osv^DPX*<>"[n % 10], "linestyle": "-" if n < 10 else "--"}
+    for n in range(20)
+]
 
 
-def time_error_plot(timings: Iterable[Timing | FieldTiming]) -> str:
+def time_error_plot(timings: Iterable[AnyTiming]) -> str:
     """Plot error against time, one panel per case and one line per way, as inline SVG."""
     from matplotlib.figure import Figure
 
-    cases: dict[str, list[Timing | FieldTiming]] = {}
+    cases: dict[str, list[tuple[AnyTiming, float]]] = {}
     for timing in timings:
-        cases.setdefault(timing.case, []).append(timing)
+        for case, error in timing.curves.items():
+            cases.setdefault(case, []).append((timing, error))
+    ways = list(dict.fromkeys(row.path for rows in cases.values() for row, _ in rows))
     across = min(len(cases), _ACROSS)
     down = math.ceil(len(cases) / across)
     figure = Figure(figsize=(9.0, 3.4 * down), layout="constrained")
     panels = figure.subplots(down, across, squeeze=False).ravel()
     for axis, (case, rows) in zip(panels, cases.items(), strict=False):
-        _panel(axis, rows)
+        _panel(axis, rows, ways)
         axis.set_title(case, fontsize="medium")
     for axis in panels[len(cases) :]:
         axis.set_axis_off()
+    if len(ways) > _FEW:
+        lines = {line.get_label(): line for axis in panels for line in axis.get_lines()}
+        figure.set_size_inches(9.0, 3.4 * down + 0.25 * math.ceil(len(ways) / _ACROSS))
+        figure.legend(
+            [lines[way] for way in ways], ways, loc="outside lower center", ncols=_ACROSS,
+            frameon=False, fontsize="small",
+        )  # fmt: skip
     return svg(figure)
 
 
-def _panel(axis: Any, rows: list[Timing | FieldTiming]) -> None:
+def _panel(axis: Any, pairs: list[tuple[AnyTiming, float]], ways: list[str]) -> None:
     from matplotlib.ticker import LogLocator, NullFormatter
 
-    ways: dict[str, list[Timing | FieldTiming]] = {}
-    for row in rows:
-        ways.setdefault(row.path, []).append(row)
-    for (way, levels), marker in zip(ways.items(), "osv^DPX*", strict=False):
+    rows = [row for row, _ in pairs]
+    for way, look in zip(ways, itertools.cycle(_LOOKS), strict=False):
         # what overflows has no digit left; shown at the top
-        errors = [min(max(level.error, _LEAST), 1e1) for level in levels]
-        axis.loglog([level.cost for level in levels], errors, f"{marker}-", label=way)
+        points = [
+            (row.cost, min(max(error, _LEAST), 1e1)) for row, error in pairs if row.path == way
+        ]
+        if points:
+            axis.loglog(*zip(*points, strict=True), label=way, **look)
     if not math.isnan(rows[0].wanted):
         axis.axhline(rows[0].wanted, color="#D55E00", linestyle="--", linewidth=1.0)
     # times span a decade at times, where the default labels run into each other
-    axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    costs = [row.cost for row in rows]
+    subs = (1.0, 2.0, 5.0) if max(costs) < _WIDE * min(costs) else (1.0,)
+    axis.xaxis.set_major_locator(LogLocator(subs=subs))
     axis.xaxis.set_major_formatter("{x:g}")
     axis.xaxis.set_minor_formatter(NullFormatter())
     axis.set_xlabel(rows[0].cost_label)
     axis.set_ylabel("relative error")
     axis.grid(visible=True, alpha=0.25)
-    axis.legend(frameon=False, fontsize="small")
+    if len(ways) <= _FEW:
+        axis.legend(frameon=False, fontsize="small")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from validation.commands.common import Commands
 
-_PARTS = "tmm or magnetics; may be repeated, both by default"
+_PARTS = "tmm, magnetics, piezo or solver; may be repeated, all by default"
 
 
 def add(commands: Commands) -> None:
