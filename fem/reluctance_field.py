@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.axisymmetric_field import MagneticField, solve_field, truncation_error
+from fem.axisymmetric_field import Inverse, MagneticField, solve_field, truncation_error
 from fem.axisymmetric_force import (
     EggshellWeight,
     eggshell_force,
@@ -32,6 +32,9 @@ ORDER = 4
 #: Relative truncation of the force over that of the coenergy: up to 6 was measured on this
 #: device, most at narrow gaps in saturation (flux linkage: never above 1, 2 is taken).
 _FORCE_TRUNCATION = 8.0
+#: Co-energy's error bar, relative, above which the next order would change everything: neither
+#: the values nor their bars mean anything then.  The program's grids stay below 2e-2.
+_TOO_COARSE = 0.2
 #: dH/dB has corners at the curve's points and a jump at its end, which quadrature points meet by
 #: chance, at both orders alike.  In saturation up to 1.2 % of scatter in the incremental
 #: inductance was seen over grids and the map; 2 % is taken, less where the steel is linear.
@@ -71,6 +74,8 @@ class FieldPoint:
         How far the values may be from the exact field of the same model.
     iterations, unknowns : int
         Newton steps at the final order, and its size.
+    beyond_table : float
+        Share of the iron's volume beyond the end of a magnetisation curve that ends early.
     solution : MagneticField or None
         The field itself; None in a map.
     """
@@ -85,6 +90,7 @@ class FieldPoint:
     errors: FieldErrors
     iterations: int
     unknowns: int
+    beyond_table: float
     solution: MagneticField | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -102,6 +108,8 @@ class _Model:
     coarse: Discretisation
     nested: Ints
     weight: EggshellWeight
+    fine_inverse: Inverse
+    coarse_inverse: Inverse
 
 
 def solve_point(
@@ -112,6 +120,7 @@ def solve_point(
     order: int = ORDER,
     refinement: float = 1.0,
     outer_radius: float = OUTER_RADIUS,
+    any_grid: bool = False,
 ) -> FieldPoint:
     """Solve the actuator's field at one current and gap.
 
@@ -127,18 +136,20 @@ def solve_point(
         Fineness of the grid, see :func:`fem.axisymmetric_grid.graded_grid`.
     outer_radius : float
         Radius and half height of the air (m).
+    any_grid : bool
+        Answer on a grid too coarse for error bars, too: to see how the error falls.
 
     Raises
     ------
     InputError
-        If the parts do not fit at this gap.
+        If the parts do not fit at this gap, or the grid is too coarse for any answer.
     SolverError
         If the field does not converge.
     """
     current = device.coil.current if current is None else current
     gap = device.gap if gap is None else gap
     model = _model(device, gap, order, refinement, outer_radius)
-    return _point(model, _solved(model, current, None), keep=True)
+    return _point(model, _solved(model, current, None), keep=True, any_grid=any_grid)
 
 
 def solve_map(
@@ -149,6 +160,7 @@ def solve_map(
     order: int = ORDER,
     refinement: float = 1.0,
     outer_radius: float = OUTER_RADIUS,
+    any_grid: bool = False,
 ) -> tuple[tuple[FieldPoint, ...], ...]:
     """Solve the actuator's field for all gaps (m) and currents (A); rows are gaps, as given.
 
@@ -168,7 +180,7 @@ def solve_map(
         found, first = {}, None
         for current in sorted(set(currents), key=abs):
             last = _solved(model, current, last)
-            found[current] = _point(model, last, keep=False)
+            found[current] = _point(model, last, keep=False, any_grid=any_grid)
             first = first or last
         last = first
         rows[gap] = tuple(found[current] for current in currents)
@@ -183,7 +195,7 @@ def _model(
     regions = actuator_regions(device, gap)
     fine = discretise(graded_grid(regions, outer_radius, refinement=refinement), order)
     coarse, nested = lowered(fine)
-    return _Model(gap, fine, coarse, nested, eggshell_weight(fine))
+    return _Model(gap, fine, coarse, nested, eggshell_weight(fine), Inverse(), Inverse())
 
 
 def _moved(model: _Model, gap: float) -> _Model | None:
@@ -211,27 +223,49 @@ def _solved(model: _Model, current: float, last: _Pair | None) -> _Pair:
     """
     currents = np.array([current])
     if last is None:
-        coarse = solve_field(model.coarse, currents)
+        coarse = solve_field(model.coarse, currents, None, model.coarse_inverse)
         start = np.zeros(model.fine.size)
         start[model.nested] = coarse.potential
-        return _Pair(coarse, solve_field(model.fine, currents, start))
-    fine = solve_field(model.fine, currents, last.fine.predicted(currents))
-    step = (fine.potential - last.fine.potential)[model.nested]
-    return _Pair(solve_field(model.coarse, currents, last.coarse.potential + step), fine)
+        return _Pair(coarse, solve_field(model.fine, currents, start, model.fine_inverse))
+    predicted = last.fine.predicted(currents)
+    fine = solve_field(model.fine, currents, predicted, model.fine_inverse)
+    start = last.coarse.potential + (fine.potential - last.fine.potential)[model.nested]
+    return _Pair(solve_field(model.coarse, currents, start, model.coarse_inverse), fine)
 
 
-def _point(model: _Model, pair: _Pair, *, keep: bool) -> FieldPoint:
+def _point(model: _Model, pair: _Pair, *, keep: bool, any_grid: bool) -> FieldPoint:
     fine = pair.fine
     values, lower = _values(model, fine), _values(model, pair.coarse)
+    errors = _errors(fine, values, lower)
+    if errors.coenergy > _TOO_COARSE * abs(values["coenergy"]) and not any_grid:
+        raise InputError(
+            f"the grid is too coarse at gap = {model.gap * 1e3:g} mm and coil.current = "
+            f"{float(fine.currents[0]) * 1e3:g} mA: the co-energy's error bar is "
+            f"{100.0 * errors.coenergy / abs(values['coenergy']):.0f} % of it; use a larger "
+            "refinement or order"
+        )
     return FieldPoint(
         current=float(fine.currents[0]),
         gap=model.gap,
         **values,
-        errors=_errors(fine, values, lower),
+        errors=errors,
         iterations=fine.iterations,
         unknowns=model.fine.free.size,
+        beyond_table=_beyond_table(fine),
         solution=fine if keep else None,
     )
+
+
+def _beyond_table(field: MagneticField) -> float:
+    """Return the share of the iron's volume beyond the end of a curve that ends early."""
+    d, size = field.discretisation, np.hypot(*field.flux_density)
+    beyond = total = 0.0
+    for index, region in enumerate(d.grid.regions):
+        if region.curve is not None:
+            cells = d.cell_labels == index
+            beyond += region.curve.volume_beyond(size[cells], d.volumes[cells])
+            total += float(d.volumes[cells].sum())
+    return beyond / total
 
 
 def _errors(fine: MagneticField, values: dict[str, float], lower: dict[str, float]) -> FieldErrors:

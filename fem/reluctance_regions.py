@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from fem.axisymmetric_grid import Region
 from geometry.errors import InputError
+from geometry.fit import check_gap
 from geometry.parameters import NOMINAL_GAP, Device
 from geometry.steel import magnetisation_curve
 
@@ -24,11 +25,12 @@ def actuator_regions(device: Device, gap: float) -> tuple[Region, ...]:
     Raises
     ------
     InputError
-        If a moving and a fixed part overlap at this gap, or the gap is not open.
+        If parts overlap at this gap, or a moving one meets a fixed one, or the gap is not open.
     """
     rod, coil, sleeve = device.rod, device.coil, device.sleeve
     if not gap > 0.0:
         raise InputError(f"gap = {gap * 1e3:g} mm is not open; use a gap above 0 mm")
+    check_gap(device, gap)
     steel = magnetisation_curve(device.steel)
     head = (NOMINAL_GAP, NOMINAL_GAP + rod.head_thickness)
     flange = -rod.flange_position
@@ -71,12 +73,28 @@ def _rounded(part: Region) -> Region:
 
 
 def _refuse_overlap(carried: list[Region], still: list[Region], gap: float) -> None:
+    """Refuse parts that touch although one moves, and a winding inside the iron it moves with."""
     for one in carried:
         for other in still:
-            across = min(one.radii[1], other.radii[1]) - max(one.radii[0], other.radii[0])
-            along = min(one.heights[1], other.heights[1]) - max(one.heights[0], other.heights[0])
-            if across > 0.0 and along > 0.0:
+            across, along = _shared(one, other)
+            # a common edge is no contact of faces
+            if min(across, along) >= 0.0 and max(across, along) > 0.0:
                 raise InputError(
                     f"gap = {gap * 1e3:g} mm drives the {one.name} into the {other.name} by "
                     f"{min(across, along) * 1e3:.3g} mm; use a smaller gap or other radii"
                 )
+        if one.turns:
+            for other in carried:
+                if other is not one and min(_shared(one, other)) > 0.0:
+                    raise InputError(
+                        f"the {one.name} runs into the {other.name} by "
+                        f"{min(_shared(one, other)) * 1e3:.3g} mm; make it shorter or move it"
+                    )
+
+
+def _shared(one: Region, other: Region) -> tuple[float, float]:
+    """Return the lengths (m) shared across and along the axis; negative is a distance."""
+    return (
+        min(one.radii[1], other.radii[1]) - max(one.radii[0], other.radii[0]),
+        min(one.heights[1], other.heights[1]) - max(one.heights[0], other.heights[0]),
+    )

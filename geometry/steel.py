@@ -7,18 +7,15 @@ field problem.
 
 from __future__ import annotations
 
-import csv
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.arrays import Floats
 from geometry.errors import InputError
-from geometry.units import quoted
 
 if TYPE_CHECKING:
     from geometry.parameters import Steel
@@ -26,11 +23,9 @@ if TYPE_CHECKING:
 #: Permeability of vacuum (H/m), CODATA 2018; equal to 4e-7 π to 1e-9.
 MU0 = 1.25663706212e-6
 
-#: A table may be steeper than vacuum by this much: measured curves are rounded to about 1 %.
-_ROUNDING = 0.01
-
-#: The header of a curve file, as messages give it.
-_HEADER = '"B (T), H (A/m)"'
+#: A table whose last step still rises this many times as fast as what comes after it ends
+#: before the steel is saturated.
+_EARLY = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +53,15 @@ class MagnetisationCurve:
     field: Floats
     slope_beyond: float = 1.0 / MU0
     name: str = "steel"
+
+    @property
+    def ends_early(self) -> bool:
+        """Whether the table stops where dB/dH is still more than twice what follows it.
+
+        What lies beyond is then no longer this steel's: it is taken for saturated too soon.
+        """
+        (b_before, b), (h_before, h) = self.flux_density[-2:], self.field[-2:]
+        return bool(self.slope_beyond * (b - b_before) > _EARLY * (h - h_before))
 
     @cached_property
     def _cubics(self) -> tuple[Floats, Floats]:
@@ -112,6 +116,10 @@ class MagnetisationCurve:
     def coenergy_density(self, b: Floats) -> Floats:
         """Return H·B − ∫H dB (J/m³) at flux density `b` (T)."""
         return np.asarray(b) * self.field_strength(b) - self.energy_density(b)
+
+    def volume_beyond(self, b: Floats, volumes: Floats) -> float:
+        """Return how much of `volumes` (m³) has `b` (T) beyond a table that ends early."""
+        return float(volumes[b > self.flux_density[-1]].sum()) if self.ends_early else 0.0
 
     def flux_density_at(self, h: Floats) -> Floats:
         """Return B (T) at field strength `h` (A/m), the inverse of :meth:`field_strength`.
@@ -217,99 +225,6 @@ def magnetisation_curve(steel: Steel) -> MagnetisationCurve:
         return TEAM20
     if steel.curve == "linear":
         return linear(steel.relative_permeability)
+    from geometry.steel_table import read_curve  # which imports this module
+
     return read_curve(steel.curve)
-
-
-def read_curve(path: str | Path) -> MagnetisationCurve:
-    """Read a magnetisation curve from a CSV file with the columns B (T) and H (A/m).
-
-    Lines that start with # are skipped; other columns are ignored.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a column or its unit is missing, or the rows are not
-        a magnetisation curve.
-    """
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        reason = (getattr(error, "strerror", None) or "not a text file").lower()
-        raise InputError(
-            f"steel.curve = {quoted(str(path))} cannot be read ({reason}); use team20, linear, or "
-            f"the path of a CSV file with the header {_HEADER}"
-        ) from None
-    numbered = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    if not numbered:
-        raise InputError(f"{path} is empty; start it with the header {_HEADER}")
-    rows = list(csv.reader(line for _, line in numbered))
-    columns = _columns(rows[0], path)
-    b, h = (
-        np.array([
-            _number(row, column, path, number)
-            for row, (number, _) in zip(rows[1:], numbered[1:], strict=True)
-        ])
-        for column in columns
-    )  # fmt: skip
-    _check(b, h, [number for number, _ in numbered[1:]], path)
-    return MagnetisationCurve(b, h, name=path.name)
-
-
-def _columns(header: list[str], path: Path) -> tuple[int, int]:
-    """Return where B (T) and H (A/m) stand."""
-    plain = ["".join(c for c in cell.casefold() if c not in " ()[]_") for cell in header]
-    found = []
-    for letter, units in (("b", ("t", "tesla")), ("h", ("a/m", "aperm", "am^-1"))):
-        match = [i for i, cell in enumerate(plain) if cell in {letter + unit for unit in units}]
-        if len(match) != 1:
-            raise InputError(
-                f"{path} has the header {quoted(', '.join(header))}, where B in T and H in A/m "
-                f"are not named once each; write {_HEADER}"
-            )
-        found.append(match[0])
-    return found[0], found[1]
-
-
-def _number(row: list[str], column: int, path: Path, line: int) -> float:
-    cell = row[column].strip() if column < len(row) else ""
-    try:
-        value = float(cell)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(
-            f"{path} line {line} has {quoted(cell)} where a number is needed; "
-            "write plain numbers with a decimal point"
-        )
-    return value
-
-
-def _check(b: Floats, h: Floats, lines: list[int], path: Path) -> None:
-    """Refuse tables that are no magnetisation curve."""
-    if b.size < 2:
-        raise InputError(f"{path} has {b.size} rows of numbers; a curve needs at least 2")
-    if b[0] != 0.0 or h[0] != 0.0:
-        raise InputError(
-            f"{path} line {lines[0]} starts at B = {b[0]:g} T, H = {h[0]:g} A/m; "
-            "start the curve at 0, 0"
-        )
-    for values, letter, unit in ((b, "B", "T"), (h, "H", "A/m")):
-        falls = np.flatnonzero(np.diff(values) <= 0.0)
-        if falls.size:
-            i = int(falls[0]) + 1
-            raise InputError(
-                f"{path} line {lines[i]} has {letter} = {values[i]:g} {unit} after "
-                f"{values[i - 1]:g} {unit}; sort the rows so that B and H both increase"
-            )
-    steep = np.flatnonzero(MU0 * np.diff(h) > (1.0 + _ROUNDING) * np.diff(b))
-    if steep.size:
-        i = int(steep[0]) + 1
-        raise InputError(
-            f"{path} line {lines[i]} has B = {b[i]:g} T at H = {h[i]:g} A/m, a rise by less than "
-            "vacuum's mu0 since the line before; check the units of both columns"
-        )

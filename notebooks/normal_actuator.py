@@ -8,7 +8,9 @@
 # %%
 from tmm.coenergy import closed_loop_work
 from tmm.coenergy_fit import fit
-from tmm.normal_actuator import finger_force, map_grid, switching, thermal_statement
+from tmm.coil_heat import thermal_statement
+from tmm.map_range import map_grid
+from tmm.normal_actuator import finger_force, switching
 from tmm.reluctance_network import network_bridge, network_samples
 from validation.scene import load_scene
 

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -213,7 +214,9 @@ def test_export_writes_all_or_nothing(tmp_path, monkeypatch):
         raise InputError(f"{path} cannot be written")
 
     monkeypatch.setattr("geometry.mesh_files.write_mesh", fail)
-    monkeypatch.setattr("validation.solid_meshes.mesh_pair", lambda _: (None, None))
+    monkeypatch.setattr(
+        "validation.solid_meshes.mesh_pair", lambda _: SimpleNamespace(meshes=(None, None))
+    )
     monkeypatch.setattr(
         "validation.export._export_solids",
         lambda _scene, files, _announce: files["step"].write_text("solid"),
@@ -272,3 +275,56 @@ def test_closed_pipe_is_no_error(tmp_path):
     command = f"{sys.executable} -m validation.cli solve --model tmm --json | true"
     result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert result.stderr == "" or "warning" in result.stderr
+
+
+ENDED = """
+import os, signal, sys
+import validation.export
+from validation.cli import main
+
+def half(scene, drafts, announce):
+    for draft in drafts.values():
+        draft.write_text("half")
+    os.kill(os.getpid(), signal.SIGTERM)
+
+validation.export._write = half
+sys.exit(main(["export", "reluctance", "--set", "models=network", "--map", sys.argv[1]]))
+"""
+
+
+def test_told_to_end_leaves_nothing_behind(tmp_path):
+    """SIGTERM amid writing: the usual exit code, one sentence, no draft in the folder."""
+    command = [sys.executable, "-c", ENDED, str(tmp_path / "map.nc")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 143
+    assert done.stderr.endswith("told to end; nothing half-written was kept\n")
+    assert not list(tmp_path.iterdir())
+
+
+def test_dimensions_of_the_other_actuator_stop_nothing(capsys):
+    """A bimorph wider than the head is nobody's business when only the pull is asked for; with
+    a model of the bimorph, or the tab's slot cut into the rod, it is."""
+    magnetic = ("--model", "network", "--quantity", "magnetic_force")
+    narrow = ("--set", "rod.head_radius=1.0mm")
+    assert run(capsys, "solve", "reluctance", *magnetic, *narrow)[0] == 0
+    for more in (("--set", "support.kind=rod"), ("--model", "tmm", "--quantity", "admittance")):
+        code, _, err = run(capsys, "solve", "reluctance", *magnetic, *narrow, *more)
+        assert code == 2
+        assert "bimorph" in err
+
+
+def test_zero_is_printed_without_a_sign(capsys):
+    """No current: no co-energy and no force, of either sign."""
+    wanted = (
+        "--quantity",
+        "coenergy",
+        "--quantity",
+        "magnetic_force",
+        "--quantity",
+        "flux_linkage",
+    )
+    code, out, _ = run(
+        capsys, "solve", "reluctance", "--model", "network", "--set", "coil.current=0 A", *wanted
+    )
+    assert code == 0
+    assert " -0 " not in out

@@ -75,6 +75,28 @@ def test_other_files_are_refused(pull, tmp_path):
             read_map(tmp_path / name)
 
 
+def test_damaged_files_are_refused_or_read(pull, tmp_path):
+    """Cut anywhere or with bytes flipped, a file gives a map or one sentence, never a traceback."""
+    write_map(tmp_path / "map.nc", pull)
+    whole = (tmp_path / "map.nc").read_bytes()
+    random = np.random.default_rng(7)
+    damaged = [whole[:size] for size in range(3, 400, 7)]
+    for _ in range(60):
+        flipped = bytearray(whole)
+        for at in random.integers(0, 600, 3):
+            flipped[at] ^= int(random.integers(1, 256))
+        damaged.append(bytes(flipped))
+    sentences = []
+    for content in damaged:
+        (tmp_path / "bad.nc").write_bytes(content)
+        try:
+            read_map(tmp_path / "bad.nc")
+        except InputError as error:
+            sentences.append(str(error))
+    assert len(sentences) > 60
+    assert not any("\n" in sentence for sentence in sentences)
+
+
 @pytest.mark.parametrize(
     ("name", "dimensions", "unit", "words"),
     [

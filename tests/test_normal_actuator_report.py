@@ -131,6 +131,55 @@ def test_network_alone(tmp_path, without_checks):
     assert not any("axisymmetric" in step or "field" in step for step in steps)
 
 
+def shown(tmp_path, monkeypatch, *overrides):
+    monkeypatch.setattr("validation.report.study.CHECKS", ())
+    monkeypatch.setattr("validation.magnetic_checks.MAGNETIC_CHECKS", ())
+    text = words(make(tmp_path, "reluctance", "models=network", *overrides)[0])
+    assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", text)
+    return text
+
+
+@pytest.mark.parametrize(
+    ("overrides", "there", "not_there"),
+    [
+        (
+            (),
+            ("stays at the upper stop until", "the preload was set to it",
+             "The turns were chosen so that", "That this number comes out right"),
+            ("floats", "this scene sets another", "this scene has another"),
+        ),
+        (
+            ("spring.stiffness=1000 N/m",),
+            ("leaves the upper stop at", "floats, further down", "snaps down"),
+            ("stays at the upper stop",),
+        ),
+        (
+            ("spring.preload=90 mN", "coil.turns=800"),
+            ("this scene sets another preload", "this scene has another circuit"),
+            ("the preload was set to it", "That this number comes out right", "no confirmation"),
+        ),
+        (("spring.preload=0 N", "spring.stiffness=0 N/m"), ("no spring force",), ("snaps",)),
+    ],
+)  # fmt: skip
+def test_words_follow_the_spring(tmp_path, monkeypatch, overrides, there, not_there):
+    """What is said of switching, turns and preload is true of this scene, not of the usual one."""
+    text = shown(tmp_path, monkeypatch, *overrides)
+    for wanted in there:
+        assert wanted in text, wanted
+    for wrong in not_there:
+        assert wrong not in text, wrong
+
+
+def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
+    """Words instead of a number wherever pull-in is shown, and no picture fails."""
+    small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)
+    monkeypatch.setattr("tmm.map_range.map_grid", lambda _: small)
+    text = shown(tmp_path, monkeypatch, "coil.current=40 mA")
+    assert "No current up to 60 mA draws the rod down" in text
+    assert "not reached" in text
+    assert "snaps down" not in text
+
+
 def test_steps_of_the_bridge_add_up(at_a_point):
     """From nothing to the reference: the steps' sum is zero, each one named and explained."""
     bridge = at_a_point.bridge
@@ -154,10 +203,21 @@ def test_network_is_held_against_the_field(at_a_point):
 
 def test_paper_is_judged_by_the_field_where_there_is_one(at_a_point):
     """The quick version has no map of the field, but what the paper says is asked of the field."""
-    by_field = at_a_point.pull_at(0.13, 0.2e-3)
+    by_field = at_a_point.point_by_reference(0.13, 0.2e-3).force
     by_network = float(at_a_point.pull.force(0.13, 0.2e-3))
-    assert by_field == pytest.approx(0.11, rel=0.005)  # what the turns were chosen for
-    assert by_network > 1.1 * by_field
+    assert by_field.value == pytest.approx(0.11, rel=0.005)  # what the turns were chosen for
+    assert by_network > 1.1 * by_field.value
+    # one number everywhere: the one in the table of models
+    shown = at_a_point.solution.get("magnetic_force", "axisymmetric")
+    assert (by_field.value, by_field.bar) == (shown.value, shown.uncertainty)
+
+
+def test_inductances_are_those_of_the_quantities():
+    """The coil's table takes single points: at the scene's state it repeats the model's values."""
+    made = actuator("models=network")
+    found = made.point_by_map_model(made.current, made.gap)
+    for name in ("inductance", "incremental_inductance"):
+        assert getattr(found, name).value == made.solution.get(name, "network").value
 
 
 def test_parts_follow_what_is_asked():
@@ -171,6 +231,12 @@ def test_parts_follow_what_is_asked():
     assert parts(BOTH) == (True, True)
     assert parts("quantities=tip_displacement") == (True, False)
     assert parts("quantities=magnetic_force") == (False, True)
+
+
+def test_a_report_without_current_is_refused(tmp_path):
+    """No pull to compare or bridge: one sentence; `tactgen solve` answers at 0 A all the same."""
+    with pytest.raises(InputError, match=r"coil\.current = 0 mA .* such as coil\.current=130mA"):
+        make(tmp_path, "reluctance", "models=network", "coil.current=0 A")
 
 
 def test_quantity_without_a_model_is_refused(tmp_path):
@@ -244,7 +310,7 @@ def test_normal_report_imports_nothing_piezoelectric(tmp_path):
     loaded = modules(NORMAL_ONLY, tmp_path)
     assert "tmm.reluctance_network" in loaded
     assert not loaded & {
-        "fem.piezo_solid", "fem.solid_response", "fem.beam", "validation.bridge",
+        "fem.piezo_solid", "fem.solid_modes", "fem.solid_ports", "fem.beam", "validation.bridge",
         "validation.audit", "validation.report.lateral_sections",
     }  # fmt: skip
 
@@ -256,6 +322,10 @@ def test_map_is_exported(tmp_path, capsys):
     assert capsys.readouterr().out.split() == [str(file)]
     found, solved = read_map(file), actuator("models=network").pull
     assert found.samples.model == "network"
+    # whose map it is can be told from the file alone
+    for value in ("coil.turns = 849", "rod.radius = 0.00062", "sleeve.length = 0.0036",
+                  "steel.curve = team20"):  # fmt: skip
+        assert value in found.samples.device
     assert float(found.force(0.1, 1e-4)) == pytest.approx(float(solved.force(0.1, 1e-4)), rel=1e-12)
     assert [p.name for p in tmp_path.iterdir()] == ["map.nc"]
 
@@ -264,6 +334,18 @@ def test_map_is_exported(tmp_path, capsys):
     ("arguments", "sentence"),
     [
         (("paper", "--map", "map.nc"), "--map needs one of the models network, axisymmetric"),
+        (
+            (
+                "reluctance",
+                "--set",
+                "models=magnetic3d",
+                "--set",
+                "mesh.kind=tetwild",
+                "--map",
+                "map.nc",
+            ),
+            "mesh.kind = tetwild gives magnetic3d single points only",
+        ),
         (("reluctance", "--map", "map.csv"), "must end in .nc"),
     ],
 )

@@ -109,6 +109,12 @@ def with_tab(**bimorph):
         (p.Device(rod=p.Rod(flange_radius=0.96e-3)), p.Support(), ("rod.flange_radius",)),
         (p.Device(rod=p.Rod(length=3.2e-3)), p.Support(), ("rod.length = 3.2 mm", "longer")),
         (p.Device(coil=p.Coil(length=2.2e-3)), p.Support(), ("runs into the flange", "shorten")),
+        (
+            p.Device(coil=p.Coil(position=-1e-3)), p.Support(),
+            ("coil.position = -1 mm", "rod's head", "move the coil down"),
+        ),
+        (p.Device(gap=2.4e-3), p.Support(), ("gap = 2.4 mm", "pass the collar", "at a gap of 2.4")),
+        (p.Device(gap=5e-3), p.Support(), ("gap = 5 mm", "pass the collar")),
     ],
 )  # fmt: skip
 def test_parts_that_do_not_fit_are_refused(device, support, words):
@@ -123,6 +129,9 @@ def test_parts_that_fit_pass():
     check_fit(p.Device(), p.Support())
     check_fit(p.Device(bimorph=with_tab()), ROD)
     check_fit(p.Device(bimorph=p.Bimorph(width=5e-3)), p.Support(kind="clamped"))
+    # the flange goes through a wide collar, and the coil may touch the head that carries it
+    check_fit(p.Device(gap=5e-3, sleeve=p.Sleeve(collar_radius=0.95e-3)), p.Support())
+    check_fit(p.Device(coil=p.Coil(position=-p.NOMINAL_GAP)), p.Support())
 
 
 def test_pieces_from_base_to_tip():

@@ -41,16 +41,50 @@ def test_quantity_without_a_model_is_refused():
         make_plan(scene, ("tmm",), ("magnetic_force",))
 
 
-def test_solid_magnetic_field_gives_no_map():
-    """Only single points: a quantity of the whole stroke is refused, and a map is never asked."""
+def test_a_point_in_3d_needs_no_map():
+    """Quantities of one current and gap solve that alone; those of the stroke plan the map."""
     scene, _ = load_scene("reluctance", ["accuracy=0.05"])
-    with pytest.raises(InputError, match=r"computed by network, axisymmetric, not by magnetic3d"):
-        make_plan(scene, ("magnetic3d",), ("pull_in_current",))
     solution = solve(scene, ("magnetic3d",), MAGNETIC_POINT)
     assert set(solution.stages.seconds) == {"magnetic3d.point"}
     assert {q.name for q in solution.quantities} == set(MAGNETIC_POINT)
-    with pytest.raises(InputError, match="take pull_in_current"):
-        solution.magnetic_models["magnetic3d"].map()
+    plan = make_plan(scene, ("magnetic3d",), ("pull_in_current",))
+    assert [step.stage for step in plan.run] == ["magnetic3d.map", "magnetic3d.switching"]
+
+
+def key(stage, *overrides):
+    return stage_key(stage, load_scene("reluctance", overrides)[0])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ["coil.resistivity=2e-8 ohm*m", "coil.temperature=80 degC", "coil.fill_factor=0.6"],
+        ["steel.relative_permeability=500"],
+        ["rod.density=7800 kg/m^3", "bimorph.width=1 mm"],
+    ],
+)
+@pytest.mark.parametrize("stage", ["network.map", "axisymmetric.point", "axisymmetric.switching"])
+def test_magnetic_stages_do_not_know_what_they_do_not_read(stage, change):
+    """What heats the coil, or a permeability that the curve does not use, makes nothing stale."""
+    assert key(stage, *change) == key(stage)
+
+
+@pytest.mark.parametrize(
+    ("stage", "change", "stale"),
+    [
+        ("axisymmetric.map", "spring.preload=90 mN", True),
+        ("axisymmetric.map", "coil.turns=800", True),
+        ("axisymmetric.map", "steel.curve=linear", True),
+        ("axisymmetric.map", "accuracy=1%", False),
+        ("axisymmetric.switching", "accuracy=1%", True),
+        ("axisymmetric.point", "spring.preload=90 mN", False),
+    ],
+)
+def test_magnetic_stages_know_what_they_read(stage, change, stale):
+    """Turns, curve and spring (which decides the map's range) do make the map stale."""
+    assert (key(stage, change) != key(stage)) is stale
+    straight = ("steel.curve=linear", "steel.relative_permeability=500")
+    assert key(stage, *straight) != key(stage, straight[0])
 
 
 @pytest.mark.parametrize(
@@ -83,8 +117,10 @@ def test_unplanned_stage_is_a_defect():
 
 
 MAGNETIC = {
-    "network.point", "network.map", "axisymmetric.point", "axisymmetric.map", "magnetic3d.point",
-}  # fmt: skip
+    f"{model}.{stage}"
+    for model in ("network", "axisymmetric", "magnetic3d")
+    for stage in ("point", "map", "switching")
+}
 
 
 @pytest.mark.parametrize(
@@ -98,7 +134,7 @@ MAGNETIC = {
         ("load.kind=none", {"terminations", "lumped.modes", "tmm.modes", "beam.modes"}
          | {"solid.modes_short", "solid.modes_open"}),
         ("modes=3", {"tmm.modes", "beam.modes", "solid.modes_short", "solid.modes_open"}),
-        ("piezo.density=7800kg/m^3", set(READS) - MAGNETIC - {"solid.mesh", "terminations"}),
+        ("piezo.density=7800kg/m^3", set(READS) - MAGNETIC - {"terminations"}),
         ("bimorph.length=21mm", set(READS) - MAGNETIC - {"terminations"}),
     ],
 )  # fmt: skip

@@ -195,15 +195,24 @@ def test_covered_part_of_the_bore():
     ("device", "gap", "words"),
     [
         (DEVICE, 0.0, "gap = 0 mm leaves no gap"),
-        (DEVICE, 0.6e-3, "gap = 0.6 mm lifts the coil"),
+        (DEVICE, 0.6e-3, "gap = 0.6 mm lifts the coil .* or the model axisymmetric"),
         (Device(rod=Rod(head_radius=0.8e-3)), 0.2e-3, "rod.head_radius = 0.8 mm"),
         (Device(sleeve=Sleeve(collar_radius=0.6e-3)), 0.2e-3, "sleeve.collar_radius = 0.6 mm"),
         (Device(sleeve=Sleeve(length=2.3e-3)), 0.2e-3, "gap = 0.2 mm lifts the flange"),
         (
             Device(sleeve=Sleeve(collar_thickness=2.5e-3), coil=Coil(length=0.1e-3)),
             0.2e-3,
+            "gap = 0.2 mm needs the flange .* to pass the collar",
+        ),
+        (
+            Device(
+                sleeve=Sleeve(collar_thickness=2.5e-3, collar_radius=0.95e-3),
+                coil=Coil(length=0.1e-3),
+            ),
+            0.2e-3,
             "gap = 0.2 mm brings the flange to the collar",
         ),
+        (Device(coil=Coil(position=-0.1e-3)), 0.2e-3, "with coil.position = -0.1 mm"),
     ],
 )
 def test_impossible_circuits_are_refused(device, gap, words):

@@ -10,7 +10,13 @@ from fem.magnetic_scalar import ScalarPotential
 from fem.magnetic_solid import VectorPotential
 from fem.magnetic_solid_force import eggshell_force, harmonic_weight, virtual_work_force
 from fem.reluctance_field import solve_point
-from fem.reluctance_solid import actuator_problem, solve_cad, solve_solid, winding_source
+from fem.reluctance_solid import (
+    actuator_problem,
+    solve_cad,
+    solve_row,
+    solve_solid,
+    winding_source,
+)
 from fem.reluctance_swept import Sector, sector_mesh
 from geometry.actuator_tets import ActuatorMeshing
 from geometry.errors import InputError
@@ -189,9 +195,28 @@ def test_any_sector_will_do(potential):
 
 def test_no_current_no_force():
     """At rest: no flux and no force with bars of zero; the inductance is that of small currents."""
-    rest, small = solved(0.0, GAP, COARSEST), solved(1e-3, GAP, COARSEST)
+    rest, small = solved(0.0, GAP, COARSEST), solved(1e-6, GAP, COARSEST)
     assert rest.force == rest.coenergy == rest.errors.force == 0.0
-    assert rest.incremental_inductance == pytest.approx(small.flux_linkage / 1e-3, rel=1e-2)
+    # up to a milliampere-turn λ/i is its limit to 1e-4
+    assert rest.incremental_inductance == pytest.approx(small.flux_linkage / 1e-6, rel=1e-4)
+
+
+def test_inductance_without_current_is_the_half_sections():
+    """∂λ/∂i at 0 A within both error bars of the axisymmetric field, which takes the tangent."""
+    rest, exact = solved(0.0, GAP, COARSE), axisymmetric(0.0, GAP)
+    bar = rest.errors.incremental_inductance + exact.errors.incremental_inductance
+    assert abs(rest.incremental_inductance - exact.incremental_inductance) <= bar
+    assert bar < 0.02 * exact.incremental_inductance
+
+
+def test_a_row_is_its_points():
+    """All currents of a gap, each started from the one before, are what single points are."""
+    row = solve_row(DEVICE, GAP, np.array([0.0, CURRENT]), COARSEST)
+    for point, current in zip(row, (0.0, CURRENT), strict=True):
+        alone = solved(current, GAP, COARSEST)
+        for name in QUANTITIES:
+            # Newton stops at 1e-7 of the field; a difference of two fields has a hundred times it
+            assert getattr(point, name) == pytest.approx(getattr(alone, name), rel=1e-4)
 
 
 def test_reversed_current():

@@ -224,7 +224,8 @@ def test_names_that_are_no_file_are_refused(name):
             ["support.kind=clamped", "support.lateral_stiffness=2e6 N/m"],
             ["support.lateral_stiffness = 2000000 N/m", 'support.kind = "clamped"'],
         ),
-        (["gap=0.3 mm"], ["gap = 0.3 mm", 'support.kind = "rod"']),
+        (["gap=0.3 mm"], ["gap = 0.3 mm", "--model network"]),
+        (["sleeve.length=4 mm"], ["sleeve.length = 4 mm", "--model network"]),
         (["mesh.time_limit=60 s"], ["mesh.time_limit = 60 s", '"tetwild"']),
         (["mesh.level=2", "accuracy=0.01"], ["accuracy = 0.01", "mesh.level = 2"]),
     ],
@@ -246,6 +247,30 @@ def test_settings_with_effect_are_not_warned_of(name):
 
 
 @pytest.mark.parametrize(
+    ("key", "asked", "words"),
+    [
+        ("spring.preload=90 mN", "quantities=magnetic_force", "ask for pull_in_current"),
+        ("spring.preload=90 mN", "quantities=pull_in_current", ""),
+        ("coil.outer_radius=0.87 mm", "models=network", "ask for --model axisymmetric"),
+        ("coil.outer_radius=0.87 mm", "models=network,axisymmetric", ""),
+    ],
+)
+def test_keys_that_the_quantities_do_not_read_are_warned_of(key, asked, words):
+    """What was asked for decides; a report shows everything and is not warned of."""
+    scene, origins = load_scene("reluctance", [key, asked])
+    found = [text for text in scene_warnings(scene, origins) if text.startswith(key[:6])]
+    assert bool(found) is bool(words)
+    assert all(words in text for text in found)
+    assert not [t for t in scene_warnings(scene, origins, report=True) if t.startswith(key[:6])]
+
+
+def test_a_file_may_describe_what_is_not_asked_about():
+    """The scene of the normal actuator with a model of the lateral one: nobody set the turns."""
+    scene, origins = load_scene("reluctance", ["models=tmm", "quantities=magnetic_force"])
+    assert scene_warnings(scene, origins) == ()
+
+
+@pytest.mark.parametrize(
     ("scene", "override", "words"),
     [
         ("paper", "coil.current=50 mA", ("coil.current = 50 mA", "--model network")),
@@ -253,6 +278,8 @@ def test_settings_with_effect_are_not_warned_of(name):
         ("reluctance", "bimorph.length=25 mm", ("bimorph.length = 25 mm", "--model tmm")),
         ("reluctance", "frequency=10,20", ("frequency = 2 values", "lateral actuator")),
         ("reluctance", "rod.density=7800 kg/m^3", ("rod.density", 'support.kind = "rod"')),
+        ("reluctance", "steel.relative_permeability=500", ('curve = "team20"', '"linear" to use')),
+        ("reluctance", "coil.resistivity=2e-8 ohm*m", ("on any quantity", "tactgen report")),
     ],
 )  # fmt: skip
 def test_keys_of_the_other_actuator_are_warned_of(scene, override, words):

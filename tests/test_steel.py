@@ -10,7 +10,8 @@ from scipy.interpolate import PchipInterpolator
 
 from geometry.errors import InputError
 from geometry.parameters import Steel
-from geometry.steel import MU0, TEAM20, MagnetisationCurve, linear, magnetisation_curve, read_curve
+from geometry.steel import MU0, TEAM20, MagnetisationCurve, linear, magnetisation_curve
+from geometry.steel_table import read_curve
 
 #: Rounding of a few operations.
 ROUNDING = 1e-13
@@ -127,6 +128,13 @@ def test_the_parameter_names_the_curve():
         ("B (T),H (A/m)\n0,0\n0.5\n1,100\n", 'line 3 has ""'),
         ("B (T),H (A/m)\n0,0\n0.5,1e2x\n1,100\n", "plain numbers"),
         ("B (T),H (A/m)\n0,0\n1e-7,1\n", "less than vacuum's mu0"),
+        ('B (T),H (A/m)\n0,0\n1,"80\n0"\n2,1e6\n', "line 4 has"),
+        ("B (T),H (A/m)\n0,0\n1," + "1" * 200000 + "\n", "line 3 cannot be read"),
+        ("B (T),H (A/m)\n0,0\n1,1e-30\n", "line 3 has B = 1 T at H = 1e-30 A/m, a rise by more"),
+        ("B (T),H (A/m)\n0,0\n1,100\n1.5,100.00000001\n", "line 4 has B = 1.5 T at H = 100 A/m"),
+        ("B (T),H (A/m)\n0,0\n1e300,1e304\n", "check the unit of B"),
+        ("B (T),H (A/m)\n0,0\n1e308,1e308\n", "check the unit of B"),
+        ("B (T),H (A/m)\n0,0\n1e-300,1e-300\n", "check the unit of B"),
     ],
 )
 def test_bad_files_are_refused_in_one_sentence(tmp_path, text, words):
@@ -137,6 +145,22 @@ def test_bad_files_are_refused_in_one_sentence(tmp_path, text, words):
         read_curve(path)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("rows", "early"),
+    [
+        ("0,0\n0.6,300\n1.2,800\n", True),  # 0.6 T in 500 A/m: a permeability of 950 at the end
+        ("0,0\n1.2,800\n2.2,90000\n2.25,117000\n", False),  # 1.5 of vacuum's at the end
+    ],
+)
+def test_a_table_that_ends_before_saturation_is_known(tmp_path, rows, early):
+    """What follows a table is vacuum's slope: too soon if the table still rises twice as fast."""
+    path = tmp_path / "steel.csv"
+    path.write_text(f"B (T),H (A/m)\n{rows}")
+    assert read_curve(path).ends_early is early
+    assert not TEAM20.ends_early
+    assert not linear(1000.0).ends_early  # straight for ever, by definition
 
 
 def test_a_missing_file_is_refused():

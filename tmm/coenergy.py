@@ -192,16 +192,6 @@ class CoenergyMap:
         """Return ∂F/∂g at constant current (N/m), usually negative: a destabilising spring."""
         return -self._surface(current, gap, 0, 2)
 
-    def force_bar(self, current: float, gap: float) -> float:
-        """Return the error bar of the force (N): the samples' around, and interpolation."""
-        s = self.samples
-        size = self.interpolation_error.force * abs(float(self.force(current, gap)))
-        if s.force_error is None:
-            return size
-        i = int(np.clip(np.searchsorted(s.current, abs(current)), 1, s.current.size - 1))
-        k = int(np.clip(np.searchsorted(s.gap, gap), 1, s.gap.size - 1))
-        return size + float(s.force_error[i - 1 : i + 1, k - 1 : k + 1].max())
-
     def sampled(self, currents: Floats, gaps: Floats) -> Samples:
         """Return what the map says on a grid of currents (c,) and gaps (m,)."""
         i, g = np.asarray(currents, dtype=float)[:, None], np.asarray(gaps, dtype=float)[None]
@@ -225,7 +215,7 @@ class CoenergyMap:
         self._check(size, g)
         along = self._current_bases[by_current](size)
         across = gap_derivative(self.gap_basis, width, by_gap)
-        value = np.einsum("...j,jk,...k->...", along, self.coefficients, across)
+        value = np.sum((along @ self.coefficients) * across, axis=-1)
         return np.asarray(np.sign(i) * value if by_current == 1 else value)
 
     def _check(self, size: Floats, gap: Floats) -> None:

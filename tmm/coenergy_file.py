@@ -75,16 +75,21 @@ def read_map(path: str | Path) -> CoenergyMap:
 
     path = Path(path)
     try:
+        # the reader trusts what it reads: a damaged file may fail anywhere in it
         with netcdf_file(str(path), "r", mmap=False) as file:
-            return fit(_samples(file, path))
+            samples = _samples(file, path)
     except InputError:
         raise
-    except (OSError, ValueError, TypeError, EOFError) as error:
+    except (
+        OSError, ValueError, TypeError, EOFError, LookupError, AttributeError, ArithmeticError,
+        MemoryError, AssertionError,
+    ) as error:  # fmt: skip
         reason = (getattr(error, "strerror", None) or "not a whole netCDF file").lower()
         raise InputError(
             f"{path} cannot be read as a co-energy map ({reason}); give a file that was written "
             "as one"
         ) from None
+    return fit(samples)
 
 
 def _samples(file: Any, path: Path) -> Samples:

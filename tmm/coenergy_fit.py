@@ -32,7 +32,8 @@ _LEAST = 1e-9
 #: eighth; magnetisation curves from tables have kinks, which can leave a half.
 _REMAINS = 0.5
 
-#: Below this share of the largest value at the same gap, errors are judged against the share.
+#: Below this share of the largest value at the same gap, errors are judged against the share;
+#: pulls count relative to no less than this share of the largest at a lower current.
 _SMALL = 0.1
 
 _UNKNOWN = MapError(np.nan, np.nan)
@@ -87,8 +88,6 @@ def _check(samples: Samples) -> None:
             raise InputError(f"samples of {name} must increase from 0 or above; sort them")
     if not (np.diff(samples.flux_linkage, axis=0) > 0.0).all():
         raise InputError("samples of flux_linkage must increase with the current at every gap")
-    if not (samples.force[i > 0.0] > 0.0).all():
-        raise InputError("samples of force must pull, above 0 N, at every current above 0 mA")
 
 
 def _fitted(samples: Samples) -> CoenergyMap:
@@ -150,12 +149,22 @@ def _equations(
             continue
         along = current_basis(basis, by_current)(samples.current)
         there = gap_derivative(across, width, by_gap)
-        telling = values[:, 0] != 0.0
+        telling = (values != 0.0).any(axis=1)
         values, along = values[telling], along[telling]
-        block = np.einsum("ij,gk,ig->igjk", along, there, weight / np.abs(values))
+        scale = weight / (_pull_size(values) if by_gap else np.abs(values))
+        block = np.einsum("ij,gk,ig->igjk", along, there, scale)
         rows.append(block.reshape(values.size, -1))
-        targets.append((np.abs(weight) * np.sign(values)).ravel())
+        targets.append((np.abs(scale) * values).ravel())
     return np.concatenate(rows), np.concatenate(targets)
+
+
+def _pull_size(values: Floats) -> Floats:
+    """Return what a pull (c, m) counts relative to: itself, or a tenth of a lower current's.
+
+    It grows with the current until the steel is saturated; then it may fall, through zero.
+    """
+    size = np.abs(values)
+    return np.asarray(np.maximum(size, _SMALL * np.maximum.accumulate(size, axis=0)))
 
 
 def _positive_least_squares(rows: Floats, targets: Floats) -> Floats:

@@ -20,6 +20,7 @@ import numpy as np
 
 from geometry.arrays import Bools, Floats, Ints
 from geometry.errors import InputError
+from geometry.fit import check_gap
 from geometry.parameters import NOMINAL_GAP, Device
 from geometry.steel import MU0, MagnetisationCurve, linear, magnetisation_curve
 from tmm.flux_ladder import Ladder
@@ -162,15 +163,26 @@ def _path(device: Device, gaps: Floats, cells: int, *, parasitic_gap: bool) -> _
 def _check_path(device: Device, gaps: Floats, collar: Floats, top: Floats) -> None:
     """Refuse gaps at which the parts, moved, no longer form this circuit."""
     rod, coil, sleeve = device.rod, device.coil, device.sleeve
+    check_gap(device, float(gaps.max()))
+    above = (
+        "lifts the coil so that its top is above the sleeve's top with coil.position = "
+        f"{coil.position * 1e3:g} mm, which the network does not know; use a smaller gap, a coil "
+        "further down, or the model axisymmetric"
+    )
     for wrong, words in (
         (gaps <= 0.0, "leaves no gap; use a positive one"),
         (collar >= rod.flange_position, "brings the flange to the collar; use a smaller one"),
-        (top > coil.position, "lifts the coil out of the sleeve; use a smaller one"),
+        (top > coil.position + 1e-12, above),
         (top + sleeve.length <= rod.flange_position, "lifts the flange below the sleeve's end"),
     ):
         if wrong.any():
             gap = float(gaps[np.argmax(wrong)])
             raise InputError(f"gap = {gap * 1e3:g} mm {words}")
+
+
+def widest_circuit(device: Device) -> float:
+    """Return the widest gap (m) at which the parts form this circuit: the coil's top is level."""
+    return float(NOMINAL_GAP + device.coil.position)
 
 
 def _rung_permeance(

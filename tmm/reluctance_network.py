@@ -14,7 +14,7 @@ from geometry.arrays import Floats
 from geometry.parameters import Device
 from geometry.steel import MU0
 from tmm.coenergy import Samples
-from tmm.flux_ladder import solve
+from tmm.flux_ladder import LadderSolution, solve
 from tmm.gap_permeance import pole_area
 from tmm.reluctance_circuit import CELLS, FULL, ONE_GAP, Refinements, circuit
 
@@ -51,8 +51,7 @@ def network_samples(
     """
     currents = np.atleast_1d(np.asarray(currents, dtype=float))
     gaps = np.atleast_1d(np.asarray(gaps, dtype=float))
-    found = solve(circuit(device, gaps, refinements, cells), currents)
-    coarse = solve(circuit(device, gaps, refinements, max(cells // 2, 1)), currents)
+    found, coarse = fine_and_coarse(device, currents, gaps, refinements, cells)
     return Samples(
         current=currents,
         gap=gaps,
@@ -63,6 +62,33 @@ def network_samples(
         force_error=np.abs(found.force - coarse.force),
         model="network",
     )
+
+
+def fine_and_coarse(
+    device: Device,
+    currents: Floats,
+    gaps: Floats,
+    refinements: Refinements = FULL,
+    cells: int = CELLS,
+) -> tuple[LadderSolution, LadderSolution]:
+    """Return the network's state with `cells` and with half as many; arguments as above."""
+    fine, coarse = (
+        solve(circuit(device, gaps, refinements, n), currents) for n in (cells, max(cells // 2, 1))
+    )
+    return fine, coarse
+
+
+def iron_beyond_table(device: Device, current: float, gap: float, cells: int = CELLS) -> float:
+    """Return the share of the iron's volume beyond the end of a curve that ends early.
+
+    Zero for a curve that goes on until the steel is saturated.
+    """
+    ladder = circuit(device, np.array([gap]), FULL, cells)
+    if ladder.curve is None or not ladder.curve.ends_early:
+        return 0.0
+    flux = solve(ladder, np.array([current])).flux[0, 0]
+    b, volumes = np.abs(flux[ladder.cell]) / ladder.area[0], ladder.area[0] * ladder.length[0]
+    return ladder.curve.volume_beyond(b, volumes) / float(volumes.sum())
 
 
 @dataclass(frozen=True)

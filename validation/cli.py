@@ -9,12 +9,15 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NoReturn
 
 from geometry.errors import InputError
+from geometry.threads import thread_count
 from validation.commands import (
     bench,
     design,
@@ -37,6 +40,27 @@ class _Parser(argparse.ArgumentParser):
         raise InputError(f"{message}; see {self.prog} --help")
 
 
+class _Ended(BaseException):
+    """SIGTERM arrived: like KeyboardInterrupt, no error that code may handle."""
+
+
+@contextlib.contextmanager
+def _tidy_when_told_to_end() -> Iterator[None]:
+    """Let SIGTERM unwind the stack, so that half-written files are taken away."""
+
+    def end(*_: object) -> NoReturn:
+        raise _Ended
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code."""
     scene, code = "", 0
@@ -45,14 +69,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if sys.stdout is None:
             raise InputError("standard output is closed; leave it open or send it to a file")
-        with contextlib.suppress(SystemExit):  # --help
+        with _tidy_when_told_to_end(), contextlib.suppress(SystemExit):  # --help
             options = _parser().parse_args(arguments)
             scene = getattr(options, "scene", "")
+            thread_count()  # a bad setting is refused now, not after meshing
             code = options.run(options)
         sys.stdout.flush()
     except KeyboardInterrupt:
         say("interrupted; nothing half-written was kept")
         return 130
+    except _Ended:
+        say("told to end; nothing half-written was kept")
+        return 143
     except BrokenPipeError:
         _drop_output()
         return 141
@@ -81,7 +109,8 @@ def _explained(error: Exception, scene: str) -> str | None:
         reason = str(error) or type(error).__name__
         return (
             f'scene "{scene}" cannot be solved ({reason}); bring the values that it sets closer to '
-            "those of the built-in scene paper, or ask for another model with --model"
+            "those of the built-in scenes paper and reluctance, or ask for another model with "
+            "--model"
         )
     return None
 

@@ -1,4 +1,4 @@
-"""CAD, mesh and co-energy map files of a scene."""
+"""CAD, mesh, co-energy map and reduced solid files of a scene."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from geometry.errors import InputError
 from geometry.files import written_whole
 from geometry.parameters import Device
+from validation.port_export import check_frequencies, write_port_files
 from validation.quantities import MAGNETIC_MODELS, gives
 from validation.scene import Scene
 
@@ -18,7 +19,10 @@ if TYPE_CHECKING:
     from tmm.coenergy import CoenergyMap
 
 #: Endings that each kind of file may have.
-_SUFFIXES = {"step": (".step", ".stp"), "glb": (".glb",), "mesh": (".vtu", ".msh"), "map": (".nc",)}
+_SUFFIXES = {
+    "step": (".step", ".stp"), "glb": (".glb",), "mesh": (".vtu", ".msh"), "map": (".nc",),
+    "ports": (".npz",), "state_space": (".npz",),
+}  # fmt: skip
 
 
 def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> list[Path]:
@@ -26,18 +30,23 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
 
     Parameters
     ----------
-    targets : dict of {"step", "glb", "mesh", "map"} to Path
+    targets : dict of {"step", "glb", "mesh", "map", "ports", "state_space"} to Path
         What to write where.
 
     Raises
     ------
     InputError
         If a place cannot be written, has the wrong ending or is named twice, or a map is
-        wanted of a scene without a model of the normal actuator.
+        wanted of a scene without a model of the normal actuator, or the solid model cannot
+        take the scene.
     """
     _check_targets(targets)
-    if "map" in targets:
-        _magnetic_model(scene)
+    if "map" in targets and _magnetic_model(scene) == "magnetic3d":
+        from validation.magnetic_field_models import check_solid_map
+
+        check_solid_map(scene)
+    if "state_space" in targets:
+        check_frequencies(scene)
     with ExitStack() as stack:
         # the files take their names together, when all of them have been written
         drafts = {kind: stack.enter_context(written_whole(p)) for kind, p in targets.items()}
@@ -55,19 +64,20 @@ def _check_targets(targets: dict[str, Path]) -> None:
     """Refuse what would fail only after minutes of work."""
     taken: dict[Path, str] = {}
     for kind, path in targets.items():
+        option = "--" + kind.replace("_", "-")
         if path.suffix not in _SUFFIXES[kind]:
             raise InputError(
-                f"--{kind} {path} must end in {' or '.join(_SUFFIXES[kind])}; name the file so"
+                f"{option} {path} must end in {' or '.join(_SUFFIXES[kind])}; name the file so"
             )
         reason = _obstacle(path)
         if reason:
-            raise InputError(f"--{kind} {path} cannot be written ({reason}); choose another place")
+            raise InputError(f"{option} {path} cannot be written ({reason}); choose another place")
         place = path.resolve()
         if place in taken:
             raise InputError(
-                f"--{kind} {path} is also the file of --{taken[place]}; give each its own name"
+                f"{option} {path} is also the file of {taken[place]}; give each its own name"
             )
-        taken[place] = kind
+        taken[place] = option
 
 
 def _obstacle(path: Path) -> str:
@@ -86,10 +96,14 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
         _export_solids(scene, files, announce)
     if "mesh" in files:
         from geometry.mesh_files import write_mesh
-        from validation.solid_meshes import mesh_pair
+        from validation.solid_meshes import cells_of, mesh_pair
 
         announce("mesh")
-        write_mesh(mesh_pair(scene)[0], files["mesh"])
+        write_mesh(cells_of(mesh_pair(scene).meshes[0]), files["mesh"])
+    reductions = {kind: file for kind, file in files.items() if kind in ("ports", "state_space")}
+    if reductions:
+        announce("ports of the solid")
+        write_port_files(scene, reductions)
     if "map" in files:
         from tmm.coenergy_file import write_map
 

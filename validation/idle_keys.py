@@ -7,7 +7,7 @@ from typing import Any
 
 from geometry import parameters as p
 from geometry import units as u
-from validation.quantities import LATERAL_MODELS, MAGNETIC_MODELS
+from validation.quantities import LATERAL_MODELS, MAGNETIC_MODELS, QUANTITIES
 from validation.scene import ON_COMMAND_LINE, Scene
 
 #: Groups that only the models of the lateral actuator read.
@@ -20,16 +20,33 @@ _MAGNETIC = (
     "steel", "spring", "coil.turns", "coil.current", "coil.fill_factor", "coil.resistivity",
     "coil.temperature",
 )  # fmt: skip
+#: Of those, what only the report shows: the coil's resistance and heat.
+_HEAT = ("coil.fill_factor", "coil.resistivity", "coil.temperature")
+#: Dimensions that no formula of the reluctance network contains.
+_FIELD_ONLY = ("coil.inner_radius", "coil.outer_radius")
 #: Keys of the rod that the magnetic field does not read.
 _MECHANICAL = ("rod.slot_depth", "rod.youngs_modulus", "rod.poisson_ratio", "rod.density")
 
 
-def scene_warnings(scene: Scene, origins: Mapping[str, str]) -> tuple[str, ...]:
-    """Return one sentence for each key that was set but has no effect with the chosen kinds."""
+def scene_warnings(
+    scene: Scene, origins: Mapping[str, str], *, report: bool = False
+) -> tuple[str, ...]:
+    """Return one sentence for each key that was set but has no effect with the chosen kinds.
+
+    Parameters
+    ----------
+    origins : mapping of str to str
+        Where each key was set; "" for a key that is only asked about.
+    report : bool
+        Whether all is shown that the models know, not the scene's quantities only.
+    """
     found = []
     for key, origin in origins.items():
-        # a file may describe both actuators, whichever is asked about today
-        because = (_not_asked(scene, key) if origin == ON_COMMAND_LINE else "") or _idle(scene, key)
+        because = ""
+        if origin in (ON_COMMAND_LINE, ""):
+            # a file may describe both actuators, whichever is asked about today
+            because = _not_asked(scene, key) or ("" if report else _not_shown(scene, key))
+        because = because or _idle(scene, key)
         if because:
             found.append(f"{key} = {_text(scene, key)} has no effect {because}")
     return (*found, *_weightless(scene.load))
@@ -43,8 +60,25 @@ def _not_asked(scene: Scene, key: str) -> str:
     if group in _LATERAL and not set(scene.models) & set(LATERAL_MODELS):
         return f"{models}; ask for one of the lateral actuator, such as --model tmm, to use it"
     magnetic = set(scene.models) & set(MAGNETIC_MODELS)
-    if (group in _MAGNETIC or key in _MAGNETIC) and not magnetic:
+    around = group in ("coil", "sleeve", "gap") and scene.support.kind != "rod"
+    if (group in _MAGNETIC or key in _MAGNETIC or around) and not magnetic:
         return f"{models}; ask for one of the normal actuator, such as --model network, to use it"
+    return ""
+
+
+def _not_shown(scene: Scene, key: str) -> str:
+    """Return why a key of the normal actuator has no effect on the quantities asked for."""
+    magnetic = set(scene.models) & set(MAGNETIC_MODELS)
+    if not magnetic:
+        return ""
+    asked = f"with quantities = {', '.join(scene.quantities)}"
+    moves = any("magnetic_map" in QUANTITIES[name].needs for name in scene.quantities)
+    if key.startswith("spring.") and not moves:
+        return f"{asked}; ask for pull_in_current, holding_current or drop_out_current to use it"
+    if key in _HEAT:
+        return "on any quantity; tactgen report shows the coil's resistance and heat"
+    if key in _FIELD_ONLY and magnetic == {"network"}:
+        return "with models = network; ask for --model axisymmetric to use it"
     return ""
 
 
@@ -61,6 +95,9 @@ def _idle(scene: Scene, key: str) -> str:
     if profile.removeprefix("bimorph.") in scene.bimorph.profiles and not _has_tab(scene, key):
         return f"with {profile}, which gives it along the ceramic; leave one of the two out"
     support = scene.support.kind
+    if key == "steel.relative_permeability" and scene.steel.curve != "linear":
+        curve = scene.steel.curve
+        return f'with steel.curve = "{curve}"; set steel.curve = "linear" to use it'
     if group == "support" and key != "support.kind" and support != "spring":
         return f'with support.kind = "{support}"; set support.kind = "spring" to use it'
     if _only_on_rod(scene, key):
@@ -77,9 +114,9 @@ def _idle(scene: Scene, key: str) -> str:
 def _only_on_rod(scene: Scene, key: str) -> bool:
     """Return whether a key describes the rod's surroundings, which nothing here looks at."""
     group = key.split(".", 1)[0]
-    if group not in ("glue", "rod", "coil", "sleeve", "gap") or scene.support.kind == "rod":
+    if group not in ("glue", "rod") or scene.support.kind == "rod":
         return False
-    if set(scene.models) & set(MAGNETIC_MODELS) and group != "glue" and key not in _MECHANICAL:
+    if set(scene.models) & set(MAGNETIC_MODELS) and group == "rod" and key not in _MECHANICAL:
         return False
     limit = key == "rod.head_radius" and scene.support.kind == "spring"  # of the bimorph's width
     layers = group == "glue" and scene.bimorph.glue_thickness and key != "glue.thickness"

@@ -16,8 +16,8 @@ from validation.scene import Scene
 #: Models whose mesh follows the accuracy wanted, with what to do when that is not enough.
 _JUDGED = {
     "solid": "raise mesh.level (at most 5) or accept the bar",
-    "axisymmetric": "accept the bar",
-    "magnetic3d": "accept the bar",
+    "axisymmetric": "its finest grid was used, so accept the bar",
+    "magnetic3d": "its finest mesh was used, so accept the bar",
 }
 
 
@@ -45,6 +45,8 @@ def _excess(q: Quantity, accuracy: float) -> str:
     beyond = q.uncertainty > accuracy * size
     if not beyond.any():
         return ""
+    if beyond.ndim == 0 and q.uncertainty >= size:
+        return f"{q.name} (zero within its bar)"
     # no value, no bar: a threshold voltage outside the threshold's range
     worst = float(np.nanmax(q.uncertainty / np.where(size > 0.0, size, np.inf)))
     where = f" at {int(beyond.sum())} of {beyond.size} values" if beyond.ndim else ""

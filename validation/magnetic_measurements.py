@@ -14,7 +14,8 @@ from geometry.steel import TEAM20, MagnetisationCurve, linear
 from geometry.team20 import MEASURED_FORCE
 from tmm.coenergy import CoenergyMap, Samples, closed_loop_work
 from tmm.coenergy_fit import fit
-from tmm.normal_actuator import map_grid, spring_force
+from tmm.map_range import map_grid
+from tmm.normal_actuator import spring_force
 from tmm.reluctance_network import network_samples
 from validation.magnetic_cases import coaxial_coils, infinite_solenoid, square_law
 from validation.magnetic_cases.long_conductors import conductors

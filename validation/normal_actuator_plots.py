@@ -15,12 +15,14 @@ from geometry.arrays import Floats
 from geometry.parameters import Device
 from tmm.coenergy import CoenergyMap
 from tmm.normal_actuator import (
-    Switching,
     balance_current,
+    between_stops,
     equilibria,
     finger_force,
+    resting_gaps,
     spring_force,
 )
+from validation.magnetic_switching import SwitchingCurrents
 from validation.plots import svg
 
 if TYPE_CHECKING:
@@ -30,8 +32,10 @@ if TYPE_CHECKING:
     from validation.report.normal_actuator import BridgeStep
 
 #: Line of each model; colours tell currents or gaps.
-_LINE: dict[str, Any] = {"network": (0, (4, 2)), "axisymmetric": "-"}
+_LINE: dict[str, Any] = {"network": (0, (4, 2)), "axisymmetric": "-", "magnetic3d": ":"}
 _CURVE_POINTS = 160
+#: So many that a jump of the rod looks like one.
+_LOOP_POINTS = 2001
 
 
 @dataclass(frozen=True)
@@ -96,14 +100,14 @@ def flux_families(shown: Families) -> str:
     return svg(figure)
 
 
-def switching_plot(shown: Families, pull: CoenergyMap, found: Switching) -> str:
+def switching_plot(shown: Families, pull: CoenergyMap, found: SwitchingCurrents) -> str:
     """Plot pull against spring with all places of rest, the loop of positions, the finger's force.
 
     Parameters
     ----------
     pull : CoenergyMap
         Of the model that is shown.
-    found : Switching
+    found : SwitchingCurrents
         Its switching currents.
     """
     figure, (forces, loop, finger) = _figure(10.0, 4.3, ncols=3)
@@ -118,11 +122,13 @@ def switching_plot(shown: Families, pull: CoenergyMap, found: Switching) -> str:
         force = finger_force(shown.device, pull, current, np.full_like(current, gap))
         finger.plot(current * 1e3, force * 1e3, color=colour, label=f"held at the {name}")
     finger.axhline(0.0, color="black", linewidth=0.8)
+    # without a spring there is only the pull
+    most = float(spring_force(shown.device, spring.stop_gap)) or -float(np.min(force))
     finger.set(
         xlabel="current (mA)",
         ylabel="spring − pull (mN)",
         title="force on the finger",
-        ylim=(-2.0e3 * spring.preload, 1.25e3 * float(spring_force(shown.device, spring.stop_gap))),
+        ylim=(-1.8e3 * most, 1.25e3 * most),
     )
     finger.legend(frameon=False, fontsize=8)
     return svg(figure)
@@ -151,29 +157,30 @@ def _forces(axis: Any, shown: Families, pull: CoenergyMap) -> None:
         xlabel="working gap (µm)",
         ylabel="force (mN)",
         title="pull against spring",
-        ylim=(0.0, 3.0e3 * float(spring_force(device, device.spring.stop_gap))),
+        ylim=(0.0, 3.0e3 * float(spring_force(device, device.spring.stop_gap)) or None),
     )
     axis.legend(frameon=False, fontsize=8)
 
 
-def _loop(axis: Any, device: Device, pull: CoenergyMap, found: Switching) -> None:
+def _loop(axis: Any, device: Device, pull: CoenergyMap, found: SwitchingCurrents) -> None:
     """Draw where the rod is while the current rises and falls slowly."""
     low, high = device.spring.stop_gap * 1e6, device.gap * 1e6
-    end = pull.current_limit * 1e3
-    gaps = np.linspace(device.spring.stop_gap, device.gap, _CURVE_POINTS)
+    up, down = found.pull_in.value * 1e3, found.drop_out.value * 1e3
+    limit = pull.current_limit * 1e3
+    end = min(limit, 2.0 * up) if up > 0.0 else limit  # all of it if the rod does not pull in
+    gaps = between_stops(device, _CURVE_POINTS)
     balance = balance_current(device, pull, gaps) * 1e3
     axis.plot(balance, gaps * 1e6, ":", color="#888888", label="balance of forces")
-    up, down = found.pull_in * 1e3, found.drop_out * 1e3
-    axis.plot([0.0, up, up, end], [high, high, low, low], color="#0072B2", label="rising current")
-    axis.plot(
-        [end, down, down, 0.0],
-        [low, low, high, high],
-        color="#D55E00",
-        linestyle="--",
-        label="falling current",
-    )
+    current = np.linspace(0.0, end, _LOOP_POINTS)
+    for rising, name, colour, line in (
+        (True, "rising current", "#0072B2", "-"),
+        (False, "falling current", "#D55E00", "--"),
+    ):
+        at = resting_gaps(device, pull, current * 1e-3, rising=rising) * 1e6
+        axis.plot(current, at, color=colour, linestyle=line, label=name)
     for x, colour, names in ((up, "#0072B2", "pull-in"), (down, "#D55E00", "drop-out")):
-        axis.text(x + 0.015 * end, 0.5 * (low + high), f"{names}\n{x:.3g} mA", color=colour)
+        if np.isfinite(x):
+            axis.text(x + 0.015 * end, 0.5 * (low + high), f"{names}\n{x:.3g} mA", color=colour)
     axis.set(
         xlabel="current (mA)", ylabel="working gap (µm)", title="where the rod is", xlim=(0.0, end)
     )

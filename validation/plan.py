@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from geometry.errors import InputError
-from geometry.fit import check_plain_layers
+from geometry.fit import check_constant_section, check_plain_layers
 from validation.quantities import MAGNETIC_MODELS, MODELS, QUANTITIES, Need, gives
 from validation.scene import Scene
 from validation.stages import READS, stage_key
@@ -61,7 +61,7 @@ _STAGES["solid"] = {
 _STAGES |= {
     model: {
         "magnetic_point": (f"{model}.point",),
-        "magnetic_map": (f"{model}.map",) if gives(model, "pull_in_current") else (),
+        "magnetic_map": (f"{model}.map", f"{model}.switching"),
     }
     for model in MAGNETIC_MODELS
 }
@@ -85,7 +85,10 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
     """
     check_models(models, quantities)
     if "solid" in models:
-        check_plain_layers(scene.device)
+        from validation.solid_meshes import uses_tetrahedra
+
+        on_tetrahedra = uses_tetrahedra(scene)
+        (check_plain_layers if on_tetrahedra else check_constant_section)(scene.device)
     reasons: dict[str, list[str]] = {}
     for model in models:
         for quantity in (q for q in quantities if gives(model, q)):

@@ -121,6 +121,10 @@ _ALL = (
         "holding_current", "A", "least current that holds the rod at its lower stop",
         ("magnetic_map",),
     ),
+    QuantityInfo(
+        "drop_out_current", "A", "current below which the rod is back at its upper stop",
+        ("magnetic_map",),
+    ),
 )  # fmt: skip
 
 #: Every quantity by name.
@@ -144,15 +148,9 @@ MAGNETIC_MODELS: dict[str, str] = {
     "magnetic3d": "nonlinear magnetic field in 3D by vector and scalar potential",
 }
 
-#: Models that give single points only: a map takes a hundred and more.
-_WITHOUT_MAP = ("magnetic3d",)
-
 MODELS: dict[str, str] = LATERAL_MODELS | MAGNETIC_MODELS
 
 
 def gives(model: str, quantity: str) -> bool:
     """Return whether a model can compute a quantity."""
-    info = QUANTITIES[quantity]
-    if model in _WITHOUT_MAP and "magnetic_map" in info.needs:
-        return False
-    return (model in MAGNETIC_MODELS) == info.magnetic
+    return (model in MAGNETIC_MODELS) == QUANTITIES[quantity].magnetic

@@ -17,7 +17,7 @@ from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, fi
 from geometry import parameters as p
 from geometry import units as u
 from geometry.errors import InputError
-from geometry.fit import check_fit
+from geometry.fit import check_actuator, check_bimorph
 from geometry.units import quoted
 from validation.frequencies import parse_frequencies
 from validation.quantities import (
@@ -173,7 +173,9 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
     except ValidationError as error:
         raise InputError(sentence(error)) from None
     scene.piezo.ceramic().check_admissible()
-    check_fit(scene.device, scene.support)
+    if set(scene.models) & set(LATERAL_MODELS) or scene.support.kind == "rod":
+        check_bimorph(scene.device, scene.support)
+    check_actuator(scene.device)
     _check_mesh(scene)
     return scene, origins
 

@@ -13,7 +13,9 @@ from tmm.multiport import Multiport, Termination, blocked_force, in_series, resp
 from tmm.terminations import static_termination, termination
 from validation.design.detection import DISPLAY_THRESHOLD
 from validation.limits import accuracy_warnings, check_held, load_warnings, threshold_warnings
-from validation.magnetic_models import MagneticModel, make_magnetic_model, read_magnetic
+from validation.magnetic_model import MagneticModel
+from validation.magnetic_models import make_magnetic_model, read_magnetic
+from validation.magnetic_warnings import magnetic_warnings
 from validation.models import Model, Modes, Refined, make_model
 from validation.plan import Plan, Step, make_plan
 from validation.quantities import LATERAL_MODELS, MAGNETIC_MODELS, QUANTITIES, gives
@@ -80,6 +82,7 @@ def solve(
         for model in models
         if gives(model, name)
     ]
+    warnings += magnetic_warnings(magnetic.values(), quantities)
     warnings += accuracy_warnings(scene, found)
     return Solution(scene, tuple(found), plan, warnings, lateral, magnetic, stages)
 

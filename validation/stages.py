@@ -19,7 +19,7 @@ from validation.scene import Scene
 T = TypeVar("T")
 
 #: Version of every stage: raise it when the same inputs give other numbers.
-VERSION = 2
+VERSION = 3
 
 _PIECES = ("bimorph", "piezo", "shim", "beam", "support.kind", "glue", "rod")
 _SOLID = ("bimorph", "piezo", "shim", "support.kind", "glue", "rod")
@@ -28,8 +28,12 @@ _MESH = (*_GEOMETRY, "mesh", "accuracy")
 _FIXED = ("support", "load")
 _MAGNETIC = (
     "rod.radius", "rod.head_radius", "rod.head_thickness", "rod.flange_radius",
-    "rod.flange_thickness", "rod.flange_position", "rod.length", "coil", "sleeve", "steel", "gap",
+    "rod.flange_thickness", "rod.flange_position", "rod.length", "coil.inner_radius",
+    "coil.outer_radius", "coil.length", "coil.position", "coil.turns", "coil.current", "sleeve",
+    "steel.curve", "gap",
 )  # fmt: skip
+#: The map covers what the spring may ask of it.
+_MAP = (*_MAGNETIC, "spring")
 
 _SLOT = (
     "support.kind", "rod.slot_depth", "bimorph.width", "bimorph.shim_thickness", "glue.thickness",
@@ -46,17 +50,22 @@ READS: dict[str, tuple[str, ...]] = {
     "beam.ports": (*_PIECES, "frequency"),
     "beam.static": _PIECES,
     "beam.modes": (*_PIECES, *_FIXED, "modes"),
-    "solid.mesh": _MESH,
+    # tetrahedra are refined by what is solved on them
+    "solid.mesh": (*_MESH, *_SOLID),
     "solid.assembly": (*_MESH, *_SOLID),
     "solid.static": (*_MESH, *_SOLID),
     "solid.modes_short": (*_MESH, *_SOLID, *_FIXED, "modes"),
     "solid.modes_open": (*_MESH, *_SOLID, *_FIXED, "modes"),
     "solid.ports": (*_MESH, *_SOLID, "frequency"),
     "network.point": _MAGNETIC,
-    "network.map": (*_MAGNETIC, "spring.stop_gap"),
+    "network.map": _MAP,
+    "network.switching": _MAP,
     "axisymmetric.point": (*_MAGNETIC, "accuracy"),
-    "axisymmetric.map": (*_MAGNETIC, "spring.stop_gap"),
+    "axisymmetric.map": _MAP,
+    "axisymmetric.switching": (*_MAP, "accuracy"),
     "magnetic3d.point": (*_MAGNETIC, "accuracy", "mesh.kind", *_SLOT),
+    "magnetic3d.map": (*_MAP, "mesh.kind"),
+    "magnetic3d.switching": (*_MAP, "accuracy", "mesh.kind"),
     "terminations": ("support", "load", "drive", "bimorph.wiring", "frequency"),
 }
 
@@ -115,9 +124,9 @@ def stage_key(name: str, scene: Scene) -> str:
         value: Any = values
         for part in path.split("."):
             value = value[part]
-        read[path] = value
-        if path == "steel":  # the curve may be a file: what counts is what is in it
+        if path == "steel.curve":  # a name, or a file: what counts is what is in it
             curve = magnetisation_curve(scene.steel)
-            read["steel curve"] = [curve.flux_density.tolist(), curve.field.tolist()]
+            value = [curve.flux_density.tolist(), curve.field.tolist(), curve.slope_beyond]
+        read[path] = value
     text = json.dumps([name, VERSION, read], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:12]

@@ -28,10 +28,10 @@ def print_plan(scene: str, plan: Plan) -> None:
     print(f"scene {scene}")
     print("runs:")
     for step in plan.run:
-        print(f"  {step.stage:18} {step.reason}  [{step.key}]")
+        print(f"  {step.stage:23} {step.reason}  [{step.key}]")
     print("skipped:")
     for skip in plan.skipped:
-        print(f"  {skip.stage:18} {skip.reason}")
+        print(f"  {skip.stage:23} {skip.reason}")
 
 
 def format_value(value: Any) -> str:
@@ -47,7 +47,8 @@ def _rows(q: Quantity) -> list[tuple[str, str, str]]:
     if q.name == "dynamic_stiffness":
         return [("", f"5x5 at {len(q.frequency or ())} frequencies: --json", "")]
     if q.value.ndim == 0:
-        return [("", format_value(q.value[()]), f"{float(q.uncertainty):.1e}")]
+        bar = "-" if np.isnan(q.uncertainty) else f"{float(q.uncertainty):.1e}"
+        return [("", format_value(q.value[()]), bar)]
     if q.classes is not None:
         labels = [c.replace("bending_", "bend ") for c in q.classes]
     else:

@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
     from validation.scene import load_scene
 
     scene, origins = load_scene(options.scene, options.overrides)
-    warn(scene_warnings(scene, origins))
+    warn(scene_warnings(scene, origins, report=True))
     with announcer() as announce:
         page = write_report(scene, origins, Path(options.out), options.quick, announce)
     print(page)

@@ -8,18 +8,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geometry.parameters import Device
 from geometry.winding import winding
+from tmm.coil_heat import thermal_statement
 from tmm.normal_actuator import (
     Equilibrium,
-    Switching,
-    electrical,
     equilibria,
     finger_force,
     spring_force,
-    thermal_statement,
 )
-from validation.magnetic_models import AxisymmetricModel, NetworkModel
-from validation.report.normal_actuator import MAP_QUANTITIES, NormalActuator
+from validation.magnetic_field_models import AxisymmetricModel
+from validation.magnetic_model import NetworkModel
+from validation.magnetic_point import Measured
+from validation.magnetic_switching import SwitchingCurrents
+from validation.report.normal_actuator import NormalActuator
 from validation.report.section import Context, Section
 
 if TYPE_CHECKING:
@@ -55,9 +57,10 @@ def _models(actuator: NormalActuator) -> Context:
 
 def _deviations(actuator: NormalActuator) -> Context | None:
     """Return the network's force against the field's over the map, if both have one."""
-    if len(actuator.maps) < 2:
+    names = (NetworkModel.name, AxisymmetricModel.name)
+    if not set(names) <= set(actuator.maps):
         return None
-    network, field = (actuator.maps[m.name] for m in (NetworkModel, AxisymmetricModel))
+    network, field = (actuator.maps[name] for name in names)
     currents, gaps = actuator.currents, actuator.gaps
     table = network.force(currents[:, None], gaps) / field.force(currents[:, None], gaps) - 1.0
     return {"currents": currents, "gaps": gaps, "table": table}
@@ -97,13 +100,13 @@ def _shaft_density(point: FieldPoint, radius: float) -> float:
 
 @dataclass(frozen=True)
 class ElectricalRow:
-    """The coil's inductances at one state."""
+    """The coil's inductances (H) and time constant (s) at one state."""
 
     state: str
     current: float
     gap: float
-    apparent: float
-    incremental: float
+    apparent: Measured
+    incremental: Measured
     time_constant: float
 
 
@@ -119,31 +122,29 @@ def _characteristics(actuator: NormalActuator) -> Context:
     device, current = actuator.device, actuator.current
     shown = Families(device, actuator.maps, actuator.currents, actuator.gaps, actuator.points)
     chosen = actuator.switching[actuator.pull_model]
+    wound = winding(device.coil)
+    heat = {
+        "At the scene's current": thermal_statement(device, current),
+        "At the paper's direct current for holding": thermal_statement(device, PAPER_HELD),
+    }
+    if np.isfinite(chosen.holding.value):
+        held = thermal_statement(device, chosen.holding.value)
+        heat["At this device's holding current"] = held
     return {
         "actuator": actuator,
         "forces": force_families(shown),
         "fluxes": flux_families(shown),
         "switching_picture": switching_plot(shown, actuator.pull, chosen),
         "switching": actuator.switching,
-        "bars": _bars(actuator),
+        "chosen": chosen,
         "finger": _finger(actuator),
         "paper": _beside_the_paper(actuator),
-        "winding": winding(device.coil),
-        "coil": electrical(device, actuator.pull),
+        "winding": wound,
+        "power": wound.power(current),
+        "current_density": wound.current_density(current),
+        "heating_rate": wound.heating_rate(current),
         "electrical_rows": _electrical_rows(actuator, chosen),
-        "heat": {
-            "At the scene's current": thermal_statement(device, current),
-            "At the paper's direct current for holding": thermal_statement(device, PAPER_HELD),
-            "At this device's holding current": thermal_statement(device, chosen.holding),
-        },
-    }
-
-
-def _bars(actuator: NormalActuator) -> dict[str, dict[str, float]]:
-    """Return the error bars of pull-in and holding current by model (A)."""
-    return {
-        name: {q.model: float(q.uncertainty) for q in actuator.quantities if q.name == name}
-        for name in MAP_QUANTITIES
+        "heat": heat,
     }
 
 
@@ -162,24 +163,26 @@ def _finger(actuator: NormalActuator) -> list[dict[str, Any]]:
     return rows
 
 
-def _electrical_rows(actuator: NormalActuator, found: Switching) -> list[ElectricalRow]:
-    device, pull = actuator.device, actuator.pull
+def _electrical_rows(actuator: NormalActuator, found: SwitchingCurrents) -> list[ElectricalRow]:
+    device = actuator.device
+    resistance = winding(device.coil).resistance
     top, stop = device.gap, device.spring.stop_gap
     states = (
         ("upper stop, no current", 0.0, top),
         ("upper stop", actuator.current, top),
-        ("lower stop, holding current", found.holding, stop),
+        ("lower stop, holding current", found.holding.value, stop),
         ("lower stop", actuator.current, stop),
     )
     rows = []
     for state, current, gap in states:
-        e = electrical(device, pull, current, gap)
-        rows.append(
-            ElectricalRow(
-                state, current, gap, e.apparent_inductance, e.incremental_inductance,
-                e.time_constant,
+        if np.isfinite(current):
+            point = actuator.point_by_map_model(current, gap)
+            slope = point.incremental_inductance
+            rows.append(
+                ElectricalRow(
+                    state, current, gap, point.inductance, slope, slope.value / resistance
+                )
             )
-        )  # fmt: skip
     return rows
 
 
@@ -197,8 +200,11 @@ def _beside_the_paper(actuator: NormalActuator) -> Context | None:
         return None
     places = equilibria(device, pull, PAPER_HELD)
     return {
-        "force": actuator.pull_at(PAPER_PULL_IN, PAPER_GAP),
-        "driven": actuator.pull_at(PAPER_DRIVEN, PAPER_GAP),
+        "force": actuator.point_by_reference(PAPER_PULL_IN, PAPER_GAP).force,
+        "driven": actuator.point_by_reference(PAPER_DRIVEN, PAPER_GAP).force,
+        "model": actuator.reference,
+        "preload_is_set": device.spring.preload == Device().spring.preload,
+        "turns_are_set": actuator.turns_are_set,
         "held": any(place.kind == "lower stop" for place in places),
         "held_up_to": _unstable(places),
         "found": actuator.switching[actuator.pull_model],

@@ -36,8 +36,8 @@ _FAMILIES: dict[str, Callable[[bool], Row | list[Row]]] = {
 _STATEMENT = (
     "Each answer is within what was promised of it: its own error bar (with the finer solution's) "
     "or, where the exact answer is known, the bound that follows from the method.  A point counts "
-    "as refused if the model says in one sentence why it has no answer, or if its co-energy's "
-    "error bar is above 20 %, which says that the grid is too coarse for any of its numbers."
+    "as refused if the model says in one sentence why it has no answer: the grid may be too "
+    "coarse for one."
 )
 
 

@@ -104,7 +104,10 @@ def _hexahedra() -> None:
 _IMPOSSIBLE: dict[str, Callable[[], object]] = {
     "a closed gap": lambda: solve_point(Device(), gap=0.0),
     "a negative gap": lambda: solve_point(Device(), gap=-1e-4),
+    "flange against collar": lambda: solve_point(Device(), gap=2.4e-3),
     "flange in collar": lambda: solve_point(Device(), gap=2.5e-3),
+    "flange beyond collar": lambda: solve_point(Device(), gap=5e-3),
+    "coil in head": lambda: solve_point(Device(coil=Coil(position=-1e-3))),
     "coil in collar": lambda: solve_point(Device(coil=Coil(outer_radius=0.93e-3)), gap=0.4e-3),
     "order 1 with an error bar": lambda: solve_point(Device(), order=1),
     "µr below 1": lambda: linear(0.5),

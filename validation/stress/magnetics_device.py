@@ -34,9 +34,6 @@ _STEELS = {
 _WIDE = Sleeve(collar_radius=0.95e-3)
 #: The largest Newton decrement, relative to the energy, at which the field counts as solved.
 _BALANCE = 1e-6
-#: Co-energy's error bar, relative, above which an answer itself says that its grid is too coarse:
-#: the next order would change everything, and no bar of it means much.
-_TOO_COARSE = 0.2
 _QUANTITIES = {
     "flux_linkage": "flux linkage",
     "coenergy": "co-energy",
@@ -61,17 +58,21 @@ def device_rows(quick: bool) -> list[Row]:
         where = f"{name}, {engineering(gap, 'm', 3)}"
         try:
             finer = solve_map(device, [gap], currents, order=order, refinement=0.75)[0]
-            coarse = [solve_point(device, i, gap, order=3, refinement=0.5) for i in currents]
         except REFUSALS as error:
             families["coenergy"].refuse(error)
             continue
-        for point, exact in zip(coarse, finer, strict=True):
-            at = f"{where}, {engineering(point.current, 'A', 3)}"
-            if _too_coarse(families["coenergy"], point):
+        coarse = []
+        for current, exact in zip(currents, finer, strict=True):
+            at = f"{where}, {engineering(current, 'A', 3)}"
+            try:
+                point = solve_point(device, current, gap, order=3, refinement=0.5)
+            except REFUSALS as error:
+                families["coenergy"].refuse(error)
                 continue
+            coarse.append(point)
             _covered(families, at, point, exact, pulls=name != "µr 1")
             families["balance"].add(at, _imbalance(point), _BALANCE)
-        if name != "steel":
+        if name != "steel" and coarse:
             # one grid at all currents, and Newton's first step is exact: rounding remains
             ratios = spread(p.coenergy / p.current**2 for p in coarse)
             families["straight"].add(where, ratios, 1e-9)
@@ -89,14 +90,6 @@ def device_rows(quick: bool) -> list[Row]:
         ("no pull", "device: no iron, no pull", "µr = 1; force times sleeve length over W'"),
     )
     return rows + [answered(words, what, families[name].points) for name, words, what in others]
-
-
-def _too_coarse(family: Family, point: FieldPoint) -> bool:
-    """Return whether the answer says itself that it is none, and take that as a refusal."""
-    share = point.errors.coenergy / point.coenergy
-    if share > _TOO_COARSE:
-        family.refusals.append("the co-energy's error bar is above 20 %: the grid is too coarse")
-    return share > _TOO_COARSE
 
 
 def _covered(
@@ -151,8 +144,10 @@ def as_built_row(quick: bool) -> Row:
             family.refuse(error)
             continue
         for order, fineness in ways:
-            point = solve_point(Device(), gap=gap, order=order, refinement=fineness)
-            if _too_coarse(family, point):
+            try:
+                point = solve_point(Device(), gap=gap, order=order, refinement=fineness)
+            except REFUSALS as error:
+                family.refuse(error)
                 continue
             for name in names:
                 bar = getattr(point.errors, name) + getattr(exact.errors, name)

@@ -1,0 +1,87 @@
+"""Which currents and gaps a map covers: what switching asks of it, and the device's own current."""
+
+import numpy as np
+import pytest
+
+from geometry.parameters import Coil, Device, Sleeve, Spring
+from tmm.map_range import map_grid
+from tmm.reluctance_network import network_samples
+
+
+def device(current=0.13, **spring):
+    return Device(coil=Coil(current=current), spring=Spring(**spring))
+
+
+def balance(built):
+    """The network's balance current at the upper stop, by bisection on the network itself."""
+    low, high = 0.0, 300.0
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        force = network_samples(built, np.array([middle]), np.array([built.gap])).force[0, 0]
+        low, high = (low, middle) if force >= built.spring.preload else (middle, high)
+    return high
+
+
+@pytest.mark.parametrize("spring", [{}, {"preload": 1e-3, "stiffness": 0.0}, {"preload": 0.3}])
+@pytest.mark.parametrize("current", [0.0, -0.13, 0.01, 20.0, 1e3])
+def test_switching_is_resolved_whatever_the_current(current, spring):
+    """The currents at which the rod moves lie inside the map, above its third sample, and the
+    device's own current lies inside, too."""
+    built = device(current, **spring)
+    currents, _ = map_grid(built)
+    needed = balance(built)
+    assert currents[0] == 0.0
+    assert (np.diff(currents) > 0.0).all()
+    assert currents[3] < needed < 0.75 * currents[12]
+    assert abs(current) < 0.8 * currents[-1]
+    assert currents.size < 40
+
+
+def test_the_current_does_not_move_the_switching_range():
+    """A larger current of the device adds samples beyond; those of the switching range stay."""
+    few, many = map_grid(device(0.0))[0], map_grid(device(5.0))[0]
+    np.testing.assert_array_equal(few, many[: few.size])
+    outer = many[few.size - 1 :]
+    assert (outer[1:] / outer[:-1]).max() <= 1.6 * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("gap", "sleeve", "limit"),
+    [
+        (0.2e-3, {}, 0.25e-3),
+        # the network's coil is level with the sleeve's top at 0.5 mm
+        (0.45e-3, {}, 0.475e-3),
+        # where the network ends only the flange counts, which meets the collar at 2.4 mm
+        (2.2e-3, {}, 2.3e-3),
+        # the coil, as wide as the collar's bore, meets its lower face at 0.3 mm
+        (0.28e-3, {"collar_radius": 0.87e-3}, 0.29e-3),
+    ],
+)
+def test_gaps_stay_where_a_model_can_go(gap, sleeve, limit):
+    """A quarter beyond the upper stop, or half the way to where parts meet."""
+    built = Device(gap=gap, sleeve=Sleeve(**sleeve))
+    _, gaps = map_grid(built)
+    assert gaps[0] == built.spring.stop_gap
+    assert gaps[-1] == pytest.approx(limit, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("built", "needed"),
+    [
+        # the network takes no coil above the sleeve's top, nor a flange above the collar
+        (Device(coil=Coil(position=-0.2e-3)), 0.105),
+        (Device(coil=Coil(position=-0.1e-3)), 0.105),
+        (Device(gap=5e-3, sleeve=Sleeve(collar_radius=0.95e-3)), 0.5),
+    ],
+)
+def test_fields_go_where_the_network_does_not(built, needed):
+    """A range by the one-gap formula: about the network's, here of the coil in its usual place."""
+    currents, gaps = map_grid(built)
+    assert needed < currents[-1] < 40.0 * needed
+    assert gaps[-1] > built.gap
+
+
+def test_no_spring_is_no_obstacle():
+    """Without a spring some range is still chosen."""
+    currents, _ = map_grid(device(0.0, preload=0.0, stiffness=0.0))
+    assert 0.0 < currents[-1] < 10.0

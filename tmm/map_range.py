@@ -1,0 +1,95 @@
+"""Which currents and gaps a co-energy map of the normal actuator must cover.
+
+Asked of the reluctance network, which costs next to nothing: other models switch at
+currents like its.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from geometry.arrays import Floats
+from geometry.errors import InputError
+from geometry.fit import widest_gap
+from geometry.parameters import Device
+from geometry.steel import MU0
+from tmm.gap_permeance import pole_area
+from tmm.normal_actuator import between_stops, spring_force
+from tmm.reluctance_circuit import widest_circuit
+from tmm.reluctance_network import network_samples
+
+#: The map reaches so many times the largest current at which the network's pull and the spring
+#: balance; the fields switch at currents up to a third above it.
+_BEYOND_BALANCE = 2.0
+#: The same over the one-gap formula's current, where there is no network: on the device as
+#: built the formula needs 0.4 to 0.75 of what the network does.
+_WITHOUT_NETWORK = 4.0
+#: The map reaches so many times the device's own current.
+_BEYOND_CURRENT = 1.5
+#: Largest ratio of neighbouring currents above those of the switching range.
+_RATIO = 1.6
+#: Shares of a reference current among which the network's balance is looked for.
+_SHARES = np.geomspace(0.1, 100.0, 44)
+#: Gaps, and cells of the network's ladder, of that search.
+_POSITIONS, _CELLS = 9, 4
+
+
+def map_grid(device: Device, currents: int = 13, gaps: int = 12) -> tuple[Floats, Floats]:
+    """Return currents (A) and gaps (m) at which a model is sampled for the device's map.
+
+    Currents from 0 to twice what moves the rod, denser where the map bends, at small ones;
+    beyond, up to half as much again as the device's own, in even ratios.  Gaps from the lower
+    stop to a quarter beyond the upper, as far as nothing that moves meets the collar.
+
+    Parameters
+    ----------
+    device : Device
+        All of it but the bimorph is read.
+    currents, gaps : int
+        How many; currents beyond the switching range come on top.
+
+    Raises
+    ------
+    InputError
+        If there is no stroke.
+    """
+    needed = _switching_range(device)
+    inner = needed * np.linspace(0.0, 1.0, currents) ** 1.5
+    ratio = _BEYOND_CURRENT * abs(device.coil.current) / needed
+    more = math.ceil(math.log(ratio) / math.log(_RATIO)) if ratio > 1.0 else 0
+    outer = needed * ratio ** (np.arange(1, more + 1) / max(more, 1))
+    least = min(device.spring.stop_gap, 0.5 * device.gap)
+    return np.concatenate([inner, outer]), np.geomspace(least, _largest_gap(device), gaps)
+
+
+def _largest_gap(device: Device) -> float:
+    """Return a quarter beyond the upper stop, or half the way to where a model ends."""
+    gap = device.gap
+    ends = (end for end in (widest_circuit(device), widest_gap(device)) if end >= gap)
+    return float(min(1.25 * gap, 0.5 * (gap + min(ends, default=math.inf))))
+
+
+def _switching_range(device: Device) -> float:
+    """Return the largest current (A) that switching may be about."""
+    gaps = between_stops(device, _POSITIONS)
+    against = spring_force(device, gaps)
+    area = pole_area(device)
+    if not against.any():  # no spring: what takes the pole to 0.1 T
+        against = np.full_like(gaps, 0.1**2 * area / (2.0 * MU0))
+    # the one-gap formula, exact where only the gap counts
+    reference = float(np.max(gaps * np.sqrt(2.0 * against / (MU0 * area))) / device.coil.turns)
+    tried = reference * _SHARES
+    within = np.minimum(gaps, widest_circuit(device))
+    if within[-1] < 0.5 * gaps[-1]:
+        return _WITHOUT_NETWORK * reference
+    try:
+        pull = network_samples(device, tried, within, cells=_CELLS).force
+    except InputError:  # a circuit that the network does not know; the models will say more
+        return _WITHOUT_NETWORK * reference
+    enough = pull >= against
+    # where no current is enough, the one that does most
+    best = np.where(enough.any(axis=0), np.argmax(enough, axis=0), np.argmax(pull, axis=0))
+    # beyond the network's reach, in proportion to the gap
+    return _BEYOND_BALANCE * float(np.max(tried[best] * gaps / within))

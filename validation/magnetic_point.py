@@ -1,0 +1,49 @@
+"""What every model of the normal actuator says at one current and gap, with error bars."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A value with its numerical error bar, both in the same SI unit; nan where there is none."""
+
+    value: float
+    bar: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "value", self.value + 0.0)  # no -0
+
+
+@dataclass(frozen=True)
+class MagneticPoint:
+    """The actuator at one current (A) and gap (m).
+
+    Attributes
+    ----------
+    force, flux_linkage, coenergy, incremental_inductance : Measured
+        SI units; the pull is positive when it closes the gap.
+    method : str
+        How the error bars come about.
+    beyond_table : float
+        Share of the iron's volume that lies beyond the end of a magnetisation curve that
+        ends before the steel is saturated.
+    """
+
+    current: float
+    gap: float
+    force: Measured
+    flux_linkage: Measured
+    coenergy: Measured
+    incremental_inductance: Measured
+    method: str
+    beyond_table: float
+
+    @property
+    def inductance(self) -> Measured:
+        """Apparent inductance λ/i (H), its limit ∂λ/∂i at zero current."""
+        if self.current == 0.0:
+            return self.incremental_inductance
+        linkage = self.flux_linkage
+        return Measured(linkage.value / self.current, linkage.bar / abs(self.current))
