@@ -191,21 +191,65 @@ class Piezoceramic:
         Raises
         ------
         InputError
-            If stiffness or clamped permittivity is not positive definite.
+            If stiffness or clamped permittivity is not positive definite, in a sentence that
+            names the constants which contradict each other.
         """
         if np.linalg.eigvalsh(self.s).min() <= 0.0:
             raise InputError(
                 f"piezo.s11 = {self.s[0, 0]:.4g} m^2/N and piezo.s55 = {self.s[4, 4]:.4g} m^2/N "
-                "do not give a positive definite stiffness; change one of them"
+                f"do not give a positive definite stiffness ({self._compliance_clash()}); "
+                "change one of them"
             )
         clamped = self.eps_t - self.d @ np.linalg.inv(self.s) @ self.d.T
         if np.linalg.eigvalsh(clamped).min() <= 0.0:
             raise InputError(
                 f"piezo.d31 = {self.d[2, 0]:.4g} m/V with piezo.eps33 = "
                 f"{self.eps_t[2, 2] / EPS0:.4g} and piezo.s11 = {self.s[0, 0]:.4g} m^2/N stores "
-                "negative energy (clamped permittivity not positive); raise piezo.eps33, "
-                "or choose piezo.d31 closer to the library material's, or 0 for a passive ceramic"
+                f"negative energy (clamped permittivity not positive: {self._field_clash()}); "
+                "raise piezo.eps33, or choose piezo.d31 closer to the library material's, or 0 "
+                "for a passive ceramic"
             )
+
+    def _compliance_clash(self) -> str:
+        """Say which compliances contradict each other."""
+        s = self.s
+        for i in range(6):
+            if s[i, i] <= 0.0:
+                return f"s{i + 1}{i + 1} = {s[i, i]:.4g} m^2/N is not positive"
+        for i, j in ((0, 1), (0, 2)):
+            if s[i, j] ** 2 >= s[i, i] * s[j, j]:
+                return (
+                    f"|s{i + 1}{j + 1}| = {abs(s[i, j]):.4g} m^2/N is not below the root of "
+                    f"s{i + 1}{i + 1} s{j + 1}{j + 1}"
+                )
+        return "2 s13^2 is not below s33 (s11 + s12)"
+
+    def _field_clash(self) -> str:
+        """Say which constants take more energy out of the field than there is in it.
+
+        Clamping first the two directions across the poling and then the third,
+        ε33^S = ε33 − 2 d31²/(s11 + s12) − c33 (d33 − d*)², d* = −2 d31 c13/c33.
+        """
+        s, d, eps = self.s, self.d, self.eps_t
+        if d[0, 4] ** 2 >= s[4, 4] * eps[0, 0]:
+            return (
+                f"d15 = {d[0, 4]:.4g} m/V makes k15 = {d[0, 4] / np.sqrt(s[4, 4] * eps[0, 0]):.3g}"
+            )
+        planar = 2.0 * d[2, 0] ** 2 / (s[0, 0] + s[0, 1])
+        if planar >= eps[2, 2]:
+            return (
+                f"d31 alone makes the planar coupling factor {np.sqrt(planar / eps[2, 2]):.3g}, "
+                "which must be below 1"
+            )
+        c = np.linalg.inv(s)
+        middle = -2.0 * d[2, 0] * c[0, 2] / c[2, 2]
+        reach = np.sqrt((eps[2, 2] - planar) / c[2, 2])
+        clamped = eps[2, 2] - planar - c[2, 2] * (d[2, 2] - middle) ** 2
+        return (
+            f"eps33 at constant strain would be {clamped / EPS0:.4g}, since with this d31 only "
+            f"d33 between {middle - reach:.4g} and {middle + reach:.4g} m/V is possible and it is "
+            f"{d[2, 2]:.4g} m/V"
+        )
 
 
 def _transversely_isotropic(s11: float, s12: float, s13: float, s33: float, s44: float) -> Floats:

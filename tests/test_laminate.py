@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 
-from geometry.parameters import Bimorph, Device, Piezo, Shim
-from tmm.laminate import static_response
+from geometry.beam_pieces import Piece
+from geometry.errors import InputError
+from geometry.materials import EPS0
+from geometry.parameters import Beam, Bimorph, Device, Piezo, Shim
+from tmm.laminate import laminate_section, static_response
+from tmm.section import section
 
 
 def by_quadrature(device):
@@ -71,3 +75,33 @@ def test_sign_follows_the_poling():
     assert static_response(Device()).tip_displacement > 0.0
     turned = static_response(Device(bimorph=Bimorph(poling="+x")))
     assert turned.tip_displacement == -static_response(Device()).tip_displacement
+
+
+def test_without_its_additions_it_is_the_beam():
+    """Uniform field, no Poisson effect, no d32: the constants of the beam models."""
+    device = Device(bimorph=Bimorph(poling="+x"))
+    beam = section(Piece("bimorph", 20e-3), device, Beam(), lossy=False)
+    plain = laminate_section(device, Beam(), poisson=False, d32=False, varying_field=False)
+    for name in ("EI", "GA", "K", "C", "m", "rhoI"):
+        assert getattr(plain, name) == pytest.approx(getattr(beam, name), rel=1e-14)
+
+
+def test_field_variation_stiffens_each_layer_about_its_middle():
+    """With d31 alone the layers' own bending is stiffened by 1/(1 - k31^2), nothing else."""
+    device = Device()
+    plain, varying = (
+        laminate_section(device, Beam(), poisson=False, d32=False, varying_field=on)
+        for on in (False, True)
+    )
+    piezo, b = device.piezo, device.bimorph
+    k2 = piezo.d31**2 / (piezo.s11 * piezo.eps33 * EPS0)
+    own = 2.0 * b.width * b.piezo_thickness**3 / (12.0 * piezo.s11)
+    stiffer = varying.EI - plain.EI
+    assert stiffer == pytest.approx(own * k2 / (1.0 - k2), rel=1e-11)
+    assert pytest.approx([plain.K, plain.C], rel=1e-14) == [varying.K, varying.C]
+
+
+def test_glue_between_the_layers_is_refused():
+    """Laminate theory has three layers here; glue is named with the remedy."""
+    with pytest.raises(InputError, match=r"bimorph\.glue_thickness.*set it to 0 m"):
+        laminate_section(Device(bimorph=Bimorph(glue_thickness=10e-6)), Beam())

@@ -1,5 +1,6 @@
 """Materials: full tensors that stand exactly for the reduced constants, or a refusal."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -80,6 +81,102 @@ def test_any_reduced_set_is_reproduced(s11, s55, d31, eps33, name):
     got = LIBRARY[name].with_values(**given_set).reduced()
     for key, value in given_set.items():
         assert got[key] == pytest.approx(value, rel=ROUNDING)
+
+
+FACTORS = st.floats(0.2, 5.0)
+
+
+@given(FACTORS, FACTORS, FACTORS, FACTORS, st.sampled_from(sorted(LIBRARY)))
+def test_tensors_are_positive_definite_or_refused(s11, s55, d31, eps33, name):
+    """Any reduced set gives positive definite stiffness and clamped permittivity, or a refusal.
+
+    The judge is the energy itself: the form [s, d; dᵀ, ε^T] of stress and field is positive
+    definite for admissible sets and for no others.
+    """
+    base = LIBRARY[name].reduced()
+    ceramic = LIBRARY[name].with_values(
+        **{
+            **base, "s11": base["s11"] * s11, "s55": base["s55"] * s55,
+            "d31": base["d31"] * d31, "eps33": base["eps33"] * eps33,
+        }
+    )  # fmt: skip
+    _holds_its_word(ceramic)
+
+
+@given(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0), st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
+def test_full_tensors_are_judged_by_their_energy(d33, d15, s12, s13):
+    """The same for constants that only a full tensor has, those of other signs included."""
+    ceramic = LIBRARY["PZT-5A"]
+    s, d = ceramic.s.copy(), ceramic.d.copy()
+    s[0, 1] = s[1, 0] = s12 * s[0, 1]
+    s[5, 5] = 2.0 * (s[0, 0] - s[0, 1])
+    for i, j in ((0, 2), (2, 0), (1, 2), (2, 1)):
+        s[i, j] *= s13
+    d[2, 2] *= d33
+    d[0, 4], d[1, 3] = d15 * d[0, 4], d15 * d[1, 3]
+    _holds_its_word(replace(ceramic, s=s, d=d))
+
+
+def _holds_its_word(ceramic):
+    energy = np.block([[ceramic.s, ceramic.d.T], [ceramic.d, ceramic.eps_t]])
+    scale = 1.0 / np.sqrt(np.abs(np.diag(energy)))
+    least = np.linalg.eigvalsh(energy * scale[:, None] * scale)[0]
+    if abs(least) < 1e-12:  # on the border, where rounding decides
+        return
+    if least < 0.0:
+        with pytest.raises(InputError, match="not"):
+            ceramic.tensors()
+        return
+    tensors = ceramic.tensors()
+    assert np.linalg.eigvalsh(tensors.c)[0] > 0.0
+    assert np.linalg.eigvalsh(tensors.eps)[0] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("constants", "words"),
+    [
+        ({"d33": 0.0}, "only d33 between"),
+        ({"d33": 3.0}, "only d33 between"),
+        ({"d31": 1.6}, "d31 alone makes the planar coupling factor 1"),
+        ({"d15": 2.0}, "d15 = .* makes k15 = 1"),
+        ({"s12": 4.0}, r"\|s12\| = .* is not below the root of s11 s22"),
+        ({"s13": 2.5}, r"\|s13\| = .* is not below the root of s11 s33"),
+        ({"s13": 1.7}, r"2 s13\^2 is not below s33 \(s11 \+ s12\)"),
+        ({"s33": -1.0}, "s33 = .* is not positive"),
+    ],
+)
+def test_refusal_names_what_contradicts(constants, words):
+    """The sentence tells which constants clash, not only that some do."""
+    ceramic = LIBRARY["M1876"]
+    s, d = ceramic.s.copy(), ceramic.d.copy()
+    places = {
+        "s12": (s, [(0, 1), (1, 0)]), "s13": (s, [(0, 2), (2, 0), (1, 2), (2, 1)]),
+        "s33": (s, [(2, 2)]), "d31": (d, [(2, 0), (2, 1)]), "d33": (d, [(2, 2)]),
+        "d15": (d, [(0, 4), (1, 3)]),
+    }  # fmt: skip
+    for name, factor in constants.items():
+        matrix, where = places[name]
+        for at in where:
+            matrix[at] *= factor
+    with pytest.raises(InputError, match=words):
+        replace(ceramic, s=s, d=d).tensors()
+
+
+def test_range_of_d33_is_sharp():
+    """Just inside the range that the refusal states a tensor is admissible, just outside not."""
+    ceramic = LIBRARY["M1876"]
+    with pytest.raises(InputError) as caught:
+        replace(ceramic, d=ceramic.d * np.where(np.arange(6) == 2, 0.0, 1.0)).tensors()
+    low, high = (
+        float(v) for v in re.search(r"between (\S+) and (\S+) m/V", str(caught.value)).groups()
+    )
+    for border, inwards in ((low, 1.0), (high, -1.0)):
+        d = ceramic.d.copy()
+        d[2, 2] = border + inwards * 1e-3 * (high - low)  # four digits are printed
+        replace(ceramic, d=d).tensors()
+        d[2, 2] = border - inwards * 1e-3 * (high - low)
+        with pytest.raises(InputError):
+            replace(ceramic, d=d).tensors()
 
 
 def test_turning_the_axes_is_a_rotation():

@@ -7,6 +7,7 @@ import pytest
 
 from geometry import system_libraries
 from geometry.errors import InputError
+from geometry.mesh_files import read_mesh
 from validation.checks import CHECKS, run_check
 from validation.cli import main
 from validation.formats import engineering, percent, share, with_bar
@@ -72,7 +73,8 @@ def test_exported_files_are_complete(tmp_path, capsys):
     assert capsys.readouterr().out.split() == [str(step), str(glb), str(mesh)]
     assert step.read_text(encoding="utf-8").startswith("ISO-10303-21")
     assert glb.read_bytes()[:4] == b"glTF"
-    assert mesh.stat().st_size > 10_000
+    written = read_mesh(mesh)
+    assert set(written.regions) == {"piezo_top", "piezo_bottom", "shim"}
     assert sorted(p.name for p in tmp_path.iterdir()) == ["g.glb", "g.step", "m.vtu"]
 
 

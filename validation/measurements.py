@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from tmm.terminations import finger_spring_damper
 from validation.scene import Scene, load_scene
 from validation.solve import Solution, solve
+
+if TYPE_CHECKING:
+    from validation.bridge import Rung, Steps
 
 
 def _scene(name: str, *overrides: str) -> Scene:
@@ -125,16 +128,35 @@ def lumped_over_tmm_frequency() -> float:
 
 
 @cache
-def bridge_unexplained() -> float:
-    """Deflection of the beam-like solid over TMM times the predicted field variation."""
+def _clamped_bridge() -> list[Rung]:
+    """Rungs of the paper's bimorph on a rigid clamp, where f1 is the bimorph's own."""
     from validation.bridge import bridge
-    from validation.models import SolidModel
 
-    scene = _scene("paper")
-    solid = _solved("paper", "solid", "static_tip_displacement").models["solid"]
-    assert isinstance(solid, SolidModel)
-    rungs = bridge(scene, solid, lambda _: None)
-    return rungs[1].deflection / (rungs[0].deflection * (1.0 + rungs[1].predicted[0]))
+    return bridge(_scene("paper", "support.kind=clamped"), lambda _: None, sections=False)
+
+
+def beam_like_solid_over_tmm(quantity: str) -> float:
+    """Return the solid with a beam's constants and a linear potential over TMM."""
+    beam, solid = _clamped_bridge()[1:3]
+    return float(getattr(solid, quantity) / getattr(beam, quantity))
+
+
+def field_variation(quantity: str) -> float:
+    """Return the measured change by the field's variation over the predicted one, both plus 1."""
+    rung = _clamped_bridge()[3]
+    return float((1.0 + getattr(rung.step, quantity)) / (1.0 + getattr(rung.predicted, quantity)))
+
+
+@cache
+def _ends_rest() -> Steps:
+    from validation.bridge.ends import ends
+
+    return ends(_scene("paper")).rest
+
+
+def bridge_rest(quantity: str) -> float:
+    """Return 1 plus what neither the solid's section nor its ends explain."""
+    return 1.0 + float(getattr(_ends_rest(), quantity))
 
 
 def _deflection(frequency: float, *overrides: str) -> float:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
-from itertools import pairwise
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -83,28 +82,87 @@ def response_plot(
     return svg(figure)
 
 
-def bridge_plot(rungs: Sequence[Rung]) -> str:
-    """Plot the bridge from TMM to the solid: change in percent per rung and quantity."""
+def bridge_plot(rungs: Sequence[Rung], whole: str) -> str:
+    """Plot a bridge as a waterfall per quantity: what each step adds, in percent of the start.
+
+    A mark stands where a closed form says that the step ends, a ring where the beam model
+    with the solid's own section does.
+
+    Parameters
+    ----------
+    rungs : sequence of Rung
+        The start and the steps.
+    whole : str
+        What the sum of all steps is called.
+    """
     quantities = {
         "deflection": "static deflection",
         "first_frequency": "first frequency",
         "capacitance": "capacitance",
     }
-    figure, axes = _figure(9.0, 2.6, nrows=1, ncols=3, sharey=True, squeeze=False)
-    names = [f"{a.name} → {b.name}" for a, b in pairwise(rungs)]
-    for axis, (attribute, title) in zip(axes[0], quantities.items(), strict=True):
-        values = np.array([getattr(rung, attribute) for rung in rungs])
-        change = 100.0 * np.diff(values) / values[:-1]
-        bars = axis.barh(names, change, color=["#56B4E9", "#D55E00"][: len(names)])
-        axis.bar_label(bars, fmt="%+.2f %%", padding=3)
-        axis.axvline(0.0, color="black", linewidth=0.8)
-        axis.set_title(title)
-        reach = max(1.0, 2.4 * float(np.abs(change).max()))
-        axis.set_xlim(-reach, reach)
-        axis.set_xlabel("step (%)")
-    axes[0][0].invert_yaxis()
-    for axis in axes[0]:
+    figure, axes = _figure(11.0, 0.42 * len(rungs) + 1.3, ncols=3, sharey=True, squeeze=False)
+    names = [*(rung.name for rung in rungs[1:]), whole]
+    for axis, (quantity, title) in zip(axes[0], quantities.items(), strict=True):
+        values = np.array([getattr(rung, quantity) for rung in rungs])
+        ends = 100.0 * (values / values[0] - 1.0)
+        starts, widths = np.append(ends[:-1], 0.0), np.append(np.diff(ends), ends[-1])
+        colours = [*np.where(np.diff(ends) > 0.0, "#D55E00", "#0072B2"), "#999999"]
+        axis.barh(names, widths, left=starts, color=colours, height=0.62)
+        for attribute, marker in (("predicted", "|"), ("section", "o")):
+            steps = np.array([getattr(getattr(rung, attribute), quantity) for rung in rungs[1:]])
+            at = (100.0 + ends[:-1]) * (1.0 + steps) - 100.0
+            axis.plot(at, names[:-1], marker, color="black", fillstyle="none", markersize=9)
+        axis.axvline(0.0, color="black", linewidth=0.9)
+        low, high = min(0.0, *ends), max(0.0, *ends)
+        span = max(high - low, 0.1)
+        axis.set_xlim(low - 0.25 * span, high + 0.6 * span)
+        shown = [*(getattr(rung.step, quantity) for rung in rungs[1:]), 0.01 * ends[-1]]
+        for place, value in enumerate(shown):
+            text = f"{100.0 * value:+.2f} % "
+            axis.text(high + 0.6 * span, place, text, ha="right", va="center", fontsize=9)
+        axis.set(title=title, xlabel=f"difference from {rungs[0].name} (%)")
         axis.grid(visible=True, axis="x", alpha=0.3)
+    axes[0][0].invert_yaxis()
+    return svg(figure)
+
+
+def support_plot(
+    lengths: Array, rotations: Mapping[str, Array], target: float, best: Mapping[str, float]
+) -> str:
+    """Plot rotation per moment of a support over its tab's free length.
+
+    Parameters
+    ----------
+    lengths : (n,) array
+        Free length of the tab (m).
+    rotations : mapping of str to (n,) array
+        Rotation per moment (rad/(N m)) by what holds the tab.
+    target : float
+        The fitted one.
+    best : mapping of str to float
+        Length (m) at which each reaches it; nan where none does.
+    """
+    figure, axes = _figure(10.0, 3.8, squeeze=False)
+    axis = axes[0][0]
+    styles = (("#999999", ":"), ("#0072B2", "-"), ("#D55E00", "-."))
+    for (name, values), (colour, line) in zip(rotations.items(), styles, strict=False):
+        axis.plot(1e3 * lengths, values, color=colour, linestyle=line, linewidth=2.0, label=name)
+        if np.isfinite(best[name]):
+            axis.plot(1e3 * best[name], target, "o", color=colour)
+            axis.annotate(
+                f"{1e3 * best[name]:.2f} mm",
+                (1e3 * best[name], target),
+                xytext=(-3, 6),
+                ha="right",
+                textcoords="offset points",
+                color=colour,
+            )
+    axis.axhline(target, color="black", linewidth=0.9)
+    axis.text(0.99e3 * lengths[-1], target, "fitted, 1/c_s", ha="right", va="bottom")
+    axis.set(xlabel="free length of the tab (mm)", ylabel="rotation per moment (rad/(N m))")
+    axis.set(xlim=(0.0, 1e3 * lengths[-1]), ylim=(0.0, None))
+    axis.legend(frameon=False)
+    axis.grid(visible=True, alpha=0.3)
     return svg(figure)
 
 

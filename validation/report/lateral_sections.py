@@ -7,10 +7,12 @@ import numpy as np
 from validation import audit, plots
 from validation.comparison import UNEXPLAINED, compare
 from validation.design import excitation_voltage, length_section
-from validation.models import LumpedModel, SolidModel
 from validation.report import gallery
+from validation.report.bridge_sections import bridge_section, holding_section, material_section
 from validation.report.section import Context, Section
 from validation.report.study import Study
+from validation.row_models import LumpedModel
+from validation.solid_model import SolidModel
 from validation.solve import solve
 from validation.stress import output as stress_output
 from validation.uncertainty import propagation
@@ -22,7 +24,7 @@ def _models(study: Study) -> Context:
 
 def _tetrahedra(study: Study) -> Context | None:
     """Return the solid on a tetwild mesh beside the structured one."""
-    from validation.solid_meshes import uses_tetrahedra
+    from validation.solid_meshes import cells_of, uses_tetrahedra
 
     scene = study.scene
     if study.quick or study.solid is None or uses_tetrahedra(scene):
@@ -33,11 +35,12 @@ def _tetrahedra(study: Study) -> Context | None:
     other = solve(scene.model_copy(update={"mesh": mesh}), ("solid",), names, study.announce)
     model = other.models["solid"]
     assert isinstance(model, SolidModel)
+    shown = cells_of(model.meshes()[0])
     return {
         "rows": compare(other),
         "reference": {row.quantity: row.cells[-1] for row in compare(study.solution)},
-        "cells": model.meshes()[0].cells.shape[0],
-        "png": gallery.close_up(model.meshes()[0]),
+        "cells": shown.cells.shape[0],
+        "png": gallery.close_up(shown),
     }
 
 
@@ -45,11 +48,6 @@ def _modes(study: Study) -> Context:
     lumped = study.solution.models.get("lumped")
     circuit = lumped.circuit() if isinstance(lumped, LumpedModel) else None
     return {"modes": gallery.modes(study), "circuit": circuit}
-
-
-def _bridge(study: Study) -> Context:
-    rungs = study.rungs
-    return {"bridge": {"rungs": rungs, "plot": plots.bridge_plot(rungs)} if rungs else None}
 
 
 def _response(study: Study) -> Context:
@@ -84,7 +82,9 @@ def _audit(study: Study) -> Context:
 LATERAL: tuple[Section, ...] = (
     Section("models", "Models side by side", _models),
     Section("modes", "Natural modes", _modes),
-    Section("bridge", "From the beam to the solid", _bridge),
+    Section("bridge", "From the beam to the solid", bridge_section),
+    Section("holding", "What holds the bimorph", holding_section),
+    Section("material", "What the assumed constants are worth", material_section),
     Section("response", "Frequency response", _response),
     Section("length", "Length design", _length),
     Section("voltage", "Voltage at the detection threshold", _voltage),

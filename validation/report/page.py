@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from importlib import resources
@@ -62,6 +63,7 @@ def _page(study: Study, started: float) -> str:
         "seconds": time.perf_counter() - started,
         "lateral": study.lateral,
         "normal": study.normal,
+        "turns_are_set": study.normal is not None and study.normal.turns_are_set,
     }
     bodies = [
         {
@@ -99,8 +101,10 @@ def _summary(study: Study) -> dict[str, Any]:
 
 def _spread(rows: Sequence[ComparedRow]) -> dict[str, float]:
     """Return the widest error bar and the largest difference between models, as fractions."""
-    cells = [cell for row in rows for cell in row.cells]
+    cells = [cell for row in rows for cell in row.cells if math.isfinite(cell.value)]
     return {
         "widest": max((c.uncertainty / abs(c.value) for c in cells if c.value), default=0.0),
-        "farthest": max((abs(c.difference) for c in cells), default=0.0),
+        "farthest": max(
+            (abs(c.difference) for c in cells if c.difference == c.difference), default=0.0
+        ),
     }

@@ -14,7 +14,7 @@ from tmm.multiport import passivity_margin, reciprocity_error
 from tmm.terminations import outside_finger_range
 from validation.checks import CHECKS, Check, Outcome, run_check
 from validation.comparison import ComparedRow, compare
-from validation.models import SolidModel
+from validation.solid_model import SolidModel
 from validation.parameter_list import ParameterRow, parameter_rows
 from validation.plan import Plan, check_models
 from validation.quantities import MAGNETIC_MODELS, QUANTITIES, gives
@@ -103,7 +103,7 @@ class Study:
             return None
         from validation.bridge import bridge
 
-        return bridge(self.scene, self.solid, self.announce)
+        return bridge(self.scene, self.announce, sections=not self.quick)
 
     @cached_property
     def comparison(self) -> list[ComparedRow]:
@@ -172,7 +172,7 @@ class Study:
             if self.scene.support.kind == "rod":
                 keys |= {"glue", "rod", "coil", "sleeve", "gap"}
         if self.normal:
-            keys |= {*READS["network.map"], "spring"}
+            keys |= {*READS["network.map"], "coil", "steel"}
         unread = set() if self.scene.steel.curve == "linear" else {"steel.relative_permeability"}
         rows = parameter_rows(self.scene, self.origins)
         return [r for r in rows if {r.key, r.key.split(".")[0]} & keys and r.key not in unread]

@@ -1,0 +1,65 @@
+"""The shear correction factor by the section's own shear energy."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from geometry.parameters import Bimorph, Device, Glue, Piezo, Shim
+from tmm.shear_correction import energy_shear_correction
+
+
+def by_quadrature(device, points=20001):
+    """Jourawski's shear stress by cumulative sums over the thickness, its energy by a sum."""
+    b, piezo, shim, glue = device.bimorph, device.piezo, device.shim, device.glue
+    edges = np.cumsum([0.5 * b.shim_thickness, b.glue_thickness, b.piezo_thickness])
+    x = (np.arange(points) + 0.5) * edges[-1] / points
+    layer = np.searchsorted(edges, x)
+    young = np.array([shim.youngs_modulus, glue.youngs_modulus, 1 / piezo.s11])[layer]
+    soft = glue.youngs_modulus / (2 * (1 + glue.poisson_ratio))
+    shear = np.array([shim.shear_modulus, soft, 1 / piezo.s55])[layer]
+    dx = edges[-1] / points
+    moment = np.cumsum((young * x * dx)[::-1])[::-1] - 0.5 * young * x * dx
+    stiffness = (young * x**2).sum() * dx
+    return stiffness**2 / ((moment**2 / shear).sum() * dx) / (shear.sum() * dx)
+
+
+def test_one_material_has_five_sixths():
+    """A homogeneous rectangle gives Reissner's 5/6, however it is divided into layers."""
+    s11, s55 = Piezo().s11, Piezo().s55
+    device = Device(shim=Shim(youngs_modulus=1 / s11, shear_modulus=1 / s55))
+    assert energy_shear_correction(device) == pytest.approx(5.0 / 6.0, rel=1e-14)
+
+
+def test_papers_soft_core():
+    """The paper's section, its shim of fibres along z much softer in shear, is near 0.425."""
+    assert energy_shear_correction(Device()) == pytest.approx(0.425, abs=5e-4)  # as printed
+
+
+@given(
+    st.floats(0.02e-3, 1e-3), st.floats(0.02e-3, 1e-3), st.floats(0.0, 0.1e-3),
+    st.floats(1e9, 4e11), st.floats(1e8, 2e11),
+)  # fmt: skip
+def test_closed_form_equals_quadrature(piezo, shim, bond, young, shear):
+    """The closed form is the energy of the stress that equilibrium asks for, glue included."""
+    device = Device(
+        bimorph=Bimorph(piezo_thickness=piezo, shim_thickness=shim, glue_thickness=bond),
+        shim=Shim(youngs_modulus=young, shear_modulus=shear),
+    )
+    found = energy_shear_correction(device)
+    # layers' edges fall inside the sum's intervals, of which the thinnest layer has 300
+    assert found == pytest.approx(by_quadrature(device), rel=1e-2)
+    # Cauchy-Schwarz: no distribution of stress stores less than the uniform strain
+    assert 0.0 < found <= 1.0
+
+
+def test_glue_of_shim_is_a_thicker_shim():
+    """A bond line with the shim's moduli is more shim."""
+    g, e = 5e9, 13e9
+    glue = Glue(youngs_modulus=e, poisson_ratio=e / (2 * g) - 1)
+    shim = Shim(youngs_modulus=e, shear_modulus=g)
+    bonded = Device(bimorph=Bimorph(glue_thickness=0.03e-3), shim=shim, glue=glue)
+    plain = Device(bimorph=Bimorph(shim_thickness=0.31e-3), shim=shim)
+    assert energy_shear_correction(bonded) == pytest.approx(
+        energy_shear_correction(plain), rel=1e-13
+    )
