@@ -152,15 +152,16 @@ class Factor:
     def _check(self, matrix: Sparse) -> None:
         """Solve for a known solution.
 
-        What a badly conditioned matrix loses comes back by refinement; what a singular one
-        adds of its null vectors stays.
+        What a badly conditioned matrix loses comes back by refinement, if the known case is
+        rounded to more digits; what a singular one adds of its null vectors stays.
         """
         known = np.random.default_rng(1).uniform(-1.0, 1.0, matrix.shape[0])
         right = self._scale * (matrix @ (self._scale * known))
         found = self._method.solve(right[:, None])[:, 0]
         if not np.linalg.norm(found - known) <= _SINGULAR:
-            rest = right - self._scale * (matrix @ (self._scale * found))
-            found = found + self._method.solve(rest[:, None])[:, 0]
+            wide = matrix.astype(np.clongdouble if self._complex else np.longdouble)
+            missing = self._scale * (wide @ (self._scale * (known - found)))
+            found = found + self._method.solve(missing[:, None])[:, 0]
         if not np.linalg.norm(found - known) <= _SINGULAR:
             raise SolverError(
                 "the matrix is singular (a part that nothing holds, "

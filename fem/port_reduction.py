@@ -191,9 +191,11 @@ def _krylov_chain(system: _Split, centre: float) -> list[Complex]:
     right[:n_u] = system.mass @ chain[0][:n_u]
     right[:n_u, :3] += system.port_mass
     for _ in range(1, _BLOCKS):
-        block = factor.solve(right)
+        # a voltage that moves nothing (a passive ceramic) has no moments
+        block = factor.solve(right[:, right.any(axis=0)])
         # powers alone turn parallel and lose what is new; the first block has its own load
         chain.append(_orthogonal(block, chain[1:]))
+        right = np.zeros_like(block)
         right[:n_u] = system.mass @ chain[-1][:n_u]
     return chain
 

@@ -8,7 +8,7 @@ from fem.port_extremes import extremes, motions, standard_ends
 from fem.port_reduction import port_error, reduce_to_ports
 from fem.solid_ports import direct_multiport
 from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.parameters import Device, Load, Support
+from geometry.parameters import Device, Load, Piezo, Support
 from tmm.multiport import passivity_margin, reciprocity_error, respond
 from tmm.terminations import termination
 
@@ -106,3 +106,14 @@ def test_other_ends_need_no_field(reduced):
     assert two.w_tip == pytest.approx(2.0 * one.w_tip, rel=1e-12)
     other = respond(port, termination(Support(kind="clamped"), Load(kind="none"), SWEEP), 1.0)
     assert np.abs(other.w_tip / one.w_tip - 1.0).max() > 0.1
+
+
+def test_passive_ceramic_is_reduced_too():
+    """Without coupling the voltage moves nothing, and the reduction says so, exactly."""
+    device = Device(piezo=Piezo(d31=0.0))
+    frequencies = np.linspace(100.0, 5000.0, 9)
+    system = assemble(device, bimorph_bricks(device, LEVELS[0]), lossy=True)
+    stiffness = reduce_to_ports(system, frequencies).multiport(frequencies).stiffness
+    assert np.isfinite(stiffness).all()
+    assert np.abs(stiffness[:, 4, :4]).max() == 0.0
+    assert (stiffness[:, 4, 4].real > 0.0).all()
