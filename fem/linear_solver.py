@@ -164,8 +164,8 @@ class Factor:
             found = found + self._method.solve(missing[:, None])[:, 0]
         if not np.linalg.norm(found - known) <= _SINGULAR:
             raise SolverError(
-                "the matrix is singular (a part that nothing holds, "
-                "or an electrode with no material)"
+                "the matrix is singular (a part that nothing holds, an electrode with no material, "
+                "or a body so slender that rounding hides its stiffness)"
             )
 
 

@@ -60,8 +60,8 @@ class BrickMeshing:
     growth: float = _GROWTH
 
 
-#: A family of divisions for refinement studies; from one to the next errors fall at least by
-#: half (about 1.5, 4, 11, 24 and 50 thousand unknowns for the paper's bimorph).
+#: A family of divisions for refinement studies; from one to the next errors fall about by
+#: half (about 2, 5, 11, 37 and 57 thousand unknowns for the paper's bimorph).
 LEVELS = (
     BrickMeshing((2, 2, 3), side=0.2, smallest=0.4, tip=1.0, longest=6.0, pieces=(4.0, 8.0)),
     BrickMeshing((3, 3, 3), side=0.2, smallest=0.2, tip=0.3, pieces=(5.0, 10.0)),

@@ -238,7 +238,7 @@ def _named_faces(
     inner = bricks.x.breaks[min(s.x[0] for s in piezo)]
     outer = bricks.x.breaks[max(s.x[1] for s in piezo)]
     start, end = (bricks.z.breaks[k] for k in bricks.electrode)
-    tolerance = 1e-12
+    tolerance = 1e-9 * outer
 
     def on_plane(quads: Ints, axis: int, value: float) -> Bools:
         return np.asarray((np.abs(points[quads, axis] - value) < tolerance).all(axis=1))

@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from geometry.brick_family import LEVELS, bimorph_bricks
+from geometry.bricks import Bricks
 from geometry.mesh import Mesh
-from geometry.structured import LEVELS, hexahedral
+from geometry.parameters import Device
+from validation.refinement import ASSUMED_GAIN, BRICK_FACTOR, SAFETY
 from validation.scene import Scene
 
-#: Relative error bar of static deflection, capacitances and first frequencies that each
-#: level stays below on the paper's bimorph and on job J1 (tests/test_refinement.py).
-_LEVEL_BAR = (1e-2, 3e-3, 1e-3, 6e-4, 2.5e-4)
+if TYPE_CHECKING:
+    from fem.solid_system import SolidSystem
+    from validation.adaptive_meshes import AdaptedPair
 
-#: Edge length at the root and far from it of the tetrahedral family, in thicknesses of
-#: the shim (its tab carries the root's bending); each level about 1.3 times finer.
-_TET_EDGES = ((0.9, 2.2), (0.7, 1.7), (0.54, 1.3), (0.42, 1.0), (0.32, 0.8))
+#: Relative error bar of static deflection, capacitances and first frequencies that each level
+#: stays below on the paper's bimorph and on job J1 (tests/test_refinement.py).
+_BRICK_BARS = (1e-1, 3e-3, 8e-4, 2e-4, 1.5e-4)
+#: Accuracy that each level stands for with tetrahedra.
+_TET_BARS = (1e-2, 3e-3, 1e-3, 6e-4, 2.5e-4)
 
 
 def level_for(scene: Scene) -> int:
-    """Return the index (0 to 4) of the finer mesh's level; never the coarsest."""
+    """Return the index (0 to 4) of the finer bricks' level; never the coarsest."""
     if scene.mesh.level:
         return max(scene.mesh.level - 1, 1)
-    for index, error in enumerate(_LEVEL_BAR):
+    for index, error in enumerate(_BRICK_BARS):
         if index and error <= scene.accuracy:
             return index
-    return len(LEVELS) - 1
+    return len(_BRICK_BARS) - 1
 
 
 def uses_tetrahedra(scene: Scene) -> bool:
@@ -30,24 +39,62 @@ def uses_tetrahedra(scene: Scene) -> bool:
     return scene.mesh.kind == "tetwild" or scene.support.kind == "rod"
 
 
-def mesh_pair(scene: Scene) -> tuple[Mesh, Mesh]:
+@dataclass(frozen=True)
+class BrickPair:
+    """Bricks of two neighbouring levels, the coarser to judge the finer by."""
+
+    device: Device
+    meshes: tuple[Bricks, Bricks]
+
+    @cached_property
+    def systems(self) -> tuple[SolidSystem, SolidSystem]:
+        """The lossless systems on the finer and the coarser mesh."""
+        from fem.brick_solid import assemble_bricks
+
+        fine, coarse = (assemble_bricks(self.device, m, lossy=False) for m in self.meshes)
+        return fine, coarse
+
+    @property
+    def static_factor(self) -> float:
+        """Error bar of static quantities per difference between the two meshes."""
+        return BRICK_FACTOR
+
+    @property
+    def mode_factor(self) -> float:
+        """Error bar of natural frequencies per difference between the two meshes."""
+        return self.static_factor
+
+    @property
+    def method(self) -> str:
+        """How the error bars come about, for the reader."""
+        fine, coarse = (system.size for system in self.systems)
+        return (
+            f"two levels of bricks ({fine} and {coarse} unknowns), the error assumed to fall by "
+            f"{ASSUMED_GAIN:g}, safety factor {SAFETY}"
+        )
+
+
+def mesh_pair(scene: Scene) -> BrickPair | AdaptedPair:
     """Return the finer mesh of the solid model, and a coarser one to judge it by.
 
-    Structured meshes are compared with the next coarser level.  Tetrahedral meshes are not
-    nested and scatter a little, so two levels are put between them.
+    Bricks are compared with the next coarser level, tetrahedra with the mesh that they were
+    refined from.
     """
-    fine = level_for(scene)
+    level = scene.mesh.level
     if uses_tetrahedra(scene):
-        return tetrahedral(scene, fine), tetrahedral(scene, max(fine - 2, 0))
-    return hexahedral(scene.device, LEVELS[fine]), hexahedral(scene.device, LEVELS[fine - 1])
+        from validation.adaptive_meshes import adapted_pair
+
+        return adapted_pair(scene, _TET_BARS[level - 1] if level else scene.accuracy)
+    fine = level_for(scene)
+    bricks = [bimorph_bricks(scene.device, LEVELS[number]) for number in (fine, fine - 1)]
+    return BrickPair(scene.device, (bricks[0], bricks[1]))
 
 
-def tetrahedral(scene: Scene, level: int) -> Mesh:
-    """Return the tetwild mesh of the mechanical solids at a level of the family."""
-    from geometry.tetmesh import TetMeshing, tetrahedralise
+def cells_of(mesh: Mesh | Bricks) -> Mesh:
+    """Return the cells to show or to write: bricks become eight-cornered cells of the whole."""
+    return mesh.corner_mesh() if isinstance(mesh, Bricks) else mesh
 
-    on_rod = scene.support.kind == "rod"
-    root, far = (edge * scene.bimorph.shim_thickness for edge in _TET_EDGES[level])
-    regions = ("piezo_top", "piezo_bottom", "shim") + (("glue", "rod") if on_rod else ())
-    options = TetMeshing(edge_length=far, root_edge_length=root, time_limit=scene.mesh.time_limit)
-    return tetrahedralise(scene.device, "rod" if on_rod else "alone", regions, options)
+
+def points_of(mesh: Mesh | Bricks) -> Mesh:
+    """Return a mesh whose points are nodes of the solution."""
+    return mesh.node_mesh() if isinstance(mesh, Bricks) else mesh

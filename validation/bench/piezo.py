@@ -25,7 +25,7 @@ from validation.bench.peers.job import Answer
 from validation.bench.piezo_ways import Level, own, ways
 from validation.bench.result import Bench, SolidTiming, Target
 from validation.bench.work_precision import Point, front, time_at_error
-from validation.refinement import ASSUMED_GAIN, SAFETY
+from validation.refinement import BRICK_FACTOR
 
 #: Converged J1 as four public codes agree on it on identical meshes (deflection in m/V, f1
 #: to f4 in Hz), and to how much (relative).
@@ -75,9 +75,8 @@ def _reference(quick: bool, announce: Callable[[str], None]) -> Reference:
         solve = own(piezo_jobs.BRICKS, level)
         values.append(values_of(solve([])))
         sweeps.append(_sweep_of(solve(frequencies.tolist())))
-    factor = SAFETY / (ASSUMED_GAIN - 1.0)
-    bars = factor * np.abs(values[1] / values[0] - 1.0)
-    sweep_bar = factor * np.abs(sweeps[1] / sweeps[0] - 1.0).max()
+    bars = BRICK_FACTOR * np.abs(values[1] / values[0] - 1.0)
+    sweep_bar = BRICK_FACTOR * np.abs(sweeps[1] / sweeps[0] - 1.0).max()
     return Reference(values[0], bars, frequencies, sweeps[0], float(sweep_bar))
 
 

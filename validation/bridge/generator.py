@@ -24,8 +24,6 @@ from validation.scene import Scene
 USUAL_TAB = 2e-3
 #: Moduli of glue and rod are raised by this for what counts as rigid.
 _RIGID = 1e3
-#: Index of the tetrahedral family.
-_TETS = 1
 #: Electrode margins at either end (m), and glue between the layers (m), of the two branches.
 MARGIN, BOND = 0.5e-3, 20e-6
 
@@ -88,10 +86,10 @@ class GeneratorChain:
     @cached_property
     def mesh(self) -> Mesh:
         """The tetrahedra of bimorph, glue and rod."""
-        from validation.solid_meshes import tetrahedral
+        from validation.solid_meshes import cells_of, mesh_pair
 
         self.announce("bridge: tetrahedra of the generator")
-        return tetrahedral(self.device, _TETS)
+        return cells_of(mesh_pair(self.device).meshes[0])
 
     @cached_property
     def in_rigid_slot(self) -> SolvedSolid:

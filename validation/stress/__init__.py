@@ -11,7 +11,11 @@ from collections.abc import Callable, Iterable
 from validation.stress.result import Stress
 
 #: Name of each part and the module that runs it.
-PARTS = {"tmm": "validation.stress.beam", "magnetics": "validation.stress.magnetics"}
+PARTS = {
+    "tmm": "validation.stress.beam",
+    "solid": "validation.stress.solid",
+    "magnetics": "validation.stress.magnetics",
+}
 
 
 def run_parts(names: Iterable[str], quick: bool, announce: Callable[[str], None]) -> list[Stress]:

@@ -1,0 +1,231 @@
+"""The piezoelectric solid on bricks: exact facts, and scikit-fem's elements as witness."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.brick_solid import assemble_bricks
+from fem.piezo_solid import assemble
+from fem.solid_modes import Attachment, natural_modes
+from fem.solid_ports import static_multiport
+from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.bricks import Axis
+from geometry.parameters import Bimorph, Device, Shim
+
+MOTIONS = ("bending_x", "bending_y", "torsion", "axial")
+COARSE = BrickMeshing((2, 2, 2), smallest=0.5)
+VARIANTS = (
+    {},
+    {"tab_length": 1.6e-3},
+    {"bare_below": 1e-3, "bare_above": 0.4e-3},
+    {"glue_thickness": 10e-6},
+)
+
+
+def ceramic_without(device, *, coupling=True, poisson=True):
+    ceramic = device.piezo.ceramic()
+    d = ceramic.d if coupling else np.zeros((3, 6))
+    s = ceramic.s if poisson else np.diag(np.diag(ceramic.s))
+    return replace(ceramic, d=d, s=s)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("level", [0, 1])
+def test_rigid_motion_needs_no_force(variant, level):
+    """Translating and turning the whole body leaves all ports free of force and charge."""
+    device = Device(bimorph=Bimorph(**variant))
+    bricks = bimorph_bricks(device, LEVELS[level])
+    system = assemble(device, bricks, lossy=False)
+    d = static_multiport(system).stiffness[0].real
+    length = bricks.z.breaks[-1]
+    energy = {"translation": [1.0, 0.0, 1.0, 0.0], "turn": [0.0, 1.0, -length, 1.0]}
+    tip = 1.0 / np.linalg.inv(d[2:4, 2:4])[0, 0]
+    # the bound that the system states of its own rounding, for unit motion of the tip
+    allowed = system.spurious_stiffness + 1e-12 * tip
+    assert abs(np.array(energy["translation"]) @ d[:4, :4] @ energy["translation"]) < allowed
+    turned = np.array(energy["turn"]) @ d[:4, :4] @ energy["turn"]
+    assert abs(turned) < allowed * length**2
+    assert system.spurious_stiffness < 1e-6 * tip
+
+
+@pytest.mark.parametrize("level", [0, 2])
+@pytest.mark.parametrize("variant", [{}, {"tab_length": 1.6e-3}, {"glue_thickness": 10e-6}])
+def test_uncoupled_capacitor_is_exact(variant, level):
+    """Without coupling the layers are two plate capacitors and nothing moves."""
+    device = Device(bimorph=Bimorph(**variant))
+    ceramic = ceramic_without(device, coupling=False)
+    system = assemble(device, bimorph_bricks(device, LEVELS[level]), lossy=False, ceramic=ceramic)
+    d = static_multiport(system).stiffness[0].real
+    b = device.bimorph
+    plates = 2.0 * ceramic.eps_t[2, 2] * b.width * b.length / b.piezo_thickness
+    assert d[4, 4] == pytest.approx(plates, rel=1e-10)
+    assert np.abs(d[4, :4]).max() == 0.0
+
+
+@pytest.mark.parametrize("level", [0, 1])
+def test_pure_bending_is_exact(level):
+    """A homogeneous section without Poisson's effect bends under a tip moment as beams do."""
+    device = Device(shim=Shim(poisson_ratio=0.0, youngs_modulus=1.0 / 15.8e-12))
+    ceramic = ceramic_without(device, coupling=False, poisson=False)
+    system = assemble(device, bimorph_bricks(device, LEVELS[level]), lossy=False, ceramic=ceramic)
+    compliance = np.linalg.inv(static_multiport(system).stiffness[0].real[2:4, 2:4])
+    b = device.bimorph
+    ei = b.width * b.thickness**3 / 12.0 / 15.8e-12
+    # rounding, which grows as (L/h)⁴
+    assert compliance[1, 1] == pytest.approx(b.length / ei, rel=1e-7)
+    assert compliance[0, 1] == pytest.approx(-(b.length**2) / (2.0 * ei), rel=1e-7)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_negative_pivots_are_the_potentials(variant, motion):
+    """Stiffness is positive, permittivity negative: as many negative pivots as potentials."""
+    device = Device(bimorph=Bimorph(**variant))
+    system = assemble_bricks(device, bimorph_bricks(device, LEVELS[0]), lossy=False, motion=motion)
+    pivots = system.held_factor.negative_pivots
+    if pivots is None:
+        pytest.skip("this solver does not count pivots")
+    assert pivots == system.potentials > 0
+
+
+def test_prescribed_field_leaves_a_definite_system():
+    """With the potential prescribed everywhere no unknown potential is left."""
+    system = assemble(Device(), bimorph_bricks(Device(), COARSE), lossy=False, uniform_field=True)
+    assert system.potentials == 0
+    assert system.held_factor.negative_pivots in (0, None)
+
+
+def linear_bricks(device):
+    """Bricks of degree 1: scikit-fem's trilinear hexahedra on the corner mesh."""
+    bricks = bimorph_bricks(device, COARSE)
+    return replace(
+        bricks,
+        x=Axis(bricks.x.breaks, 1),
+        y=Axis(bricks.y.breaks, 1),
+        z=Axis(bricks.z.breaks, 1),
+    )
+
+
+def skfem_matrices(device, mesh):
+    """Stiffness over (u, φ) at the points of `mesh` by ElementHex1, written out in Voigt form."""
+    from skfem import Basis, BilinearForm, ElementHex1, ElementVector
+    from skfem.helpers import dot
+
+    from fem.skfem_mesh import to_skfem
+    from fem.solid_system import materials
+
+    domain = to_skfem(mesh)
+    known = materials(device, mesh.regions, device.piezo.ceramic(), lossy=False)
+
+    def strain(u):
+        g = u.grad
+        return np.stack(
+            [g[0, 0], g[1, 1], g[2, 2], g[1, 2] + g[2, 1], g[0, 2] + g[2, 0], g[0, 1] + g[1, 0]]
+        )
+
+    parts = []
+    for region, material in known.items():
+        cells = domain.subdomains[region]
+        vector = Basis(domain, ElementVector(ElementHex1()), intorder=4, elements=cells)
+        scalar = vector.with_element(ElementHex1())
+        c = material.c
+        elastic = BilinearForm(
+            lambda u, v, _, c=c: np.einsum("i...,ij,j...", strain(v), c, strain(u))
+        ).assemble(vector)
+        parts.append(("uu", elastic, vector, scalar))
+        density = material.density
+        parts.append(
+            (
+                "m",
+                BilinearForm(lambda u, v, _, r=density: r * dot(u, v)).assemble(vector),
+                vector,
+                scalar,
+            )
+        )
+        if material.piezo is not None:
+            e, eps = material.piezo.e, material.piezo.eps
+            coupling = BilinearForm(
+                lambda u, v, _, e=e: np.einsum("i...,ij,j...", v.grad, e, strain(u))
+            ).assemble(vector, scalar)
+            field = BilinearForm(
+                lambda u, v, _, eps=eps: np.einsum("i...,ij,j...", v.grad, eps, u.grad)
+            ).assemble(scalar)
+            parts += [("pu", coupling, vector, scalar), ("pp", field, vector, scalar)]
+    return parts
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_energies_are_those_of_the_expanded_field(variant, motion):
+    """Degree 1: random unknowns, mirrored to the whole, have the energy that scikit-fem's
+    trilinear elements give to the same nodal values, elastic, electric and kinetic."""
+    device = Device(bimorph=Bimorph(**variant))
+    bricks = linear_bricks(device)
+    system = assemble_bricks(device, bricks, lossy=False, motion=motion)
+    mesh = bricks.node_mesh()
+    assert system.nodes == pytest.approx(mesh.points, abs=1e-15)
+    rng = np.random.default_rng(5)
+    y = rng.standard_normal(system.size)
+    # the last three unknowns are base motion and voltage, in their own units
+    y[-3:] = [1.0, 1e3, 1e9] * rng.standard_normal(3) if system.has_ports else 0.0
+    ux, uy, uz, potential = (system.expand @ y).reshape(4, -1)
+    energy = {"K": 0.0, "M": 0.0}
+    size = 0.0
+    for kind, matrix, vector, _ in skfem_matrices(device, mesh):
+        u = np.zeros(vector.N)
+        u[vector.nodal_dofs] = np.stack([ux, uy, uz])
+        if kind == "m":
+            energy["M"] += u @ (matrix @ u)
+            continue
+        part = {
+            "uu": lambda m, u=u: u @ (m @ u),
+            "pu": lambda m, u=u: 2.0 * potential @ (m @ u),
+            "pp": lambda m: -potential @ (m @ potential),
+        }[kind](matrix)
+        energy["K"] += part
+        size += abs(part)
+    # rounding of sums over all entries
+    assert abs(y @ (system.stiffness @ y) - energy["K"]) < 1e-12 * size
+    assert y @ (system.mass @ y) == pytest.approx(energy["M"], rel=1e-12)
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_nodal_masses_add_up(motion):
+    """The lumped masses of the mirrored whole are the mass of the bimorph, for every motion."""
+    device = Device(bimorph=Bimorph(tab_length=1e-3))
+    system = assemble_bricks(device, bimorph_bricks(device, LEVELS[0]), lossy=False, motion=motion)
+    b = device.bimorph
+    shim = (b.length + b.tab_length) * b.shim_thickness * device.shim.density
+    ceramic = 2.0 * b.length * b.piezo_thickness * device.piezo.density
+    assert system.node_mass.sum() == pytest.approx(b.width * (shim + ceramic), rel=1e-12)
+
+
+@pytest.mark.heavy
+def test_frequencies_are_those_of_quadratic_hexahedra():
+    """The four motions together have the modes that scikit-fem's 20-node elements find on the
+    whole, on meshes of which each is fine enough for 1e-3 by its own coarser one."""
+    device = Device(bimorph=Bimorph(length=8e-3))
+    bricks = bimorph_bricks(device, LEVELS[2])
+    found = sorted(
+        mode.frequency
+        for motion in MOTIONS
+        for mode in natural_modes(
+            assemble_bricks(device, bricks, lossy=False, motion=motion), Attachment(None), 4
+        )
+    )[:4]
+    mesh = bimorph_bricks(
+        device, BrickMeshing((2, 2, 2), (0.2, 0.6, 0.2), side=0.1, smallest=0.2, growth=2.0)
+    ).corner_mesh()
+    whole = natural_modes(assemble(device, mesh, lossy=False), Attachment(None), 4)
+    assert [m.frequency for m in whole] == pytest.approx(found, rel=1e-3)
+
+
+def test_no_interval_is_rounding():
+    """Widths that the grading fills to the last bit leave no interval of 1e-16 over."""
+    rng = np.random.default_rng(4)
+    widths = [1.694e-3, *np.exp(rng.uniform(np.log(2e-4), np.log(2e-2), 300))]
+    for width in widths:
+        bimorph = Bimorph(width=width, piezo_thickness=0.1074e-3, shim_thickness=0.4536e-3)
+        y = bimorph_bricks(Device(bimorph=bimorph), LEVELS[1]).y.breaks
+        assert np.diff(y).min() > 1e-3 * width

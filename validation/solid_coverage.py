@@ -1,0 +1,280 @@
+"""Do the solid model's error bars hold?  Varied bimorphs against much finer divisions.
+
+A list of cases, each a set of overrides of one scene, and what is found on each: value,
+error bar and reference of every quantity.  The error bar is what a user is shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from fem.brick_solid import assemble_bricks
+from fem.linear_solver import factorise
+from fem.solid_modes import Attachment, natural_modes
+from fem.solid_ports import ports_from_blocks
+from fem.solid_system import Motion, SolidSystem
+from geometry.arrays import Numbers
+from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.bricks import Bricks, Held
+from tmm.multiport import Multiport, Termination, respond
+from tmm.terminations import conservative_load, static_termination, termination
+from validation.plan import make_plan
+from validation.scene import Scene, load_scene
+from validation.solid_meshes import BrickPair
+from validation.solid_model import SolidModel
+from validation.solve import evaluate, solve
+from validation.stages import Stages
+
+_STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
+_MODES = ("short_circuit_frequencies", "coupling_factor")
+_HARMONIC = ("tip_displacement", "admittance")
+
+#: The division that references are solved on, by the level judged: for level 2 edges, corners
+#: and layers finer than in level 3, for level 3 those of level 4.
+_REFERENCE = {
+    2: BrickMeshing(
+        (3, 4, 3), (0.15, 0.7, 0.15), side=0.15, smallest=0.05, tip=0.2, longest=3.5,
+        pieces=(8.0, 12.0),
+    ),
+    3: LEVELS[3],
+}  # fmt: skip
+#: Largest quarter (nodes of level 4) that is affordable.
+_MOST_NODES = 17_500
+
+
+@dataclass(frozen=True)
+class Case:
+    """One bimorph, the level it is judged at, and what is judged.
+
+    Attributes
+    ----------
+    overrides : tuple of str
+        Of the scene ``prototype``.
+    level : int
+        Level of the family (2 or 3).
+    held : {"layers", "shim"}
+        What the base is.
+    all_motions : bool
+        Judge the frequencies of all classes of motion; else those that bend in x.
+    harmonic : bool
+        Judge the response at nine tenths of the first resonance as well.
+    """
+
+    overrides: tuple[str, ...]
+    level: int = 2
+    held: Held = "layers"
+    all_motions: bool = False
+    harmonic: bool = False
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What is judged."""
+        return (*_STATIC, *_MODES, *(_HARMONIC if self.harmonic else ()))
+
+    def scene(self) -> Scene:
+        """Return what is solved."""
+        more = [f"mesh.level={self.level}"]
+        if self.harmonic:
+            scene, _ = load_scene("prototype", list(self.overrides))
+            first = solve(scene, ["tmm"], ["short_circuit_frequencies"]).quantities[0].value[0]
+            more.append(f"frequency={0.9 * first:.6g} Hz")
+        return load_scene("prototype", [*self.overrides, *more])[0]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One number with its error bar; `kind` is the class of a mode."""
+
+    quantity: str
+    value: complex
+    bar: float
+    kind: str = ""
+
+
+class _HeldModel(SolidModel):
+    """The solid model on a base of all layers or of the shim alone."""
+
+    held: Held = "layers"
+
+    @cached_property
+    def mesh_pair(self) -> BrickPair:
+        """Bricks of the scene's level and of the next coarser one, so held."""
+        level, device = self.scene.mesh.level, self.scene.device
+        fine, coarse = (
+            bimorph_bricks(device, LEVELS[i], self.held) for i in (level - 1, level - 2)
+        )
+        return BrickPair(device, (fine, coarse))
+
+
+def answers(case: Case) -> list[Answer]:
+    """Return what the solid model says, as a user would be told."""
+    scene = case.scene()
+    model = _HeldModel(scene, Stages(make_plan(scene, ("solid",), case.quantities).keys))
+    model.held = case.held
+    found = []
+    for name in case.quantities:
+        quantity = evaluate(name, model)
+        values, bars = np.ravel(quantity.value), np.ravel(quantity.uncertainty)
+        kinds = quantity.classes or ("",) * values.size
+        found += [
+            Answer(name, complex(v), float(b), k)
+            for v, b, k in zip(values, bars, kinds, strict=True)
+            if case.all_motions or k in ("", "bending_x")
+        ]
+    return found
+
+
+def reference(case: Case, kinds: Iterable[str]) -> dict[str, list[complex]]:
+    """Return the quantities on the reference division; frequencies of the motions in `kinds`."""
+    scene = case.scene()
+    bricks = bimorph_bricks(scene.device, _REFERENCE[case.level], case.held)
+    system = assemble_bricks(scene.device, bricks, lossy=False)
+    port, end = _ports(system, 0.0), static_termination(scene.support, scene.load)
+    response = respond(port, end, scene.drive.voltage)
+    found: dict[str, list[complex]] = {
+        "static_tip_displacement": [complex(response.w_tip[0])],
+        "capacitance_free": [complex(response.charge[0]) / scene.drive.voltage],
+        "capacitance_blocked": [complex(port.stiffness[0, 4, 4])],
+    }
+    attachment = _attachment(scene)
+    short, opened = (
+        [mode.frequency for mode in natural_modes(system, attachment, count, open_circuit=free)]
+        for count, free in ((scene.modes, False), (1, True))
+    )
+    found["coupling_factor"] = [complex(np.sqrt(1.0 - (short[0] / opened[0]) ** 2))]
+    others: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
+    for motion in others:
+        if motion in kinds or "mixed" in kinds:
+            system = assemble_bricks(scene.device, bricks, lossy=False, motion=motion)
+            short += [m.frequency for m in natural_modes(system, attachment, scene.modes)]
+    found["short_circuit_frequencies"] = [complex(f) for f in sorted(short)]
+    if case.harmonic:
+        found |= _harmonic(scene, bricks)
+    return found
+
+
+def _harmonic(scene: Scene, bricks: Bricks) -> dict[str, list[complex]]:
+    frequency = float(np.asarray(scene.frequency)[0])
+    system = assemble_bricks(scene.device, bricks, lossy=True)
+    port = _ports(system, frequency)
+    end: Termination = termination(scene.support, scene.load, np.array([frequency]))
+    response = respond(port, end, scene.drive.voltage)
+    current = 2j * np.pi * frequency * response.charge[0] / scene.drive.voltage
+    return {"tip_displacement": [complex(response.w_tip[0])], "admittance": [complex(current)]}
+
+
+def _attachment(scene: Scene) -> Attachment:
+    support = scene.support
+    springs = (
+        support.lateral_stiffness, support.rotational_stiffness, support.rotational_inertia
+    )  # fmt: skip
+    base = springs if support.kind == "spring" else None
+    return Attachment(base, *conservative_load(scene.load))
+
+
+def _ports(system: SolidSystem, frequency: float) -> Multiport:
+    """Return D at one frequency to some seven digits, with no residual in long double."""
+    n = system.size - 3
+    dynamic = (system.stiffness - (2.0 * np.pi * frequency) ** 2 * system.mass).tocsr()
+    factor = factorise(dynamic[:n, :n])
+    x: Numbers = np.zeros((n + 3, 5), dtype=dynamic.dtype)
+    x[n:, :3] = np.eye(3)
+    x[:n] = factor.solve(np.hstack([-dynamic[:n, n:].toarray(), system.tip[:n]]))
+    force, seen = dynamic @ x, system.tip.T @ x
+    blocks = (force[n:, :3], force[n:, 3:], seen[:, :3], seen[:, 3:])
+    stacked = (np.array([part], dtype=complex) for part in blocks)
+    return Multiport(np.array([frequency]), ports_from_blocks(*stacked))
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """An answer of a case held against its reference, both relative to the reference."""
+
+    case: Case
+    answer: Answer
+    error: float
+    bar: float
+
+
+def judged(case: Case) -> list[Outcome]:
+    """Return every answer of a case with its error; frequencies against the nearest one."""
+    found = answers(case)
+    known = reference(case, {answer.kind for answer in found})
+    outcomes = []
+    for answer in found:
+        right = min(known[answer.quantity], key=lambda value: abs(value - answer.value))
+        error = abs(answer.value - right) / abs(right)
+        outcomes.append(Outcome(case, answer, error, answer.bar / abs(right)))
+    return outcomes
+
+
+def coverage(outcomes: Sequence[Outcome]) -> tuple[float, float]:
+    """Return the share of errors within their bars, and the median of bar over error."""
+    within = np.mean([o.error <= o.bar for o in outcomes])
+    width = np.median([o.bar / max(o.error, 1e-15) for o in outcomes])
+    return float(within), float(width)
+
+
+def varied_cases(count: int = 44, finer: int = 6) -> list[Case]:
+    """Return bimorphs drawn at random (seeded) from all that could be built, and more.
+
+    Lengths 3 to 60 mm, widths 0.3 to 10 mm, layers 20 µm to 1 mm, even on a logarithmic
+    scale; three ceramics, two shims; tabs, bare ends, glue, springs and clamps, of all layers
+    or of the shim alone.  The first `finer` that are small enough come at level 3 as well.
+    """
+    rng = np.random.default_rng(2026)
+    cases: list[Case] = []
+    while len(cases) < count:
+        case = _drawn(rng, len(cases))
+        if case is None or _nodes(case, 3) > _MOST_NODES:
+            continue
+        cases.append(case)
+        if finer and len(cases) < count and _nodes(case, 4) < 0.8 * _MOST_NODES:
+            finer -= 1
+            cases.append(replace(case, level=3, all_motions=False, harmonic=False))
+    return cases
+
+
+def _nodes(case: Case, index: int) -> int:
+    return int(bimorph_bricks(case.scene().device, LEVELS[index], case.held).used().sum())
+
+
+def _drawn(rng: np.random.Generator, number: int) -> Case | None:
+    """Return a random case, None if it is too stout, too slender or too wide to be one."""
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    piezo, shim, length, width = (
+        between(*limits) for limits in ((0.02, 1.0), (0.02, 1.0), (3.0, 60.0), (0.3, 10.0))
+    )
+    chance = rng.random(6)
+    tab, below, above = rng.uniform(0.5, 3.0), rng.uniform(0.05, 0.15), rng.uniform(0.02, 0.1)
+    glue = min(between(0.005, 0.05), 0.3 * min(piezo, shim))
+    material = rng.choice(["M1876", "PZT-5H", "PZT-5A"])
+    thickness = 2.0 * piezo + shim
+    if not 4.0 * thickness <= length <= 120.0 * thickness or width > 40.0 * thickness:
+        return None
+    held: Held = "shim" if 0.3 <= chance[0] < 0.5 else "layers"
+    overrides = [
+        f"bimorph.length={length:.4g}mm",
+        f"bimorph.width={width:.4g}mm",
+        f"bimorph.piezo_thickness={piezo:.4g}mm",
+        f"bimorph.shim_thickness={shim:.4g}mm",
+        f"piezo.material={material}",
+    ]
+    options = {
+        f"bimorph.tab_length={tab:.3g}mm": chance[0] < 0.3,
+        f"bimorph.bare_below={below * length:.3g}mm": chance[1] < 0.2,
+        f"bimorph.bare_above={above * length:.3g}mm": chance[2] < 0.2,
+        f"bimorph.glue_thickness={glue:.3g}mm": chance[3] < 0.25,
+        # the rod that the springs stand for is no wider
+        "support.kind=clamped": chance[4] < 0.5 or width > 2.0,
+        "shim.shear_modulus=53.846GPa": chance[5] < 0.4,
+    }
+    overrides += [key for key, wanted in options.items() if wanted]
+    return Case(tuple(overrides), 2, held, number % 3 == 0, number % 4 == 3)
