@@ -16,6 +16,7 @@ import numpy as np
 
 from fem.port_file import read_ports, write_ports
 from fem.port_reduction import ReducedSolid, reduce_to_ports
+from fem.solid_system import materials
 from geometry.arrays import Floats
 from geometry.bricks import Bricks
 from geometry.errors import InputError
@@ -54,20 +55,21 @@ def reduced_solid(
 
 
 def made_from(device: Device, mesh: Mesh | Bricks) -> str:
-    """Return what stands for the solid: materials, poling, all that is in the mesh, the program."""
-    materials = (device.piezo, device.shim, device.glue, device.rod, device.bimorph.poling)
-    digest = hashlib.sha256(repr((_program(), materials)).encode())
-    for part in _content(mesh):
+    """Return what stands for the solid: tensors, poling, all that is in the mesh, the program."""
+    digest = hashlib.sha256(_program().encode())
+    tensors = materials(device, mesh.regions, device.piezo.ceramic(), lossy=True)
+    for part in _content((tensors, mesh)):
         digest.update(part)
     return digest.hexdigest()[:32]
 
 
 @cache
 def _program() -> str:
-    """Return what stands for this package's code: numbers of another version are never served."""
+    """Return what stands for the code: numbers of another version are never served."""
     digest = hashlib.sha256()
-    for file in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(file.read_bytes())
+    for module in ("fem", "geometry"):
+        for file in sorted((Path(__file__).parent.parent / module).glob("*.py")):
+            digest.update(file.read_bytes())
     return digest.hexdigest()
 
 

@@ -9,8 +9,12 @@ from typing import Literal
 import numpy as np
 from scipy import sparse
 
+from fem.linear_solver import factorise
 from fem.solid_system import SolidSystem
 from geometry.arrays import Floats, Sparse
+
+#: Shift Ω² (1/s²) of a body that is not held, as far below 0 Hz as 50 Hz is above.
+_SHIFT = (2.0 * np.pi * 50.0) ** 2
 
 ModeClass = Literal["bending_x", "bending_y", "torsion", "axial", "mixed"]
 
@@ -61,15 +65,19 @@ def natural_modes(
 
     Inverse Lanczos at 0 Hz with the factor that statics uses as well; the potential is part of
     the indefinite operator and has no mass.  A base on springs borders that factor, tip load
-    and open circuit (the electrode's charge stays zero) are updates of rank one.
+    and open circuit (the electrode's charge stays zero) are updates of rank one.  Where a
+    spring of the base is zero, the shift lies below 0 Hz and rigid motions are left out.
     """
     from scipy.sparse.linalg import LinearOperator, eigsh
 
-    mass, solve, tip = _attached(system, attachment)
+    loose = 0 if attachment.base is None or not system.has_ports else attachment.base[:2].count(0.0)
+    shift = _SHIFT if loose else 0.0
+    mass, solve, tip = (_shifted if loose else _attached)(system, attachment)
     n = mass.shape[0]
     updates = []
-    if attachment.tip_stiffness > 0.0 and system.has_ports:
-        updates.append((tip, attachment.tip_stiffness))
+    load = attachment.tip_stiffness + shift * attachment.tip_mass
+    if load > 0.0 and system.has_ports:
+        updates.append((tip, load))
     if open_circuit and system.has_ports:
         charge, capacitance = _electrode(system, n)
         updates.append((charge, 1.0 / capacitance))
@@ -79,21 +87,35 @@ def natural_modes(
         return np.asarray(mass @ v + attachment.tip_mass * tip * (tip @ v))
 
     rng = np.random.default_rng(0)
-    wanted = min(count, n - 2)
+    wanted = min(count + loose, n - 2)
     # in inverse mode the stiffness itself is not asked for
     values, vectors = eigsh(
         LinearOperator((n, n), matvec=lambda v: v, dtype=float),
         k=wanted,
         M=LinearOperator((n, n), matvec=weigh, dtype=float),
-        sigma=0.0,
+        sigma=-shift,
         which="LM",
         OPinv=LinearOperator((n, n), matvec=solve, dtype=float),
         v0=solve(mass @ rng.standard_normal(n)),
         ncv=min(max(2 * wanted + 4, 12), n - 1),
         tol=1e-12,
     )
-    order = np.argsort(values)
-    return [_mode(system, float(values[i]), vectors[:, i], n) for i in order]
+    elastic = np.argsort(values)[loose:]  # each missing spring leaves one rigid motion
+    return [_mode(system, float(values[i]), vectors[:, i], n) for i in elastic]
+
+
+def _shifted(
+    system: SolidSystem, attachment: Attachment
+) -> tuple[Sparse, Callable[[Floats], Floats], Floats]:
+    """Return mass, inverse of K + shift · M and tip functional, for a base that is not held."""
+    assert attachment.base is not None
+    n = system.size - 1
+    springs, added = np.zeros((2, n))
+    springs[-2:], added[-1] = attachment.base[:2], attachment.base[2]
+    stiffness = system.stiffness.tocsr()[:n, :n] + sparse.diags(springs)
+    mass = (system.mass.tocsr()[:n, :n] + sparse.diags(added)).tocsr()
+    factor = factorise((stiffness + _SHIFT * mass).tocsr())
+    return mass, factor.solve, system.tip[:n, 0]
 
 
 def _attached(

@@ -113,6 +113,12 @@ def check_gap(device: Device, gap: float) -> None:
     rod, sleeve = device.rod, device.sleeve
     mm = 1e3
     meeting = NOMINAL_GAP + rod.flange_position - sleeve.collar_thickness
+    if rod.flange_radius >= sleeve.collar_radius and meeting <= _ROUNDING:
+        raise InputError(
+            f"sleeve.collar_thickness = {sleeve.collar_thickness * mm:g} mm reaches down to the "
+            f"flange at rod.flange_position = {rod.flange_position * mm:g} mm even with the gap "
+            "closed; make the collar thinner"
+        )
     if rod.flange_radius >= sleeve.collar_radius and gap >= meeting - _ROUNDING:
         raise InputError(
             f"gap = {gap * mm:g} mm needs the flange (rod.flange_radius = "

@@ -228,3 +228,17 @@ def test_pzt_5h_and_m1876_differ():
         for m in ("M1876", "PZT-5H")
     ]
     assert values[0] > 1.3 * values[1]
+
+
+@pytest.mark.parametrize("loose", [(0.0, 1.0), (1.0, 0.0), (0.0, 0.0)])
+def test_base_that_is_not_held_has_elastic_modes_only(lossless, loose):
+    """Springs of zero leave rigid motions, which are left out; tiny springs give the same modes."""
+    support = Support()
+    base = [support.lateral_stiffness * loose[0], support.rotational_stiffness * loose[1]]
+    tiny = [max(base[0], 1e-3), max(base[1], 1e-8)]
+    free = natural_modes(lossless, Attachment((*base, 0.0)), 2)
+    held = natural_modes(lossless, Attachment((*tiny, 0.0)), 2 + loose.count(0.0))
+    # the tiny springs raise the elastic modes by less than a millionth
+    assert [m.frequency for m in free] == pytest.approx(
+        [m.frequency for m in held[loose.count(0.0) :]], rel=1e-6
+    )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from geometry.errors import InputError
 from geometry.files import written_whole
 from geometry.parameters import Device
-from validation.port_export import check_frequencies, write_port_files
+from validation.port_export import check_state_space, write_port_files
 from validation.quantities import MAGNETIC_MODELS, gives
 from validation.scene import Scene
 
@@ -46,7 +46,7 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
 
         check_solid_map(scene)
     if "state_space" in targets:
-        check_frequencies(scene)
+        check_state_space(scene)
     with ExitStack() as stack:
         # the files take their names together, when all of them have been written
         drafts = {kind: stack.enter_context(written_whole(p)) for kind, p in targets.items()}

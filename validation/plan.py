@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from geometry.errors import InputError
-from geometry.fit import check_constant_section, check_plain_layers
 from validation.quantities import MAGNETIC_MODELS, MODELS, QUANTITIES, Need, gives
 from validation.scene import Scene
 from validation.stages import READS, stage_key
@@ -56,7 +55,7 @@ _STAGES["solid"] = {
     "static": ("solid.mesh", "solid.assembly", "solid.static"),
     "modes_short": ("solid.mesh", "solid.assembly", "solid.modes_short"),
     "modes_open": ("solid.mesh", "solid.assembly", "solid.modes_open"),
-    "harmonic": ("solid.mesh", "solid.ports"),
+    "harmonic": ("solid.mesh", "solid.assembly", "solid.ports"),
 }
 _STAGES |= {
     model: {
@@ -85,10 +84,9 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
     """
     check_models(models, quantities)
     if "solid" in models:
-        from validation.solid_meshes import uses_tetrahedra
+        from validation.solid_meshes import check_meshable
 
-        on_tetrahedra = uses_tetrahedra(scene)
-        (check_plain_layers if on_tetrahedra else check_constant_section)(scene.device)
+        check_meshable(scene)
     reasons: dict[str, list[str]] = {}
     for model in models:
         for quantity in (q for q in quantities if gives(model, q)):

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.errors import InputError
-from geometry.fit import check_plain_layers
 from validation.scene import Scene
 
 if TYPE_CHECKING:
@@ -17,14 +16,21 @@ if TYPE_CHECKING:
     from fem.state_space import BaseSupport
 
 
-def check_frequencies(scene: Scene) -> None:
-    """Refuse a state space without a range of frequencies to be true in.
+def check_state_space(scene: Scene) -> None:
+    """Refuse a state space without a range of frequencies to be true in, or of a loose body.
 
     Raises
     ------
     InputError
-        If the scene has no frequency above 0 Hz.
+        If the scene has no frequency above 0 Hz, or a spring of its support is zero.
     """
+    if scene.support.kind == "spring":
+        for name, unit in (("rotational_stiffness", "N m/rad"), ("lateral_stiffness", "N/m")):
+            if getattr(scene.support, name) == 0.0:
+                raise InputError(
+                    f"support.{name} = 0 {unit} does not hold the base, which a state space for "
+                    'time simulation needs; give it a stiffness or set support.kind = "clamped"'
+                )
     if max(scene.frequency) <= 0.0:
         raise InputError(
             "frequency = 0 Hz alone gives a state space no range; "
@@ -43,9 +49,9 @@ def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
     from fem.port_cache import made_from, reduced_solid
     from fem.port_file import write_ports
     from fem.state_space_file import write_state_space
-    from validation.solid_meshes import mesh_pair
+    from validation.solid_meshes import check_meshable, mesh_pair
 
-    check_plain_layers(scene.device)
+    check_meshable(scene)
     mesh = mesh_pair(scene).meshes[0]
     frequencies = np.asarray(scene.frequency, dtype=float)
     # the tolerance of `tactgen solve`, so that one reduction serves both

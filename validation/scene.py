@@ -79,7 +79,7 @@ class MeshSettings(p.Parameters):
     )
     level: Annotated[int, BeforeValidator(WholeNumber(0, 5, "3"))] = Field(
         default=0,
-        description="1 (coarse) to 5 (finest); 0 follows from the accuracy wanted",
+        description=("1 (coarse) to 5 (finest), bricks from 2; 0 follows from the accuracy wanted"),
     )
     time_limit: u.Duration = Field(
         default=u.SI(600.0), description="time that one tetwild mesh may take"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from geometry.brick_family import LEVELS, bimorph_bricks
 from geometry.bricks import Bricks
+from geometry.fit import check_constant_section, check_plain_layers
 from geometry.mesh import Mesh
 from geometry.parameters import Device
 from validation.refinement import ASSUMED_GAIN, BRICK_FACTOR, SAFETY
@@ -37,6 +38,17 @@ def level_for(scene: Scene) -> int:
 def uses_tetrahedra(scene: Scene) -> bool:
     """Return whether the scene is meshed with tetwild."""
     return scene.mesh.kind == "tetwild" or scene.support.kind == "rod"
+
+
+def check_meshable(scene: Scene) -> None:
+    """Refuse a bimorph that the scene's kind of mesh does not know.
+
+    Raises
+    ------
+    InputError
+        In one sentence that names the models that can.
+    """
+    (check_plain_layers if uses_tetrahedra(scene) else check_constant_section)(scene.device)
 
 
 @dataclass(frozen=True)
