@@ -140,7 +140,7 @@ def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
     clamped = Attachment(None)
     if not isinstance(mesh, Bricks):
         return [mode.frequency for mode in natural_modes(system, clamped, MODES)]
-    scout = piezo_meshes.high_order(device, 0)
+    scout = piezo_meshes.scout(device)
     systems = (system, assemble(device, scout, lossy=False))
     found, _ = ShapeSearch(systems, clamped, {}).lowest(MODES, open_circuit=False)
     return [mode.frequency for mode in found][:MODES]

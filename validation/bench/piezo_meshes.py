@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from geometry.arrays import Ints
-from geometry.brick_family import LEVELS, bimorph_bricks
+from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.bricks import Bricks
 from geometry.mesh import Mesh
 from geometry.parameters import Device
@@ -20,6 +20,12 @@ _TETS = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [
 def high_order(device: Device, level: int) -> Bricks:
     """Return the bricks of high order of a level of the solid model's own family."""
     return bimorph_bricks(device, LEVELS[level])
+
+
+def scout(device: Device) -> Bricks:
+    """Return so few bricks that asking them which modes are the lowest costs next to nothing."""
+    few = BrickMeshing((2, 2, 3), smallest=1.0, tip=1.0, longest=8.0, pieces=(2.0, 4.0))
+    return bimorph_bricks(device, few)
 
 
 def hexahedra(job: Job) -> Mesh:
