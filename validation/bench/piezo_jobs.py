@@ -5,6 +5,7 @@ Each function here runs alone in a process; what it brings back is a peer's answ
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
@@ -101,6 +102,8 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
     import fem.port_reduction
     from fem.linear_solver import available_solver
 
+    for later in ("scipy.sparse.linalg", "validation.solid_shapes"):
+        importlib.import_module(later)
     device, make = j1().device, FAMILIES[family]
 
     clock = Clock()
