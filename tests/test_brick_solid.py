@@ -214,9 +214,11 @@ def test_frequencies_are_those_of_quadratic_hexahedra():
             assemble_bricks(device, bricks, lossy=False, motion=motion), Attachment(None), 4
         )
     )[:4]
-    mesh = bimorph_bricks(
-        device, BrickMeshing((2, 2, 2), (0.2, 0.6, 0.2), side=0.1, smallest=0.2, growth=2.0)
-    ).corner_mesh()
+    fine = BrickMeshing(
+        (2, 2, 2), (0.2, 0.6, 0.2), side=0.1, smallest=0.2, growth=2.0, longest=0.7,
+        pieces=(10.0, 1e3),
+    )  # fmt: skip
+    mesh = bimorph_bricks(device, fine).corner_mesh()
     whole = natural_modes(assemble(device, mesh, lossy=False), Attachment(None), 4)
     assert [m.frequency for m in whole] == pytest.approx(found, rel=1e-3)
 
