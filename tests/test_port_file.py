@@ -13,6 +13,8 @@ from fem.port_reduction import reduce_to_ports
 from geometry.brick_family import BrickMeshing, bimorph_bricks
 from geometry.errors import InputError
 from geometry.parameters import Bimorph, Device, Piezo
+from validation.export import export
+from validation.scene import load_scene
 
 MESHING = BrickMeshing((2, 2, 2), smallest=0.5)
 SWEEP = np.array([10.0, 1000.0, 5000.0])
@@ -103,3 +105,11 @@ def test_folder_that_cannot_be_written_keeps_nothing(mesh, tmp_path, monkeypatch
     monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "file"))
     found = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-6)
     assert found.error <= 1e-6
+
+
+@pytest.mark.parametrize("kind", ["ports", "state_space"])
+def test_ports_of_the_normal_actuator_are_refused(tmp_path, kind):
+    """A scene about the normal actuator alone has no bimorph; nothing is written."""
+    with pytest.raises(InputError, match="no bimorph"):
+        export(load_scene("reluctance")[0], {kind: tmp_path / "a.npz"}, lambda _: None)
+    assert list(tmp_path.iterdir()) == []

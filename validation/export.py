@@ -45,6 +45,8 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
         from validation.magnetic_field_models import check_solid_map
 
         check_solid_map(scene)
+    if {"ports", "state_space"} & set(targets):
+        _refuse_without_lateral(scene)
     if "state_space" in targets:
         check_state_space(scene)
     with ExitStack() as stack:
@@ -58,6 +60,15 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
                 text = text.replace(str(draft), str(targets[kind]))
             raise InputError(text) from error
     return list(targets.values())
+
+
+def _refuse_without_lateral(scene: Scene) -> None:
+    """Refuse ports of a scene that is about the normal actuator alone."""
+    if set(scene.models) <= set(MAGNETIC_MODELS):
+        raise InputError(
+            f"models = {','.join(scene.models)} have no bimorph to reduce to its ports; "
+            'name another scene, such as "paper", or set models=solid'
+        )
 
 
 def _check_targets(targets: dict[str, Path]) -> None:
