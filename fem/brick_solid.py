@@ -1,12 +1,7 @@
 """The piezoelectric solid on bricks of high order: a quarter, one class of motion at a time.
 
-Weak form and unknowns are those of :mod:`fem.piezo_solid`.  Here every integral is a
-product of integrals along the axes, so a region's nine Gram matrices
-
-    G_ab = ∫ ∂_a N_i ∂_b N_j dV = X_ab ⊗ Y_ab ⊗ Z_ab
-
-cost one multiplication per entry, and all blocks over (u_x, u_y, u_z, φ) are one matrix
-product of the Gram entries with the tensors.
+Weak form and unknowns are those of :mod:`fem.piezo_solid`, the matrices those of
+:mod:`fem.brick_matrices`.
 
 Planes of symmetry: reflection at x = 0 turns the poling round, so with it goes φ → −φ.
 Motions are even or odd at each plane; what is odd vanishes there.
@@ -14,23 +9,17 @@ Motions are even or odd at each plane; what is odd vanishes there.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
 
+from fem.bordered import Bordered
+from fem.brick_matrices import brick_matrices
 from fem.brick_order import elimination_order
-from fem.line_basis import LineMatrices, line_matrices, line_weights
-from fem.solid_system import (
-    VOIGT,
-    Material,
-    Motion,
-    SolidSystem,
-    materials,
-    volts_per_unit,
-)
-from geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
+from fem.line_basis import line_weights
+from fem.solid_system import Motion, SolidSystem, materials, volts_per_unit
+from geometry.arrays import Bools, Floats, Ints, Sparse
 from geometry.bricks import Bricks, mirrored_axis
 from geometry.materials import Piezoceramic
 from geometry.parameters import Device
@@ -42,9 +31,6 @@ _SIGNS: dict[Motion, tuple[tuple[int, ...], tuple[int, ...]]] = {
     "torsion": ((1, -1, -1, 1), (-1, 1, -1, -1)),
     "axial": ((-1, 1, 1, -1), (1, -1, 1, 1)),
 }
-
-#: The quarter is one of four.
-_COPIES = 4.0
 
 
 @dataclass(frozen=True)
@@ -90,7 +76,7 @@ def assemble_bricks(
     """
     known = materials(device, bricks.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
     unit = volts_per_unit(known)
-    quarter = _Quarter(bricks, unit, *_matrices(bricks, known, unit), uniform_field)
+    quarter = _Quarter(bricks, unit, *brick_matrices(bricks, known, unit), uniform_field)
     return quarter.system(motion)
 
 
@@ -108,7 +94,6 @@ class _Quarter:
         """Return the system of one class of motion, of the whole body."""
         bricks, unit, mass = self.bricks, self.unit, self.mass
         unknowns = _unknowns(bricks, motion, unit, uniform_field=self.uniform_field)
-        k, m = _reduced(self.stiffness, unknowns), _reduced(mass, unknowns)
         # in proportion to the diagonal: row sums may be negative
         diagonal = np.asarray(mass.diagonal()).reshape(-1, 4)[:, 0]
         nodal = diagonal * (mass.sum() / 3.0 / diagonal.sum())
@@ -116,8 +101,8 @@ class _Quarter:
         tip = _tip_functionals(bricks)
         place = elimination_order(bricks)
         return SolidSystem(
-            stiffness=_COPIES * k,
-            mass=_COPIES * m,
+            stiffness=_bordered(self.stiffness, unknowns),
+            mass=_bordered(mass, unknowns),
             tip=np.vstack([tip[unknowns.index], unknowns.ports.T @ tip]),
             expand=expand,
             nodes=nodes,
@@ -160,78 +145,12 @@ def _linear_potential(bricks: Bricks, outer: Bools, inner: Bools, piezo: Bools) 
     return np.where(piezo & outer.any(axis=0), share[:, None, None], 0.0)
 
 
-def _matrices(bricks: Bricks, known: dict[str, Material], unit: float) -> tuple[Sparse, Sparse]:
-    """Return stiffness and mass of the quarter over (n, 4) values, node by node."""
-    nx, ny, nz = bricks.shape
-    whole = [line_matrices(axis) for axis in bricks.axes]
-    x, y, z = whole
-    rows = _outer_sum(x.rows * ny * nz, y.rows * nz, z.rows)
-    columns = _outer_sum(x.columns * ny * nz, y.columns * nz, z.columns)
-    lossy = any(np.iscomplexobj(m.c) for m in known.values())
-    blocks: Numbers = np.zeros((rows.size, 16), dtype=complex if lossy else float)
-    density = np.zeros(rows.size)
-    for slab in bricks.slabs:
-        lines = (
-            line_matrices(bricks.x, *slab.x), whole[1], line_matrices(bricks.z, *slab.z)
-        )  # fmt: skip
-        material = known[slab.region]
-        gram = np.stack([_gram(lines, a, b) for a in range(3) for b in range(3)], axis=-1)
-        blocks = blocks + gram @ _weights(material, unit)
-        density += material.density * _outer_product(*(line.integrals[0, 0] for line in lines))
-    n = nx * ny * nz
-    order, pointers = _by_rows(rows, n)
-    columns = columns[order]
-    stiffness = sparse.bsr_matrix(
-        (blocks[order].reshape(-1, 4, 4), columns, pointers), shape=(4 * n, 4 * n)
-    ).tocsr()
-    mass = sparse.csr_matrix((density[order], columns, pointers), shape=(n, n))
-    return stiffness, sparse.kron(mass, sparse.diags([1.0, 1.0, 1.0, 0.0]), format="csr")
-
-
-def _outer_sum(x: Ints, y: Ints, z: Ints) -> Ints:
-    return np.asarray(x[:, None, None] + y[None, :, None] + z).ravel()
-
-
-def _outer_product(x: Floats, y: Floats, z: Floats) -> Floats:
-    return np.asarray(x[:, None, None] * y[None, :, None] * z).ravel()
-
-
-def _gram(lines: Sequence[LineMatrices], a: int, b: int) -> Floats:
-    """Return the entries of G_ab, the row's function differentiated along a."""
-    return _outer_product(
-        *(line.integrals[int(a == k), int(b == k)] for k, line in enumerate(lines))
-    )
-
-
-def _weights(material: Material, unit: float) -> Numbers:
-    """Return (9, 16): what each Gram matrix gives to each block over (u_x, u_y, u_z, φ)."""
-    w = np.zeros((3, 3, 4, 4), dtype=material.c.dtype)
-    for p in range(3):
-        for q in range(3):
-            w[:, :, p, q] = material.c[np.ix_(VOIGT[p], VOIGT[q])]
-    if material.piezo is not None:
-        for p in range(3):
-            coupling = unit * material.piezo.e[:, VOIGT[p]]
-            w[:, :, 3, p], w[:, :, p, 3] = coupling, coupling.T
-        w[:, :, 3, 3] = -(unit**2) * material.piezo.eps
-    return w.reshape(9, 16)
-
-
-def _by_rows(rows: Ints, n: int) -> tuple[Ints, Ints]:
-    """Return the order that sorts entries by row, and where each row starts."""
-    order = np.argsort(rows, kind="stable")
-    return order, np.concatenate([[0], np.cumsum(np.bincount(rows, minlength=n))])
-
-
-def _reduced(matrix: Sparse, unknowns: _Unknowns) -> Sparse:
+def _bordered(matrix: Sparse, unknowns: _Unknowns) -> Bordered:
     """Return the matrix over [free values, w_base, ψ_base, U]."""
-    free = unknowns.index
-    on_ports = matrix @ unknowns.ports
-    corner = unknowns.ports.T @ on_ports
-    column = sparse.csr_matrix(on_ports[free])
-    return sparse.bmat(
-        [[matrix[free][:, free], column], [column.T, sparse.csr_matrix(corner)]], format="csr"
-    )
+    free, ports = unknowns.index, unknowns.ports
+    given = np.flatnonzero(ports.any(axis=1))
+    on_ports = matrix[given].T @ ports[given]
+    return Bordered(matrix[free][:, free], on_ports[free], ports.T @ on_ports)
 
 
 def _tip_functionals(bricks: Bricks) -> Floats:
@@ -276,4 +195,4 @@ def _whole(
     expand = values @ sparse.hstack([pick, sparse.csr_matrix(unknowns.ports)])
     nodes = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)[used]
     copies = np.bincount(source, minlength=unknowns.free.shape[0])
-    return nodes, expand.tocsr(), _COPIES * nodal[source] / copies[source]
+    return nodes, expand.tocsr(), nodal[source] / copies[source]

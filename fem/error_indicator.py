@@ -87,11 +87,11 @@ def goal_errors(device: Device, mesh: Mesh, system: SolidSystem) -> dict[str, Go
         inertia=np.concatenate([still, squares]),
         force=np.concatenate([[0.0, 1.0], np.zeros(squares.size)]),
     )
-    moved, given = system.tip[:, 0], np.asarray(system.stiffness.tocsr()[-1] @ voltage)
+    moved, given = system.tip[:, 0], (system.stiffness @ voltage)[-1]
     found = {
         "tip_displacement": _goal(float(moved @ voltage), surplus.shares(0, 1), 1.0),
         "tip_compliance": _goal(float(moved @ force), surplus.shares(1, 1), 1.0),
-        "capacitance": _goal(-float(given.item()), surplus.shares(0, 0), 1.0),
+        "capacitance": _goal(-float(given), surplus.shares(0, 0), 1.0),
     }
     if found["tip_displacement"].value == 0.0:  # a passive ceramic
         del found["tip_displacement"]
@@ -110,7 +110,7 @@ def _goal(value: float, shares: Floats, sign: float) -> GoalError:
 
 def _static_responses(system: SolidSystem) -> tuple[Floats, Floats]:
     """Return y per volt and y per newton of lateral tip force, the base held."""
-    loads = np.column_stack([-system.stiffness.tocsr()[:-3, [-1]].toarray(), system.tip[:-3, :1]])
+    loads = np.column_stack([-system.stiffness.border[:, -1], system.tip[:-3, 0]])
     x = refined_solution(system.held, system.held_factor, loads)
     return np.append(x[:, 0], [0.0, 0.0, 1.0]), np.append(x[:, 1], [0.0, 0.0, 0.0])
 
@@ -121,7 +121,7 @@ def _bending(system: SolidSystem, voltage: Floats, force: Floats) -> tuple[Float
     Rayleigh and Ritz in the Krylov space of the static responses: the first bending modes
     come out of it far better than the mesh deserves, and nothing is factorised again.
     """
-    mass, factor = system.mass.tocsr()[:-3, :-3], system.held_factor
+    mass, factor = system.mass.inner, system.held_factor
     basis: Floats = np.zeros((voltage.size, 0))
     block = np.column_stack([voltage, force])
     for _ in range(_BLOCKS):

@@ -11,7 +11,6 @@ factorisation has to reproduce a solution that is known.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fem.pardiso import Pardiso, PardisoError, mkl
+from fem.sparse_rows import row_blocks, wide_product
 from geometry.arrays import Bools, Floats, Ints, Sparse
 
 Array: TypeAlias = NDArray[Any]
@@ -32,8 +32,6 @@ _SINGULAR = 1e-2
 _BALANCED = 4.0
 #: Passes that even 600 decades need, each halving the decades that are left.
 _PASSES = 12
-#: Entries that are looked at at once.
-_BLOCK = 1_000_000
 
 
 class SolverError(RuntimeError):
@@ -159,9 +157,8 @@ class Factor:
         right = self._scale * (matrix @ (self._scale * known))
         found = self._method.solve(right[:, None])[:, 0]
         if not np.linalg.norm(found - known) <= _SINGULAR:
-            wide = matrix.astype(np.clongdouble if self._complex else np.longdouble)
-            missing = self._scale * (wide @ (self._scale * (known - found)))
-            found = found + self._method.solve(missing[:, None])[:, 0]
+            missing = self._scale * wide_product(matrix, self._scale * (known - found))
+            found = found + self._method.solve(missing.astype(found.dtype)[:, None])[:, 0]
         if not np.linalg.norm(found - known) <= _SINGULAR:
             raise SolverError(
                 "the matrix is singular (a part that nothing holds, an electrode with no material, "
@@ -176,8 +173,7 @@ def refined_solution(matrix: Sparse, factor: Factor, right: Array) -> Array:
     so even on the number of threads.  With a residual in the same precision they stay lost.
     """
     x = factor.solve(right)
-    wide = np.clongdouble if np.iscomplexobj(matrix.data) else np.longdouble
-    residual = right.astype(wide) - matrix.astype(wide) @ x.astype(wide)
+    residual = right - wide_product(matrix.tocsr(), x)
     return x + factor.solve(residual.astype(x.dtype))
 
 
@@ -302,10 +298,9 @@ def _balance(matrix: Sparse) -> Floats:
 
 def _largest(matrix: Sparse, scale: Floats) -> Floats:
     """Return the largest |scale_i a_ij scale_j| of each row i, in blocks to save memory."""
-    n, starts = matrix.shape[0], matrix.indptr
-    found = np.empty(n)
-    cuts = np.unique(np.searchsorted(starts[:-1], np.arange(0, starts[-1], _BLOCK)))
-    for first, last in pairwise([*cuts, n]):
+    starts = matrix.indptr
+    found = np.empty(matrix.shape[0])
+    for first, last in row_blocks(starts):
         part = slice(starts[first], starts[last])
         entries = np.abs(matrix.data[part]) * scale[matrix.indices[part]]
         found[first:last] = np.maximum.reduceat(entries, starts[first:last] - starts[first])

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
+from fem.bordered import Bordered
 from fem.brick_solid import assemble_bricks
 from fem.skfem_mesh import to_skfem
 from fem.solid_system import VOIGT, Material, SolidSystem, materials, volts_per_unit
@@ -87,14 +88,12 @@ def assemble(
     unit = volts_per_unit(known)
     transform = _Constraint(whole, active, unit, device if uniform_field else None)
     expand = transform.matrix()
-    k = (expand.T @ stiffness.matrix() @ expand).tocsr()
-    m = (
-        expand.T @ sparse.block_diag([mass_scalar] * 3 + [sparse.csr_matrix((n, n))]) @ expand
-    ).tocsr()
+    k = expand.T @ stiffness.matrix() @ expand
+    m = expand.T @ sparse.block_diag([mass_scalar] * 3 + [sparse.csr_matrix((n, n))]) @ expand
     tip = expand.T @ _tip_functionals(domain, element, n)
     return SolidSystem(
-        stiffness=k,
-        mass=m,
+        stiffness=Bordered.cut(k),
+        mass=Bordered.cut(m),
         tip=np.asarray(tip),
         expand=expand,
         nodes=whole.doflocs.T,

@@ -14,11 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.bordered import PORTS
 from fem.linear_solver import factorise
 from fem.port_extremes import extremes, motions, standard_ends
 from fem.port_model import PortModel, undamped_modes
 from fem.solid_system import SolidSystem
-from geometry.arrays import Complex, Floats, Ints, Sparse
+from fem.sparse_rows import wide_product
+from geometry.arrays import Bools, Complex, Floats, Ints, Sparse
 from tmm.multiport import Multiport
 
 Wide = NDArray[Any]
@@ -117,10 +119,9 @@ def reduce_to_ports(
     """
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     bounds = float(frequencies.min()), float(frequencies.max())
-    split = _split(system)
-    chains = [_krylov_chain(split, max(0.7 * bounds[1], 500.0))]
+    chains = [_krylov_chain(system, max(0.7 * bounds[1], 500.0))]
     while True:
-        fine, coarse = _project(split, chains)
+        fine, coarse = _project(system, chains)
         reduced = ReducedSolid(fine, coarse, bounds, np.inf, system.size)
         checked = frequencies
         if np.any(fine.stiffness.imag):
@@ -130,76 +131,24 @@ def reduce_to_ports(
         worst = int(np.argmax(estimate))
         if estimate[worst] <= tolerance or len(chains) == _MOST_SHIFTS:
             return replace(reduced, error=float(estimate[worst]))
-        chains.append(_krylov_chain(split, max(float(checked[worst]), 20.0)))
+        chains.append(_krylov_chain(system, max(float(checked[worst]), 20.0)))
 
 
-@dataclass(frozen=True)
-class _Split:
-    """A system over [displacements u, potentials p] and its ports [w_base, ψ_base, U].
-
-    `port_mass` is that between displacements and ports, `own` and `own_mass` are the ports'.
-    """
-
-    stiffness: Sparse
-    uu: Sparse
-    up: Sparse
-    pp: Sparse
-    u_port: Floats
-    p_port: Floats
-    own: Complex
-    mass: Sparse
-    port_mass: Floats
-    own_mass: Floats
-    tip: Floats
-    elimination: Ints | None
-
-
-def _split(system: SolidSystem) -> _Split:
-    n = system.size - 3
-    stiffness, mass = system.stiffness.tocsr(), system.mass.tocsr()
-    massive = mass.diagonal()[:n] > 0.0
-    u, p = np.flatnonzero(massive), np.flatnonzero(~massive)
-    order = np.concatenate([u, p])
-    inner, ports = stiffness[:n, :n][order][:, order].tocsr(), stiffness[:n, n:].toarray()
-    return _Split(
-        stiffness=inner,
-        uu=inner[: u.size, : u.size],
-        up=inner[: u.size, u.size :],
-        pp=inner[u.size :, u.size :],
-        u_port=ports[u],
-        p_port=ports[p],
-        own=stiffness[n:, n:].toarray(),
-        mass=mass[:n, :n][u][:, u].tocsr(),
-        port_mass=mass[:n, n:].toarray()[u],
-        own_mass=mass[n:, n:].toarray(),
-        tip=system.tip[:n][u],
-        elimination=None if system.elimination is None else np.argsort(order)[system.elimination],
-    )
-
-
-def _krylov_chain(system: _Split, centre: float) -> list[Complex]:
+def _krylov_chain(system: SolidSystem, centre: float) -> list[Complex]:
     """Return the blocks (n, 5) of one shift: responses to the ports, then their moments."""
-    from scipy import sparse
-
     shift = (2.0 * np.pi * centre) ** 2 * (1.0 + 1.0j)
-    n_u, n = system.uu.shape[0], system.stiffness.shape[0]
-    mass = sparse.block_diag([system.mass, sparse.csr_matrix((n - n_u, n - n_u))], format="csr")
-    factor = factorise((system.stiffness - shift * mass).tocsr(), order=system.elimination)
-    loads = np.zeros((n, 5), dtype=complex)
-    loads[:n_u, :3] = shift * system.port_mass - system.u_port
-    loads[n_u:, :3] = -system.p_port
-    loads[:n_u, 3:] = system.tip
+    stiffness, mass = system.stiffness, system.mass
+    factor = factorise(stiffness.inner - shift * mass.inner, order=system.elimination)
+    loads = np.hstack([shift * mass.border - stiffness.border, system.tip[:-PORTS]])
     chain = [factor.solve(loads)]
-    right = np.zeros((n, 5), dtype=complex)
-    right[:n_u] = system.mass @ chain[0][:n_u]
-    right[:n_u, :3] += system.port_mass
+    right = mass.inner @ chain[0]
+    right[:, :PORTS] += mass.border
     for _ in range(1, _BLOCKS):
         # a voltage that moves nothing (a passive ceramic) has no moments
         block = factor.solve(right[:, right.any(axis=0)])
         # powers alone turn parallel and lose what is new; the first block has its own load
         chain.append(_orthogonal(block, chain[1:]))
-        right = np.zeros_like(block)
-        right[:n_u] = system.mass @ chain[-1][:n_u]
+        right = mass.inner @ chain[-1]
     return chain
 
 
@@ -212,35 +161,34 @@ def _orthogonal(block: Complex, earlier: list[Complex]) -> Complex:
     return np.asarray(np.linalg.qr(block)[0])
 
 
-def _project(system: _Split, chains: list[list[Complex]]) -> tuple[PortModel, PortModel]:
+def _project(system: SolidSystem, chains: list[list[Complex]]) -> tuple[PortModel, PortModel]:
     """Project on the real and imaginary parts of all blocks; then without each chain's last."""
-    n_u = system.uu.shape[0]
+    moves = system.mass.inner.diagonal() > 0.0
     blocks = [block for chain in chains for block in chain[:-1]]
     last = [chain[-1] for chain in chains]
-    u, few_u = _orthonormal([b[:n_u] for b in blocks], [b[:n_u] for b in last])
-    p, few_p = _orthonormal([b[n_u:] for b in blocks], [b[n_u:] for b in last])
-    k, s = u.shape[1], u.shape[1] + 3
-    inner = np.zeros((k + p.shape[1], k + p.shape[1]), dtype=complex)
-    inner[:k, :k], inner[:k, k:] = u.T @ (system.uu @ u), u.T @ (system.up @ p)
-    inner[k:, k:] = p.T @ (system.pp @ p)
-    inner = np.triu(inner) + np.triu(inner, 1).T
+    u, few_u = _basis(blocks, last, moves)
+    p, few_p = _basis(blocks, last, ~moves)
+    k, s = u.shape[1], u.shape[1] + PORTS
+    stiffness, border = system.stiffness.inner, system.stiffness.border
+    both = np.hstack([u, p])
+    inner = both.T @ (stiffness @ both)
     softness, turn = np.linalg.eigh(_condensed(inner, p.shape[1]).real.astype(float))
     u = u @ turn
     whole = np.zeros((s + p.shape[1], s + p.shape[1]), dtype=np.clongdouble)
     whole[:k, :k], whole[:k, s:] = turn.T @ inner[:k, :k] @ turn, turn.T @ inner[:k, k:]
     whole[s:, s:] = inner[k:, k:]
     soft = int((softness < _SOFT * softness[-1]).sum())
-    whole[:soft, :k] = _wide(u[:, :soft], system.uu, u)
-    whole[:soft, s:] = _wide(u[:, :soft], system.up, p)
-    whole[:k, k:s] = u.T @ system.u_port.astype(np.clongdouble)
-    whole[k:s, s:], whole[k:s, k:s] = system.p_port.T @ p, system.own
+    exact = _wide(u[:, :soft], stiffness, np.hstack([u, p]))
+    whole[:soft, :k], whole[:soft, s:] = exact[:, :k], exact[:, k:]
+    whole[:k, k:s] = u.T @ border.astype(np.clongdouble)
+    whole[k:s, s:], whole[k:s, k:s] = border.T @ p, system.stiffness.corner
     whole = np.triu(whole) + np.triu(whole, 1).T
     mass = np.zeros((s, s))
-    mass[:k, :k], mass[:k, k:] = u.T @ (system.mass @ u), u.T @ system.port_mass
-    mass[k:, k:] = system.own_mass
+    mass[:k, :k], mass[:k, k:] = u.T @ (system.mass.inner @ u), u.T @ system.mass.border
+    mass[k:, k:] = system.mass.corner
     mass = np.triu(mass) + np.triu(mass, 1).T
     tip = np.zeros((s, 2))
-    tip[:k] = u.T @ system.tip
+    tip[:k] = u.T @ system.tip[:-PORTS]
 
     def kept(of_u: int, of_p: int) -> PortModel:
         # what the first vectors span, in terms of the turned ones
@@ -256,16 +204,15 @@ def _project(system: _Split, chains: list[list[Complex]]) -> tuple[PortModel, Po
 
 
 def _wide(left: Floats, matrix: Sparse, right: Floats) -> Wide:
-    """Return leftᵀ matrix right, the real part in long double.
+    """Return leftᵀ matrix right of a symmetric matrix, the real part in long double.
 
     A bimorph bends ten million times more easily than its elements stretch, so the energy of
     bending is what is left of large terms; a peak magnifies what is lost by Q once more.
     """
-    product = matrix.real.T.astype(np.longdouble) @ left.astype(np.longdouble)
-    real = product.T @ right.astype(np.longdouble)
+    real = wide_product(matrix.real, left).T @ right.astype(np.longdouble)
     if not np.iscomplexobj(matrix.data):
         return np.asarray(real)
-    return np.asarray(real + 1j * ((matrix.imag.T @ left).T @ right))
+    return np.asarray(real + 1j * ((matrix.imag @ left).T @ right))
 
 
 def _condensed(matrix: Wide, last: int) -> Wide:
@@ -295,15 +242,20 @@ def _graded(stiffness: Wide, mass: Floats, tip: Floats) -> PortModel:
     return PortModel(0.5 * (small + small.T), change.T @ mass @ change, change.T @ tip)
 
 
-def _orthonormal(blocks: list[Complex], last: list[Complex]) -> tuple[Floats, int]:
-    """Return a real orthonormal basis of all blocks, and how many vectors precede `last`."""
-    basis: Floats = np.zeros((blocks[0].shape[0], 0))
+def _basis(blocks: list[Complex], last: list[Complex], chosen: Bools) -> tuple[Floats, int]:
+    """Return a real orthonormal basis of the chosen rows of all blocks, zero in the others.
+
+    Also how many of its vectors precede those of `last`.
+    """
+    basis: Floats = np.zeros((np.count_nonzero(chosen), 0))
     for block in blocks:
-        basis = _extended(basis, block)
+        basis = _extended(basis, block[chosen])
     before = basis.shape[1]
     for block in last:
-        basis = _extended(basis, block)
-    return basis, before
+        basis = _extended(basis, block[chosen])
+    spread = np.zeros((chosen.size, basis.shape[1]))
+    spread[chosen] = basis
+    return spread, before
 
 
 def _extended(basis: Floats, block: Complex) -> Floats:

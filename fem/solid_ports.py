@@ -10,7 +10,7 @@ import numpy as np
 
 from fem.linear_solver import Factor, factorise
 from fem.solid_system import SolidSystem
-from geometry.arrays import Complex, Floats
+from geometry.arrays import Complex, Floats, Numbers
 from tmm.multiport import Multiport
 
 
@@ -21,36 +21,47 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
     double, since rounding K − Ω² M alone moves a peak by a millionth of its width.
     """
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
-    wide = np.clongdouble if np.iscomplexobj(system.stiffness.data) else np.longdouble
-    stiffness, mass = system.stiffness.tocsr().astype(wide), system.mass.tocsr().astype(wide)
-    n = system.size - 3
+    wide = np.clongdouble if system.lossy else np.longdouble
+    n = system.inner
     blocks = []
     for frequency in frequencies:
         omega2 = (2.0 * np.pi * frequency) ** 2
         factor = _factor(system, omega2)
-        x = np.zeros((n + 3, 5), dtype=wide)
+        x = np.zeros((system.size, 5), dtype=wide)
         x[n:, :3] = np.eye(3)
         # without inner motion only the ports' columns act
-        force = np.zeros_like(x)
-        force[:, :3] = (stiffness[:, n:] - omega2 * mass[:, n:]).toarray()
-        force[:, 3:] -= system.tip
-        x[:n] -= factor.solve(force[:n].astype(system.stiffness.dtype))
+        ports = system.stiffness.border - omega2 * system.mass.border
+        x[:n] -= factor.solve(np.hstack([ports, -system.tip[:n]]))
         for _ in range(_REFINEMENTS):
-            force = stiffness @ x - omega2 * (mass @ x)
-            force[:, 3:] -= system.tip
-            x[:n] -= factor.solve(force[:n].astype(system.stiffness.dtype))
-        force = stiffness[n:] @ x - omega2 * (mass[n:] @ x)
+            missing = _force(system, omega2, x)
+            missing[:, 3:] -= system.tip
+            step = factor.solve(missing[:n].astype(ports.dtype))
+            x[:n] -= step
+            if (_norms(step) <= _HALF_THE_DIGITS * _norms(x[:n])).all():
+                break
+        force = _force(system, omega2, x)[n:]
         seen = system.tip.T @ x
         blocks.append((force[:, :3], force[:, 3:], seen[:, :3], seen[:, 3:]))
     stacked = (np.array(part, dtype=complex) for part in zip(*blocks, strict=True))
     return Multiport(frequencies, ports_from_blocks(*stacked))
 
 
+def _norms(columns: Numbers) -> Floats:
+    return np.asarray(np.linalg.norm(columns.astype(complex), axis=0))
+
+
+def _force(system: SolidSystem, omega2: float, x: Numbers) -> Numbers:
+    """Return the forces (n + 3, 5) that hold x, in long double."""
+    force = system.stiffness.wide_product(x)
+    if omega2 != 0.0:
+        force = force - omega2 * system.mass.wide_product(x)
+    return force
+
+
 def _factor(system: SolidSystem, omega2: float) -> Factor:
     if omega2 == 0.0:
         return system.held_factor
-    n = system.size - 3
-    dynamic = (system.stiffness - omega2 * system.mass).tocsr()[:n, :n]
+    dynamic = system.stiffness.inner - omega2 * system.mass.inner
     return factorise(dynamic, order=system.elimination)
 
 
@@ -90,7 +101,9 @@ def ports_from_blocks(
     return s
 
 
-#: Steps of iterative refinement; each gains some seven digits.
+#: Most steps of iterative refinement; each gains some seven digits, as many as the last one.
 _REFINEMENTS = 2
+#: After so small a step the next one would be rounding.
+_HALF_THE_DIGITS = 1e-7
 #: Positions in D of (w_base, ψ_base, U).
 _SOURCE = (0, 1, 4)

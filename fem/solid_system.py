@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from fem.bordered import PORTS, Bordered
 from fem.linear_solver import Factor, factorise
 from geometry.arrays import Floats, Ints, Numbers, Sparse
 from geometry.materials import (
@@ -36,9 +37,9 @@ class SolidSystem:
 
     Attributes
     ----------
-    stiffness : (n, n) sparse
+    stiffness : Bordered
         Symmetric indefinite; complex when lossy.  Its last row is minus the charge.
-    mass : (n, n) sparse
+    mass : Bordered
         Zero in the rows of potentials.
     tip : (n, 2) array
         Columns give tip displacement and tip rotation from y, and port forces to y.
@@ -61,8 +62,8 @@ class SolidSystem:
         A good order in which to eliminate all but the last three unknowns.
     """
 
-    stiffness: Sparse
-    mass: Sparse
+    stiffness: Bordered
+    mass: Bordered
     tip: Floats
     expand: Sparse
     nodes: Floats
@@ -81,7 +82,17 @@ class SolidSystem:
     @property
     def size(self) -> int:
         """Number of unknowns."""
-        return int(self.stiffness.shape[0])
+        return self.inner + PORTS
+
+    @property
+    def inner(self) -> int:
+        """Number of unknowns less the ports."""
+        return int(self.stiffness.inner.shape[0])
+
+    @property
+    def lossy(self) -> bool:
+        """Whether the stiffness is complex."""
+        return np.iscomplexobj(self.stiffness.inner.data)
 
     @cached_property
     def spurious_stiffness(self) -> float:
@@ -92,14 +103,13 @@ class SolidSystem:
         """
         n = self.nodes.shape[0]
         moved = np.asarray(np.abs(self.expand[:n]).sum(axis=0)).ravel() > 0.0
-        rows = self.stiffness.tocsr()[np.flatnonzero(moved)][:, moved]
-        forces = rows.real.astype(np.longdouble) @ np.ones(rows.shape[1], dtype=np.longdouble)
-        return float(np.abs(forces).sum())
+        forces = self.stiffness.wide_product(moved.astype(np.longdouble))
+        return float(np.abs(forces.real[moved]).sum())
 
-    @cached_property
+    @property
     def held(self) -> Sparse:
         """The stiffness with base and electrodes held: all but the last three unknowns."""
-        return self.stiffness.tocsr()[:-3, :-3]
+        return self.stiffness.inner
 
     @cached_property
     def held_factor(self) -> Factor:
