@@ -112,11 +112,6 @@ class Bricks:
         """Names of the materials, each once."""
         return tuple(dict.fromkeys(slab.region for slab in self.slabs))
 
-    @property
-    def brick_count(self) -> int:
-        """Number of bricks of the quarter."""
-        return self.y.intervals * sum((s.x[1] - s.x[0]) * (s.z[1] - s.z[0]) for s in self.slabs)
-
     def slabs_of(self, region: str) -> tuple[Slab, ...]:
         """Return the slabs of a region."""
         return tuple(slab for slab in self.slabs if slab.region == region)

@@ -170,16 +170,6 @@ class CoenergyMap:
         """Return ∂λ/∂i (H), positive."""
         return self._surface(current, gap, 2, 0)
 
-    def apparent_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return λ/i (H), its limit ∂λ/∂i at i = 0."""
-        i, g = np.broadcast_arrays(np.asarray(current, dtype=float), np.asarray(gap, dtype=float))
-        zero = i == 0.0
-        return np.where(
-            zero,
-            self.incremental_inductance(i, g),
-            self.flux_linkage(i, g) / np.where(zero, 1.0, i),
-        )
-
     def energy(self, current: Floats | float, gap: Floats | float) -> Floats:
         """Return the stored energy W = iλ − W' (J)."""
         return np.asarray(current) * self.flux_linkage(current, gap) - self.coenergy(current, gap)

@@ -15,7 +15,7 @@ it, with constant electric displacement.  No moment across leaves the constants 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,27 +24,6 @@ from geometry.beam_pieces import Piece
 from geometry.errors import InputError
 from geometry.parameters import Beam, Device
 from tmm.section import Section, section
-
-
-@dataclass(frozen=True)
-class LaminateStatics:
-    """Static free response per volt: tip displacement (m/V) and capacitance (F)."""
-
-    tip_displacement: float
-    capacitance: float
-
-
-def static_response(device: Device) -> LaminateStatics:
-    """Return the response of a clamped laminate without edge or end effects.
-
-    Curvatures along and across are both free; the field in each layer varies so that the
-    electric displacement through it is constant.
-    """
-    beam, length = laminate_section(device, Beam()), device.bimorph.length
-    return LaminateStatics(
-        tip_displacement=float(-0.5 * beam.K / beam.EI * length**2),
-        capacitance=float((beam.C + beam.K**2 / beam.EI) * length),
-    )
 
 
 def laminate_section(
