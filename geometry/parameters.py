@@ -14,7 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geometry import units as u
 from geometry.errors import InputError
-from geometry.materials import LIBRARY, PRINTED, Piezoceramic, Spread
+from geometry.materials import PRINTED, Piezoceramic, Spread
+from geometry.piezo_library import LIBRARY
 from geometry.profile import UNIFORM, LengthProfile, Profile
 
 #: Gap at which the reconstructed normal actuator's axial positions are stated (m).

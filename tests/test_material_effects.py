@@ -3,7 +3,7 @@
 import pytest
 
 from geometry.errors import InputError
-from geometry.materials import LIBRARY
+from geometry.piezo_library import LIBRARY
 from validation.material_effects import choices, material_effects
 from validation.scene import load_scene
 

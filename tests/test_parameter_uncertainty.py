@@ -8,7 +8,8 @@ import pytest
 
 from geometry import parameters as p
 from geometry.errors import InputError
-from geometry.materials import LIBRARY, PRINTED
+from geometry.materials import PRINTED
+from geometry.piezo_library import LIBRARY
 from geometry.units import Unit
 from validation.commands import sensitivity
 from validation.scene import load_scene

@@ -12,7 +12,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from geometry.errors import InputError
-from geometry.materials import LIBRARY, Piezoceramic
+from geometry.materials import Piezoceramic
+from geometry.piezo_library import LIBRARY
 from validation.bridge.beam_values import beam_values
 from validation.bridge.rung import Values
 from validation.bridge.solid_values import SolidCase, solve_solid
