@@ -8,9 +8,11 @@ import pytest
 
 from geometry.errors import InputError
 from validation.bench import beam, magnetics, solver
+from validation.bench.beam import BeamTiming
+from validation.bench.magnetics import FieldTiming
 from validation.bench.one_core import on_one_core, peak_memory
 from validation.bench.output import time_error_plot
-from validation.bench.result import Bench, FieldTiming, Target, Timing
+from validation.bench.result import Bench, Target
 from validation.commands import bench as command
 
 
@@ -131,7 +133,10 @@ def test_targets(measured, at_most, met):
 @pytest.fixture
 def made_up(monkeypatch):
     """Put a made-up measurement in the place of the real one."""
-    timings = (Timing("way", "range", 100, 1e-3, 1e-15), Timing("other", "range", 100, 1.0, 1e9))
+    timings = (
+        BeamTiming("way", "range", 100, 1e-3, 1e-15),
+        BeamTiming("other", "range", 100, 1.0, 1e9),
+    )
     targets = (Target("speed", 1e6, 1e5, "1/s", False, "how"),)
     made = Bench("tmm", "on paper", timings, targets, 0.0)
     monkeypatch.setattr(beam, "run", lambda *_: made)

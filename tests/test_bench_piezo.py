@@ -14,8 +14,8 @@ from validation.bench import PARTS, peers, piezo, piezo_jobs, piezo_meshes, run_
 from validation.bench.output import time_error_plot
 from validation.bench.peers.grid import LAYERS, SHIM, bricks
 from validation.bench.peers.job import Clock, answer, lowest_frequencies, tensor
+from validation.bench.piezo_timing import SolidTiming
 from validation.bench.piezo_ways import ways
-from validation.bench.result import SolidTiming
 from validation.bench.work_precision import front, time_at_error
 from validation.commands import bench as command
 

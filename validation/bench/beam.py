@@ -6,7 +6,8 @@ import math
 import platform
 import time
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from tmm.transfer_matrix import chain
 from validation import reference_beam as reference
 from validation import textbook_beam
 from validation.bench.one_core import on_one_core, peak_memory
-from validation.bench.result import Bench, Target, Timing
+from validation.bench.result import Bench, Target
 
 #: Ranges of frequency (Hz): the paper's, and one that asks for more.
 CASES = {"10 Hz to 2 kHz": (10.0, 2e3), "1 mHz to 1 MHz": (1e-3, 1e6)}
@@ -38,6 +39,79 @@ _SUPPORT, _LOAD = Support(), Load()
 _SAMPLES = 15
 
 
+@dataclass(frozen=True)
+class BeamTiming:
+    """One way of computing, over one range of frequencies.
+
+    Attributes
+    ----------
+    path : str
+        The way.
+    case : str
+        The range.
+    points : int
+        Frequency points timed.
+    seconds : float
+        Least of several runs.
+    error : float
+        Worst relative error of the tip velocity on a sample; infinite where it overflows.
+    """
+
+    path: str
+    case: str
+    points: int
+    seconds: float
+    error: float
+
+    columns: ClassVar[tuple[str, ...]] = (
+        "way",
+        "range",
+        "points",
+        "points per second",
+        "ns per point",
+        "worst error",
+    )
+    fields: ClassVar[tuple[str, ...]] = (
+        "way",
+        "range",
+        "points",
+        "seconds",
+        "points_per_second",
+        "error",
+    )
+    cost_label: ClassVar[str] = "time per point (ns)"
+    #: Error asked for.
+    wanted: ClassVar[float] = 1e-12
+
+    @property
+    def rate(self) -> float:
+        """Points per second."""
+        return self.points / self.seconds
+
+    @property
+    def cost(self) -> float:
+        """What is plotted along x."""
+        return 1e9 / self.rate
+
+    @property
+    def curves(self) -> dict[str, float]:
+        """Errors to plot, one panel each."""
+        return {self.case: self.error}
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The row of the table, as `columns`."""
+        return (
+            self.path, self.case, f"{self.points:,}", f"{self.rate:,.0f}", f"{self.cost:.0f}",
+            f"{self.error:.1e}",
+        )  # fmt: skip
+
+    @property
+    def values(self) -> tuple[str | float, ...]:
+        """The row of the file, as `fields`."""
+        return self.path, self.case, self.points, self.seconds, self.rate, self.error
+
+
 def run(quick: bool, announce: Callable[[str], None]) -> Bench:
     """Measure everything on one core; a minute, or a third of it if `quick`."""
     started = time.perf_counter()
@@ -47,7 +121,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
             announce(f"tmm: {path}, {case}")
             points = (100_000 if quick else 1_000_000) // (1 if path in _PATHS else 20)
             seconds = on_one_core(__name__, "seconds_of", path, case, points)
-            timings.append(Timing(path, case, points, seconds, error_of(path, case)))
+            timings.append(BeamTiming(path, case, points, seconds, error_of(path, case)))
     announce("tmm: design map")
     shape = [200, 2000, 3]
     map_seconds = on_one_core(__name__, "map_seconds", *shape)

@@ -11,7 +11,8 @@ import math
 import platform
 import time
 from collections.abc import Callable, Iterator
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -19,7 +20,8 @@ from fem.reluctance_field import FieldPoint, solve_map, solve_point
 from geometry.parameters import Device
 from tmm.map_range import map_grid
 from validation.bench.one_core import on_one_core
-from validation.bench.result import Bench, FieldTiming, Target
+from validation.bench.result import Bench, Target
+from validation.formats import engineering
 from validation.magnetic_cases.sphere_in_field import Potential
 from validation.magnetic_cases.team20 import pole_forces
 
@@ -32,6 +34,80 @@ _MAP_ORDER = 3
 _SATURATED = 5000.0
 _LINKAGE_CASE, _WORK, _STRESS = "flux linkage", "force by virtual work", "force by stress"
 _TEAM_FORCE, _TEAM_COENERGY = "TEAM 20: force", "TEAM 20: co-energy"
+
+
+@dataclass(frozen=True)
+class FieldTiming:
+    """One result of one field solution.
+
+    Attributes
+    ----------
+    path, level : str
+        The formulation, and how fine.
+    case : str
+        The result that was compared.
+    unknowns : int
+        Size of the system.
+    seconds : float
+        Least of several runs, everything included.
+    value : float
+        The result, in `unit`.
+    error : float
+        Relative, against the reference of the run.
+    wanted : float
+        Error asked for; nan if none is.
+    """
+
+    path: str
+    level: str
+    case: str
+    unknowns: int
+    seconds: float
+    value: float
+    unit: str
+    error: float
+    wanted: float = math.nan
+
+    columns: ClassVar[tuple[str, ...]] = (
+        "way",
+        "fineness",
+        "result",
+        "unknowns",
+        "time",
+        "value",
+        "error",
+    )
+    fields: ClassVar[tuple[str, ...]] = (
+        "way", "fineness", "result", "unknowns", "seconds", "value", "unit", "error",
+    )  # fmt: skip
+    cost_label: ClassVar[str] = "time (s)"
+
+    @property
+    def cost(self) -> float:
+        """What is plotted along x."""
+        return self.seconds
+
+    @property
+    def curves(self) -> dict[str, float]:
+        """Errors to plot, one panel each."""
+        return {self.case: self.error}
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The row of the table, as `columns`."""
+        return (
+            self.path, self.level, self.case, f"{self.unknowns:,}",
+            engineering(self.seconds, "s", 3), engineering(self.value, self.unit),
+            f"{self.error:.1e}",
+        )  # fmt: skip
+
+    @property
+    def values(self) -> tuple[str | float, ...]:
+        """The row of the file, as `fields`."""
+        return (
+            self.path, self.level, self.case, self.unknowns, self.seconds, self.value, self.unit,
+            self.error,
+        )  # fmt: skip
 
 
 def run(quick: bool, announce: Callable[[str], None]) -> Bench:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from geometry.files import written_whole
-from validation.bench.result import AnyTiming, Bench
+from validation.bench.result import Bench, Timing
 from validation.formats import engineering
 from validation.plots import svg
 
@@ -80,11 +80,11 @@ _LOOKS = [
 ]
 
 
-def time_error_plot(timings: Iterable[AnyTiming]) -> str:
+def time_error_plot(timings: Iterable[Timing]) -> str:
     """Plot error against time, one panel per case and one line per way, as inline SVG."""
     from matplotlib.figure import Figure
 
-    cases: dict[str, list[tuple[AnyTiming, float]]] = {}
+    cases: dict[str, list[tuple[Timing, float]]] = {}
     for timing in timings:
         for case, error in timing.curves.items():
             cases.setdefault(case, []).append((timing, error))
@@ -108,7 +108,7 @@ def time_error_plot(timings: Iterable[AnyTiming]) -> str:
     return svg(figure)
 
 
-def _panel(axis: Any, pairs: list[tuple[AnyTiming, float]], ways: list[str]) -> None:
+def _panel(axis: Any, pairs: list[tuple[Timing, float]], ways: list[str]) -> None:
     from matplotlib.ticker import LogLocator, NullFormatter
 
     rows = [row for row, _ in pairs]

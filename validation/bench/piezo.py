@@ -22,8 +22,9 @@ from geometry.arrays import Complex, Floats, Ints
 from validation.bench import piezo_jobs
 from validation.bench.peers import PEERS, missing
 from validation.bench.peers.job import Answer
+from validation.bench.piezo_timing import SolidTiming
 from validation.bench.piezo_ways import Level, own, ways
-from validation.bench.result import Bench, SolidTiming, Target
+from validation.bench.result import Bench, Target
 from validation.bench.work_precision import Point, front, time_at_error
 from validation.refinement import BRICK_FACTOR
 

@@ -11,8 +11,9 @@ import platform
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -20,7 +21,8 @@ from geometry.brick_family import BrickMeshing, bimorph_bricks
 from geometry.bricks import Bricks
 from geometry.parameters import Device
 from validation.bench.one_core import on_one_core, peak_memory
-from validation.bench.result import Bench, SolverTiming, Target
+from validation.bench.result import Bench, Target
+from validation.formats import engineering
 
 #: Unknowns asked for.
 _SIZES = (50_000, 200_000, 500_000)
@@ -30,6 +32,82 @@ _RIGHT_SIDES = 5
 #: Share of the wanted number of unknowns by which a matrix may miss it.
 _NEAR = 0.05
 _FIRST, _AGAIN, _SOLVE = "order and factorise", "factorise again", f"{_RIGHT_SIDES} right sides"
+
+
+@dataclass(frozen=True)
+class SolverTiming:
+    """One step of a sparse solver with one matrix.
+
+    Attributes
+    ----------
+    path, case : str
+        Library and kind of number; what was done.
+    unknowns, entries : int
+        Size of the matrix, and stored entries.
+    seconds : float
+        Processor time.
+    memory : float
+        Peak of the whole process (bytes), the matrix included.
+    error : float
+        Largest error of a known solution, relative to its largest entry; not refined.
+    """
+
+    path: str
+    case: str
+    unknowns: int
+    entries: int
+    seconds: float
+    memory: float
+    error: float
+
+    columns: ClassVar[tuple[str, ...]] = (
+        "way",
+        "result",
+        "unknowns",
+        "entries",
+        "time",
+        "peak memory",
+        "error",
+    )
+    fields: ClassVar[tuple[str, ...]] = (
+        "way",
+        "step",
+        "unknowns",
+        "entries",
+        "seconds",
+        "bytes",
+        "error",
+    )
+    cost_label: ClassVar[str] = "time (s)"
+    #: Error asked for: a condition of 1e9 leaves seven digits, a large matrix one less.
+    wanted: ClassVar[float] = 1e-6
+
+    @property
+    def cost(self) -> float:
+        """What is plotted along x."""
+        return self.seconds
+
+    @property
+    def curves(self) -> dict[str, float]:
+        """Errors to plot, one panel each."""
+        return {self.case: self.error}
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The row of the table, as `columns`."""
+        return (
+            self.path, self.case, f"{self.unknowns:,}", f"{self.entries:,}",
+            engineering(self.seconds, "s", 3), engineering(self.memory, "B", 3),
+            f"{self.error:.1e}",
+        )  # fmt: skip
+
+    @property
+    def values(self) -> tuple[str | float, ...]:
+        """The row of the file, as `fields`."""
+        return (
+            self.path, self.case, self.unknowns, self.entries, self.seconds, self.memory,
+            self.error,
+        )  # fmt: skip
 
 
 def run(quick: bool, announce: Callable[[str], None]) -> Bench:
