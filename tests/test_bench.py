@@ -186,6 +186,22 @@ def test_solver_on_a_small_matrix(tmp_path, lossy, library):
     assert found["negative"] in (-1, potentials)
 
 
+def test_a_measurement_that_fails_takes_no_other_along(monkeypatch):
+    """What does not fit into memory is named under the table; the rest is there."""
+    row = {"unknowns": 9, "entries": 81, solver._FIRST: 3.0, solver._AGAIN: 1.0, solver._SOLVE: 0.1,
+           "memory": 1e9, "error": 1e-9, "negative": 2}  # fmt: skip
+
+    def alone(_, function, *arguments):
+        if function == "measured" and arguments[1] == "superlu":
+            raise InputError("out of memory")
+        return 2 if function == "write_matrix" else dict(row)
+
+    monkeypatch.setattr(solver, "on_one_core", alone)
+    part = solver.run(quick=True, announce=lambda _: None)
+    assert "superlu, real, 50,000: out of memory" in part.conditions
+    assert not any("superlu" in timing.path for timing in part.timings)
+
+
 def test_solver_part(monkeypatch):
     """One row per step, way and size; a count of pivots that is off is not met."""
     measured = {

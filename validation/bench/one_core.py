@@ -61,14 +61,31 @@ def peak_memory() -> int:
     import resource
 
     with contextlib.suppress(OSError):
-        status = Path("/proc/self/status").read_text("ascii")
-        return 1024 * int(status.split("VmHWM:")[1].split()[0])
-
+        return 1024 * _kilobytes("/proc/self/status", "VmHWM:")
     unit = 1 if sys.platform == "darwin" else 1024
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
 
 
+def _keep_within_memory() -> None:
+    """Let what does not fit into the machine's free memory fail in this process, and no other.
+
+    Where there is no /proc nothing is done.
+    """
+    import resource
+
+    with contextlib.suppress(OSError):
+        free = _kilobytes("/proc/meminfo", "MemAvailable:")
+        mapped = _kilobytes("/proc/self/status", "VmSize:")
+        _, hard = resource.getrlimit(resource.RLIMIT_AS)
+        resource.setrlimit(resource.RLIMIT_AS, (1024 * (mapped + free), hard))
+
+
+def _kilobytes(path: str, key: str) -> int:
+    return int(Path(path).read_text("ascii").split(key)[1].split()[0])
+
+
 if __name__ == "__main__":
+    _keep_within_memory()
     _module, _function, _arguments = sys.argv[1:]
     _call = getattr(importlib.import_module(_module), _function)
     _result = json.dumps(_call(*json.loads(_arguments)))
