@@ -28,6 +28,8 @@ Array: TypeAlias = NDArray[Any]
 #: (0.06 to 2000 on singular Laplacians of 50 to 100,000 unknowns); a barely gauged curl-curl
 #: matrix of 80,000 unknowns, condition 1e12, is 0.02 off, the piezoelectric solid 4e-7.
 _SINGULAR = 1e-2
+#: Steps of refinement that may mend it: next to a condition of 1e15 each gains a digit.
+_REFINEMENTS = 3
 #: Balanced when the largest entry of every row is within this factor of 1.
 _BALANCED = 4.0
 #: Passes that even 600 decades need, each halving the decades that are left.
@@ -156,7 +158,9 @@ class Factor:
         known = np.random.default_rng(1).uniform(-1.0, 1.0, matrix.shape[0])
         right = self._scale * (matrix @ (self._scale * known))
         found = self._method.solve(right[:, None])[:, 0]
-        if not np.linalg.norm(found - known) <= _SINGULAR:
+        for _ in range(_REFINEMENTS):
+            if np.linalg.norm(found - known) <= _SINGULAR:
+                break
             missing = self._scale * wide_product(matrix, self._scale * (known - found))
             found = found + self._method.solve(missing.astype(found.dtype)[:, None])[:, 0]
         if not np.linalg.norm(found - known) <= _SINGULAR:

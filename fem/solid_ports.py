@@ -101,8 +101,9 @@ def ports_from_blocks(
     return s
 
 
-#: Most steps of iterative refinement; each gains some seven digits, as many as the last one.
-_REFINEMENTS = 2
+#: Most steps of iterative refinement; each gains as many digits as the last one, some seven,
+#: in bodies next to singular one.
+_REFINEMENTS = 8
 #: After so small a step the next one would be rounding.
 _HALF_THE_DIGITS = 1e-7
 #: Positions in D of (w_base, ψ_base, U).

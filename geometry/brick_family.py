@@ -14,14 +14,18 @@ import numpy as np
 from geometry.arrays import Floats
 from geometry.bricks import Axis, Bricks, Held, Slab
 from geometry.fit import check_constant_section
-from geometry.parameters import Device
+from geometry.parameters import Bimorph, Device
 
-#: Ratio of neighbouring intervals towards an edge or an end.
+#: Ratio of neighbouring intervals towards a side edge.
 _GROWTH = 4.0
 #: Longest brick across the width, in thicknesses of the bimorph, or this share of half the
 #: width if that is more: in a thin plate what is far from the edges varies with the width.
 _WIDEST = 3.0
 _WIDEST_SHARE = 0.5
+#: Share of half the width that counts as a layer's thickness if that is more.
+_SIDE_SHARE = 0.5
+#: Share of the thickness that a layer counts with if it is thinner.
+_LEAST_GRAIN = 0.1
 
 
 @dataclass(frozen=True)
@@ -35,7 +39,8 @@ class BrickMeshing:
     layer : tuple of float
         Intervals of a piezo layer from its inner to its outer face, as shares of it.
     side : float
-        Interval at the side edge, as a share of the bimorph's thickness (0: no grading).
+        Interval at the side edge, as a share of the thinnest layer, or of half of half the
+        width if that is less (0: no grading).
     smallest : float
         Length of the bricks at the held end and at the ceramic's lower end, as a share of the
         thinnest layer.
@@ -54,20 +59,22 @@ class BrickMeshing:
     layer: tuple[float, ...] = (1.0,)
     side: float = 0.0
     smallest: float = 0.2
-    tip: float = 0.3
-    longest: float = 4.0
+    tip: float = 0.2
+    longest: float = 6.0
     pieces: tuple[float, float] = (6.0, 10.0)
-    growth: float = _GROWTH
+    growth: float = 6.0
 
 
-#: A family of divisions for refinement studies; from one to the next errors fall about by
-#: half (about 2, 5, 11, 37 and 57 thousand unknowns for the paper's bimorph).
+#: A family of divisions for refinement studies; from one to the next errors fall by two to
+#: four (about 2, 5, 13, 27 and 52 thousand unknowns for a plain bimorph).  Each is finer than
+#: the one before everywhere: along each axis, at edges and at ends, or their difference would
+#: not tell what is missing.
 LEVELS = (
-    BrickMeshing((2, 2, 3), side=0.2, smallest=0.4, tip=1.0, longest=6.0, pieces=(4.0, 8.0)),
-    BrickMeshing((3, 3, 3), side=0.2, smallest=0.2, tip=0.3, pieces=(5.0, 10.0)),
-    BrickMeshing((3, 4, 3), (0.2, 0.8), side=0.2, smallest=0.1),
-    BrickMeshing((3, 5, 4), (0.15, 0.7, 0.15), side=0.15, smallest=0.05, tip=0.2),
-    BrickMeshing((4, 5, 4), (0.1, 0.6, 0.3), side=0.12, smallest=0.03, tip=0.1),
+    BrickMeshing((2, 2, 3), side=0.4, smallest=0.4, tip=1.0, longest=8.0, pieces=(4.0, 10.0)),
+    BrickMeshing((3, 3, 4), side=0.65, smallest=0.2, tip=1.0, pieces=(4.0, 10.0)),
+    BrickMeshing((3, 3, 4), (0.35, 0.65), side=0.25, smallest=0.07, tip=0.5, pieces=(4.0, 10.0)),
+    BrickMeshing((4, 4, 4), (0.15, 0.85), 0.15, 0.03, longest=5.0, pieces=(5.0, 10.0)),
+    BrickMeshing((4, 4, 4), (0.15, 0.7, 0.15), 0.1, 0.015, tip=0.1, longest=5.0, growth=5.0),
 )
 
 
@@ -83,10 +90,13 @@ def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers")
     bimorph = device.bimorph
     half, glue = 0.5 * bimorph.shim_thickness, bimorph.glue_thickness
     piezo = bimorph.piezo_thickness
-    steps = [half] + ([glue] if glue > 0.0 else []) + [share * piezo for share in meshing.layer]
+    ends_inside = bimorph.bare_below > 0.0 or bimorph.bare_above > 0.0
+    # the field is singular at the end of an electrode, on the outer face
+    shares = sorted(meshing.layer, reverse=True) if ends_inside else meshing.layer
+    steps = [half] + ([glue] if glue > 0.0 else []) + [share * piezo for share in shares]
     x = np.concatenate([[0.0], np.cumsum(steps)])
     x[-1] = half + glue + piezo
-    y = _across(0.5 * bimorph.width, bimorph.thickness, meshing)
+    y = _across(bimorph, meshing)
     z, ceramic, electrode = _along(device, meshing)
     n, first = z.size - 1, 1 + (glue > 0.0)
     slabs = [Slab("shim", (0, 1), (0, n)), Slab("piezo", (first, x.size - 1), (ceramic, n))]
@@ -97,12 +107,23 @@ def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers")
     return Bricks(*axes, slabs=tuple(slabs), electrode=electrode, held=held)
 
 
-def _across(half_width: float, thickness: float, meshing: BrickMeshing) -> Floats:
+def _grain(bimorph: Bimorph) -> float:
+    """Return the length (m) on which the solution varies at edges and ends.
+
+    That is the thinnest layer; of a foil a tenth of the whole, of which ever flatter bricks
+    would only cost digits.
+    """
+    thin = min(bimorph.piezo_thickness, bimorph.shim_thickness)
+    return float(max(thin, _LEAST_GRAIN * bimorph.thickness))
+
+
+def _across(bimorph: Bimorph, meshing: BrickMeshing) -> Floats:
     """Divide the half width, intervals growing from the side edge inwards."""
-    widest = max(_WIDEST * thickness, _WIDEST_SHARE * half_width)
+    half_width = 0.5 * bimorph.width
+    widest = max(_WIDEST * bimorph.thickness, _WIDEST_SHARE * half_width)
     if meshing.side == 0.0:
         return np.linspace(0.0, half_width, int(np.ceil(half_width / widest)) + 1)
-    steps = [min(meshing.side * thickness, 0.4 * half_width)]
+    steps = [meshing.side * min(_grain(bimorph), _SIDE_SHARE * half_width)]
     # what rounding leaves over is not an interval
     while (rest := half_width - sum(steps)) > 1e-9 * half_width:
         step = min(_GROWTH * steps[-1], widest)
@@ -113,8 +134,7 @@ def _across(half_width: float, thickness: float, meshing: BrickMeshing) -> Float
 def _along(device: Device, meshing: BrickMeshing) -> tuple[Floats, int, tuple[int, int]]:
     """Divide the length; also return where the ceramic starts and its electrode reaches."""
     bimorph = device.bimorph
-    layers = [bimorph.piezo_thickness, bimorph.shim_thickness]
-    thin = min(layers)
+    thin = _grain(bimorph)
     at_most, at_least = (bimorph.length / pieces for pieces in meshing.pieces)
     longest = min(max(meshing.longest * bimorph.thickness, at_least), at_most)
     first, last = meshing.smallest * thin, max(meshing.smallest, meshing.tip) * thin

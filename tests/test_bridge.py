@@ -88,9 +88,9 @@ def test_section_of_the_solid_is_the_closed_form(rungs):
     names = [rung.name for rung in rungs]
     for name in ("three dimensions", "field varies", "d33 and d15"):
         rung = rungs[names.index(name)]
-        # the section's constants are differences of two solids: their rounding, and ends
-        # that have not died out entirely over half the length
-        assert rung.section == pytest.approx(rung.predicted, abs=2e-6)
+        # the section's constants are differences of two solids, whose ends the coarsest
+        # bricks do not resolve alike: 3e-6, on the next level 1e-7
+        assert rung.section == pytest.approx(rung.predicted, abs=5e-6)
     varies = rungs[names.index("field varies")]
     assert varies.step == pytest.approx(varies.predicted, abs=2e-4)
     assert varies.step.deflection < -0.01
@@ -119,7 +119,7 @@ def test_far_section_is_exact_where_there_is_theory():
     """Two lengths give back the laminate's constants for a solid without width effects."""
     scene = with_energy_shear(clamped())
     state = Assumptions(varying_field=True)
-    case = SolidCase(state.scene(scene), state.ceramic(scene.piezo.ceramic()), level=0)
+    case = SolidCase(state.scene(scene), state.ceramic(scene.piezo.ceramic()))
     found = far_section(case, solve_solid(case))
     expected = laminate_section(scene.device, scene.beam, poisson=False, d32=False)
     for name in ("EI", "K", "C"):

@@ -71,8 +71,11 @@ def test_level_2_of_job_j1_is_within_a_thousandth():
 
 def test_error_bars_cover_varied_bimorphs():
     """The smallest of the varied cases: of its numbers one at most lies outside its bar."""
-    few = [replace(c, all_motions=False, harmonic=False) for c in varied_cases(12, finer=0)]
-    few.sort(key=lambda c: bimorph_bricks(c.scene().device, LEVELS[1], c.held).brick_count)
+    few = [
+        replace(c, all_motions=False, harmonic=False)
+        for c in varied_cases(2026, 12, finer=0, tetrahedra=0)
+    ]
+    few.sort(key=lambda c: bimorph_bricks(c.scene().device, LEVELS[1], c.held).used().sum())
     outcomes = judged(few[0])
     within, width = coverage(outcomes)
     # the aim is 95 % of many
@@ -81,9 +84,13 @@ def test_error_bars_cover_varied_bimorphs():
 
 
 @pytest.mark.heavy
-def test_error_bars_cover_nearly_all_varied_bimorphs():
-    """44 cases: at least 95 % of the errors inside, and bars not much wider than errors."""
-    cases = varied_cases()
+@pytest.mark.parametrize("seed", [2026, 11])
+def test_error_bars_cover_nearly_all_varied_bimorphs(seed):
+    """44 cases: at least 95 % of the errors inside, and bars not much wider than errors.
+
+    The assumed gain was chosen on the first seed's cases; the second's are a proof of it.
+    """
+    cases = varied_cases(seed)
     assert len(cases) >= 40
     within, width = coverage([o for case in cases for o in judged(case)])
     assert within >= 0.95

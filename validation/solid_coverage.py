@@ -20,6 +20,7 @@ from fem.solid_system import Motion, SolidSystem
 from geometry.arrays import Numbers
 from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.bricks import Bricks, Held
+from geometry.fit import beyond_plain_layers
 from tmm.multiport import Multiport, Termination, respond
 from tmm.terminations import conservative_load, static_termination, termination
 from validation.plan import make_plan
@@ -33,17 +34,12 @@ _STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
 _MODES = ("short_circuit_frequencies", "coupling_factor")
 _HARMONIC = ("tip_displacement", "admittance")
 
-#: The division that references are solved on, by the level judged: for level 2 edges, corners
-#: and layers finer than in level 3, for level 3 those of level 4.
-_REFERENCE = {
-    2: BrickMeshing(
-        (3, 4, 3), (0.15, 0.7, 0.15), side=0.15, smallest=0.05, tip=0.2, longest=3.5,
-        pieces=(8.0, 12.0),
-    ),
-    3: LEVELS[3],
-}  # fmt: skip
-#: Largest quarter (nodes of level 4) that is affordable.
-_MOST_NODES = 17_500
+#: References are solved so many levels of the family above the one judged.
+_ABOVE = 2
+#: On tetrahedra, whose bars are tens of times wider, this one will do.
+_FOR_TETRAHEDRA = LEVELS[2]
+#: Largest quarter (nodes of its reference) that is affordable.
+_MOST_NODES = 14_000
 
 
 @dataclass(frozen=True)
@@ -58,6 +54,8 @@ class Case:
         Level of the family (2 or 3).
     held : {"layers", "shim"}
         What the base is.
+    tetrahedra : bool
+        Solve on adapted tetrahedra of the bimorph's solid, not on bricks.
     all_motions : bool
         Judge the frequencies of all classes of motion; else those that bend in x.
     harmonic : bool
@@ -67,6 +65,7 @@ class Case:
     overrides: tuple[str, ...]
     level: int = 2
     held: Held = "layers"
+    tetrahedra: bool = False
     all_motions: bool = False
     harmonic: bool = False
 
@@ -77,12 +76,17 @@ class Case:
 
     def scene(self) -> Scene:
         """Return what is solved."""
-        more = [f"mesh.level={self.level}"]
+        more = [f"mesh.level={self.level}", *(["mesh.kind=tetwild"] if self.tetrahedra else [])]
         if self.harmonic:
             scene, _ = load_scene("prototype", list(self.overrides))
             first = solve(scene, ["tmm"], ["short_circuit_frequencies"]).quantities[0].value[0]
             more.append(f"frequency={0.9 * first:.6g} Hz")
         return load_scene("prototype", [*self.overrides, *more])[0]
+
+    @property
+    def reference(self) -> BrickMeshing:
+        """The division that its reference is solved on."""
+        return _FOR_TETRAHEDRA if self.tetrahedra else LEVELS[self.level - 1 + _ABOVE]
 
 
 @dataclass(frozen=True)
@@ -95,26 +99,24 @@ class Answer:
     kind: str = ""
 
 
-class _HeldModel(SolidModel):
-    """The solid model on a base of all layers or of the shim alone."""
-
-    held: Held = "layers"
+class _ShimHeldModel(SolidModel):
+    """The solid model on a base that is the shim alone."""
 
     @cached_property
     def mesh_pair(self) -> BrickPair:
         """Bricks of the scene's level and of the next coarser one, so held."""
         level, device = self.scene.mesh.level, self.scene.device
-        fine, coarse = (
-            bimorph_bricks(device, LEVELS[i], self.held) for i in (level - 1, level - 2)
-        )
+        fine, coarse = (bimorph_bricks(device, LEVELS[i], "shim") for i in (level - 1, level - 2))
         return BrickPair(device, (fine, coarse))
 
 
 def answers(case: Case) -> list[Answer]:
     """Return what the solid model says, as a user would be told."""
     scene = case.scene()
-    model = _HeldModel(scene, Stages(make_plan(scene, ("solid",), case.quantities).keys))
-    model.held = case.held
+    stages = Stages(make_plan(scene, ("solid",), case.quantities).keys)
+    model: SolidModel = SolidModel(scene, stages)
+    if case.held == "shim":
+        model = _ShimHeldModel(scene, stages)
     found = []
     for name in case.quantities:
         quantity = evaluate(name, model)
@@ -131,7 +133,7 @@ def answers(case: Case) -> list[Answer]:
 def reference(case: Case, kinds: Iterable[str]) -> dict[str, list[complex]]:
     """Return the quantities on the reference division; frequencies of the motions in `kinds`."""
     scene = case.scene()
-    bricks = bimorph_bricks(scene.device, _REFERENCE[case.level], case.held)
+    bricks = bimorph_bricks(scene.device, case.reference, case.held)
     system = assemble_bricks(scene.device, bricks, lossy=False)
     port, end = _ports(system, 0.0), static_termination(scene.support, scene.load)
     response = respond(port, end, scene.drive.voltage)
@@ -178,13 +180,13 @@ def _attachment(scene: Scene) -> Attachment:
 
 def _ports(system: SolidSystem, frequency: float) -> Multiport:
     """Return D at one frequency to some seven digits, with no residual in long double."""
-    n = system.size - 3
-    dynamic = (system.stiffness - (2.0 * np.pi * frequency) ** 2 * system.mass).tocsr()
-    factor = factorise(dynamic[:n, :n])
-    x: Numbers = np.zeros((n + 3, 5), dtype=dynamic.dtype)
+    n, omega2 = system.inner, (2.0 * np.pi * frequency) ** 2
+    stiffness, mass = system.stiffness, system.mass
+    factor = factorise(stiffness.inner - omega2 * mass.inner, order=system.elimination)
+    x: Numbers = np.zeros((n + 3, 5), dtype=stiffness.border.dtype)
     x[n:, :3] = np.eye(3)
-    x[:n] = factor.solve(np.hstack([-dynamic[:n, n:].toarray(), system.tip[:n]]))
-    force, seen = dynamic @ x, system.tip.T @ x
+    x[:n] = factor.solve(np.hstack([omega2 * mass.border - stiffness.border, system.tip[:n]]))
+    force, seen = stiffness @ x - omega2 * (mass @ x), system.tip.T @ x
     blocks = (force[n:, :3], force[n:, 3:], seen[:, :3], seen[:, 3:])
     stacked = (np.array([part], dtype=complex) for part in blocks)
     return Multiport(np.array([frequency]), ports_from_blocks(*stacked))
@@ -219,28 +221,34 @@ def coverage(outcomes: Sequence[Outcome]) -> tuple[float, float]:
     return float(within), float(width)
 
 
-def varied_cases(count: int = 44, finer: int = 6) -> list[Case]:
-    """Return bimorphs drawn at random (seeded) from all that could be built, and more.
+def varied_cases(seed: int, count: int = 44, finer: int = 6, tetrahedra: int = 6) -> list[Case]:
+    """Return bimorphs drawn at random from all that could be built, and more.
 
     Lengths 3 to 60 mm, widths 0.3 to 10 mm, layers 20 µm to 1 mm, even on a logarithmic
     scale; three ceramics, two shims; tabs, bare ends, glue, springs and clamps, of all layers
-    or of the shim alone.  The first `finer` that are small enough come at level 3 as well.
+    or of the shim alone.  The first `finer` that are small enough come at level 3 as well, the
+    first so many that have plain layers on `tetrahedra` as well.
     """
-    rng = np.random.default_rng(2026)
+    rng = np.random.default_rng(seed)
     cases: list[Case] = []
     while len(cases) < count:
         case = _drawn(rng, len(cases))
-        if case is None or _nodes(case, 3) > _MOST_NODES:
+        if case is None or _nodes(case) > _MOST_NODES:
             continue
         cases.append(case)
-        if finer and len(cases) < count and _nodes(case, 4) < 0.8 * _MOST_NODES:
+        again = replace(case, level=3, all_motions=False, harmonic=False)
+        if finer and _nodes(again) < _MOST_NODES:
             finer -= 1
-            cases.append(replace(case, level=3, all_motions=False, harmonic=False))
-    return cases
+            cases.append(again)
+        plain = case.held == "layers" and not beyond_plain_layers(case.scene().device.bimorph)
+        if tetrahedra and plain:
+            tetrahedra -= 1
+            cases.append(replace(again, level=1, tetrahedra=True))
+    return cases[:count]
 
 
-def _nodes(case: Case, index: int) -> int:
-    return int(bimorph_bricks(case.scene().device, LEVELS[index], case.held).used().sum())
+def _nodes(case: Case) -> int:
+    return int(bimorph_bricks(case.scene().device, case.reference, case.held).used().sum())
 
 
 def _drawn(rng: np.random.Generator, number: int) -> Case | None:
@@ -277,4 +285,4 @@ def _drawn(rng: np.random.Generator, number: int) -> Case | None:
         "shim.shear_modulus=53.846GPa": chance[5] < 0.4,
     }
     overrides += [key for key, wanted in options.items() if wanted]
-    return Case(tuple(overrides), 2, held, number % 3 == 0, number % 4 == 3)
+    return Case(tuple(overrides), held=held, all_motions=number % 3 == 0, harmonic=number % 4 == 3)

@@ -88,7 +88,10 @@ class SolidModel(Model):
         # a cantilever's first mode has a quarter of the mass; frequencies go as the root
         stiffness = (2.0 * np.pi * fine.frequencies[0]) ** 2 * system.node_mass.sum() / 4.0
         rounding = float(0.5 * system.spurious_stiffness / stiffness)
-        return self._two_meshes(fine, _matched(fine, coarse), rounding, of_modes=True)
+        factor = self.mesh_pair.mode_factor
+        if open_circuit:  # the charge, a static goal, has its part in it
+            factor = max(factor, self.mesh_pair.static_factor)
+        return self._two_meshes(fine, _matched(fine, coarse), rounding, factor)
 
     def shapes(self, *, open_circuit: bool = False) -> Shapes:
         """Return the modes with their shapes, on the finer and the coarser mesh."""
@@ -112,10 +115,10 @@ class SolidModel(Model):
         return float(abs(compliance) * self.systems()[0].spurious_stiffness)
 
     def _two_meshes(
-        self, fine: T, coarse: T, rounding: float, *, of_modes: bool = False
+        self, fine: T, coarse: T, rounding: float, factor: float | None = None
     ) -> Refined[T]:
         pair = self.mesh_pair
-        factor = pair.mode_factor if of_modes else pair.static_factor
+        factor = pair.static_factor if factor is None else factor
         return Refined(fine, ((coarse, factor),), pair.method, rounding)
 
 

@@ -151,8 +151,8 @@ def _coupling(model: Model) -> tuple[Array, Array, str]:
     pairs = Refined(
         (short.fine, opened.fine),
         tuple(
-            ((s, o), factor)
-            for (s, factor), (o, _) in zip(short.coarser, opened.coarser, strict=True)
+            ((s, o), max(of_short, of_open))
+            for (s, of_short), (o, of_open) in zip(short.coarser, opened.coarser, strict=True)
         ),
         short.method,
     )
