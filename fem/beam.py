@@ -247,7 +247,9 @@ def bending_frequencies(
     shift = float(elastic[0])
     inverse = eigh(m, k + shift * m, eigvals_only=True, subset_by_index=_top(k.shape[0], count + 2))
     values = np.sort(1.0 / inverse) - shift
-    return np.asarray(np.sqrt(values[values > 0.5 * shift][:count]) / (2.0 * np.pi))
+    # of the two rigid motions each spring stops one
+    rigid = 0 if clamped else max(0, 2 - sum(spring > 0.0 for spring in (*base[:2], tip[0])))
+    return np.asarray(np.sqrt(values[rigid : rigid + count]) / (2.0 * np.pi))
 
 
 def _top(size: int, count: int) -> list[int]:

@@ -39,7 +39,9 @@ def reduced_solid(
     path = cache_folder() / f"ports-{cache_key(stamp, bounds, tolerance)}.npz"
     try:
         kept = read_ports(path, made_from=stamp)
-        if kept.range == bounds and kept.error_estimate(frequencies).max() <= tolerance:
+        # one that did not reach the tolerance would not reach it again
+        reached = max(tolerance, kept.error)
+        if kept.range == bounds and kept.error_estimate(frequencies).max() <= reached:
             return kept
     except InputError:
         pass

@@ -39,6 +39,14 @@ class Attachment:
     tip_stiffness: float = 0.0
     tip_mass: float = 0.0
 
+    @property
+    def rigid_motions(self) -> int:
+        """Motions of the ports' class that no spring resists: of the two, each spring stops one."""
+        if self.base is None:
+            return 0
+        springs = (*self.base[:2], self.tip_stiffness)
+        return max(0, 2 - sum(stiffness > 0.0 for stiffness in springs))
+
 
 @dataclass(frozen=True)
 class SolidMode:
@@ -70,17 +78,19 @@ def natural_modes(
     Inverse Lanczos at 0 Hz with the factor that statics uses as well; the potential is part of
     the indefinite operator and has no mass.  A base on springs borders that factor, tip load
     and open circuit (the electrode's charge stays zero) are updates of rank one.  Where a
-    spring of the base is zero, the shift lies below 0 Hz and rigid motions are left out.
+    spring of the base is zero, the shift lies below 0 Hz; rigid motions are left out.
     """
     from scipy.sparse.linalg import LinearOperator, eigsh
 
-    loose = 0 if attachment.base is None or not system.has_ports else attachment.base[:2].count(0.0)
-    shift = _SHIFT if loose else 0.0
-    mass, solve, tip = (_shifted if loose else _attached)(system, attachment)
+    if not system.has_ports:  # the mean motion of such a tip is zero
+        attachment = Attachment(None)
+    unsprung = attachment.base is not None and 0.0 in attachment.base[:2]
+    shift = _SHIFT if unsprung else 0.0
+    mass, solve, tip = (_shifted if unsprung else _attached)(system, attachment)
     n = mass.shape[0]
     updates = []
     load = attachment.tip_stiffness + shift * attachment.tip_mass
-    if load > 0.0 and system.has_ports:
+    if load > 0.0:
         updates.append((tip, load))
     if open_circuit and system.has_ports:
         charge, capacitance = _electrode(system, n)
@@ -91,6 +101,7 @@ def natural_modes(
         return np.asarray(mass @ v + attachment.tip_mass * tip * (tip @ v))
 
     rng = np.random.default_rng(0)
+    loose = attachment.rigid_motions
     wanted = min(count + loose, n - 2)
     # in inverse mode the stiffness itself is not asked for
     values, vectors = eigsh(
@@ -104,7 +115,7 @@ def natural_modes(
         ncv=min(wanted + wanted // 2 + 3, n - 1),
         tol=_RESIDUAL,
     )
-    elastic = np.argsort(values)[loose:]  # each missing spring leaves one rigid motion
+    elastic = np.argsort(values)[loose:]
     return [_mode(system, float(values[i]), vectors[:, i], n) for i in elastic]
 
 
@@ -125,7 +136,7 @@ def _attached(
 ) -> tuple[Sparse, Callable[[Floats], Floats], Floats]:
     """Return mass, inverse stiffness and tip functional at U = 0 with the support attached."""
     held, factor = system.inner, system.held_factor
-    if attachment.base is None or not system.has_ports:
+    if attachment.base is None:
         return system.mass.inner, factor.solve, system.tip[:held, 0]
     lateral, rotational, inertia = attachment.base
     mass = system.mass.with_base(np.diag([0.0, inertia]))

@@ -24,6 +24,9 @@ _WIDEST = 3.0
 _WIDEST_SHARE = 0.5
 #: Share of half the width that counts as a layer's thickness if that is more.
 _SIDE_SHARE = 0.5
+#: Half a shim up to this many piezo layers thick is one interval: polynomials across it
+#: have more to give than the layers' have.
+_THIN_CORE = 0.6
 #: Share of the thickness that a layer counts with if it is thinner.
 _LEAST_GRAIN = 0.1
 
@@ -38,6 +41,8 @@ class BrickMeshing:
         Degree of the polynomials along x, y and z.
     layer : tuple of float
         Intervals of a piezo layer from its inner to its outer face, as shares of it.
+    core : int
+        Intervals of half the shim where that is no thin part of the whole; otherwise it is one.
     side : float
         Interval at the side edge, as a share of the thinnest layer, or of half of half the
         width if that is less (0: no grading).
@@ -57,6 +62,7 @@ class BrickMeshing:
 
     degree: tuple[int, int, int]
     layer: tuple[float, ...] = (1.0,)
+    core: int = 1
     side: float = 0.0
     smallest: float = 0.2
     tip: float = 0.2
@@ -66,15 +72,15 @@ class BrickMeshing:
 
 
 #: A family of divisions for refinement studies; from one to the next errors fall by two to
-#: four (about 2, 5, 13, 27 and 52 thousand unknowns for a plain bimorph).  Each is finer than
-#: the one before everywhere: along each axis, at edges and at ends, or their difference would
-#: not tell what is missing.
+#: four (about 2, 5, 13, 27 and 52 thousand unknowns for a plain bimorph).  What is coarse in
+#: one must be finer in the next (degree or length, each axis, edges and ends), or their
+#: difference would not tell what is missing.
 LEVELS = (
     BrickMeshing((2, 2, 3), side=0.4, smallest=0.4, tip=1.0, longest=8.0, pieces=(4.0, 10.0)),
     BrickMeshing((3, 3, 4), side=0.65, smallest=0.2, tip=1.0, pieces=(4.0, 10.0)),
-    BrickMeshing((3, 3, 4), (0.35, 0.65), side=0.25, smallest=0.07, tip=0.5, pieces=(4.0, 10.0)),
-    BrickMeshing((4, 4, 4), (0.15, 0.85), 0.15, 0.03, longest=5.0, pieces=(5.0, 10.0)),
-    BrickMeshing((4, 4, 4), (0.15, 0.7, 0.15), 0.1, 0.015, tip=0.1, longest=5.0, growth=5.0),
+    BrickMeshing((3, 3, 4), (0.35, 0.65), 2, 0.25, 0.07, tip=0.5, pieces=(4.0, 10.0)),
+    BrickMeshing((4, 4, 4), (0.15, 0.85), 2, 0.15, 0.03, longest=5.0, pieces=(5.0, 10.0)),
+    BrickMeshing((4, 4, 4), (0.15, 0.7, 0.15), 3, 0.1, 0.015, tip=0.1, longest=5.0, growth=5.0),
 )
 
 
@@ -93,15 +99,16 @@ def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers")
     ends_inside = bimorph.bare_below > 0.0 or bimorph.bare_above > 0.0
     # the field is singular at the end of an electrode, on the outer face
     shares = sorted(meshing.layer, reverse=True) if ends_inside else meshing.layer
-    steps = [half] + ([glue] if glue > 0.0 else []) + [share * piezo for share in shares]
+    core = meshing.core if half > _THIN_CORE * piezo else 1
+    steps = [half / core] * core + ([glue] if glue > 0.0 else []) + [s * piezo for s in shares]
     x = np.concatenate([[0.0], np.cumsum(steps)])
     x[-1] = half + glue + piezo
     y = _across(bimorph, meshing)
     z, ceramic, electrode = _along(device, meshing)
-    n, first = z.size - 1, 1 + (glue > 0.0)
-    slabs = [Slab("shim", (0, 1), (0, n)), Slab("piezo", (first, x.size - 1), (ceramic, n))]
+    n, first = z.size - 1, core + (glue > 0.0)
+    slabs = [Slab("shim", (0, core), (0, n)), Slab("piezo", (first, x.size - 1), (ceramic, n))]
     if glue > 0.0:
-        slabs.insert(1, Slab("glue", (1, 2), (ceramic, n)))
+        slabs.insert(1, Slab("glue", (core, first), (ceramic, n)))
     along_x, along_y, along_z = meshing.degree
     axes = (Axis(x, along_x), Axis(y, along_y), Axis(z, along_z))
     return Bricks(*axes, slabs=tuple(slabs), electrode=electrode, held=held)
@@ -135,7 +142,8 @@ def _along(device: Device, meshing: BrickMeshing) -> tuple[Floats, int, tuple[in
     """Divide the length; also return where the ceramic starts and its electrode reaches."""
     bimorph = device.bimorph
     thin = _grain(bimorph)
-    at_most, at_least = (bimorph.length / pieces for pieces in meshing.pieces)
+    length = bimorph.tab_length + bimorph.length
+    at_most, at_least = (length / pieces for pieces in meshing.pieces)
     longest = min(max(meshing.longest * bimorph.thickness, at_least), at_most)
     first, last = meshing.smallest * thin, max(meshing.smallest, meshing.tip) * thin
     below, above = bimorph.bare_below, bimorph.bare_above

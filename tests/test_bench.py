@@ -202,6 +202,17 @@ def test_a_measurement_that_fails_takes_no_other_along(monkeypatch):
     assert not any("superlu" in timing.path for timing in part.timings)
 
 
+def test_a_part_without_a_measurement_is_refused(monkeypatch):
+    """If nothing fits into memory, one sentence says so."""
+
+    def alone(*_):
+        raise InputError("out of memory")
+
+    monkeypatch.setattr(solver, "on_one_core", alone)
+    with pytest.raises(InputError, match=r"Not measured: .*out of memory"):
+        solver.run(quick=True, announce=lambda _: None)
+
+
 def test_solver_part(monkeypatch):
     """One row per step, way and size; a count of pivots that is off is not met."""
     measured = {

@@ -99,3 +99,20 @@ def test_neighbouring_bricks_grow_gently():
     ratio = steps[1:] / steps[:-1]
     # where two gradings meet, their smaller steps do
     assert np.maximum(ratio, 1.0 / ratio).max() < 3.0 * 1.5
+
+
+def test_a_thick_shim_gets_finer_with_every_level():
+    """Half a shim of ten ceramic layers has more nodes from level to level; a thin one is one."""
+    thick = Device(bimorph=Bimorph(shim_thickness=1e-3, piezo_thickness=50e-6))
+    counts = []
+    for level in LEVELS:
+        bricks = bimorph_bricks(thick, level)
+        counts.append(bricks.slabs_of("shim")[0].x[1] * bricks.x.degree)
+        assert bimorph_bricks(Device(), level).slabs_of("shim")[0].x == (0, 1)
+    assert counts == sorted(set(counts))
+
+
+def test_a_long_tab_takes_long_bricks():
+    """Bricks are long beside the whole length, not beside a short ceramic's."""
+    long = Device(bimorph=Bimorph(length=2e-3, tab_length=1.0))
+    assert bimorph_bricks(long, LEVELS[2]).z.intervals < 40

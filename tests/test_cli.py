@@ -123,6 +123,18 @@ def test_bad_input_is_one_sentence_and_exit_code_2(capsys, arguments, words):
     assert err.count("\n") == 1
 
 
+def test_a_spring_at_the_tip_holds_a_base_without_one(capsys):
+    """Two springs stop two rigid motions, wherever they are."""
+    setting = ["--set", "support.lateral_stiffness=0 N/m", "--set", "load.kind=spring_damper"]
+    asked = ["--quantity", "static_tip_displacement", "--model", "tmm", "--json"]
+    code, out, _ = run(capsys, "solve", *asked, *setting, "--set", "load.stiffness=1000 N/m")
+    assert code == 0
+    assert json.loads(out)["quantities"][0]["value"] is not None
+    code, _, err = run(capsys, "solve", *asked, *setting)
+    assert code == 2
+    assert "support.lateral_stiffness = 0" in err
+
+
 def test_help_is_a_result(capsys):
     """Without a command, help goes to stdout."""
     for arguments in ((), ("--help",)):

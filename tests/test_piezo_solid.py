@@ -13,6 +13,8 @@ from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.parameters import Bimorph, Device, Piezo, Shim, Support
 from tmm import multiport
 from tmm.terminations import base_stiffness
+from validation.scene import load_scene
+from validation.solve import solve
 
 COARSE = BrickMeshing((2, 2, 2), smallest=0.5)
 
@@ -242,3 +244,37 @@ def test_base_that_is_not_held_has_elastic_modes_only(lossless, loose):
     assert [m.frequency for m in free] == pytest.approx(
         [m.frequency for m in held[loose.count(0.0) :]], rel=1e-6
     )
+
+
+def test_tip_mass_stays_out_of_motions_without_ports():
+    """Torsion and axial motion leave the tip's mean displacement at rest: the quarter knows."""
+    system = assemble(Device(), bimorph_bricks(Device(), LEVELS[0]), lossy=False)
+    for motion in ("bending_y", "torsion", "axial"):
+        plain, loaded = (
+            natural_modes(system.related(motion), Attachment(None, 0.0, mass), 2)
+            for mass in (0.0, 1e-3)
+        )
+        assert [m.frequency for m in loaded] == [m.frequency for m in plain]
+
+
+@pytest.mark.parametrize("springs", [(0.0, 0.24), (3e6, 0.0), (0.0, 0.0)])
+@pytest.mark.parametrize("tip_stiffness", [0.0, 1e3])
+def test_only_motions_that_no_spring_resists_are_left_out(springs, tip_stiffness):
+    """Where springs of the base are missing, the solid has as many modes as the beam has."""
+    scene, _ = load_scene(
+        "prototype",
+        [
+            f"support.lateral_stiffness={springs[0]:g}N/m",
+            f"support.rotational_stiffness={springs[1]:g}N*m/rad",
+            "load.kind=spring_damper",
+            f"load.stiffness={tip_stiffness:g}N/m",
+            "mesh.level=2",
+        ],
+    )
+    found = solve(scene, ("solid", "tmm", "beam"), ["short_circuit_frequencies"]).quantities
+    solid, tmm, beam = (
+        [f for f, k in zip(q.value, q.classes, strict=True) if k == "bending_x"] for q in found
+    )
+    # the solid is no beam: shear, Poisson effect and d33, a few percent
+    assert solid[0] == pytest.approx(tmm[0], rel=0.03)
+    assert beam[0] == pytest.approx(tmm[0], rel=1e-6)

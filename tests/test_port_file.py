@@ -99,6 +99,22 @@ def test_second_time_factorises_nothing(mesh, tmp_path, monkeypatch):
     assert len(calls) == 4
 
 
+def test_what_did_not_reach_the_tolerance_is_kept_too(mesh, tmp_path, monkeypatch):
+    """All shifts used and still an estimate above the tolerance: a second try would end there."""
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path))
+    calls = []
+
+    def counted(*arguments, **options):
+        calls.append(1)
+        return reduce_to_ports(*arguments, **options)
+
+    monkeypatch.setattr(port_cache, "reduce_to_ports", counted)
+    first = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-16)
+    assert first.error > 1e-16
+    second = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-16)
+    assert (len(calls), second.error) == (1, first.error)
+
+
 def test_folder_that_cannot_be_written_keeps_nothing(mesh, tmp_path, monkeypatch):
     """A cache is never a reason to fail."""
     (tmp_path / "file").write_text("")

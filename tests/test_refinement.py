@@ -9,7 +9,7 @@ from geometry.brick_family import LEVELS, bimorph_bricks
 from validation.refinement import two_mesh_factor
 from validation.scene import load_scene
 from validation.solid_coverage import coverage, judged, varied_cases
-from validation.solid_meshes import level_for
+from validation.solid_meshes import _BRICK_BARS, level_for
 from validation.solve import solve
 
 
@@ -51,6 +51,22 @@ def test_error_bars_cover_the_known_answer(level):
         assert error <= bar + own * abs(known)
         ratios.append(bar / max(error, own * abs(known)))
     assert sorted(ratios)[len(ratios) // 2] < 20.0
+
+
+@pytest.mark.parametrize(
+    ("scene_name", "level"),
+    [
+        *(("j1", level) for level in (2, 3)),
+        *(pytest.param("j1", level, marks=pytest.mark.heavy) for level in (4, 5)),
+        *(pytest.param("paper", level, marks=pytest.mark.heavy) for level in (2, 3, 4, 5)),
+    ],
+)
+def test_each_level_has_the_bars_it_is_chosen_by(scene_name, level):
+    """Static deflection, capacitance and the first frequency of the two scenes."""
+    for q in solved(scene_name, level):
+        relative = q.uncertainty / abs(q.value)
+        first = relative if q.value.ndim == 0 else relative[0]
+        assert first <= _BRICK_BARS[level - 1]
 
 
 @pytest.mark.parametrize("scene_name", [pytest.param("paper", marks=pytest.mark.heavy), "j1"])

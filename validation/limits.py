@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from geometry.errors import InputError
-from tmm.terminations import FINGER_RANGE, outside_finger_range
+from tmm.terminations import FINGER_RANGE, conservative_load, outside_finger_range
 from validation.design.detection import DISPLAY_THRESHOLD
 from validation.quantities import QUANTITIES
 from validation.results import Quantity
@@ -76,7 +76,9 @@ def check_held(scene: Scene, quantities: Sequence[str]) -> None:
             QUANTITIES[name].by_frequency and name != "dynamic_stiffness" and 0.0 in scene.frequency
         )
     ]
-    if loose and at_rest:
+    # of the two rigid motions each spring stops one, that of the load too
+    resisted = 2 - len(loose) + (conservative_load(scene.load)[0] > 0.0)
+    if resisted < 2 and at_rest:
         raise InputError(
             f"support.{loose[0]} = 0 leaves the actuator free to move as a rigid body, so "
             f"{at_rest[0]} has no value at 0 Hz; give the support a stiffness or ask for "

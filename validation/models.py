@@ -36,14 +36,14 @@ class Refined(Generic[T]):
         the bars add.  Empty for closed forms, whose error is rounding.
     method : str
         How the error bar comes about, for the reader.
-    rounding : float
-        Relative rounding error beyond that of the port equations.
+    rounding : float or (n,) array
+        Relative rounding error beyond that of the port equations; of modes, one for each.
     """
 
     fine: T
     coarser: tuple[tuple[T, float], ...]
     method: str
-    rounding: float = 0.0
+    rounding: Floats | float = 0.0
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
@@ -40,6 +41,10 @@ _ABOVE = 2
 _FOR_TETRAHEDRA = LEVELS[2]
 #: Largest quarter (nodes of its reference) that is affordable.
 _MOST_NODES = 14_000
+
+
+#: Numbers by quantity and class of motion, ascending.
+Known: TypeAlias = dict[tuple[str, str], list[complex]]
 
 
 @dataclass(frozen=True)
@@ -91,12 +96,13 @@ class Case:
 
 @dataclass(frozen=True)
 class Answer:
-    """One number with its error bar; `kind` is the class of a mode."""
+    """One number with its error bar; of a mode with its class and which of its class it is."""
 
     quantity: str
     value: complex
     bar: float
     kind: str = ""
+    number: int = 0
 
 
 class _ShimHeldModel(SolidModel):
@@ -123,50 +129,53 @@ def answers(case: Case) -> list[Answer]:
         values, bars = np.ravel(quantity.value), np.ravel(quantity.uncertainty)
         kinds = quantity.classes or ("",) * values.size
         found += [
-            Answer(name, complex(v), float(b), k)
-            for v, b, k in zip(values, bars, kinds, strict=True)
+            Answer(name, complex(v), float(b), k, kinds[:i].count(k))
+            for i, (v, b, k) in enumerate(zip(values, bars, kinds, strict=True))
             if case.all_motions or k in ("", "bending_x")
         ]
     return found
 
 
-def reference(case: Case, kinds: Iterable[str]) -> dict[str, list[complex]]:
+def reference(case: Case, kinds: Iterable[str]) -> Known:
     """Return the quantities on the reference division; frequencies of the motions in `kinds`."""
     scene = case.scene()
     bricks = bimorph_bricks(scene.device, case.reference, case.held)
     system = assemble_bricks(scene.device, bricks, lossy=False)
     port, end = _ports(system, 0.0), static_termination(scene.support, scene.load)
     response = respond(port, end, scene.drive.voltage)
-    found: dict[str, list[complex]] = {
-        "static_tip_displacement": [complex(response.w_tip[0])],
-        "capacitance_free": [complex(response.charge[0]) / scene.drive.voltage],
-        "capacitance_blocked": [complex(port.stiffness[0, 4, 4])],
+    found: Known = {
+        ("static_tip_displacement", ""): [complex(response.w_tip[0])],
+        ("capacitance_free", ""): [complex(response.charge[0]) / scene.drive.voltage],
+        ("capacitance_blocked", ""): [complex(port.stiffness[0, 4, 4])],
     }
     attachment = _attachment(scene)
-    short, opened = (
-        [mode.frequency for mode in natural_modes(system, attachment, count, open_circuit=free)]
-        for count, free in ((scene.modes, False), (1, True))
-    )
-    found["coupling_factor"] = [complex(np.sqrt(1.0 - (short[0] / opened[0]) ** 2))]
+    modes = natural_modes(system, attachment, scene.modes)
+    opened = natural_modes(system, attachment, 1, open_circuit=True)[0]
+    coupling = np.sqrt(1.0 - (modes[0].frequency / opened.frequency) ** 2)
+    found["coupling_factor", ""] = [complex(coupling)]
     others: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
     for motion in others:
         if motion in kinds or "mixed" in kinds:
             system = assemble_bricks(scene.device, bricks, lossy=False, motion=motion)
-            short += [m.frequency for m in natural_modes(system, attachment, scene.modes)]
-    found["short_circuit_frequencies"] = [complex(f) for f in sorted(short)]
+            modes += natural_modes(system, attachment, scene.modes)
+    for mode in sorted(modes, key=lambda mode: mode.frequency):
+        found.setdefault(("short_circuit_frequencies", mode.kind), []).append(mode.frequency)
     if case.harmonic:
         found |= _harmonic(scene, bricks)
     return found
 
 
-def _harmonic(scene: Scene, bricks: Bricks) -> dict[str, list[complex]]:
+def _harmonic(scene: Scene, bricks: Bricks) -> Known:
     frequency = float(np.asarray(scene.frequency)[0])
     system = assemble_bricks(scene.device, bricks, lossy=True)
     port = _ports(system, frequency)
     end: Termination = termination(scene.support, scene.load, np.array([frequency]))
     response = respond(port, end, scene.drive.voltage)
     current = 2j * np.pi * frequency * response.charge[0] / scene.drive.voltage
-    return {"tip_displacement": [complex(response.w_tip[0])], "admittance": [complex(current)]}
+    return {
+        ("tip_displacement", ""): [complex(response.w_tip[0])],
+        ("admittance", ""): [complex(current)],
+    }
 
 
 def _attachment(scene: Scene) -> Attachment:
@@ -203,12 +212,12 @@ class Outcome:
 
 
 def judged(case: Case) -> list[Outcome]:
-    """Return every answer of a case with its error; frequencies against the nearest one."""
+    """Return every answer of a case with its error; modes by their order in their class."""
     found = answers(case)
     known = reference(case, {answer.kind for answer in found})
     outcomes = []
     for answer in found:
-        right = min(known[answer.quantity], key=lambda value: abs(value - answer.value))
+        right = known[answer.quantity, answer.kind][answer.number]
         error = abs(answer.value - right) / abs(right)
         outcomes.append(Outcome(case, answer, error, answer.bar / abs(right)))
     return outcomes
@@ -225,9 +234,10 @@ def varied_cases(seed: int, count: int = 44, finer: int = 6, tetrahedra: int = 6
     """Return bimorphs drawn at random from all that could be built, and more.
 
     Lengths 3 to 60 mm, widths 0.3 to 10 mm, layers 20 µm to 1 mm, even on a logarithmic
-    scale; three ceramics, two shims; tabs, bare ends, glue, springs and clamps, of all layers
-    or of the shim alone.  The first `finer` that are small enough come at level 3 as well, the
-    first so many that have plain layers on `tetrahedra` as well.
+    scale; three ceramics, two shims; tabs, bare ends, glue; masses and springs at the tip;
+    springs and clamps at the base, of all layers or of the shim alone.  The first `finer` that
+    are small enough come at level 3 as well, the first so many that have plain layers on
+    `tetrahedra` as well.
     """
     rng = np.random.default_rng(seed)
     cases: list[Case] = []
@@ -260,9 +270,10 @@ def _drawn(rng: np.random.Generator, number: int) -> Case | None:
     piezo, shim, length, width = (
         between(*limits) for limits in ((0.02, 1.0), (0.02, 1.0), (3.0, 60.0), (0.3, 10.0))
     )
-    chance = rng.random(6)
+    chance = rng.random(7)
     tab, below, above = rng.uniform(0.5, 3.0), rng.uniform(0.05, 0.15), rng.uniform(0.02, 0.1)
     glue = min(between(0.005, 0.05), 0.3 * min(piezo, shim))
+    mass, stiffness = between(0.1, 100.0), between(10.0, 1e4)
     material = rng.choice(["M1876", "PZT-5H", "PZT-5A"])
     thickness = 2.0 * piezo + shim
     if not 4.0 * thickness <= length <= 120.0 * thickness or width > 40.0 * thickness:
@@ -283,6 +294,10 @@ def _drawn(rng: np.random.Generator, number: int) -> Case | None:
         # the rod that the springs stand for is no wider
         "support.kind=clamped": chance[4] < 0.5 or width > 2.0,
         "shim.shear_modulus=53.846GPa": chance[5] < 0.4,
+        "load.kind=mass": chance[6] < 0.2,
+        f"load.mass={mass:.3g}mg": chance[6] < 0.2,
+        "load.kind=spring_damper": 0.2 <= chance[6] < 0.4,
+        f"load.stiffness={stiffness:.3g}N/m": 0.2 <= chance[6] < 0.4,
     }
     overrides += [key for key, wanted in options.items() if wanted]
     return Case(tuple(overrides), held=held, all_motions=number % 3 == 0, harmonic=number % 4 == 3)

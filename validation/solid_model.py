@@ -71,9 +71,9 @@ class SolidModel(Model):
             ports.append(reduced.multiport(self.frequencies))
             if not extra:
                 extra = ((reduced.coarser_multiport(self.frequencies), SAFETY),)
+                at_rest = reduced.multiport(np.zeros(1))
         # a peak magnifies what the stiffness is off by Q
         peak = self.scene.piezo.quality_factor
-        at_rest = reduced.multiport(np.zeros(1))
         two = self._two_meshes(ports[0], ports[1], peak * self._rounding(at_rest))
         method = f"{two.method}; plus the last Krylov block of the port reduction"
         return Refined(two.fine, two.coarser + extra, method, two.rounding)
@@ -85,9 +85,9 @@ class SolidModel(Model):
             for found in self.shapes(open_circuit=open_circuit)
         )
         system = self.systems()[0]
-        # a cantilever's first mode has a quarter of the mass; frequencies go as the root
-        stiffness = (2.0 * np.pi * fine.frequencies[0]) ** 2 * system.node_mass.sum() / 4.0
-        rounding = float(0.5 * system.spurious_stiffness / stiffness)
+        # a cantilever's modes have a quarter of the mass; frequencies go as the root
+        stiffness = (2.0 * np.pi * fine.frequencies) ** 2 * system.node_mass.sum() / 4.0
+        rounding = 0.5 * system.spurious_stiffness / stiffness
         factor = self.mesh_pair.mode_factor
         if open_circuit:  # the charge, a static goal, has its part in it
             factor = max(factor, self.mesh_pair.static_factor)

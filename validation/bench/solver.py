@@ -122,20 +122,18 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
     with tempfile.TemporaryDirectory() as folder:
         for size in _SIZES[:1] if quick else _SIZES:
             for kind in ("real", "complex"):
-                announce(f"solver: {kind} matrix of {size:,} unknowns")
                 path = str(Path(folder) / f"{kind}.npz")
-                potentials = on_one_core(__name__, "write_matrix", size, kind == "complex", path)
-                for solver in ("pardiso", "superlu"):
-                    if has_pardiso if solver == "pardiso" else size in _SUPERLU_SIZES:
-                        announce(f"solver: {solver} on it")
-                        key = (solver, kind, size)
-                        try:
-                            found[key] = on_one_core(__name__, "measured", path, solver)
-                        except InputError as error:  # one that fails takes no other along
-                            left_out.append(f"Not measured: {solver}, {kind}, {size:,}: {error}.")
-                            announce(left_out[-1])
-                            continue
-                        found[key]["potentials"] = potentials
+                solvers = ["pardiso"] if has_pardiso else []
+                solvers += ["superlu"] if size in _SUPERLU_SIZES else []
+                for solver in solvers:
+                    announce(f"solver: {solver}, {kind} matrix of {size:,} unknowns")
+                    try:
+                        found[solver, kind, size] = _one(size, kind, solver, path)
+                    except InputError as error:  # one that fails takes no other along
+                        left_out.append(f"Not measured: {solver}, {kind}, {size:,}: {error}.")
+                        announce(left_out[-1])
+    if not found:
+        raise InputError(left_out[0])
     timings = tuple(
         SolverTiming(
             f"{solver}, {kind}", step, int(at["unknowns"]), int(at["entries"]), at[step],
@@ -147,6 +145,13 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
     conditions = "  ".join([_CONDITIONS, *left_out])
     seconds = time.perf_counter() - started
     return Bench("solver", conditions, timings, _targets(found), seconds)
+
+
+def _one(size: int, kind: str, solver: str, path: str) -> dict[str, float]:
+    """Return what one solver takes for one matrix, made anew in a process of its own."""
+    potentials = on_one_core(__name__, "write_matrix", size, kind == "complex", path)
+    found: dict[str, float] = on_one_core(__name__, "measured", path, solver)
+    return {**found, "potentials": potentials}
 
 
 _CONDITIONS = (
