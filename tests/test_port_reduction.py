@@ -51,9 +51,9 @@ def test_peaks_and_dips_are_right(system, reduced):
 
 
 @pytest.mark.heavy
-@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("level", [0, 1, 2])
 def test_hundred_frequencies_on_daily_meshes(level):
-    """Coarse and medium mesh, 10 Hz to 20 kHz, more than 100 check frequencies."""
+    """Up to the default mesh, 10 Hz to 20 kHz, more than 100 check frequencies."""
     system = assemble(Device(), bimorph_bricks(Device(), LEVELS[level]), lossy=True)
     reduced = reduce_to_ports(system, SWEEP)
     assert reduced.error < 1e-6

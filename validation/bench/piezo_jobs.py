@@ -163,6 +163,7 @@ def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
 #: Mesh of each of our families from a device and a fineness.  Another one is one line.
 FAMILIES: dict[str, Callable[[Device, Any], Mesh | Bricks]] = {
     BRICKS: piezo_meshes.high_order,
+    "hexahedra of 27 nodes": lambda device, sizes: piezo_meshes.second_order(device, *sizes),
     "hexahedra of 20 nodes": lambda _, fineness: piezo_meshes.hexahedra(fineness),
     "structured P2 tetrahedra": lambda _, fineness: piezo_meshes.structured_tetrahedra(fineness),
     "tetwild P2 tetrahedra": lambda device, edges: piezo_meshes.free_tetrahedra(device, *edges),

@@ -22,6 +22,21 @@ def high_order(device: Device, level: int) -> Bricks:
     return bimorph_bricks(device, LEVELS[level])
 
 
+def second_order(
+    device: Device, through: int, side: float, smallest: float, longest: float
+) -> Bricks:
+    """Return bricks of degree 2, which are hexahedra of 27 nodes, on the quarter.
+
+    `through` a ceramic layer; `side`, `smallest` and `longest` as of a BrickMeshing.
+    """
+    layers = (1.0 / through,) * through
+    meshing = BrickMeshing(
+        (2, 2, 2), layers, side=side, smallest=smallest, tip=smallest, longest=longest,
+        pieces=(10.0, 1e3), growth=3.0,
+    )  # fmt: skip
+    return bimorph_bricks(device, meshing)
+
+
 def scout(device: Device) -> Bricks:
     """Return so few bricks that asking them which modes are the lowest costs next to nothing.
 

@@ -34,6 +34,8 @@ _THIRD: tuple[_Grid, ...] = (
     (1, 1, 3, 2e-3, 2.5e-5, 3.0),
     (2, 1, 4, 2e-3, 2.5e-5, 3.0),
 )
+#: Of hexahedra of 27 nodes: through a ceramic layer; side, smallest, longest of a BrickMeshing.
+_TRIQUADRATIC = ((1, 0.5, 0.4, 2.0), (2, 0.3, 0.2, 1.4), (3, 0.3, 0.1, 1.0))
 #: Edges (m) far from the clamp and at it.
 _NETGEN = ((2e-3, 2e-4), (2e-3, 1e-4))
 _TETWILD = ((2.25e-4, 5.5e-4), (1.75e-4, 4.25e-4), (1.35e-4, 3.25e-4))
@@ -79,6 +81,7 @@ def _own_ways(*, quick: bool) -> list[Level]:
     grids = [_bricks(grid, 2) for grid in _SECOND[: 1 if quick else None]]
     return [
         *levels(piezo_jobs.BRICKS, list(range(2 if quick else 4)), True),
+        *levels("hexahedra of 27 nodes", list(_TRIQUADRATIC[: 1 if quick else None]), False),
         *levels("hexahedra of 20 nodes", grids, False),
         *levels("structured P2 tetrahedra", grids, False),
         *levels("tetwild P2 tetrahedra", [] if quick else list(_TETWILD), False),
