@@ -44,7 +44,7 @@ class BrickMeshing:
     core : int
         Intervals of half the shim where that is no thin part of the whole; otherwise it is one.
     side : float
-        Interval at the side edge, as a share of the thinnest layer, or of half of half the
+        Interval at the side edge, as a share of the thinnest layer, or of a quarter of the
         width if that is less (0: no grading).
     smallest : float
         Length of the bricks at the held end and at the ceramic's lower end, as a share of the
