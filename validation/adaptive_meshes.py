@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 #: Edge length of the first mesh and shortest edge of any, in thicknesses of the shim.
 _START, _SHORTEST = 2.0, 0.04
 
+#: Elements of the bimorph's first mesh if its edges are what they are asked to be, at most.
+_FIRST_ELEMENTS = 4_000
+
 #: One mesh is aimed at a share of the last one's error in this range.  Less, and a coarse mesh
 #: decides about one much finer; more, and the mesher's scatter hides the gain.
 _LEAST_SHARE, _MOST_SHARE = 0.3, 0.6
@@ -161,12 +164,19 @@ def _solved(scene: Scene, sizing: Sizing | None) -> Solved:
     regions: tuple[str, ...] = ("piezo_top", "piezo_bottom", "shim")
     if _standing(scene) == "rod":
         regions += ("glue", "rod")
-    options = TetMeshing(
-        edge_length=_START * scene.bimorph.shim_thickness, time_limit=scene.mesh.time_limit
-    )
+    options = TetMeshing(edge_length=_first_edge(scene), time_limit=scene.mesh.time_limit)
     mesh = tetrahedralise(scene.device, _standing(scene), regions, options, sizing)
     system = assemble(scene.device, mesh, lossy=False)
     return Solved(mesh, system, goal_errors(scene.device, mesh, system))
+
+
+def _first_edge(scene: Scene) -> float:
+    """Return the edge length (m) of the first mesh: a foil of a shim does not ask for millions."""
+    b = scene.bimorph
+    volume = b.width * b.thickness * b.length
+    # a tetrahedron of edge a has the volume a³ / 8.5
+    few = (8.5 * volume / _FIRST_ELEMENTS) ** (1.0 / 3.0)
+    return float(max(_START * b.shim_thickness, few))
 
 
 def _standing(scene: Scene) -> Standing:
