@@ -51,6 +51,8 @@ class Spread(NamedTuple):
             if low * high > 0.0:
                 return self._replace(low=low, high=high)
             reason += ", in proportion for so small a value"
+        else:
+            reason += "; said of the usual value, in proportion"
         low, high = sorted((self.low * value / usual, self.high * value / usual))
         return Spread(low, high, reason, self.absolute)
 

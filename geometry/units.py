@@ -86,6 +86,10 @@ class Unit:
     shown: str = ""
     per_si: float = 1.0
 
+    @property
+    def _a_kind(self) -> str:
+        return f"{'an' if self.kind[0] in 'aeiou' else 'a'} {self.kind}"
+
     def show(self, value: float) -> str:
         """Return an SI value as text in the unit that people write it in."""
         unit = self.shown or self.si
@@ -102,12 +106,12 @@ class Unit:
         if isinstance(value, str):
             number = self._parse(value)
         elif isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f'is not a {self.kind}; write for example "{self.example}"')
+            raise ValueError(f'is not {self._a_kind}; write for example "{self.example}"')
         else:
             strict = (info.context or {}).get("units_required") and not isinstance(value, SI)
             if self.si and strict:
                 raise ValueError(
-                    f'has no unit; a {self.kind} needs one, for example "{self.example}"'
+                    f'has no unit; {self._a_kind} needs one, for example "{self.example}"'
                 )
             try:
                 number = float(value)
@@ -120,14 +124,14 @@ class Unit:
         import pint
 
         registry = _registry()
-        unreadable = f'cannot be read as a {self.kind}; write for example "{self.example}"'
+        unreadable = f'cannot be read as {self._a_kind}; write for example "{self.example}"'
         # one number, one unit: pint by itself also computes, drops commas and multiplies lists
         parts = _NUMBER_AND_UNIT.fullmatch(text)
         if parts is None:
             raise ValueError(unreadable)
         number, name = Decimal(parts["number"]), (parts["unit"] or "").strip()
         if not name and self.si:
-            raise ValueError(f'has no unit; a {self.kind} needs one, for example "{self.example}"')
+            raise ValueError(f'has no unit; {self._a_kind} needs one, for example "{self.example}"')
         try:
             unit = registry.parse_units(f"1{name}" if name.startswith("/") else name)
         except pint.UndefinedUnitError as error:
@@ -142,7 +146,7 @@ class Unit:
         angle = "radian" in str(registry.get_root_units(unit)[1]) and "rad" not in self.si
         if angle or not unit.is_compatible_with(self.si):
             raise ValueError(
-                f'has the unit "{unit:~}", which is not a {self.kind}; '
+                f'has the unit "{unit:~}", which is not {self._a_kind}; '
                 f'write for example "{self.example}"'
             )
         zero = float(registry.convert(0.0, unit, self.si))

@@ -20,6 +20,9 @@ _JUDGED = {
     "magnetic3d": "its finest mesh was used, so accept the bar",
 }
 
+#: Largest displacement (share of the length) that linear theory of bending is about.
+_SMALL_DEFLECTION = 0.1
+
 
 def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
     """Return warnings that name the quantities whose error bar exceeds what was asked for."""
@@ -37,6 +40,28 @@ def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...
                 f"for in {', '.join(missed)}; {remedy}"
             )
     return tuple(warnings)
+
+
+def deflection_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
+    """Return a warning if a displacement is beyond what linear theory is about."""
+    if scene.bimorph.length <= 0.0:
+        return ()
+    largest = max(
+        (
+            float(np.nanmax(np.abs(q.value)))
+            for q in found
+            if q.name in ("tip_displacement", "static_tip_displacement")
+        ),
+        default=0.0,
+    )
+    share = largest / scene.bimorph.length
+    if not share > _SMALL_DEFLECTION:
+        return ()
+    sentence = (
+        f"the tip moves by up to {1e3 * largest:.3g} mm, {100.0 * share:.2g} % of the length: all "
+        "models are linear, so this says no more than that there is a resonance or too much voltage"
+    )
+    return (sentence,)
 
 
 def _excess(q: Quantity, accuracy: float) -> str:

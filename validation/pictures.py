@@ -27,6 +27,8 @@ REGION_COLOUR = {
 #: Direction from the object to the viewer.
 _VIEW = (3.0, -2.2, 1.1)
 _VTK_CELL = {"tetra": 10, "tetra10": 24, "hexahedron": 12}
+#: A tip whose middle moves by less than this part of the largest displacement is twisted.
+_TWISTS = 0.3
 
 
 def _pyvista() -> Any:
@@ -88,8 +90,7 @@ def mode_picture(mesh: Mesh, displacement: Floats) -> bytes:
     """
     pv = _pyvista()
     plotter = _plotter(pv, 420, 900)
-    reach = 0.12 * np.ptp(mesh.points[:, 2])
-    moved = mesh.points + displacement * (reach / np.abs(displacement).max())
+    moved = mesh.points + displacement * (_reach(mesh, displacement) / np.abs(displacement).max())
     grid = _grid(pv, mesh, moved)
     grid["size"] = np.linalg.norm(displacement, axis=1)
     surface = grid.extract_surface(nonlinear_subdivision=2, algorithm=None)
@@ -97,6 +98,22 @@ def mode_picture(mesh: Mesh, displacement: Floats) -> bytes:
     rest = _grid(pv, mesh, mesh.points).extract_surface(algorithm=None)
     plotter.add_mesh(rest.extract_feature_edges(feature_angle=60.0), color="#888888", line_width=1)
     return _shoot(plotter, 1.3e3 * float(np.ptp(mesh.points[:, 2])))
+
+
+def _reach(mesh: Mesh, displacement: Floats) -> float:
+    """Return how far (m) the largest displacement of a mode is drawn.
+
+    Linear displacements of a twist are a stretch if drawn large, so a tip that turns about its
+    own middle is turned by half a radian at most.
+    """
+    z = mesh.points[:, 2]
+    tip = z > z.max() - 0.02 * np.ptp(z)
+    middle = np.linalg.norm(displacement[tip].mean(axis=0))
+    far = 0.12 * float(np.ptp(z))
+    if middle > _TWISTS * np.linalg.norm(displacement, axis=1).max():
+        return far
+    across = mesh.points[tip, :2] - mesh.points[tip, :2].mean(axis=0)
+    return min(far, 0.5 * float(np.linalg.norm(across, axis=1).max()))
 
 
 def _grid(pv: Any, mesh: Mesh, points: Floats) -> Any:

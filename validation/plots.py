@@ -59,12 +59,17 @@ def response_plot(
         Title of each load case.
     """
     figure, axes = _figure(10.0, 7.6, nrows=3, ncols=len(curves), sharex=True, squeeze=False)
+    first_phase = {
+        case: np.rad2deg(np.angle(list(models.values())[-1][0])) for case, models in curves.items()
+    }
     for column, (case, models) in enumerate(curves.items()):
         top, bottom, ratio = (axes[row][column] for row in range(3))
         reference = np.abs(models[list(models)[-1]])
         for model, values in models.items():
             top.plot(frequencies, np.abs(values) * 1e6, label=model, **MODEL_STYLE[model])
             phase = np.rad2deg(np.unwrap(np.angle(values)))
+            # ±180° at the start is a matter of rounding
+            phase += 360.0 * np.round((first_phase[case] - phase[0]) / 360.0)
             bottom.plot(frequencies, phase, **MODEL_STYLE[model])
             with np.errstate(invalid="ignore"):  # 0/0 where nothing moves
                 difference = 100.0 * (np.abs(values) / reference - 1.0)
@@ -108,17 +113,19 @@ def bridge_plot(rungs: Sequence[Rung], whole: str) -> str:
         starts, widths = np.append(ends[:-1], 0.0), np.append(np.diff(ends), ends[-1])
         colours = [*np.where(np.diff(ends) > 0.0, "#D55E00", "#0072B2"), "#999999"]
         axis.barh(names, widths, left=starts, color=colours, height=0.62)
+        marks = []
         for attribute, marker in (("predicted", "|"), ("section", "o")):
             steps = np.array([getattr(getattr(rung, attribute), quantity) for rung in rungs[1:]])
             at = (100.0 + ends[:-1]) * (1.0 + steps) - 100.0
             axis.plot(at, names[:-1], marker, color="black", fillstyle="none", markersize=9)
+            marks += at[np.isfinite(at)].tolist()
         axis.axvline(0.0, color="black", linewidth=0.9)
-        low, high = min(0.0, *ends), max(0.0, *ends)
+        low, high = min(0.0, *ends, *marks), max(0.0, *ends, *marks)
         span = max(high - low, 0.1)
         axis.set_xlim(low - 0.25 * span, high + 0.6 * span)
         shown = [*(getattr(rung.step, quantity) for rung in rungs[1:]), 0.01 * ends[-1]]
         for place, value in enumerate(shown):
-            text = f"{100.0 * value:+.2f} % "
+            text = f"{round(100.0 * value, 2) + 0.0:+.2f} % "
             axis.text(high + 0.6 * span, place, text, ha="right", va="center", fontsize=9)
         axis.set(title=title, xlabel=f"difference from {rungs[0].name} (%)")
         axis.grid(visible=True, axis="x", alpha=0.3)

@@ -75,7 +75,7 @@ class MeshSettings(p.Parameters):
 
     kind: Literal["auto", "structured", "tetwild"] = Field(
         default="auto",
-        description="structured boxes for the bimorph alone, tetwild for anything else",
+        description="structured: bricks, for the bimorph alone; tetwild: tetrahedra, for anything",
     )
     level: Annotated[int, BeforeValidator(WholeNumber(0, 5, "3"))] = Field(
         default=0,

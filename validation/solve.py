@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 from tmm.multiport import Multiport, Termination, blocked_force, in_series, respond, round_off
 from tmm.terminations import static_termination, termination
 from validation.design.detection import DISPLAY_THRESHOLD
-from validation.limits import accuracy_warnings, check_held, load_warnings, threshold_warnings
+from validation.limits import (
+    accuracy_warnings,
+    check_held,
+    deflection_warnings,
+    load_warnings,
+    threshold_warnings,
+)
 from validation.magnetic_model import MagneticModel
 from validation.magnetic_models import make_magnetic_model, read_magnetic
 from validation.magnetic_warnings import magnetic_warnings
@@ -84,6 +90,7 @@ def solve(
     ]
     warnings += magnetic_warnings(magnetic.values(), quantities)
     warnings += accuracy_warnings(scene, found)
+    warnings += deflection_warnings(scene, found)
     return Solution(scene, tuple(found), plan, warnings, lateral, magnetic, stages)
 
 

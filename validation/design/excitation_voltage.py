@@ -190,13 +190,18 @@ def _of_load(moved: PerVolt) -> str:
     """Return what load would reconcile model and paper at one frequency."""
     at = f"At {moved.frequency:g} Hz"
     parts = [
-        f"{factor:.2g} times as large ({wiring})"
+        f"{_as_large(factor)} ({wiring})"
         for wiring, factor in moved.load_factor.items()
         if factor is not None
     ]
     if not parts:
         return f"{at} no load of that phase would: even the free tip moves less than the paper's."
     return f"{at} a load {' or '.join(parts)} would give the paper's displacement per volt."
+
+
+def _as_large(factor: float) -> str:
+    times = f"{factor:.2g}"
+    return "just as large" if times == "1" else f"{times} times as large"
 
 
 def _loaded(scene: Scene) -> Scene:

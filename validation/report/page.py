@@ -95,6 +95,7 @@ def _summary(study: Study) -> dict[str, Any]:
         "bridge": study.rungs,
         "asked": study.asked,
         "counts": {s: sum(o.status == s for o in outcomes) for s in statuses},
+        "bars": len(most_detailed),
         "missed": sum(c.uncertainty > study.scene.accuracy * abs(c.value) for c in most_detailed),
     }
 
