@@ -111,6 +111,11 @@ def test_frequencies_partly_outside_the_finger_warn(capsys):
             ["solve", "--set", "support.rotational_stiffness=0 N*m/rad"],
             ["support.rotational_stiffness = 0", "no value at 0 Hz"],
         ),
+        (
+            ["design", "reluctance"],
+            ["models = network", "design is about the lateral", "models=tmm"],
+        ),
+        (["sensitivity", "reluctance"], ["sensitivity is about the lateral one"]),
         (["init", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),
     ],
 )

@@ -5,8 +5,11 @@ from __future__ import annotations
 import argparse
 import contextlib
 import sys
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from validation.scene import Scene
 
 #: What argparse hands out for adding commands (its type is private).
 Commands = Any
@@ -25,6 +28,31 @@ def scene_options(parser: argparse.ArgumentParser, default: str = "paper") -> No
         dest="overrides",
         help="change a scene key, for example bimorph.length=25mm",
     )
+
+
+def lateral_scene(
+    name: str, overrides: Sequence[str], command: str
+) -> tuple[Scene, dict[str, str]]:
+    """Load the scene of a command that is about the lateral actuator, and where values come from.
+
+    Raises
+    ------
+    InputError
+        As :func:`validation.scene.load_scene`; or if no model of the lateral actuator is asked
+        for.
+    """
+    from geometry.errors import InputError
+    from validation.quantities import LATERAL_MODELS
+    from validation.scene import load_scene
+
+    scene, origins = load_scene(name, list(overrides))
+    if not set(scene.models) & set(LATERAL_MODELS):
+        raise InputError(
+            f"models = {', '.join(scene.models)} in scene {scene.name} are all of the normal "
+            f"actuator, and {command} is about the lateral one; take the scene paper or --set "
+            "models=tmm"
+        )
+    return scene, origins
 
 
 def say(text: str) -> None:

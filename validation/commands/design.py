@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geometry.errors import InputError
-from validation.commands.common import Commands, scene_options, warn
+from validation.commands.common import Commands, lateral_scene, scene_options, warn
 
 if TYPE_CHECKING:
     from validation.design.aim import Aim
@@ -56,9 +56,8 @@ def run(options: argparse.Namespace) -> int:
     from validation.design.length_section import CURVES
     from validation.idle_keys import scene_warnings
     from validation.progress import announcer
-    from validation.scene import load_scene
 
-    scene, origins = load_scene(options.scene, options.overrides)
+    scene, origins = lateral_scene(options.scene, options.overrides, "design")
     aim = _aim(options)
     if options.plot and not options.plot.endswith(".svg"):
         raise InputError(

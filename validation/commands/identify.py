@@ -7,7 +7,7 @@ import json
 import sys
 
 from geometry.errors import InputError
-from validation.commands.common import Commands, scene_options, warn
+from validation.commands.common import Commands, lateral_scene, scene_options, warn
 
 _ABOUT = """\
 Fit parameters of a scene to a measured frequency response with the transfer-matrix model,
@@ -80,12 +80,11 @@ def run(options: argparse.Namespace) -> int:
     )
     from validation.identification.plot import checked_plot_name, write_plot
     from validation.idle_keys import scene_warnings
-    from validation.scene import load_scene
 
     # what is wrong with the names is said before any work is done
     plot = None if options.plot is None else checked_plot_name(options.plot)
     target = None if options.write is None else checked_scene_name(options.write)
-    scene, origins = load_scene(options.scene, options.overrides)
+    scene, origins = lateral_scene(options.scene, options.overrides, "identify")
     data = read_measured(options.measured)
     if options.noise and data.uncertainty is not None:
         raise InputError(

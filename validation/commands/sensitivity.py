@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from validation.commands.common import Commands, say, scene_options, warn
+from validation.commands.common import Commands, lateral_scene, say, scene_options, warn
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -58,7 +58,6 @@ def run(options: argparse.Namespace) -> int:
     from validation.idle_keys import scene_warnings
     from validation.limits import load_warnings, threshold_warnings
     from validation.progress import announcer
-    from validation.scene import load_scene
     from validation.uncertainty.headline_numbers import actuator
     from validation.uncertainty.propagation import parameter_uncertainty
     from validation.uncertainty.table import sensitivity_columns, thinned
@@ -66,7 +65,7 @@ def run(options: argparse.Namespace) -> int:
 
     names = ",".join(options.quantity or _DEFAULT)
     wanted = (f"frequency={options.frequency}", f"quantities={names}")
-    scene, origins = load_scene(options.scene, [*options.overrides, *wanted])
+    scene, origins = lateral_scene(options.scene, [*options.overrides, *wanted], "sensitivity")
     warn(scene_warnings(scene, origins))
     columns = sensitivity_columns(scene, options.key)
     warn(load_warnings(scene, scene.quantities) + threshold_warnings(scene, scene.quantities))
