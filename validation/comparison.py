@@ -128,8 +128,11 @@ def _judge(
     first, last = (getattr(rung, BRIDGED[name]) for rung in (rungs[0], rungs[-1]))
     left = (1.0 + difference) * last / first - 1.0
     if abs(left) > UNEXPLAINED + (0.01 if model == "lumped" and name not in _STATIC else 0.0):
-        return "differs", f"{reason}; the bridge leaves {100.0 * left:+.2f} % unexplained"
-    return "explained", f"{reason}; the bridge leaves {100.0 * left:+.2f} %"
+        return (
+            "differs",
+            f"{reason}; the bridge leaves {round(100.0 * left, 2) + 0.0:+.2f} % unexplained",
+        )
+    return "explained", f"{reason}; the bridge leaves {round(100.0 * left, 2) + 0.0:+.2f} %"
 
 
 def _first(solution: Solution, name: str, model: str) -> tuple[float, float]:
