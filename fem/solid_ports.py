@@ -32,13 +32,17 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
         # without inner motion only the ports' columns act
         ports = system.stiffness.border - omega2 * system.mass.border
         x[:n] -= factor.solve(np.hstack([ports, -system.tip[:n]]))
+        last = _norms(x[:n])
         for _ in range(_REFINEMENTS):
             missing = _force(system, omega2, x)
             missing[:, 3:] -= system.tip
             step = factor.solve(missing[:n].astype(ports.dtype))
             x[:n] -= step
-            if (_norms(step) <= _HALF_THE_DIGITS * _norms(x[:n])).all():
+            size = _norms(step)
+            # the next step is to this one as this one is to the last
+            if (size * size <= _ROUNDING * last * _norms(x[:n])).all():
                 break
+            last = size
         force = _force(system, omega2, x)[n:]
         seen = system.tip.T @ x
         blocks.append((force[:, :3], force[:, 3:], seen[:, :3], seen[:, 3:]))
@@ -104,7 +108,7 @@ def ports_from_blocks(
 #: Most steps of iterative refinement; each gains as many digits as the last one, some seven,
 #: in bodies next to singular one.
 _REFINEMENTS = 8
-#: After so small a step the next one would be rounding.
-_HALF_THE_DIGITS = 1e-7
+#: A step of this size, relative to the solution, is rounding.
+_ROUNDING = 1e-13
 #: Positions in D of (w_base, ψ_base, U).
 _SOURCE = (0, 1, 4)

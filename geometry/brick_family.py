@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.bricks import Axis, Bricks, Held, Slab
-from geometry.fit import check_constant_section
+from geometry.fit import check_bonded, check_constant_section
 from geometry.parameters import Bimorph, Device
 
 #: Ratio of neighbouring intervals towards a side edge.
@@ -90,9 +90,10 @@ def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers")
     Raises
     ------
     InputError
-        If the cross-section changes along the ceramic.
+        If the cross-section changes along the ceramic, or glue lets the layers slide.
     """
     check_constant_section(device)
+    check_bonded(device)
     bimorph = device.bimorph
     half, glue = 0.5 * bimorph.shim_thickness, bimorph.glue_thickness
     piezo = bimorph.piezo_thickness

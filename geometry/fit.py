@@ -10,6 +10,9 @@ from geometry.parameters import NOMINAL_GAP, Bimorph, Device, Support
 #: Rounding of sums of dimensions (m).
 _ROUNDING = 1e-12
 
+#: Softest glue between layers (Pa) with which the bricks' error bars were found to hold.
+_LEAST_GLUE = 1e7
+
 
 def check_fit(device: Device, support: Support) -> None:
     """Refuse a device whose parts cannot be put together.
@@ -168,6 +171,26 @@ def check_plain_layers(device: Device) -> None:
             f"bimorph.{key} is not in the CAD parts and their tetrahedra (three plain layers with "
             'electrodes all over); use mesh.kind = "structured" on a support other than "rod", '
             f"ask for models=lumped,tmm,beam or set bimorph.{key} = 0 mm"
+        )
+
+
+def check_bonded(device: Device) -> None:
+    """Refuse layers that slide on their glue.
+
+    What is left of the tip's motion is then what the clamped corners leave, some 30 pm per
+    volt, which the solid's bricks do not resolve to their own error bar.
+
+    Raises
+    ------
+    InputError
+        In one sentence that says how stiff the glue must be.
+    """
+    modulus = device.glue.youngs_modulus
+    if device.bimorph.glue_thickness > 0.0 and modulus < _LEAST_GLUE:
+        raise InputError(
+            f"glue.youngs_modulus = {modulus:.4g} Pa lets the layers slide, and of such a bimorph "
+            "the solid's bricks do not resolve what is left of the tip's motion; set it to at "
+            f"least {1e-6 * _LEAST_GLUE:g} MPa or set bimorph.glue_thickness = 0 mm"
         )
 
 

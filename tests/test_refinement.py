@@ -3,10 +3,11 @@
 from dataclasses import replace
 from functools import cache
 
+import numpy as np
 import pytest
 
 from geometry.brick_family import LEVELS, bimorph_bricks
-from validation.refinement import two_mesh_factor
+from validation.refinement import least_difference, two_mesh_factor
 from validation.scene import load_scene
 from validation.solid_coverage import coverage, judged, varied_cases
 from validation.solid_meshes import _BRICK_BARS, level_for
@@ -16,6 +17,13 @@ from validation.solve import solve
 def test_two_mesh_factor_is_wide_for_close_meshes():
     """The closer two meshes, the more their difference must be magnified."""
     assert two_mesh_factor(1.2) > two_mesh_factor(2.0) > 0.0
+
+
+def test_agreement_by_chance_is_not_trusted():
+    """A mode that two levels agree in counts a tenth of what its neighbours differ by."""
+    fine, coarse = np.array([100.0, 1000.0]), np.array([100.0, 1010.0])
+    assert least_difference(fine, coarse) == pytest.approx(1e-3)
+    assert least_difference(fine, np.full(2, np.nan)) == 0.0
 
 
 NAMES = ("static_tip_displacement", "capacitance_free", "short_circuit_frequencies")

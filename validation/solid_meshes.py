@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from geometry.brick_family import LEVELS, bimorph_bricks
 from geometry.bricks import Bricks
-from geometry.fit import check_constant_section, check_plain_layers
+from geometry.fit import check_bonded, check_constant_section, check_plain_layers
 from geometry.mesh import Mesh
 from geometry.parameters import Device
 from validation.refinement import ASSUMED_GAIN, BRICK_FACTOR, SAFETY
@@ -48,7 +48,11 @@ def check_meshable(scene: Scene) -> None:
     InputError
         In one sentence that names the models that can.
     """
-    (check_plain_layers if uses_tetrahedra(scene) else check_constant_section)(scene.device)
+    if uses_tetrahedra(scene):
+        check_plain_layers(scene.device)
+    else:
+        check_constant_section(scene.device)
+        check_bonded(scene.device)
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from geometry.arrays import Floats
 from tmm.multiport import Multiport
 from tmm.terminations import conservative_load
 from validation.models import Model, Modes, Refined
-from validation.refinement import SAFETY
+from validation.refinement import SAFETY, least_difference
 
 if TYPE_CHECKING:
     from fem.solid_system import SolidSystem
@@ -91,7 +93,9 @@ class SolidModel(Model):
         factor = self.mesh_pair.mode_factor
         if open_circuit:  # the charge, a static goal, has its part in it
             factor = max(factor, self.mesh_pair.static_factor)
-        return self._two_meshes(fine, _matched(fine, coarse), rounding, factor)
+        coarse = _matched(fine, coarse)
+        two = self._two_meshes(fine, coarse, rounding, factor)
+        return replace(two, coarser=(*two.coarser, (_moved(fine, coarse), factor)))
 
     def shapes(self, *, open_circuit: bool = False) -> Shapes:
         """Return the modes with their shapes, on the finer and the coarser mesh."""
@@ -115,11 +119,20 @@ class SolidModel(Model):
         return float(abs(compliance) * self.systems()[0].spurious_stiffness)
 
     def _two_meshes(
-        self, fine: T, coarse: T, rounding: float, factor: float | None = None
+        self, fine: T, coarse: T, rounding: Floats | float, factor: float | None = None
     ) -> Refined[T]:
         pair = self.mesh_pair
         factor = pair.static_factor if factor is None else factor
         return Refined(fine, ((coarse, factor),), pair.method, rounding)
+
+
+def _moved(fine: Modes, coarse: Modes) -> Modes:
+    """Return the modes moved by what each of its class counts with at least."""
+    kinds, frequencies = np.array(fine.classes), fine.frequencies.copy()
+    for kind in set(fine.classes):
+        of = kinds == kind
+        frequencies[of] *= 1.0 + least_difference(fine.frequencies[of], coarse.frequencies[of])
+    return Modes(frequencies, fine.classes)
 
 
 def _matched(fine: Modes, coarse: Modes) -> Modes:
