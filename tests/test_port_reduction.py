@@ -33,7 +33,8 @@ def reduced(system):
 def compare(system, reduced, at):
     """Check errors at frequencies; the wanted accuracy is 1e-6, dips and peaks included."""
     exact, found = direct_multiport(system, at), reduced.multiport(at)
-    assert port_error(exact, found).max() < 1e-8
+    # rounding leaves 6e-10; D's own poles, both ends held, magnify it by Q = 60
+    assert port_error(exact, found).max() < 1e-7
     worst = np.zeros(at.size)
     for end in standard_ends(reduced.fine):
         direct = motions(exact, end)
