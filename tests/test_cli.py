@@ -140,6 +140,17 @@ def test_a_spring_at_the_tip_holds_a_base_without_one(capsys):
     assert "support.lateral_stiffness = 0" in err
 
 
+def test_a_deflection_beyond_linear_theory_is_warned_of(capsys):
+    """A tenth of the length: said once, on stderr; the number stays."""
+    asked = ["solve", "--model", "tmm", "--quantity", "static_tip_displacement", "--json"]
+    code, _, err = run(capsys, *asked)
+    assert (code, "all models are linear" in err) == (0, False)
+    code, out, err = run(capsys, *asked, "--set", "drive.voltage=2100 V")
+    assert code == 0
+    assert json.loads(out)["quantities"][0]["value"] > 2e-3
+    assert "10 % of the length: all models are linear" in err
+
+
 def test_help_is_a_result(capsys):
     """Without a command, help goes to stdout."""
     for arguments in ((), ("--help",)):
