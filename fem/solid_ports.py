@@ -105,8 +105,8 @@ def ports_from_blocks(
     return s
 
 
-#: Most steps of iterative refinement; each gains as many digits as the last one, some seven,
-#: in bodies next to singular one.
+#: Most steps of iterative refinement; each gains as many digits as the last one: some seven,
+#: or one where the matrix is next to singular.
 _REFINEMENTS = 8
 #: A step of this size, relative to the solution, is rounding.
 _ROUNDING = 1e-13

@@ -26,7 +26,8 @@ def row_blocks(starts: Ints) -> Iterator[tuple[int, int]]:
     """Yield the first row of each block and that after its last, from the rows' starts (n + 1,)."""
     n = starts.size - 1
     cuts = np.unique(np.searchsorted(starts[:-1], np.arange(0, max(starts[-1], 1), _BLOCK)))
-    yield from pairwise([*cuts.tolist(), n])
+    # a cut inside the last row would leave a block without rows
+    yield from pairwise([*cuts[cuts < n].tolist(), n])
 
 
 def wide_product(matrix: Sparse, x: Array) -> Array:

@@ -38,6 +38,16 @@ def laplacian(*shape):
     return sparse.csr_matrix(total)
 
 
+@pytest.mark.parametrize("starts", [[0, 3, 99_990, 100_010], [0, 250_000], [0, 1, 2, 3], [0, 0]])
+def test_blocks_of_rows_are_all_rows_once(starts):
+    """Every row in one block, no block without rows, also where a block ends in the last row."""
+    blocks = list(sparse_rows.row_blocks(np.array(starts)))
+    assert all(first < last for first, last in blocks)
+    assert [row for first, last in blocks for row in range(first, last)] == [
+        *range(len(starts) - 1)
+    ]
+
+
 @needs_mkl
 def test_pardiso_and_superlu_agree(system):
     """The fallback must not change a result: same solution of the saddle point to 1e-9."""
