@@ -25,7 +25,7 @@ import numpy as np
 from fem.axisymmetric_space import Discretisation, gathered
 from fem.linear_solver import Factor, SolverError, factorise
 from geometry.arrays import Floats, Sparse
-from geometry.steel import MU0
+from geometry.device.steel_law import MU0
 
 #: Newton stops when the decrement left after a step, relative to the energy, is below this:
 #: the energy is then right to its square, everything else to about the number itself.

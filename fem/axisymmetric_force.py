@@ -19,7 +19,7 @@ from fem.axisymmetric_grid import Grid
 from fem.axisymmetric_space import Discretisation, cells_in_order, quadrature_order
 from fem.linear_solver import factorise
 from geometry.arrays import Floats
-from geometry.steel import MU0
+from geometry.device.steel_law import MU0
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,8 @@ import numpy as np
 
 from fem.beam_section import gauss, section_constants
 from geometry.arrays import Complex, Floats, Ints
-from geometry.beam_pieces import Piece, beam_pieces
-from geometry.parameters import Beam, Device, Support
+from geometry.bimorph.pieces import Piece, beam_pieces
+from geometry.device.parameters import Beam, Device, Support
 from tmm.multiport import Multiport
 
 #: Polynomial order of w and ψ (equal orders lock only at low order).

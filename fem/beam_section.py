@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Complex, Floats
-from geometry.beam_pieces import Piece
-from geometry.materials import EPS0
-from geometry.parameters import Beam, Device
+from geometry.bimorph.pieces import Piece
+from geometry.device.materials import EPS0
+from geometry.device.parameters import Beam, Device
 
 
 def section_constants(

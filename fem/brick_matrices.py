@@ -20,7 +20,7 @@ from scipy import sparse
 from fem.line_basis import LineMatrices, line_matrices
 from fem.solid_system import VOIGT, Material
 from geometry.arrays import Floats, Ints, Numbers, Sparse
-from geometry.bricks import Bricks, Slab
+from geometry.bimorph.bricks import Bricks, Slab
 
 #: The quarter is one of four.
 _COPIES = 4.0

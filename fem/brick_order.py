@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from geometry.arrays import Ints
-from geometry.bricks import Bricks
+from geometry.bimorph.bricks import Bricks
 
 
 def elimination_order(bricks: Bricks) -> Ints:

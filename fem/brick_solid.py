@@ -20,9 +20,9 @@ from fem.brick_order import elimination_order
 from fem.line_basis import line_weights
 from fem.solid_system import Motion, SolidSystem, materials, volts_per_unit
 from geometry.arrays import Bools, Floats, Ints, Sparse
-from geometry.bricks import Bricks, mirrored_axis
-from geometry.materials import Piezoceramic
-from geometry.parameters import Device
+from geometry.bimorph.bricks import Bricks, mirrored_axis
+from geometry.device.materials import Piezoceramic
+from geometry.device.parameters import Device
 
 #: Signs of (u_x, u_y, u_z, φ) under the reflections at x = 0 and at y = 0.
 _SIGNS: dict[Motion, tuple[tuple[int, ...], tuple[int, ...]]] = {
@@ -172,7 +172,7 @@ def _whole(
 ) -> tuple[Floats, Sparse, Floats]:
     """Return nodes, expansion and nodal masses of the whole body, mirrored from the quarter.
 
-    The nodes are the points of :meth:`geometry.bricks.Bricks.node_mesh`, in its order.
+    The nodes are the points of :meth:`geometry.bimorph.bricks.Bricks.node_mesh`, in its order.
     """
     x, from_x, turned_x = mirrored_axis(bricks.x.nodes)
     y, from_y, turned_y = mirrored_axis(bricks.y.nodes)

@@ -19,8 +19,8 @@ from fem.skfem_mesh import to_skfem
 from fem.solid_system import VOIGT, Material, SolidSystem, materials
 from fem.tet_quadrature import tet_rule
 from geometry.arrays import Floats, Ints
-from geometry.mesh import Mesh
-from geometry.parameters import Device
+from geometry.device.parameters import Device
+from geometry.meshing.mesh import Mesh
 
 #: Elements worked on at a time: bounds the memory.
 _CHUNK = 4000

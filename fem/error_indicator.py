@@ -17,8 +17,8 @@ from fem.cubic_surplus import cubic_surplus
 from fem.linear_solver import refined_solution
 from fem.solid_system import SolidSystem
 from geometry.arrays import Floats, Sparse
-from geometry.mesh import Mesh
-from geometry.parameters import Device
+from geometry.device.parameters import Device
+from geometry.meshing.mesh import Mesh
 
 #: Error over what cubics find of it.  At edges where the field is singular, and in layers as
 #: thick as their elements, one degree more removes about half of the error.  Measured on job

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from geometry.arrays import Floats, Ints
-from geometry.bricks import Axis, lobatto_points
+from geometry.bimorph.bricks import Axis, lobatto_points
 
 
 @dataclass(frozen=True)

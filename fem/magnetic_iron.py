@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from geometry.arrays import Floats, Ints
-from geometry.steel import MU0, MagnetisationCurve
+from geometry.device.steel_law import MU0, MagnetisationCurve
 
 #: Cells (n,) and their curve, for each region that is not vacuum.
 Iron = Sequence[tuple[Ints, MagnetisationCurve]]

@@ -26,10 +26,10 @@ from fem.magnetic_iron import Iron, energy_density
 from fem.skfem_mesh import to_skfem
 from fem.tet_quadrature import tet_rule
 from geometry.arrays import Floats
+from geometry.device.steel_law import MagnetisationCurve
 from geometry.errors import InputError
-from geometry.mesh import Mesh
-from geometry.quadratic import TET_EDGES
-from geometry.steel import MagnetisationCurve
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.quadratic import TET_EDGES
 
 #: T0 (..., 3) in A/m at points (..., 3) in m, for one ampere-turn.
 SourceField = Callable[[Floats], Floats]

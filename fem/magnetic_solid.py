@@ -22,7 +22,7 @@ from fem.field_kernel import FieldKernel
 from fem.magnetic_iron import energy_density, field_from_flux, reluctivity_tensor
 from fem.magnetic_problem import MagneticField, SampledSolid
 from geometry.arrays import Floats, Ints, Sparse
-from geometry.steel import MU0
+from geometry.device.steel_law import MU0
 
 #: ε times the square of the mesh's diagonal.  What a Newton step misses because of the added
 #: term is about this times a relative permeability; far smaller values cost digits in the

@@ -29,9 +29,9 @@ from fem.linear_solver import factorise
 from fem.magnetic_problem import MagneticField, MagneticSolid, SampledSolid, with_sorted_corners
 from fem.magnetic_scalar import gradient_kernel
 from geometry.arrays import Floats, Ints
+from geometry.device.steel_law import MU0
 from geometry.errors import InputError
-from geometry.mesh import Mesh
-from geometry.steel import MU0
+from geometry.meshing.mesh import Mesh
 
 #: Sine of the largest angle between a direction and a face that counts as parallel.
 _PARALLEL = 1e-9

@@ -18,8 +18,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.solvers.threads import thread_count
 from geometry.arrays import Ints
-from geometry.threads import thread_count
 
 Array: TypeAlias = NDArray[Any]
 

@@ -28,10 +28,10 @@ from fem.brick_solid import assemble_bricks
 from fem.skfem_mesh import to_skfem
 from fem.solid_system import VOIGT, Material, SolidSystem, materials, volts_per_unit
 from geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
-from geometry.bricks import Bricks
-from geometry.materials import Piezoceramic
-from geometry.mesh import Mesh
-from geometry.parameters import Device
+from geometry.bimorph.bricks import Bricks
+from geometry.device.materials import Piezoceramic
+from geometry.device.parameters import Device
+from geometry.meshing.mesh import Mesh
 
 
 def assemble(

@@ -18,11 +18,11 @@ from fem.port_file import read_ports, write_ports
 from fem.port_reduction import ReducedSolid, reduce_to_ports
 from fem.solid_system import materials
 from geometry.arrays import Floats
-from geometry.bricks import Bricks
+from geometry.bimorph.bricks import Bricks
+from geometry.device.parameters import Device
 from geometry.errors import InputError
-from geometry.mesh import Mesh
-from geometry.mesh_cache import cache_folder, cache_key
-from geometry.parameters import Device
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.mesh_cache import cache_folder, cache_key
 
 
 def reduced_solid(
@@ -70,7 +70,7 @@ def _program() -> str:
     """Return what stands for the code: numbers of another version are never served."""
     digest = hashlib.sha256()
     for module in ("fem", "geometry"):
-        for file in sorted((Path(__file__).parent.parent / module).glob("*.py")):
+        for file in sorted((Path(__file__).parent.parent / module).rglob("*.py")):
             digest.update(file.read_bytes())
     return digest.hexdigest()
 

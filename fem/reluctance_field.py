@@ -22,8 +22,8 @@ from fem.axisymmetric_grid import graded_grid
 from fem.axisymmetric_space import Discretisation, discretise, lowered
 from fem.reluctance_regions import actuator_regions
 from geometry.arrays import Ints
+from geometry.device.parameters import Device
 from geometry.errors import InputError
-from geometry.parameters import Device
 
 #: Air around the device (m), 26 times its diameter: costs a few lines, see `truncation_error`.
 OUTER_RADIUS = 60e-3

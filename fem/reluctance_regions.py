@@ -8,10 +8,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from fem.axisymmetric_grid import Region
+from geometry.device.checks import check_gap
+from geometry.device.parameters import NOMINAL_GAP, Device
+from geometry.device.steel_law import magnetisation_curve
 from geometry.errors import InputError
-from geometry.fit import check_gap
-from geometry.parameters import NOMINAL_GAP, Device
-from geometry.steel import magnetisation_curve
 
 #: Rounding of coordinates (m), so that edges meant to be level are so.
 _DIGITS = 12

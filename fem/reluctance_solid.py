@@ -24,11 +24,11 @@ from fem.magnetic_solid_force import MotionWeight, eggshell_force, harmonic_weig
 from fem.reluctance_field import FieldErrors
 from fem.reluctance_regions import actuator_regions
 from fem.reluctance_swept import Sector, sector_mesh
-from geometry.actuator_tets import ActuatorMeshing, actuator_tets
 from geometry.arrays import Floats
-from geometry.mesh import Mesh
-from geometry.parameters import Device
-from geometry.steel import magnetisation_curve
+from geometry.device.parameters import Device
+from geometry.device.steel_law import magnetisation_curve
+from geometry.meshing.mesh import Mesh
+from geometry.reluctance.tets import ActuatorMeshing, actuator_tets
 
 #: Where the eggshell's weight falls from 1 to 0: over all air, or next to the sleeve only.
 SHELLS = (("near", "air"), ("near",))
@@ -123,7 +123,7 @@ class SolidPoint:
 
 
 def actuator_problem(device: Device, gap: float, mesh: Mesh, copies: int) -> MagneticSolid:
-    """Return the field problem on a mesh with :data:`geometry.actuator_tets.REGIONS`."""
+    """Return the field problem on a mesh with :data:`geometry.reluctance.tets.REGIONS`."""
     steel = magnetisation_curve(device.steel)
     return MagneticSolid(
         mesh, {"rod": steel, "sleeve": steel}, winding_source(device, gap), copies=copies

@@ -13,11 +13,11 @@ import numpy as np
 from fem.axisymmetric_grid import Grid, Region, graded_grid
 from fem.reluctance_field import OUTER_RADIUS
 from fem.reluctance_regions import actuator_regions
-from geometry.actuator_tets import REGIONS
 from geometry.arrays import Floats, Ints
-from geometry.mesh import Mesh
-from geometry.parameters import Device
-from geometry.swept_tets import swept_tetrahedra
+from geometry.device.parameters import Device
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.swept_tets import swept_tetrahedra
+from geometry.reluctance.tets import REGIONS
 
 #: Lines closer than this (m) are one: cells between them would be slivers.
 _APART = 1e-9

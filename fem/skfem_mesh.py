@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Ints
-from geometry.mesh import Mesh
+from geometry.meshing.mesh import Mesh
 
 #: VTK's eight corners in scikit-fem's order.
 _HEX_ORDER = [0, 4, 3, 1, 7, 5, 2, 6]

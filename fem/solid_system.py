@@ -15,13 +15,13 @@ import numpy as np
 from fem.bordered import PORTS, Bordered
 from fem.linear_solver import Factor, factorise
 from geometry.arrays import Floats, Ints, Numbers, Sparse
-from geometry.materials import (
+from geometry.device.materials import (
     Piezoceramic,
     PiezoTensors,
     isotropic_stiffness,
     orthotropic_stiffness,
 )
-from geometry.parameters import Device
+from geometry.device.parameters import Device
 
 #: The motions of a body with two planes of symmetry: bending in x is odd in x and even in
 #: y, and the only one that the ports take part in.  ``all`` is a body taken whole.

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from geometry.actuator_tets import (
+from geometry.device.layout import closed_form_volumes
+from geometry.device.parameters import Device
+from geometry.meshing.quadratic import jacobian_coefficients
+from geometry.reluctance.tets import (
     REGIONS,
     ActuatorMeshing,
     actuator_solids,
     actuator_tets,
     with_fitting_tab,
 )
-from geometry.layout import closed_form_volumes
-from geometry.parameters import Device
-from geometry.quadratic import jacobian_coefficients
 
 GAP = 0.2e-3
 DEVICE = with_fitting_tab(Device(), GAP)

@@ -4,16 +4,16 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from geometry import ftetwild
-from geometry.conform import conform
+from geometry.cad.tessellation import tessellate
 from geometry.errors import MeshError
-from geometry.ftetwild import sizing_along_z, sizing_at_points
-from geometry.mesh import Mesh
-from geometry.quadratic import smallest_dihedral_angles, tet_volumes, unique_edges
-from geometry.sizing import limited_growth, sizing_for
-from geometry.stretching import UNSTRETCHED, Stretching
-from geometry.tensor_tets import box_tetrahedra
-from geometry.tessellation import tessellate
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.quadratic import smallest_dihedral_angles, tet_volumes, unique_edges
+from geometry.meshing.tensor_tets import box_tetrahedra
+from geometry.meshing.tetwild import run as ftetwild
+from geometry.meshing.tetwild.conform import conform
+from geometry.meshing.tetwild.run import sizing_along_z, sizing_at_points
+from geometry.meshing.tetwild.sizing import limited_growth, sizing_for
+from geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
 from validation.adaptive_meshes import adapted_pair
 from validation.refinement import SAFETY
 from validation.scene import load_scene

@@ -8,8 +8,8 @@ out here, so that nothing but the paper's own formulas is at work.
 import numpy as np
 import pytest
 
-from geometry.beam_pieces import Piece
-from geometry.parameters import Beam, Device, Support
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Device, Support
 from tmm.appendix_a import (
     FORMULAS,
     MISPRINTS,

@@ -14,7 +14,7 @@ from fem.axisymmetric_force import eggshell_force, eggshell_weight, virtual_work
 from fem.axisymmetric_grid import Grid, Region, graded_grid
 from fem.axisymmetric_space import discretise, lowered
 from fem.linear_solver import SolverError
-from geometry.steel import MU0, TEAM20, MagnetisationCurve, linear
+from geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
 from validation.magnetic_cases import coaxial_coils
 from validation.magnetic_cases.coaxial_coils import (
     HIGH,

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fem.axisymmetric_grid import CORNER, Grid, Region, graded_grid, graded_lines
-from geometry.steel import linear
+from geometry.device.steel_law import linear
 
 IRON = linear(1000.0)
 POLE = Region("pole", (0.0, 1.0), (0.1, 2.0), IRON, moves=True)

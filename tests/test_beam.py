@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem import beam
-from geometry.parameters import Beam, Bimorph, Device, Support
+from geometry.device.parameters import Beam, Bimorph, Device, Support
 from tmm import modes, multiport, transfer_matrix
 
 FREQUENCIES = np.array([0.0, 10.0, 445.0, 1000.0, 5000.0, 20000.0])

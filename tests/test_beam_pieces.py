@@ -2,12 +2,12 @@
 
 import pytest
 
-from geometry.beam_pieces import Layers, Piece, beam_pieces
-from geometry.brick_family import LEVELS, bimorph_bricks
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.bimorph.pieces import Layers, Piece, beam_pieces
+from geometry.device.checks import check_fit
+from geometry.device.layout import layout
+from geometry.device.parameters import Bimorph, Device, Support
 from geometry.errors import InputError
-from geometry.fit import check_fit
-from geometry.layout import layout
-from geometry.parameters import Bimorph, Device, Support
 from validation.idle_keys import scene_warnings
 from validation.plan import make_plan
 from validation.scene import load_scene

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fem import beam as elements
-from geometry.beam_pieces import Piece
-from geometry.parameters import Beam, Bimorph, Device, Glue, Shim, Support
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Bimorph, Device, Glue, Shim, Support
 from tmm import transfer_matrix as tmm
 from tmm.bonded_tab import bonded_tab
 from tmm.modes import Fixture, bending_frequencies

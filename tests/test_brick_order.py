@@ -6,8 +6,8 @@ import pytest
 from fem.brick_order import elimination_order
 from fem.brick_solid import assemble_bricks
 from fem.linear_solver import factorise
-from geometry.brick_family import LEVELS, bimorph_bricks
-from geometry.parameters import Bimorph, Device
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.device.parameters import Bimorph, Device
 
 BIMORPHS = ({}, {"tab_length": 1e-3}, {"bare_below": 1e-3, "glue_thickness": 20e-6})
 

@@ -9,9 +9,9 @@ from fem.brick_solid import assemble_bricks
 from fem.piezo_solid import assemble
 from fem.solid_modes import Attachment, natural_modes
 from fem.solid_ports import static_multiport
-from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.bricks import Axis
-from geometry.parameters import Bimorph, Device, Shim
+from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.bimorph.bricks import Axis
+from geometry.device.parameters import Bimorph, Device, Shim
 
 MOTIONS = ("bending_x", "bending_y", "torsion", "axial")
 COARSE = BrickMeshing((2, 2, 2), smallest=0.5)

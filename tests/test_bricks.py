@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.bricks import lobatto_points
-from geometry.parameters import Bimorph, Device
+from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.bimorph.bricks import lobatto_points
+from geometry.device.parameters import Bimorph, Device
 
 VARIANTS = (
     {},

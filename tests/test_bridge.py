@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geometry.brick_family import LEVELS, bimorph_bricks
-from geometry.parameters import Piezo
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.device.parameters import Piezo
 from tmm.laminate import laminate_section
 from tmm.shear_correction import energy_shear_correction
 from validation.bridge import bridge

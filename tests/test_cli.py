@@ -241,7 +241,7 @@ def test_export_writes_all_or_nothing(tmp_path, monkeypatch):
     def fail(_mesh, path):
         raise InputError(f"{path} cannot be written")
 
-    monkeypatch.setattr("geometry.mesh_files.write_mesh", fail)
+    monkeypatch.setattr("geometry.meshing.mesh_files.write_mesh", fail)
     monkeypatch.setattr(
         "validation.solid_meshes.mesh_pair", lambda _: SimpleNamespace(meshes=(None, None))
     )

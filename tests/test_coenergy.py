@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from geometry.device.parameters import Device
 from geometry.errors import InputError
-from geometry.parameters import Device
 from tmm.coenergy import CoenergyMap, Samples, closed_loop_work
 from tmm.coenergy_fit import fit
 from tmm.reluctance_circuit import FULL, Refinements

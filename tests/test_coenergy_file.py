@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
+from geometry.device.parameters import Device
 from geometry.errors import InputError
-from geometry.parameters import Device
 from tmm.coenergy import CoenergyMap
 from tmm.coenergy_file import read_map, write_map
 from tmm.coenergy_fit import fit

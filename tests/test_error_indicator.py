@@ -9,9 +9,9 @@ from fem.error_indicator import goal_errors
 from fem.piezo_solid import assemble
 from fem.solid_modes import Attachment, natural_modes
 from fem.solid_ports import static_multiport
-from geometry.brick_family import LEVELS, bimorph_bricks
-from geometry.tagging import TET_FACES
-from geometry.tensor_tets import box_tetrahedra, graded_planes
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
+from geometry.meshing.tetwild.tagging import TET_FACES
 from validation.scene import load_scene
 
 DEVICE = load_scene("j1")[0].device

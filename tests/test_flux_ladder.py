@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from geometry import steel
-from geometry.steel import TEAM20
+from geometry.device import steel_law as steel
+from geometry.device.steel_law import TEAM20
 from tmm.flux_ladder import Ladder, solve
 from validation.magnetic_cases import square_law
 from validation.magnetic_cases.square_law import one_loop

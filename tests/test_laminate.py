@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from geometry.beam_pieces import Piece
+from geometry.bimorph.pieces import Piece
+from geometry.device.materials import EPS0
+from geometry.device.parameters import Beam, Bimorph, Device, Piezo, Shim
 from geometry.errors import InputError
-from geometry.materials import EPS0
-from geometry.parameters import Beam, Bimorph, Device, Piezo, Shim
 from tmm.laminate import laminate_section
 from tmm.section import section
 

@@ -7,8 +7,8 @@ from scipy import sparse
 from fem import linear_solver, sparse_rows
 from fem.linear_solver import Factor, SolverError, factorise, refined_solution
 from fem.piezo_solid import assemble
-from geometry.brick_family import LEVELS, bimorph_bricks
-from geometry.parameters import Device
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.device.parameters import Device
 
 without_mkl = linear_solver.available_solver().startswith("SuperLU")
 needs_mkl = pytest.mark.skipif(without_mkl, reason="Intel MKL is not installed")

@@ -12,10 +12,10 @@ from fem.magnetic_probe import flux_density_at
 from fem.magnetic_problem import MagneticSolid, sample
 from fem.magnetic_scalar import ScalarPotential
 from fem.magnetic_solid import VectorPotential
+from geometry.device.steel_law import MU0, TEAM20, linear
 from geometry.errors import InputError
-from geometry.steel import MU0, TEAM20, linear
-from geometry.team20 import Team20Meshing, team20_mesh, team20_source
-from geometry.tensor_tets import box_tetrahedra, graded_planes
+from geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
+from geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from validation.magnetic_cases.sphere_in_field import ball_error
 from validation.magnetic_cases.sphere_mesh import mirrored, sphere_mesh
 

@@ -13,10 +13,10 @@ from fem.magnetic_solid_force import (
     moved,
     virtual_work_force,
 )
+from geometry.device.steel_law import MU0, TEAM20, linear
 from geometry.errors import InputError
-from geometry.quadratic import tet_volumes
-from geometry.steel import MU0, TEAM20, linear
-from geometry.team20 import (
+from geometry.meshing.quadratic import tet_volumes
+from geometry.reluctance.team20 import (
     MEASURED_FLUX_DENSITY,
     MEASURED_FORCE,
     Team20Meshing,

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from geometry.parameters import Coil, Device, Spring
+from geometry.device.parameters import Coil, Device, Spring
 from tmm.coenergy import Samples
 from tmm.coenergy_fit import fit
 from tmm.reluctance_network import network_samples

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geometry.parameters import Coil, Device, Sleeve, Spring
+from geometry.device.parameters import Coil, Device, Sleeve, Spring
 from tmm.map_range import map_grid
 from tmm.reluctance_network import network_samples
 

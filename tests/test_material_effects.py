@@ -2,8 +2,8 @@
 
 import pytest
 
+from geometry.device.piezo_library import LIBRARY
 from geometry.errors import InputError
-from geometry.piezo_library import LIBRARY
 from validation.material_effects import choices, material_effects
 from validation.scene import load_scene
 

@@ -6,8 +6,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from geometry.beam_pieces import Piece
-from geometry.parameters import Beam, Bimorph, Device, Support
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Bimorph, Device, Support
 from tmm import transfer_matrix as tmm
 from tmm.appendix_a import matrix_a
 from tmm.modes import Fixture, bending_frequencies, natural_frequencies

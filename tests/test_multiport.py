@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.parameters import Beam, Bimorph, Device, Load, Piezo, Shim, Support
+from geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Shim, Support
 from tmm import lumped
 from tmm import transfer_matrix as tmm
 from tmm.appendix_a import printed_section

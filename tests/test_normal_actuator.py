@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from geometry.device.parameters import Coil, Device, Spring
+from geometry.device.winding import winding
 from geometry.errors import InputError
-from geometry.parameters import Coil, Device, Spring
-from geometry.winding import winding
 from tmm import coil_heat, normal_actuator
 from tmm.coenergy import Samples
 from tmm.coenergy_fit import fit

@@ -6,10 +6,10 @@ import json
 import numpy as np
 import pytest
 
-from geometry import parameters as p
+from geometry.device import parameters as p
+from geometry.device.materials import PRINTED
+from geometry.device.piezo_library import LIBRARY
 from geometry.errors import InputError
-from geometry.materials import PRINTED
-from geometry.piezo_library import LIBRARY
 from geometry.units import Unit
 from validation.commands import sensitivity
 from validation.scene import load_scene

@@ -9,8 +9,8 @@ from fem.piezo_solid import assemble
 from fem.port_reduction import reduce_to_ports
 from fem.solid_modes import Attachment, classify, natural_modes
 from fem.solid_ports import direct_multiport, static_multiport
-from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.parameters import Bimorph, Device, Piezo, Shim, Support
+from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.device.parameters import Bimorph, Device, Piezo, Shim, Support
 from tmm import multiport
 from tmm.terminations import base_stiffness
 from validation.scene import load_scene

@@ -10,9 +10,9 @@ from fem.piezo_solid import assemble
 from fem.port_cache import made_from, reduced_solid
 from fem.port_file import read_ports, write_ports
 from fem.port_reduction import reduce_to_ports
-from geometry.brick_family import BrickMeshing, bimorph_bricks
+from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from geometry.device.parameters import Bimorph, Device, Piezo
 from geometry.errors import InputError
-from geometry.parameters import Bimorph, Device, Piezo
 from validation.export import export
 from validation.scene import load_scene
 

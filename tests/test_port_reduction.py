@@ -7,8 +7,8 @@ from fem.piezo_solid import assemble
 from fem.port_extremes import extremes, motions, standard_ends
 from fem.port_reduction import port_error, reduce_to_ports
 from fem.solid_ports import direct_multiport
-from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.parameters import Device, Load, Piezo, Support
+from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.device.parameters import Device, Load, Piezo, Support
 from tmm.multiport import passivity_margin, reciprocity_error, respond
 from tmm.terminations import termination
 

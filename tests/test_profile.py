@@ -2,9 +2,9 @@
 
 import pytest
 
+from geometry.device.parameters import Bimorph
+from geometry.device.profile import UNIFORM, Profile
 from geometry.errors import InputError
-from geometry.parameters import Bimorph
-from geometry.profile import UNIFORM, Profile
 from validation.scene import load_scene
 from validation.scene_template import template
 

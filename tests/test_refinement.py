@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geometry.brick_family import LEVELS, bimorph_bricks
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from validation.refinement import least_difference, two_mesh_factor
 from validation.scene import load_scene
 from validation.solid_coverage import coverage, judged, varied_cases

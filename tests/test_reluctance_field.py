@@ -11,9 +11,9 @@ import pytest
 from fem.linear_solver import SolverError
 from fem.reluctance_field import FieldErrors, solve_map, solve_point
 from fem.reluctance_regions import actuator_regions
+from geometry.device.parameters import Coil, Device, Rod, Sleeve, Steel
+from geometry.device.steel_law import MU0
 from geometry.errors import InputError
-from geometry.parameters import Coil, Device, Rod, Sleeve, Steel
-from geometry.steel import MU0
 
 DEVICE = Device()
 NAMES = tuple(FieldErrors.__dataclass_fields__)

@@ -6,9 +6,9 @@ from functools import partial
 import numpy as np
 import pytest
 
+from geometry.device.parameters import Coil, Device, Rod, Sleeve, Steel
+from geometry.device.steel_law import MU0
 from geometry.errors import InputError
-from geometry.parameters import Coil, Device, Rod, Sleeve, Steel
-from geometry.steel import MU0
 from tmm.coenergy import closed_loop_work
 from tmm.gap_permeance import pole_area, straight, with_fringing
 from tmm.reluctance_circuit import FULL, ONE_GAP, Refinements

@@ -18,10 +18,10 @@ from fem.reluctance_solid import (
     winding_source,
 )
 from fem.reluctance_swept import Sector, sector_mesh
-from geometry.actuator_tets import ActuatorMeshing
+from geometry.device.parameters import Device
 from geometry.errors import InputError
-from geometry.parameters import Device
-from geometry.quadratic import jacobian_coefficients
+from geometry.meshing.quadratic import jacobian_coefficients
+from geometry.reluctance.tets import ActuatorMeshing
 
 DEVICE = Device()
 GAP, CURRENT = 0.2e-3, 0.13

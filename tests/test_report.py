@@ -5,9 +5,9 @@ from functools import cache
 
 import pytest
 
-from geometry import system_libraries
+from geometry.cad import system_libraries
 from geometry.errors import InputError
-from geometry.mesh_files import read_mesh
+from geometry.meshing.mesh_files import read_mesh
 from validation.checks import CHECKS, run_check
 from validation.cli import main
 from validation.formats import engineering, percent, share, with_bar

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geometry.parameters import Beam, Bimorph, Device, Load, Support
+from geometry.device.parameters import Beam, Bimorph, Device, Load, Support
 from tmm import transfer_matrix as tmm
 from tmm.modes import Fixture, bending_frequencies
 from tmm.multiport import passivity_margin, reciprocity_error, respond

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.beam_pieces import Layers, Piece
-from geometry.materials import EPS0
-from geometry.parameters import Beam, Bimorph, Device, Glue, Piezo, Rod, Shim
+from geometry.bimorph.pieces import Layers, Piece
+from geometry.device.materials import EPS0
+from geometry.device.parameters import Beam, Bimorph, Device, Glue, Piezo, Rod, Shim
 from tmm.section import section
 from validation import reference_beam as reference
 

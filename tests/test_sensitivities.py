@@ -10,8 +10,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from geometry.device.materials import EPS0
 from geometry.errors import InputError
-from geometry.materials import EPS0
 from tmm.parametric import Actuator, parameter_keys
 from tmm.port_quantities import READOUTS, evaluate, first_frequency, resonance_peak
 from tmm.sensitivities import DIFFERENTIABLE, derivatives, logarithmic_sensitivities, values

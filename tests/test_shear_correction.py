@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.parameters import Bimorph, Device, Glue, Piezo, Shim
+from geometry.device.parameters import Bimorph, Device, Glue, Piezo, Shim
 from tmm.shear_correction import energy_shear_correction
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.reluctance_swept import Sector
-from geometry.parameters import Device
+from geometry.device.parameters import Device
 from validation import solid_map_rows
 from validation.scene import load_scene
 from validation.solve import solve

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from geometry.beam_pieces import Piece
-from geometry.parameters import Beam, Device
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Device
 from tmm.precision import EXTENDED_EPS
 from tmm.section import Section, section
 from tmm.span import Span, ThroughSpan, extended_span, span

@@ -9,8 +9,8 @@ from fem.port_extremes import motions
 from fem.port_reduction import reduce_to_ports
 from fem.state_space import BaseSupport, _branches, state_space
 from fem.state_space_file import TITLE, differences, support_end, write_state_space
-from geometry.brick_family import BrickMeshing, bimorph_bricks
-from geometry.parameters import Device, Support
+from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from geometry.device.parameters import Device, Support
 from validation.cli import main
 
 BOUNDS = (10.0, 20000.0)

@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
+from geometry.device.parameters import Steel
+from geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear, magnetisation_curve
+from geometry.device.steel_table import read_curve
 from geometry.errors import InputError
-from geometry.parameters import Steel
-from geometry.steel import MU0, TEAM20, MagnetisationCurve, linear, magnetisation_curve
-from geometry.steel_table import read_curve
 
 #: Rounding of a few operations.
 ROUNDING = 1e-13

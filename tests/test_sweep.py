@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.beam_pieces import Piece
-from geometry.parameters import Beam, Device, Load, Support
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Device, Load, Support
 from tmm import sweep, timoshenko
 from tmm.modes import Fixture, bending_frequencies
 from tmm.multiport import respond

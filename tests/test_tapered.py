@@ -6,7 +6,7 @@ from scipy import special
 from scipy.optimize import brentq
 
 from fem import beam as elements
-from geometry.parameters import Beam, Bimorph, Device, Load, Support
+from geometry.device.parameters import Beam, Bimorph, Device, Load, Support
 from tmm import lumped
 from tmm import transfer_matrix as tmm
 from tmm.modes import Fixture, bending_frequencies

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
-from geometry.parameters import Beam, Device, Load, Support
+from geometry.device.parameters import Beam, Device, Load, Support
 from tmm import terminations as t
 from tmm import transfer_matrix as tmm
 from tmm.multiport import Termination, respond

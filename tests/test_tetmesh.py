@@ -7,25 +7,26 @@ import meshio
 import numpy as np
 import pytest
 
-from geometry import ftetwild, mesh_cache
-from geometry.conform import conform
+from geometry.bimorph.tets import MeshError, TetMeshing, tetrahedralise
+from geometry.cad.solids import build_solids, fuse
+from geometry.cad.tessellation import tessellate
+from geometry.device.layout import closed_form_volumes
+from geometry.device.parameters import Bimorph, Device, Shim
 from geometry.errors import InputError
-from geometry.ftetwild import sizing_along_z
-from geometry.layout import closed_form_volumes
-from geometry.mesh import Mesh
-from geometry.mesh_files import read_mesh, write_mesh
-from geometry.parameters import Bimorph, Device, Shim
-from geometry.quadratic import (
+from geometry.meshing import mesh_cache
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.mesh_files import read_mesh, write_mesh
+from geometry.meshing.quadratic import (
     TET_EDGES,
     jacobian_coefficients,
     smallest_dihedral_angles,
     tet_volumes,
     triangle_areas,
 )
-from geometry.solids import build_solids, fuse
-from geometry.tagging import TET_FACES
-from geometry.tessellation import tessellate
-from geometry.tetmesh import MeshError, TetMeshing, tetrahedralise
+from geometry.meshing.tetwild import run as ftetwild
+from geometry.meshing.tetwild.conform import conform
+from geometry.meshing.tetwild.run import sizing_along_z
+from geometry.meshing.tetwild.tagging import TET_FACES
 
 GENERATOR = Device(bimorph=Bimorph(tab_length=0.4e-3))
 ON_ROD = ("piezo_top", "piezo_bottom", "shim", "glue", "rod")

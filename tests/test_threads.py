@@ -2,8 +2,8 @@
 
 import pytest
 
+from fem.solvers.threads import VARIABLE, thread_count
 from geometry.errors import InputError
-from geometry.threads import VARIABLE, thread_count
 from validation.cli import main
 
 

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.beam_pieces import Piece
-from geometry.parameters import Beam, Device
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Device
 from tmm.precision import error_bound
 from tmm.section import Section, section
 from tmm.timoshenko import condition, dynamic_stiffness, wavenumbers

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from geometry.parameters import Beam, Bimorph, Device, Load, Support
+from geometry.device.parameters import Beam, Bimorph, Device, Load, Support
 from tmm import transfer_matrix as tmm
 from tmm.modes import Fixture, bending_frequencies
 from tmm.multiport import Termination, blocked_force, respond, round_off

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
 from geometry import units as u
-from geometry.parameters import Bimorph
+from geometry.device.parameters import Bimorph
 
 SCENE = {"units_required": True}
 

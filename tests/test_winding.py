@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from geometry.parameters import Coil
-from geometry.winding import winding
+from geometry.device.parameters import Coil
+from geometry.device.winding import winding
 
 
 def test_wire_fills_its_share_of_the_window():

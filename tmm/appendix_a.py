@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Complex, Floats
-from geometry.materials import EPS0
-from geometry.parameters import Device
+from geometry.device.materials import EPS0
+from geometry.device.parameters import Device
 from tmm.section import Section
 
 

@@ -20,8 +20,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from geometry.beam_pieces import Piece
-from geometry.parameters import Beam, Device
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Device
 from tmm.section import Constant, Joint, section
 from tmm.timoshenko import dynamic_stiffness
 

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Floats
+from geometry.device.parameters import Device
+from geometry.device.steel_law import MU0
 from geometry.errors import InputError
-from geometry.parameters import Device
-from geometry.steel import MU0
 
 #: Roters' half cylinder between two flush edges, its permeance over µ0 and length.
 _HALF_CYLINDER = 0.26

@@ -20,9 +20,9 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.beam_pieces import Piece
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Device
 from geometry.errors import InputError
-from geometry.parameters import Beam, Device
 from tmm.section import Section, section
 
 

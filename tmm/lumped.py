@@ -14,7 +14,7 @@ from functools import reduce
 import numpy as np
 
 from geometry.arrays import Complex, Floats
-from geometry.parameters import Beam, Device, Support
+from geometry.device.parameters import Beam, Device, Support
 from tmm.modes import Fixture
 from tmm.multiport import Multiport
 from tmm.scattering import Element

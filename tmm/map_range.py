@@ -11,10 +11,10 @@ import math
 import numpy as np
 
 from geometry.arrays import Floats
+from geometry.device.checks import widest_gap
+from geometry.device.parameters import Device
+from geometry.device.steel_law import MU0
 from geometry.errors import InputError
-from geometry.fit import widest_gap
-from geometry.parameters import Device
-from geometry.steel import MU0
 from tmm.gap_permeance import pole_area
 from tmm.normal_actuator import between_stops, spring_force
 from tmm.reluctance_circuit import widest_circuit

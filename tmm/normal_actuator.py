@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Floats
+from geometry.device.parameters import Device
 from geometry.errors import InputError
-from geometry.parameters import Device
 from tmm.coenergy import CoenergyMap
 
 #: Positions between the stops at which forces are compared, before refinement.

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Complex, Floats
-from geometry.beam_pieces import Layers, Piece, beam_pieces
+from geometry.bimorph.pieces import Layers, Piece, beam_pieces
+from geometry.device.parameters import Beam, Bimorph, Device, Drive, Load, Support
 from geometry.errors import InputError
-from geometry.parameters import Beam, Bimorph, Device, Drive, Load, Support
 from geometry.units import Unit, quoted
 from tmm.multiport import PSI_BASE, W_BASE, W_TIP, in_series
 from tmm.section import Section

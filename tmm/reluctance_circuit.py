@@ -19,10 +19,10 @@ from typing import Any, Literal
 import numpy as np
 
 from geometry.arrays import Bools, Floats, Ints
+from geometry.device.checks import check_gap
+from geometry.device.parameters import NOMINAL_GAP, Device
+from geometry.device.steel_law import MU0, MagnetisationCurve, linear, magnetisation_curve
 from geometry.errors import InputError
-from geometry.fit import check_gap
-from geometry.parameters import NOMINAL_GAP, Device
-from geometry.steel import MU0, MagnetisationCurve, linear, magnetisation_curve
 from tmm.flux_ladder import Ladder
 from tmm.gap_permeance import GapPermeance, pole_radii, straight, with_fringing
 

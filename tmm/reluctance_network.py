@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.parameters import Device
-from geometry.steel import MU0
+from geometry.device.parameters import Device
+from geometry.device.steel_law import MU0
 from tmm.coenergy import Samples
 from tmm.flux_ladder import LadderSolution, solve
 from tmm.gap_permeance import pole_area

@@ -9,9 +9,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-from geometry.beam_pieces import Layers, Piece
-from geometry.materials import EPS0
-from geometry.parameters import Beam, Device
+from geometry.bimorph.pieces import Layers, Piece
+from geometry.device.materials import EPS0
+from geometry.device.parameters import Beam, Device
 
 #: A number, or an array of them for many beams at once; complex where there are losses.
 Constant: TypeAlias = Any

@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Bools, Complex, Floats, Numbers
-from geometry.parameters import Load, Support
+from geometry.device.parameters import Load, Support
 from tmm.blocks import BLOCK, blocks
 from tmm.precision import EPS, EXTENDED, TOLERATED, size
 from tmm.section import Section

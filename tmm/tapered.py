@@ -17,8 +17,8 @@ import math
 
 import numpy as np
 
-from geometry.beam_pieces import Piece
-from geometry.parameters import Beam, Device
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Device
 from tmm.section import Constant, Section, section
 
 #: Shares of a segment's length at which its sections are taken.

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from geometry.arrays import Bools, Complex, Floats
-from geometry.parameters import Load, Support
+from geometry.device.parameters import Load, Support
 from tmm.multiport import Termination
 
 #: Range in which the paper fitted the finger's impedance (Hz).

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.beam_pieces import Piece, beam_pieces
-from geometry.parameters import Beam, Device, Support
+from geometry.bimorph.pieces import Piece, beam_pieces
+from geometry.device.parameters import Beam, Device, Support
 from tmm.bonded_tab import bonded_tab
 from tmm.multiport import Multiport
 from tmm.scattering import Element, joined

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.layout import Standing
-from geometry.mesh import Mesh
-from geometry.sizing import Sizing, sizing_for
+from geometry.device.layout import Standing
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.tetwild.sizing import Sizing, sizing_for
 from validation.refinement import SAFETY
 from validation.scene import Scene
 
@@ -142,7 +142,7 @@ def adapted_pair(
 
 def _finer(scene: Scene, last: Solved, accuracy: float, most_elements: int) -> Solved:
     """Return the next mesh, solved."""
-    from geometry.tetmesh import squeezed
+    from geometry.bimorph.tets import squeezed
 
     # each element is as fine as the goal that needs it most
     shares = np.max([goal.shares for goal in last.goals.values()], axis=0)
@@ -159,7 +159,7 @@ def _solved(scene: Scene, sizing: Sizing | None) -> Solved:
     """Mesh with the given sizes, by default uniform and coarse, solve, and estimate errors."""
     from fem.error_indicator import goal_errors
     from fem.piezo_solid import assemble
-    from geometry.tetmesh import TetMeshing, tetrahedralise
+    from geometry.bimorph.tets import TetMeshing, tetrahedralise
 
     regions: tuple[str, ...] = ("piezo_top", "piezo_bottom", "shim")
     if _standing(scene) == "rod":

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Complex, Floats
-from geometry.beam_pieces import Piece
-from geometry.parameters import Device
-from geometry.profile import UNIFORM
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Device
+from geometry.device.profile import UNIFORM
 from tmm.appendix_a import (
     FORMULAS,
     MISPRINTS,

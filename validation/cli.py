@@ -16,8 +16,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NoReturn
 
+from fem.solvers.threads import thread_count
 from geometry.errors import InputError
-from geometry.threads import thread_count
 from validation.commands import (
     bench,
     design,

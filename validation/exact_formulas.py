@@ -12,8 +12,8 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
-from geometry.materials import EPS0
-from geometry.parameters import Beam, Device, Support
+from geometry.device.materials import EPS0
+from geometry.device.parameters import Beam, Device, Support
 from tmm.appendix_a import PLACES
 from tmm.section import Section
 from tmm.terminations import finger_impedance

@@ -8,9 +8,9 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from geometry.device.parameters import Device
 from geometry.errors import InputError
 from geometry.files import written_whole
-from geometry.parameters import Device
 from validation.port_export import check_state_space, write_port_files
 from validation.quantities import MAGNETIC_MODELS, gives
 from validation.scene import Scene
@@ -106,7 +106,7 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
     if "step" in files or "glb" in files:
         _export_solids(scene, files, announce)
     if "mesh" in files:
-        from geometry.mesh_files import write_mesh
+        from geometry.meshing.mesh_files import write_mesh
         from validation.solid_meshes import cells_of, mesh_pair
 
         announce("mesh")
@@ -145,8 +145,8 @@ def _map(scene: Scene, announce: Callable[[str], None]) -> CoenergyMap:
 
 def scene_solids(scene: Scene) -> dict[str, Any]:
     """Return the CAD solids of a scene (mm): the whole generator, or the actuator asked about."""
-    from geometry.layout import BIMORPH
-    from geometry.solids import build_solids
+    from geometry.cad.solids import build_solids
+    from geometry.device.layout import BIMORPH
 
     if scene.support.kind == "rod":
         return build_solids(scene.device, None, "rod")
@@ -160,14 +160,14 @@ def normal_actuator_solids(device: Device) -> dict[str, Any]:
 
     The bimorph matters by its cross-section only; the tab that goes into the slot fits.
     """
-    from geometry.actuator_tets import with_fitting_tab
-    from geometry.solids import build_solids
+    from geometry.cad.solids import build_solids
+    from geometry.reluctance.tets import with_fitting_tab
 
     return build_solids(with_fitting_tab(device, device.gap), ("rod", "coil", "sleeve"), "rod")
 
 
 def _export_solids(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> None:
-    from geometry.solids import export_glb, export_step
+    from geometry.cad.solids import export_glb, export_step
 
     announce("CAD solids")
     solids = scene_solids(scene)

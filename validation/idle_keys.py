@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from geometry import parameters as p
 from geometry import units as u
+from geometry.device import parameters as p
 from validation.quantities import LATERAL_MODELS, MAGNETIC_MODELS, QUANTITIES
 from validation.scene import ON_COMMAND_LINE, Scene
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from geometry.team20 import MEASURED_FORCE
+from geometry.reluctance.team20 import MEASURED_FORCE
 from validation import magnetic_measurements as m
 from validation.checks import Check, Tier
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.errors import InputError
-from geometry.mesh_cache import cache_folder
+from geometry.meshing.mesh_cache import cache_folder
 from tmm.coenergy import CoenergyMap
 from tmm.coenergy_file import read_map, write_map
 from validation.magnetic_model import MagneticModel
@@ -151,7 +151,7 @@ class Magnetic3dModel(_FieldModel):
     def _solved(self, current: float, gap: float) -> SolidPoint:
         from fem.reluctance_solid import solve_cad, solve_solid
         from fem.reluctance_swept import Sector
-        from geometry.actuator_tets import ActuatorMeshing
+        from geometry.reluctance.tets import ActuatorMeshing
 
         scene = self.scene
         if scene.mesh.kind == "tetwild":

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.parameters import NOMINAL_GAP, Device
+from geometry.device.parameters import NOMINAL_GAP, Device
 from validation.plots import svg
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ import numpy as np
 
 from fem.reluctance_field import FieldPoint, solve_map, solve_point
 from geometry.arrays import Floats
-from geometry.parameters import Device, Steel
-from geometry.steel import TEAM20, MagnetisationCurve, linear
-from geometry.team20 import MEASURED_FORCE
+from geometry.device.parameters import Device, Steel
+from geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
+from geometry.reluctance.team20 import MEASURED_FORCE
 from tmm.coenergy import CoenergyMap, Samples, closed_loop_work
 from tmm.coenergy_fit import fit
 from tmm.map_range import map_grid

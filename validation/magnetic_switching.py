@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.parameters import Device
+from geometry.device.parameters import Device
 from tmm.coenergy import CoenergyMap
 from tmm.normal_actuator import Switching, spring_force, switching
 from validation.magnetic_point import MagneticPoint, Measured

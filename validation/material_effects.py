@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
+from geometry.device.materials import Piezoceramic
+from geometry.device.piezo_library import LIBRARY
 from geometry.errors import InputError
-from geometry.materials import Piezoceramic
-from geometry.piezo_library import LIBRARY
 from validation.bridge.beam_values import beam_values
 from validation.bridge.rung import Values
 from validation.bridge.solid_values import SolidCase, solve_solid

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.parameters import Device
+from geometry.device.parameters import Device
 from tmm.coenergy import CoenergyMap
 from tmm.normal_actuator import (
     balance_current,

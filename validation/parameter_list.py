@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from geometry.parameters import Parameters, sources
+from geometry.device.parameters import Parameters, sources
 from geometry.units import Unit
 from validation.scene import Scene
 

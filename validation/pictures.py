@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.mesh import Mesh
-from geometry.system_libraries import require_library
+from geometry.cad.system_libraries import require_library
+from geometry.meshing.mesh import Mesh
 
 Floats = NDArray[np.floating[Any]]
 

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from geometry.beam_pieces import beam_pieces
+from geometry.bimorph.pieces import beam_pieces
 from tmm import lumped, transfer_matrix
 from tmm.modes import NaturalFrequencies, natural_frequencies
 from tmm.multiport import Multiport

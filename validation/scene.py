@@ -14,10 +14,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, field_validator
 
-from geometry import parameters as p
 from geometry import units as u
+from geometry.device import parameters as p
+from geometry.device.checks import check_actuator, check_bimorph
 from geometry.errors import InputError
-from geometry.fit import check_actuator, check_bimorph
 from geometry.units import quoted
 from validation.frequencies import parse_frequencies
 from validation.quantities import (

@@ -19,9 +19,9 @@ from fem.solid_modes import Attachment, natural_modes
 from fem.solid_ports import ports_from_blocks
 from fem.solid_system import Motion, SolidSystem
 from geometry.arrays import Numbers
-from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.bricks import Bricks, Held
-from geometry.fit import beyond_plain_layers
+from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.bimorph.bricks import Bricks, Held
+from geometry.device.checks import beyond_plain_layers
 from tmm.multiport import Multiport, Termination, respond
 from tmm.terminations import conservative_load, static_termination, termination
 from validation.plan import make_plan

@@ -15,10 +15,10 @@ from typing import Any
 from fem.reluctance_solid import SolidPoint, SolidValues, solve_row
 from fem.reluctance_swept import Sector
 from geometry.arrays import Floats
+from geometry.device.parameters import Device
 from geometry.errors import InputError
 from geometry.files import written_whole
-from geometry.mesh_cache import cache_folder
-from geometry.parameters import Device
+from geometry.meshing.mesh_cache import cache_folder
 
 
 def kept_row(

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from geometry.brick_family import LEVELS, bimorph_bricks
-from geometry.bricks import Bricks
-from geometry.fit import check_bonded, check_constant_section, check_plain_layers
-from geometry.mesh import Mesh
-from geometry.parameters import Device
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.bimorph.bricks import Bricks
+from geometry.device.checks import check_bonded, check_constant_section, check_plain_layers
+from geometry.device.parameters import Device
+from geometry.meshing.mesh import Mesh
 from validation.refinement import ASSUMED_GAIN, BRICK_FACTOR, SAFETY
 from validation.scene import Scene
 

@@ -16,8 +16,8 @@ from validation.refinement import SAFETY, least_difference
 
 if TYPE_CHECKING:
     from fem.solid_system import SolidSystem
-    from geometry.bricks import Bricks
-    from geometry.mesh import Mesh
+    from geometry.bimorph.bricks import Bricks
+    from geometry.meshing.mesh import Mesh
     from validation.adaptive_meshes import AdaptedPair
     from validation.solid_meshes import BrickPair
     from validation.solid_shapes import Shapes, ShapeSearch

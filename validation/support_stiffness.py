@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.beam_pieces import Piece, beam_pieces
+from geometry.bimorph.pieces import Piece, beam_pieces
 from tmm import transfer_matrix
 from tmm.multiport import Multiport
 from tmm.scattering import Element

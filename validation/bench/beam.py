@@ -12,8 +12,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geometry.arrays import Complex, Floats
-from geometry.beam_pieces import Piece
-from geometry.parameters import Beam, Device, Load, Support
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Device, Load, Support
 from tmm.blocks import BLOCK
 from tmm.multiport import Termination, respond
 from tmm.section import section

@@ -12,9 +12,9 @@ from typing import Any, Literal
 import numpy as np
 
 from geometry.arrays import Numbers
-from geometry.bricks import Bricks
-from geometry.mesh import Mesh
-from geometry.parameters import Device
+from geometry.bimorph.bricks import Bricks
+from geometry.device.parameters import Device
+from geometry.meshing.mesh import Mesh
 from validation.bench import piezo_meshes
 from validation.bench.peers.job import Answer, Clock, Job, Material, answer
 from validation.scene import Scene, load_scene

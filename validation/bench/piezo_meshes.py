@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from geometry.arrays import Ints
-from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.bricks import Bricks
-from geometry.mesh import Mesh
-from geometry.parameters import Device
-from geometry.tetmesh import TetMeshing, tetrahedralise
+from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.bimorph.bricks import Bricks
+from geometry.bimorph.tets import TetMeshing, tetrahedralise
+from geometry.device.parameters import Device
+from geometry.meshing.mesh import Mesh
 from validation.bench.peers.grid import LAYERS, bricks
 from validation.bench.peers.job import Job
 

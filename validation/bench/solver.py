@@ -17,10 +17,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.brick_family import BrickMeshing, bimorph_bricks
-from geometry.bricks import Bricks
+from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from geometry.bimorph.bricks import Bricks
+from geometry.device.parameters import Device
 from geometry.errors import InputError
-from geometry.parameters import Device
 from validation.bench.one_core import on_one_core, peak_memory
 from validation.bench.result import Bench, Target
 from validation.formats import engineering

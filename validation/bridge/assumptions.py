@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geometry.device.materials import Piezoceramic
 from geometry.errors import InputError
-from geometry.materials import Piezoceramic
 from tmm.laminate import laminate_section
 from tmm.section import Section
 from tmm.shear_correction import energy_shear_correction

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.beam_pieces import Piece, beam_pieces
+from geometry.bimorph.pieces import Piece, beam_pieces
 from tmm import transfer_matrix
 from tmm.modes import Fixture, bending_frequencies
 from tmm.multiport import respond

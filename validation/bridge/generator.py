@@ -10,9 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
-from geometry.beam_pieces import beam_pieces
-from geometry.mesh import Mesh
-from geometry.parameters import Glue, Rod
+from geometry.bimorph.pieces import beam_pieces
+from geometry.device.parameters import Glue, Rod
+from geometry.meshing.mesh import Mesh
 from tmm import transfer_matrix
 from tmm.scattering import Element
 from validation.bridge.beam_values import beam_values, values_of_row

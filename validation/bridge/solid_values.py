@@ -16,10 +16,10 @@ from fem.piezo_solid import assemble
 from fem.solid_modes import Attachment, natural_modes
 from fem.solid_ports import static_multiport
 from geometry.arrays import Floats
-from geometry.brick_family import LEVELS, bimorph_bricks
-from geometry.bricks import Bricks, Held
-from geometry.materials import Piezoceramic
-from geometry.mesh import Mesh
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.bimorph.bricks import Bricks, Held
+from geometry.device.materials import Piezoceramic
+from geometry.meshing.mesh import Mesh
 from tmm.multiport import Multiport, respond
 from tmm.section import Section, section
 from tmm.terminations import conservative_load, static_termination

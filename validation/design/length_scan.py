@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from geometry.arrays import Floats, Ints
-from geometry.beam_pieces import beam_pieces
+from geometry.bimorph.pieces import beam_pieces
 from geometry.errors import InputError
 from tmm.parametric import Actuator
 from tmm.section import section

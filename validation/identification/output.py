@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from geometry.device.profile import Profile
 from geometry.errors import InputError
 from geometry.files import written_whole
-from geometry.profile import Profile
 from geometry.units import quoted
 from validation.formats import engineering
 from validation.identification.fit_parameters import SYMBOLS, value_of

@@ -15,7 +15,7 @@ from fem.axisymmetric_field import MagneticField, solve_field
 from fem.axisymmetric_grid import Region, graded_grid
 from fem.axisymmetric_space import discretise
 from geometry.arrays import Floats
-from geometry.steel import MU0
+from geometry.device.steel_law import MU0
 
 LOW = Region("low", (0.04, 0.05), (-0.02, -0.005), turns=100.0)
 HIGH = Region("high", (0.03, 0.045), (0.01, 0.02), turns=50.0, moves=True)

@@ -12,7 +12,7 @@ from fem.axisymmetric_field import MagneticField, solve_field
 from fem.axisymmetric_grid import Grid, Region
 from fem.axisymmetric_space import discretise
 from geometry.arrays import Floats
-from geometry.steel import MU0, MagnetisationCurve
+from geometry.device.steel_law import MU0, MagnetisationCurve
 
 #: Radii of the winding and of the core (m).
 INNER, OUTER, CORE = 10e-3, 20e-3, 8e-3

@@ -11,8 +11,8 @@ import numpy as np
 from fem.magnetic_problem import MagneticSolid, sample
 from fem.magnetic_solid_force import eggshell_force, harmonic_weight
 from geometry.arrays import Floats
-from geometry.mesh import Mesh
-from geometry.tensor_tets import box_tetrahedra, graded_planes
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
 from validation.magnetic_cases.sphere_in_field import Potential
 
 CURRENT, APART, TALL, THICK = 24.0, 10e-3, 12e-3, 0.5e-3

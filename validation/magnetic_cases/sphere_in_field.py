@@ -11,7 +11,7 @@ import numpy as np
 from fem.magnetic_problem import MagneticSolid, SampledSolid, sample
 from fem.magnetic_scalar import ScalarPotential
 from fem.magnetic_solid import VectorPotential
-from geometry.steel import MU0, linear
+from geometry.device.steel_law import MU0, linear
 from validation.magnetic_cases.sphere_mesh import OUTER, RADIUS, sphere_mesh
 
 Potential = type[VectorPotential] | type[ScalarPotential]

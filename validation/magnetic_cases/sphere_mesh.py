@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.arrays import Floats, Ints
-from geometry.mesh import Mesh
-from geometry.quadratic import unique_edges
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.quadratic import unique_edges
 
 RADIUS, OUTER, CORE = 1.0, 3.0, 0.4
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.steel import MagnetisationCurve
+from geometry.device.steel_law import MagnetisationCurve
 from tmm.coenergy import CoenergyMap
 from tmm.flux_ladder import Ladder, LadderSolution, solve
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from fem.magnetic_problem import MagneticSolid, sample
 from fem.magnetic_solid_force import eggshell_force, harmonic_weight
-from geometry.steel import TEAM20
-from geometry.team20 import Team20Meshing, team20_mesh, team20_source
+from geometry.device.steel_law import TEAM20
+from geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from validation.magnetic_cases.sphere_in_field import Potential
 
 #: Direction in which the pole is pulled.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.errors import InputError
-from geometry.parameters import Piezo
+from geometry.device.parameters import Piezo
 from validation import plots
 from validation.report.section import Context
 from validation.report.study import Study
@@ -70,7 +70,7 @@ def holding_section(study: Study) -> Context | None:
     """Return the way from a clamp to the rod, and the support's stiffness."""
     if study.quick or study.solid is None or study.scene.piezo.d31 == 0.0:
         return None
-    from geometry.fit import check_fit
+    from geometry.device.checks import check_fit
     from validation.bridge.generator import GeneratorChain
 
     chain = GeneratorChain(study.scene, study.announce)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import base64
 from typing import Any
 
-from geometry.fit import beyond_plain_layers
-from geometry.bricks import Bricks
-from geometry.mesh import Mesh
+from geometry.device.checks import beyond_plain_layers
+from geometry.bimorph.bricks import Bricks
+from geometry.meshing.mesh import Mesh
 from validation.report.study import Study
 
 _KIND = {

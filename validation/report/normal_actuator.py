@@ -11,7 +11,7 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.errors import InputError
-from geometry.parameters import Device
+from geometry.device.parameters import Device
 from tmm.coenergy import CoenergyMap
 from validation.comparison import Cell, ComparedRow, Verdict
 from validation.magnetic_field_models import AxisymmetricModel

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.parameters import Device
-from geometry.winding import winding
+from geometry.device.parameters import Device
+from geometry.device.winding import winding
 from tmm.coil_heat import thermal_statement
 from tmm.normal_actuator import (
     Equilibrium,

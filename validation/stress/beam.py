@@ -16,9 +16,9 @@ import mpmath as mp
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.beam_pieces import Piece
-from geometry.materials import EPS0
-from geometry.parameters import Beam, Bimorph, Device, Load, Piezo, Support
+from geometry.bimorph.pieces import Piece
+from geometry.device.materials import EPS0
+from geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Support
 from tmm.modes import Fixture, bending_frequencies
 from tmm.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
 from tmm.section import Section, section

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.parameters import Load, Support
+from geometry.device.parameters import Load, Support
 from tmm.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
 from tmm.section import Section
 from tmm.sweep import tip_response

@@ -13,9 +13,9 @@ from fem.axisymmetric_grid import Region, graded_grid
 from fem.axisymmetric_space import discretise
 from fem.magnetic_problem import MagneticSolid
 from fem.reluctance_field import solve_point
-from geometry.parameters import Coil, Device, Steel
-from geometry.steel import MagnetisationCurve, linear
-from geometry.team20 import Team20Meshing, team20_mesh, team20_source
+from geometry.device.parameters import Coil, Device, Steel
+from geometry.device.steel_law import MagnetisationCurve, linear
+from geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from tmm.reluctance_circuit import ONE_GAP
 from tmm.reluctance_network import network_samples, textbook_force
 from validation.formats import engineering

@@ -13,8 +13,8 @@ from fem.axisymmetric_space import discretise, lowered
 from fem.reluctance_field import OUTER_RADIUS, FieldErrors, FieldPoint, solve_map, solve_point
 from fem.reluctance_regions import actuator_regions
 from geometry.arrays import Floats
-from geometry.parameters import Device, Sleeve, Steel
-from geometry.steel import MU0, TEAM20, MagnetisationCurve, linear
+from geometry.device.parameters import Device, Sleeve, Steel
+from geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
 from validation.formats import engineering
 from validation.magnetic_cases.infinite_solenoid import (
     INNER,

@@ -7,10 +7,10 @@ import numpy as np
 from fem.magnetic_problem import MagneticField, MagneticSolid, sample
 from fem.magnetic_scalar import ScalarPotential
 from fem.magnetic_solid import VectorPotential
-from geometry.mesh import Mesh
-from geometry.steel import TEAM20, MagnetisationCurve, linear
-from geometry.team20 import Team20Meshing, team20_mesh, team20_source
-from geometry.tensor_tets import box_tetrahedra
+from geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.tensor_tets import box_tetrahedra
+from geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from validation.magnetic_cases.sphere_in_field import ball_error
 from validation.stress.answers import REFUSALS, Family
 from validation.stress.result import Row, answered

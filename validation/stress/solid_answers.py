@@ -11,11 +11,11 @@ from fem.port_reduction import port_error, reduce_to_ports
 from fem.solid_modes import Attachment, natural_modes
 from fem.solid_ports import direct_multiport
 from geometry.arrays import Floats
-from geometry.brick_family import LEVELS, bimorph_bricks
-from geometry.bricks import Bricks
-from geometry.mesh import Mesh
-from geometry.parameters import Bimorph, Device, Glue
-from geometry.tensor_tets import box_tetrahedra
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.bimorph.bricks import Bricks
+from geometry.device.parameters import Bimorph, Device, Glue
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.tensor_tets import box_tetrahedra
 from validation.refinement import BRICK_FACTOR, least_difference, two_mesh_factor
 from validation.stress.answers import REFUSALS, Family
 from validation.stress.result import Row, answered

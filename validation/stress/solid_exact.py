@@ -12,12 +12,12 @@ from fem.solid_modes import Attachment, natural_modes
 from fem.solid_ports import static_multiport
 from fem.solid_system import SolidSystem
 from geometry.arrays import Floats, Ints
-from geometry.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.bricks import Axis, Bricks
-from geometry.materials import Piezoceramic
-from geometry.mesh import Mesh
-from geometry.parameters import Bimorph, Device, Shim
-from geometry.tensor_tets import box_tetrahedra
+from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.bimorph.bricks import Axis, Bricks
+from geometry.device.materials import Piezoceramic
+from geometry.device.parameters import Bimorph, Device, Shim
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.tensor_tets import box_tetrahedra
 from validation.stress.answers import REFUSALS, Family
 from validation.stress.result import Row, answered
 

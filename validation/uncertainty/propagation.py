@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from geometry.beam_pieces import beam_pieces
-from geometry.materials import PRINTED
-from geometry.parameters import spreads
+from geometry.bimorph.pieces import beam_pieces
+from geometry.device.materials import PRINTED
+from geometry.device.parameters import spreads
 from tmm.parametric import parameter_keys
 from tmm.transfer_matrix import is_tapered
 from validation.parameter_list import show

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geometry.device.parameters import Drive
 from geometry.errors import InputError
-from geometry.parameters import Drive
 from tmm.parametric import Actuator, parameter_keys
 from tmm.port_quantities import READOUTS
 from tmm.sensitivities import DIFFERENTIABLE, derivatives, values

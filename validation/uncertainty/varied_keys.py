@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from geometry.device.profile import Profile
 from geometry.errors import InputError
-from geometry.profile import Profile
 from geometry.units import quoted
 from tmm.parametric import Actuator, check_keys, parameter_keys
 from validation.identification.fit_parameters import SYMBOLS, idle, value_of

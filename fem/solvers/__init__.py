@@ -1,0 +1,1 @@
+"""Sparse factorisation, products of rows, Newton: no physics."""

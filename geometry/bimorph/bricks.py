@@ -1,0 +1,256 @@
+"""Bricks of high order: the layered bimorph as a quarter of boxes on one tensor grid.
+
+Bimorph, wiring and poling are symmetric about the planes x = 0 and y = 0, so a quarter
+(x ≥ 0, y ≥ 0) stands for the whole.  Each axis is divided into intervals; a brick is a
+product of three of them and carries polynomials of a degree of its own per axis, whose
+nodes are the Gauss–Lobatto points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from geometry.arrays import Bools, Floats, Ints
+from geometry.meshing.mesh import Mesh
+
+__all__ = ["Axis", "Bricks", "Slab", "lobatto_points"]
+
+#: Which part of the lowest section is held: all layers, or the shim alone.
+Held = Literal["layers", "shim"]
+
+
+@cache
+def lobatto_points(degree: int) -> Floats:
+    """Return the degree + 1 Gauss–Lobatto points in [−1, 1]: both ends and the zeros of P'."""
+    polynomial = np.zeros(degree + 1)
+    polynomial[degree] = 1.0
+    inner = np.sort(legendre.legroots(legendre.legder(polynomial)).real)
+    return np.concatenate([[-1.0], inner, [1.0]])
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis: ascending break points (m) and the degree of the polynomials between them."""
+
+    breaks: Floats
+    degree: int
+
+    @property
+    def intervals(self) -> int:
+        """Number of intervals."""
+        return int(self.breaks.size - 1)
+
+    @cached_property
+    def nodes(self) -> Floats:
+        """Nodes (m), ascending; every `degree`-th is a break point."""
+        share = 0.5 * (lobatto_points(self.degree)[1:] + 1.0)
+        inner = self.breaks[:-1, None] + np.diff(self.breaks)[:, None] * share
+        inner[:, -1] = self.breaks[1:]
+        return np.concatenate([self.breaks[:1], inner.ravel()])
+
+    def nodes_of(self, first: int, last: int) -> slice:
+        """Return where the nodes of the intervals first … last − 1 are."""
+        return slice(first * self.degree, last * self.degree + 1)
+
+
+@dataclass(frozen=True)
+class Slab:
+    """Bricks of one material: intervals along x and along z; along y all of them."""
+
+    region: str
+    x: tuple[int, int]
+    z: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Bricks:
+    """A quarter of a layered bimorph on a tensor grid.
+
+    Attributes
+    ----------
+    x, y, z : Axis
+        From the planes of symmetry (x, y) and from the held end (z).
+    slabs : tuple of Slab
+        What is where; the rest of the grid is empty.  Regions are ``piezo``, ``shim`` and
+        ``glue``.
+    electrode : (int, int)
+        Break points along z between which the outer face carries its electrode.  The inner
+        face is metallised all over.
+    held : {"layers", "shim"}
+        Part of the lowest section that is the base.
+    """
+
+    x: Axis
+    y: Axis
+    z: Axis
+    slabs: tuple[Slab, ...]
+    electrode: tuple[int, int]
+    held: Held = "layers"
+
+    @property
+    def axes(self) -> tuple[Axis, Axis, Axis]:
+        """The three axes."""
+        return self.x, self.y, self.z
+
+    @property
+    def degree(self) -> tuple[int, int, int]:
+        """Degree of the polynomials along each axis."""
+        return self.x.degree, self.y.degree, self.z.degree
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Nodes along each axis."""
+        return self.x.nodes.size, self.y.nodes.size, self.z.nodes.size
+
+    @property
+    def regions(self) -> tuple[str, ...]:
+        """Names of the materials, each once."""
+        return tuple(dict.fromkeys(slab.region for slab in self.slabs))
+
+    def slabs_of(self, region: str) -> tuple[Slab, ...]:
+        """Return the slabs of a region."""
+        return tuple(slab for slab in self.slabs if slab.region == region)
+
+    def nodes_of(self, *regions: str) -> Bools:
+        """Return a mask (nx, ny, nz) of the nodes that belong to any of the regions."""
+        mask = np.zeros(self.shape, dtype=bool)
+        for slab in self.slabs:
+            if slab.region in regions:
+                mask[self.x.nodes_of(*slab.x), :, self.z.nodes_of(*slab.z)] = True
+        return mask
+
+    def base(self) -> Bools:
+        """Return a mask (nx, ny, nz) of the nodes of the base section."""
+        parts = ("shim",) if self.held == "shim" else self.regions
+        mask = self.nodes_of(*parts)
+        mask[:, :, 1:] = False
+        return mask
+
+    def tip_slabs(self) -> tuple[Slab, ...]:
+        """Return the slabs that reach the tip face."""
+        return tuple(slab for slab in self.slabs if slab.z[1] == self.z.intervals)
+
+    def electrodes(self) -> tuple[Bools, Bools]:
+        """Return masks (nx, ny, nz) of the nodes of the outer and of the inner electrode."""
+        piezo = self.slabs_of("piezo")
+        outer, inner = np.zeros(self.shape, dtype=bool), np.zeros(self.shape, dtype=bool)
+        outer[max(s.x[1] for s in piezo) * self.x.degree, :, self.z.nodes_of(*self.electrode)] = (
+            True
+        )
+        low, high = min(s.z[0] for s in piezo), max(s.z[1] for s in piezo)
+        inner[min(s.x[0] for s in piezo) * self.x.degree, :, self.z.nodes_of(low, high)] = True
+        return outer, inner
+
+    def used(self) -> Bools:
+        """Return a mask (nx, ny, nz) of the nodes that any material has."""
+        return self.nodes_of(*self.regions)
+
+    def corner_mesh(self) -> Mesh:
+        """Return the whole bimorph with one eight-cornered cell per brick."""
+        return _mirrored(self, tuple(axis.breaks for axis in self.axes), (1, 1, 1))
+
+    def node_mesh(self) -> Mesh:
+        """Return the whole bimorph with every node a point: bricks cut at their nodes."""
+        degrees = tuple(axis.degree for axis in self.axes)
+        return _mirrored(self, tuple(axis.nodes for axis in self.axes), degrees)
+
+
+def mirrored_axis(nodes: Floats) -> tuple[Floats, Ints, Bools]:
+    """Return the axis continued to the other side of 0.
+
+    Returns
+    -------
+    nodes : (2 n − 1,) array
+        Ascending.
+    source : (2 n − 1,) int array
+        The node of the half that each is or mirrors.
+    reflected : (2 n − 1,) bool array
+        Whether it lies on the other side.
+    """
+    n = nodes.size
+    source = np.abs(np.arange(-(n - 1), n))
+    reflected = np.arange(2 * n - 1) < n - 1
+    return np.where(reflected, -nodes[source], nodes[source]), source, reflected
+
+
+def _mirrored(bricks: Bricks, half: tuple[Floats, ...], cuts: tuple[int, ...]) -> Mesh:
+    """Fill the grid mirrored in x and y with eight-cornered cells.
+
+    `cuts` is the number of cells per interval along each axis.
+    """
+    x, y, z = mirrored_axis(half[0])[0], mirrored_axis(half[1])[0], half[2]
+    nx, ny, nz = x.size, y.size, z.size
+    middle = nx // 2
+    owner = np.full((nx - 1, nz - 1), -1)
+    names = _whole_regions(bricks)
+    for slab in bricks.slabs:
+        low, high = (i * cuts[0] for i in slab.x)
+        along = slice(slab.z[0] * cuts[2], slab.z[1] * cuts[2])
+        for side, name in (
+            (slice(middle + low, middle + high), "top"),
+            (slice(middle - high, middle - low), "bottom"),
+        ):
+            region = f"piezo_{name}" if slab.region == "piezo" else slab.region
+            owner[side, along] = names.index(region)
+    cell_x, cell_z = np.nonzero(owner >= 0)
+    across = np.arange(ny - 1)
+    i, k = (np.repeat(v, across.size) for v in (cell_x, cell_z))
+    j = np.tile(across, cell_x.size)
+    around = ((0, 0), (1, 0), (1, 1), (0, 1))
+    corners = [(*ab, c) for c in (0, 1) for ab in around]
+    cells = np.stack([((i + a) * ny + j + b) * nz + k + c for a, b, c in corners], axis=1)
+    used, cells = np.unique(cells, return_inverse=True)
+    grid = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
+    cells, owners = cells.reshape(-1, 8), owner[i, k]
+    points = grid[used]
+    return Mesh(
+        points=points,
+        cells=cells,
+        kind="hexahedron",
+        region_of_cell=owners.astype(np.int64),
+        regions=names,
+        faces=_named_faces(bricks, cells, points, owners, names),
+    )
+
+
+def _whole_regions(bricks: Bricks) -> tuple[str, ...]:
+    rest = tuple(region for region in bricks.regions if region != "piezo")
+    return ("piezo_top", "piezo_bottom", *rest)
+
+
+def _named_faces(
+    bricks: Bricks, cells: Ints, points: Floats, region: Ints, names: tuple[str, ...]
+) -> dict[str, Ints]:
+    """Return the quadrilaterals of each named face."""
+    low_x, high_x = cells[:, [0, 3, 7, 4]], cells[:, [1, 2, 6, 5]]
+    low_z, high_z = cells[:, [0, 1, 2, 3]], cells[:, [4, 5, 6, 7]]
+    piezo = bricks.slabs_of("piezo")
+    inner = bricks.x.breaks[min(s.x[0] for s in piezo)]
+    outer = bricks.x.breaks[max(s.x[1] for s in piezo)]
+    start, end = (bricks.z.breaks[k] for k in bricks.electrode)
+    tolerance = 1e-9 * outer
+
+    def on_plane(quads: Ints, axis: int, value: float) -> Bools:
+        return np.asarray((np.abs(points[quads, axis] - value) < tolerance).all(axis=1))
+
+    def electroded(quads: Ints) -> Bools:
+        z = points[quads, 2]
+        return np.asarray(((z > start - tolerance) & (z < end + tolerance)).all(axis=1))
+
+    held = np.ones(region.size, dtype=bool)
+    if bricks.held == "shim":
+        held = region == names.index("shim")
+    top, bottom = region == 0, region == 1
+    return {
+        "base": low_z[held & on_plane(low_z, 2, 0.0)],
+        "tip": high_z[on_plane(high_z, 2, float(bricks.z.breaks[-1]))],
+        "electrode_top_inner": low_x[top & on_plane(low_x, 0, inner)],
+        "electrode_top_outer": high_x[top & on_plane(high_x, 0, outer) & electroded(high_x)],
+        "electrode_bottom_inner": high_x[bottom & on_plane(high_x, 0, -inner)],
+        "electrode_bottom_outer": low_x[bottom & on_plane(low_x, 0, -outer) & electroded(low_x)],
+    }

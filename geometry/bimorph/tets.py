@@ -1,0 +1,289 @@
+"""Tetrahedral meshes of the device: from CAD solids to checked regions and named faces.
+
+Straight elements where every face is plane, curved ones (ten nodes) where not.  The
+mesher itself is fTetWild; structured meshes of bricks are made elsewhere.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.cad.solids import build_solids, fuse, thinnest_feature
+from geometry.cad.tessellation import Plane, Tessellation, tessellate
+from geometry.device.layout import BIMORPH, MM, Standing, ceramic_base, layout, rod_base, shim_base
+from geometry.device.parameters import Device
+from geometry.errors import InputError, MeshError
+from geometry.meshing.mesh import Floats, Mesh
+from geometry.meshing.mesh_cache import cache_key, store_mesh, stored_mesh
+from geometry.meshing.tetwild.conform import NamedFace, conform
+from geometry.meshing.tetwild.run import SizingField, run_ftetwild, sizing_along_z, sizing_at_points
+from geometry.meshing.tetwild.sizing import Sizing
+from geometry.meshing.tetwild.stretching import Stretching
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+__all__ = ["MeshError", "TetMeshing", "squeezed", "tetrahedralise"]
+
+#: Part of every cache key: raise it when the same input gives another mesh.
+VERSION = 3
+
+#: How far the mesher may stray from the surface, as a share of the thinnest feature, since
+#: its vertices are put back afterwards; …
+_ENVELOPE = 0.2
+
+#: … and as a share of the edge length, since putting back bends the elements, …
+_ENVELOPE_PER_EDGE = 0.05
+
+#: … of the shortest one where sizes are given point by point.
+_ENVELOPE_PER_SHORTEST = 0.25
+
+#: A mesh that fails its checks is tried again with a tighter envelope, and so is one on which
+#: the mesher got stuck: each attempt has this share of the time that is left.
+_SHARES = (0.25, 0.35, 1.0)
+_TIGHTER = 0.7
+
+#: Distance of the triangulated from the true cylinders, as a share of the thinnest feature.
+#: A closer triangulation has narrower triangles, on which the mesher gets stuck.
+_DEFLECTION = 0.125
+
+#: Elements along the ceramic are up to this many times longer than wide, …
+_SLENDER = 3.0
+
+#: … and become so by this much per thickness of the bimorph from the ceramic's ends.
+_SLENDER_GROWTH = 1.0
+
+#: Thinnest feature (relative to the device's diagonal) below which meshing takes hours.
+_THINNEST = 2e-4
+
+
+@dataclass(frozen=True)
+class TetMeshing:
+    """How to mesh.
+
+    Attributes
+    ----------
+    edge_length : float
+        Target edge length (m).
+    root_edge_length : float, optional
+        Target edge length from the tab's lower end to the ceramic's lower edge (m); the same
+        everywhere by default.
+    grading : float
+        Growth of the edge length per distance from there (m/m).
+    curved : bool
+        Give curved boundaries curved elements (ten nodes).  If False, elements are
+        straight and the regions lose what lies between chord and arc.
+    time_limit : float
+        Time for the mesher, all attempts together (s).
+
+    Raises
+    ------
+    InputError
+        If a value is out of range.
+    """
+
+    edge_length: float = 0.3e-3
+    root_edge_length: float | None = None
+    grading: float = 0.1
+    curved: bool = True
+    time_limit: float = 300.0
+
+    def __post_init__(self) -> None:
+        """Refuse values out of range."""
+        for name in ("edge_length", "grading", "time_limit"):
+            if not 0.0 < getattr(self, name) < float("inf"):
+                raise InputError(f"{name} = {getattr(self, name):g} must be a positive number")
+        root = self.root_edge_length
+        if root is not None and not 0.0 < root <= self.edge_length:
+            raise InputError(
+                f"root_edge_length = {root * MM:g} mm must be positive and at most "
+                f"edge_length = {self.edge_length * MM:g} mm; make it smaller"
+            )
+
+
+def tetrahedralise(
+    device: Device,
+    standing: Standing = "rod",
+    regions: tuple[str, ...] | None = None,
+    options: TetMeshing = TetMeshing(),
+    sizing: Sizing | None = None,
+) -> Mesh:
+    """Mesh chosen solids of the device with tetrahedra and check the mesh against CAD.
+
+    A mesh made before from the same geometry and options is read from the cache.
+
+    Parameters
+    ----------
+    device : Device
+        What is meshed.
+    standing : {"rod", "alone"}
+        The generator with the bimorph glued into the rod, or the bimorph alone.
+    regions : tuple of str, optional
+        Solids to mesh; all by default.
+    options : TetMeshing
+        How to mesh.
+    sizing : Sizing, optional
+        Edge lengths in place of those of the options, as the mesher sees the device
+        (:func:`squeezed`).
+
+    Returns
+    -------
+    Mesh
+        In metres.  Named faces: ``base`` (the rod's bottom face; without rod the lowest
+        face of ceramic and shim), ``tip`` and ``electrode_top_outer``, ``…_top_inner``,
+        ``…_bottom_inner``, ``…_bottom_outer`` as far as their regions are chosen; electrode
+        triangles are seen from outside the ceramic.
+
+    Raises
+    ------
+    InputError
+        If the device cannot be built.
+    MeshError
+        If no mesh passes its checks, or the time is up.
+    """
+    parts = layout(device, standing, regions)
+    named = _named_faces(device, standing, tuple(parts))
+    # from the tab's lower end to the ceramic's lower edge: where the bending begins
+    root = (shim_base(device, standing) * MM, ceramic_base(device, standing) * MM)
+    shape: tuple[object, ...] = (
+        (sizing.digest, options.curved)
+        if sizing
+        else (options.edge_length, options.root_edge_length, options.grading, options.curved)
+    )
+    key = cache_key(VERSION, parts, named, shape, root)
+    kept = stored_mesh(key)
+    if kept is not None:
+        return kept
+    solids = fuse(build_solids(device, tuple(parts), standing))
+    stretching = _stretching(device, standing)
+    mesh = _first_good_mesh(solids, named, root, options, sizing, stretching)
+    store_mesh(key, mesh)
+    return mesh
+
+
+def _named_faces(
+    device: Device, standing: Standing, regions: tuple[str, ...]
+) -> dict[str, NamedFace]:
+    """Return where the named faces of the chosen regions are."""
+    b = device.bimorph
+    inner, outer = b.shim_thickness / 2 * MM, b.thickness / 2 * MM
+    named = {}
+    for region, side, sign in (("piezo_top", "top", 1.0), ("piezo_bottom", "bottom", -1.0)):
+        if region in regions:
+            named[f"electrode_{side}_outer"] = NamedFace(_plane(0, sign * outer), (region,))
+            named[f"electrode_{side}_inner"] = NamedFace(_plane(0, sign * inner), (region,))
+    layers = tuple(name for name in regions if name in BIMORPH)
+    ceramic = ceramic_base(device, standing)
+    if layers:
+        named["tip"] = NamedFace(_plane(2, (ceramic + b.length) * MM), layers)
+        lowest = shim_base(device, standing) if "shim" in layers else ceramic
+        named["base"] = NamedFace(_plane(2, lowest * MM), layers)
+    if "rod" in regions:
+        named["base"] = NamedFace(_plane(2, rod_base(device) * MM), ("rod",))
+    return named
+
+
+def _plane(axis: int, offset: float) -> Plane:
+    """Return the plane across an axis, equal to the one found in CAD."""
+    normal = (float(axis == 0), float(axis == 1), float(axis == 2))
+    return Plane(normal, round(offset, 9) + 0.0)
+
+
+def squeezed(device: Device, standing: Standing, points: Floats) -> Floats:
+    """Return points (n, 3) in m as the mesher sees them: sizes are lengths there.
+
+    Elements along the ceramic are meshed shorter than they will be.
+    """
+    return _stretching(device, standing).squeezed(points * MM) / MM
+
+
+def _stretching(device: Device, standing: Standing) -> Stretching:
+    """Return the map under which the ceramic-covered length is meshed."""
+    low = ceramic_base(device, standing)
+    b = device.bimorph
+    return Stretching(
+        low * MM, (low + b.length) * MM, _SLENDER, _SLENDER_GROWTH / (b.thickness * MM)
+    )
+
+
+def _first_good_mesh(
+    solids: dict[str, cq.Solid],
+    named: dict[str, NamedFace],
+    root: tuple[float, float],
+    options: TetMeshing,
+    sizing: Sizing | None,
+    stretching: Stretching,
+) -> Mesh:
+    """Return the first mesh that passes all checks, with a tighter envelope each time."""
+    deadline = time.monotonic() + options.time_limit
+    thinnest = thinnest_feature(solids)
+    deflection = _DEFLECTION * thinnest
+    tessellation = tessellate(solids, deflection, angle=0.5)
+    _refuse_too_thin(tessellation, thinnest)
+    surface = stretching.squeezed(tessellation.points)
+    length, field = _edge_lengths(surface, root, options, sizing)
+    widest = min(_ENVELOPE * thinnest, _ENVELOPE_PER_EDGE * length)
+    if sizing is not None:
+        widest = min(widest, _ENVELOPE_PER_SHORTEST * float(sizing.lengths.min()) * MM)
+    for attempt, share in enumerate(_SHARES):
+        envelope = widest * _TIGHTER**attempt
+        limit = share * max(deadline - time.monotonic(), 0.0)
+        try:
+            raw, tets = run_ftetwild(
+                surface,
+                tessellation.triangles,
+                edge_length=length,
+                envelope=envelope,
+                sizing=field,
+                time_limit=limit,
+            )
+            return conform(
+                stretching.restored(raw),
+                tets,
+                solids,
+                tessellation,
+                envelope + deflection,
+                named,
+                options.curved,
+                stretching,
+            )
+        except MeshError as error:
+            if time.monotonic() >= deadline:
+                raise MeshError(
+                    f"no mesh was done and passed its checks within {options.time_limit:g} s; "
+                    "raise the time limit or the edge length"
+                ) from error
+            if attempt == len(_SHARES) - 1:
+                raise
+    raise AssertionError("unreachable: the last attempt returns or raises")
+
+
+def _refuse_too_thin(tessellation: Tessellation, thinnest: float) -> None:
+    size = float(np.linalg.norm(np.ptp(tessellation.points, axis=0)))
+    if thinnest < _THINNEST * size:
+        raise MeshError(
+            f"the thinnest feature, {thinnest * 1e3:.3g} um, is too thin to mesh in a device of "
+            f"{size:.3g} mm; make it at least {_THINNEST * size * 1e3:.2g} um or close it"
+        )
+
+
+def _edge_lengths(
+    surface: Floats, root: tuple[float, float], options: TetMeshing, sizing: Sizing | None
+) -> tuple[float, SizingField | None]:
+    """Return the edge length (mm) far from everything fine, and the field if it varies."""
+    if sizing is not None:
+        lengths = sizing.lengths * MM
+        return float(np.median(lengths)), sizing_at_points(surface, sizing.points * MM, lengths)
+    edge_length = options.edge_length * MM
+    if options.root_edge_length is None:
+        return edge_length, None
+    finest = options.root_edge_length * MM
+    field = sizing_along_z(
+        surface,
+        lambda z: np.minimum(edge_length, finest + options.grading * np.abs(z - np.clip(z, *root))),
+    )
+    return edge_length, field

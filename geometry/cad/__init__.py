@@ -1,0 +1,1 @@
+"""CAD solids of the device and their surfaces as triangles."""

@@ -1,0 +1,252 @@
+"""CAD solids of the device, their fusion into touching neighbours, STEP and GLB files.
+
+Lengths are in millimetres, as CAD files have them.  Nothing here meshes.  The CAD
+kernel takes more than a second to import, so every function imports it when called.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.cad.system_libraries import require_library
+from geometry.device.layout import MM, Box, Part, Standing, Turned, closed_form_volumes, layout
+from geometry.device.parameters import Device
+from geometry.errors import InputError
+from geometry.files import written_whole
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+__all__ = [
+    "COLOURS",
+    "build_solids",
+    "closed_form_volumes",
+    "export_glb",
+    "export_step",
+    "fuse",
+    "thinnest_feature",
+]
+
+#: Colour of each region (red, green, blue; 0 to 1), for models and pictures.
+COLOURS: dict[str, tuple[float, float, float]] = {
+    "piezo_top": (0.93, 0.80, 0.48),
+    "piezo_bottom": (0.85, 0.69, 0.36),
+    "shim": (0.22, 0.24, 0.27),
+    "glue": (0.36, 0.68, 0.85),
+    "rod": (0.62, 0.65, 0.70),
+    "coil": (0.80, 0.45, 0.20),
+    "sleeve": (0.45, 0.50, 0.56),
+}
+
+#: Distance (mm) up to which two faces count as touching.
+_CONTACT = 1e-7
+
+#: Overlap of two solids (mm³) up to which they count as touching.
+_TOUCHING = 1e-9
+
+
+def build_solids(
+    device: Device, names: tuple[str, ...] | None = None, standing: Standing = "rod"
+) -> dict[str, cq.Solid]:
+    """Build the solids of the device, each by itself.
+
+    Parameters
+    ----------
+    device : Device
+        What is built.
+    names : tuple of str, optional
+        Solids wanted; all by default.
+    standing : {"rod", "alone"}
+        The whole generator (z = 0 at the rod's top face), or the bimorph alone
+        (z = 0 at its lowest edge).
+
+    Returns
+    -------
+    dict of str to cadquery.Solid
+        In millimetres.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, the parts cannot be put together, or the CAD kernel's
+        system library is missing.
+    """
+    require_library("libGL.so.1", "CAD solids")
+    return {name: _solid(part) for name, part in layout(device, standing, names).items()}
+
+
+def _solid(part: Part) -> cq.Solid:
+    body = _box(part.body) if isinstance(part.body, Box) else _turned(part.body)
+    if part.cut is None:
+        return body
+    return _only_solid(body.cut(_box(part.cut)))
+
+
+def _box(box: Box) -> cq.Solid:
+    import cadquery as cq
+
+    dx, dy, dz = (high - low for low, high in zip(box.low, box.high, strict=True))
+    return cq.Solid.makeBox(dx, dy, dz, cq.Vector(*box.low))
+
+
+def _turned(turned: Turned) -> cq.Solid:
+    import cadquery as cq
+
+    corners = [cq.Vector(r, 0.0, z) for r, z in turned.outline]
+    outline = cq.Wire.makePolygon(corners, close=True)
+    return cq.Solid.revolve(outline, [], 360.0, cq.Vector(0, 0, 0), cq.Vector(0, 0, 1))
+
+
+def _only_solid(shape: cq.Shape) -> cq.Solid:
+    solids = shape.Solids()
+    if len(solids) != 1:
+        raise InputError(
+            f"a part falls into {len(solids)} pieces; make the slot in the rod's head smaller"
+        )
+    return solids[0]
+
+
+def fuse(solids: dict[str, cq.Solid]) -> dict[str, cq.Solid]:
+    """Fuse solids so that neighbours share the faces on which they touch.
+
+    Parameters
+    ----------
+    solids : dict of str to cadquery.Solid
+        Solids that touch but do not overlap.
+
+    Returns
+    -------
+    dict of str to cadquery.Solid
+        The same names; two solids that touch hold the very same face there.
+
+    Raises
+    ------
+    InputError
+        If two solids overlap.
+    """
+    import cadquery as cq
+    from OCP.BOPAlgo import BOPAlgo_Builder
+
+    _refuse_overlap(solids)
+    if len(solids) < 2:
+        return dict(solids)  # the kernel refuses to fuse a solid with nothing
+    builder = BOPAlgo_Builder()
+    for solid in solids.values():
+        builder.AddArgument(solid.wrapped)
+    builder.Perform()
+    if builder.HasErrors():
+        raise InputError(
+            f"the solids {', '.join(solids)} cannot be put together; change a dimension slightly"
+        )
+    fused = {}
+    for name, solid in solids.items():
+        images = list(builder.Modified(solid.wrapped)) or [solid.wrapped]
+        fused[name] = _only_solid(cq.Compound.makeCompound([cq.Shape.cast(i) for i in images]))
+    return fused
+
+
+def _refuse_overlap(solids: dict[str, cq.Solid]) -> None:
+    names = list(solids)
+    for i, first in enumerate(names):
+        for second in names[i + 1 :]:
+            common = solids[first].intersect(solids[second])
+            volume = sum(solid.Volume() for solid in common.Solids())
+            if volume > _TOUCHING:
+                raise InputError(
+                    f"{first} and {second} overlap by {volume:.3g} mm^3; "
+                    "change the dimensions or positions that bring them together"
+                )
+
+
+def export_step(solids: dict[str, cq.Solid], path: str | Path) -> None:
+    """Write named solids to a STEP file (an assembly, in millimetres).
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    from cadquery.occ_impl.exporters.assembly import exportAssembly
+
+    with written_whole(path) as temporary:
+        if not exportAssembly(_assembly(solids), str(temporary)):
+            raise InputError(f"the CAD kernel could not write {path}; choose another place")
+
+
+def export_glb(solids: dict[str, cq.Solid], path: str | Path, deflection: float = 2e-3) -> None:
+    """Write named, coloured solids to a binary glTF file (metres, y up, as glTF has it).
+
+    Parameters
+    ----------
+    solids : dict of str to cadquery.Solid
+        Solids in millimetres; each becomes a node of its name.
+    path : path
+        File to write.
+    deflection : float
+        Largest distance between a curved face and its triangles (mm).
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    from cadquery.occ_impl.assembly import toCAF
+    from OCP.Message import Message_ProgressRange
+    from OCP.RWGltf import RWGltf_CafWriter
+    from OCP.RWMesh import RWMesh_CoordinateSystem
+    from OCP.TCollection import TCollection_AsciiString
+    from OCP.TColStd import TColStd_IndexedDataMapOfStringString
+
+    _, document = toCAF(_assembly(solids), True, True, deflection, 0.2)
+    with written_whole(path) as temporary:
+        # cadquery's own writer would call our millimetres metres
+        writer = RWGltf_CafWriter(TCollection_AsciiString(str(temporary)), True)
+        frame = writer.ChangeCoordinateSystemConverter()
+        frame.SetInputLengthUnit(1.0 / MM)
+        frame.SetInputCoordinateSystem(RWMesh_CoordinateSystem.RWMesh_CoordinateSystem_Zup)
+        no_comments = TColStd_IndexedDataMapOfStringString()
+        if not writer.Perform(document, no_comments, Message_ProgressRange()):
+            raise InputError(f"the CAD kernel could not write {path}; choose another place")
+
+
+def _assembly(solids: dict[str, cq.Solid]) -> cq.Assembly:
+    import cadquery as cq
+
+    assembly = cq.Assembly(name="tactile_generator")
+    for name, solid in solids.items():
+        red, green, blue = COLOURS.get(name, (0.7, 0.7, 0.7))
+        assembly.add(solid, name=name, color=cq.Color(red, green, blue, 1.0))
+    return assembly
+
+
+def thinnest_feature(solids: dict[str, cq.Solid]) -> float:
+    """Return the smallest distance (mm) between two faces that do not touch each other.
+
+    It is the thickness of the thinnest layer, wall, step or gap between the solids.
+
+    Parameters
+    ----------
+    solids : dict of str to cadquery.Solid
+        As :func:`fuse` returns them.
+    """
+    from OCP.BRepExtrema import BRepExtrema_DistShapeShape
+
+    faces = list({face for solid in solids.values() for face in solid.Faces()})
+    boxes = [face.BoundingBox() for face in faces]
+    low = np.array([(b.xmin, b.ymin, b.zmin) for b in boxes])
+    high = np.array([(b.xmax, b.ymax, b.zmax) for b in boxes])
+    first, second = np.triu_indices(len(faces), k=1)
+    apart = np.maximum(low[first] - high[second], low[second] - high[first])
+    at_least = np.linalg.norm(np.maximum(apart, 0.0), axis=1)
+    thinnest = float(np.linalg.norm(high.max(axis=0) - low.min(axis=0)))
+    for k in np.argsort(at_least):
+        if at_least[k] > thinnest:
+            break
+        i, j = first[k], second[k]
+        distance = BRepExtrema_DistShapeShape(faces[i].wrapped, faces[j].wrapped).Value()
+        if _CONTACT < distance < thinnest:
+            thinnest = distance
+    return thinnest

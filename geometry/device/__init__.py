@@ -1,0 +1,1 @@
+"""Parameters with their sources, materials, and where every part sits; checks that it all fits."""

@@ -1,0 +1,241 @@
+"""Whether the parts of a device can be put together, before anything is built from them."""
+
+from __future__ import annotations
+
+import math
+
+from geometry.device.parameters import NOMINAL_GAP, Bimorph, Device, Support
+from geometry.errors import InputError
+
+#: Rounding of sums of dimensions (m).
+_ROUNDING = 1e-12
+
+#: Softest glue between layers (Pa) with which the bricks' error bars were found to hold.
+_LEAST_GLUE = 1e7
+
+
+def check_fit(device: Device, support: Support) -> None:
+    """Refuse a device whose parts cannot be put together.
+
+    Raises
+    ------
+    InputError
+        In one sentence, with the values in millimetres.
+    """
+    check_bimorph(device, support)
+    check_actuator(device)
+
+
+def check_bimorph(device: Device, support: Support) -> None:
+    """Refuse a bimorph that is not whole, or does not go on the rod that holds it.
+
+    Raises
+    ------
+    InputError
+        In one sentence, with the values in millimetres.
+    """
+    bimorph, rod = device.bimorph, device.rod
+    mm = 1e3
+    _check_ceramic(bimorph)
+    profile = bimorph.width_profile
+    key, width = "width", bimorph.width
+    if profile and not bimorph.tab_length:
+        key, width = "width_profile", profile.largest
+    if support.kind != "clamped" and width > 2.0 * rod.head_radius:
+        raise InputError(
+            f"bimorph.{key} = {width * mm:g} mm is wider than the rod allows "
+            f"(head diameter {2 * rod.head_radius * mm:g} mm); make the bimorph narrower or "
+            'rod.head_radius larger, or study it alone with support.kind = "clamped"'
+        )
+    if support.kind == "rod":
+        _check_joint(device)
+
+
+def check_actuator(device: Device) -> None:
+    """Refuse a rod, coil and sleeve that do not go into each other.
+
+    Raises
+    ------
+    InputError
+        In one sentence, with the values in millimetres.
+    """
+    rod, sleeve, coil = device.rod, device.sleeve, device.coil
+    mm = 1e3
+    if not rod.radius <= coil.inner_radius < coil.outer_radius < sleeve.inner_radius:
+        raise InputError(
+            f"coil.inner_radius = {coil.inner_radius * mm:g} mm and coil.outer_radius = "
+            f"{coil.outer_radius * mm:g} mm must lie between rod.radius = {rod.radius * mm:g} mm "
+            f"and sleeve.inner_radius = {sleeve.inner_radius * mm:g} mm, in that order"
+        )
+    if not sleeve.collar_radius <= sleeve.inner_radius < sleeve.outer_radius:
+        raise InputError(
+            f"sleeve.inner_radius = {sleeve.inner_radius * mm:g} mm must lie between "
+            f"sleeve.collar_radius = {sleeve.collar_radius * mm:g} mm and "
+            f"sleeve.outer_radius = {sleeve.outer_radius * mm:g} mm"
+        )
+    if not rod.radius < rod.flange_radius < sleeve.inner_radius:
+        raise InputError(
+            f"rod.flange_radius = {rod.flange_radius * mm:g} mm must lie between rod.radius = "
+            f"{rod.radius * mm:g} mm and sleeve.inner_radius = {sleeve.inner_radius * mm:g} mm"
+        )
+    if rod.flange_position + rod.flange_thickness > rod.length + _ROUNDING:
+        raise InputError(
+            f"rod.length = {rod.length * mm:g} mm ends above the flange's lower face at "
+            f"{(rod.flange_position + rod.flange_thickness) * mm:g} mm; make the rod longer"
+        )
+    if coil.position + coil.length > rod.flange_position + _ROUNDING:
+        raise InputError(
+            f"coil.length = {coil.length * mm:g} mm from coil.position = {coil.position * mm:g} mm "
+            f"runs into the flange at rod.flange_position = {rod.flange_position * mm:g} mm; "
+            "shorten the coil"
+        )
+    if coil.position + NOMINAL_GAP < -_ROUNDING:
+        raise InputError(
+            f"coil.position = {coil.position * mm:g} mm puts the coil's top into the rod's head, "
+            f"whose underside is at {-NOMINAL_GAP * mm:g} mm; move the coil down"
+        )
+    check_gap(device, device.gap)
+
+
+def widest_gap(device: Device) -> float:
+    """Return the gap (m) at which flange or coil meets the collar; inf if both go through it."""
+    rod, coil, sleeve = device.rod, device.coil, device.sleeve
+    tops = ((rod.flange_radius, rod.flange_position), (coil.outer_radius, coil.position))
+    caught = [top for radius, top in tops if radius >= sleeve.collar_radius]
+    return float(NOMINAL_GAP + min(caught, default=math.inf) - sleeve.collar_thickness)
+
+
+def check_gap(device: Device, gap: float) -> None:
+    """Refuse a working gap (m) at which the flange has met the collar, which it cannot pass.
+
+    Raises
+    ------
+    InputError
+        With the gap at which they meet.
+    """
+    rod, sleeve = device.rod, device.sleeve
+    mm = 1e3
+    meeting = NOMINAL_GAP + rod.flange_position - sleeve.collar_thickness
+    if rod.flange_radius >= sleeve.collar_radius and meeting <= _ROUNDING:
+        raise InputError(
+            f"sleeve.collar_thickness = {sleeve.collar_thickness * mm:g} mm reaches down to the "
+            f"flange at rod.flange_position = {rod.flange_position * mm:g} mm even with the gap "
+            "closed; make the collar thinner"
+        )
+    if rod.flange_radius >= sleeve.collar_radius and gap >= meeting - _ROUNDING:
+        raise InputError(
+            f"gap = {gap * mm:g} mm needs the flange (rod.flange_radius = "
+            f"{rod.flange_radius * mm:g} mm) to pass the collar (sleeve.collar_radius = "
+            f"{sleeve.collar_radius * mm:g} mm), which it meets at a gap of {meeting * mm:g} mm; "
+            "use a smaller gap or a wider collar"
+        )
+
+
+def _check_ceramic(bimorph: Bimorph) -> None:
+    """Refuse profiles that end elsewhere than the ceramic, and ceramic without electrodes."""
+    mm = 1e3
+    for name, profile in bimorph.profiles.items():
+        if not math.isclose(profile.end, bimorph.length, rel_tol=1e-9):
+            raise InputError(
+                f"bimorph.{name} ends at {profile.end * mm:.10g} mm but bimorph.length = "
+                f"{bimorph.length * mm:.10g} mm; let the profile end at the ceramic's upper edge"
+            )
+    if bimorph.bare_below + bimorph.bare_above >= bimorph.length:
+        raise InputError(
+            f"bimorph.bare_below = {bimorph.bare_below * mm:g} mm and bimorph.bare_above = "
+            f"{bimorph.bare_above * mm:g} mm leave no electrode on bimorph.length = "
+            f"{bimorph.length * mm:g} mm; make them shorter"
+        )
+
+
+def beyond_plain_layers(bimorph: Bimorph) -> str:
+    """Return the key of what makes a bimorph more than three boxes, electroded all over."""
+    lengths = ("bare_below", "bare_above", "glue_thickness")
+    found = [*bimorph.profiles, *(name for name in lengths if getattr(bimorph, name))]
+    return found[0] if found else ""
+
+
+def check_plain_layers(device: Device) -> None:
+    """Refuse a bimorph that the CAD parts do not know.
+
+    Raises
+    ------
+    InputError
+        In one sentence that names the models that can.
+    """
+    key = beyond_plain_layers(device.bimorph)
+    if key in device.bimorph.profiles:
+        check_constant_section(device)
+    if key:
+        raise InputError(
+            f"bimorph.{key} is not in the CAD parts and their tetrahedra (three plain layers with "
+            'electrodes all over); use mesh.kind = "structured" on a support other than "rod", '
+            f"ask for models=lumped,tmm,beam or set bimorph.{key} = 0 mm"
+        )
+
+
+def check_bonded(device: Device) -> None:
+    """Refuse layers that slide on their glue.
+
+    What is left of the tip's motion is then what the clamped corners leave, some 30 pm per
+    volt, which the solid's bricks do not resolve to their own error bar.
+
+    Raises
+    ------
+    InputError
+        In one sentence that says how stiff the glue must be.
+    """
+    modulus = device.glue.youngs_modulus
+    if device.bimorph.glue_thickness > 0.0 and modulus < _LEAST_GLUE:
+        raise InputError(
+            f"glue.youngs_modulus = {modulus:.4g} Pa lets the layers slide, and of such a bimorph "
+            "the solid's bricks do not resolve what is left of the tip's motion; set it to at "
+            f"least {1e-6 * _LEAST_GLUE:g} MPa or set bimorph.glue_thickness = 0 mm"
+        )
+
+
+def check_constant_section(device: Device) -> None:
+    """Refuse a bimorph whose cross-section changes along it.
+
+    Raises
+    ------
+    InputError
+        In one sentence that names the models that can.
+    """
+    if device.bimorph.profiles:
+        key = next(iter(device.bimorph.profiles))
+        raise InputError(
+            f"bimorph.{key} is known to the models lumped, tmm and beam only (the solid model and "
+            "the CAD parts have plain layers of constant size); ask for models=lumped,tmm,beam or "
+            f"leave out bimorph.{key}"
+        )
+
+
+def _check_joint(device: Device) -> None:
+    """Refuse a tab that does not go into the slot, or a slot that leaves the head."""
+    bimorph, rod, glue = device.bimorph, device.rod, device.glue
+    mm = 1e3
+    slot_diagonal = math.hypot(
+        bimorph.width + 2 * glue.thickness, bimorph.shim_thickness + 2 * glue.thickness
+    )
+    if slot_diagonal >= 2.0 * rod.head_radius:
+        raise InputError(
+            f"bimorph.width = {bimorph.width * mm:g} mm is wider than the rod allows: with its "
+            f"bond line the tab needs a slot of {slot_diagonal * mm:.3g} mm across the head of "
+            f"diameter {2 * rod.head_radius * mm:g} mm; make the bimorph narrower"
+        )
+    if rod.slot_depth >= rod.head_thickness:
+        raise InputError(
+            f"rod.slot_depth = {rod.slot_depth * mm:g} mm must stay inside the head of thickness "
+            f"rod.head_thickness = {rod.head_thickness * mm:g} mm; make the slot shallower"
+        )
+    if glue.thickness >= rod.slot_depth:
+        raise InputError(
+            f"glue.thickness = {glue.thickness * mm:g} mm fills the whole slot of depth "
+            f"rod.slot_depth = {rod.slot_depth * mm:g} mm; make the bond line thinner"
+        )
+    if device.ceramic_base < 0.0:
+        raise InputError(
+            f"bimorph.tab_length = {bimorph.tab_length * mm:g} mm is too short for the rod's slot; "
+            f"it must be at least {(rod.slot_depth - glue.thickness) * mm:g} mm"
+        )

@@ -1,0 +1,274 @@
+"""Where every part of the device is: each solid as a plain value, in millimetres.
+
+A solid is a box or a body turned about z, less at most one box.  CAD solids, mesh
+keys and closed-form volumes start here; no CAD kernel is needed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from geometry.device.checks import check_fit, check_plain_layers
+from geometry.device.parameters import NOMINAL_GAP, Device, Support
+from geometry.errors import InputError
+
+#: The bimorph by itself, or the whole generator with the bimorph glued into the rod.
+Standing = Literal["alone", "rod"]
+
+#: Millimetres in a metre: CAD files are in millimetres, everything else is SI.
+MM = 1e3
+
+#: Solids by what the bimorph stands on.
+BIMORPH = ("piezo_top", "piezo_bottom", "shim")
+GENERATOR = (*BIMORPH, "glue", "rod", "coil", "sleeve")
+
+# Lengths are rounded to 1e-9 mm, far below any tolerance of the CAD kernel, so that
+# faces meant to touch (0.4 mm - 0.45 mm + 0.05 mm) do so exactly.
+_DIGITS = 9
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box between two corners (mm)."""
+
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Turned:
+    """A body of revolution about z: corners (r, z) of its half section, in order (mm)."""
+
+    outline: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A solid: a body less at most one box."""
+
+    body: Box | Turned
+    cut: Box | None = None
+
+
+@dataclass(frozen=True)
+class Ring:
+    """One step of a turned body: a ring between two heights and two radii (mm)."""
+
+    low: float
+    high: float
+    inner: float
+    outer: float
+
+
+def layout(
+    device: Device, standing: Standing = "rod", names: tuple[str, ...] | None = None
+) -> dict[str, Part]:
+    """Return the parts of the device by name.
+
+    Parameters
+    ----------
+    device : Device
+        What is built.
+    standing : {"alone", "rod"}
+        ``alone``: only the bimorph, z = 0 at its lowest edge.  ``rod``: the generator,
+        z = 0 at the rod's top face.
+    names : tuple of str, optional
+        Parts wanted; all by default.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown or the parts cannot be put together.
+    """
+    known = BIMORPH if standing == "alone" else GENERATOR
+    wanted = known if names is None else names
+    for name in wanted:
+        if name not in known:
+            raise InputError(
+                f'region "{name}" does not exist when the bimorph stands "{standing}"; '
+                f"use some of {', '.join(known)}"
+            )
+    if not wanted:
+        raise InputError(f"no region is chosen; use some of {', '.join(known)}")
+    check_plain_layers(device)
+    parts = _bimorph(device, standing)
+    if standing == "rod":
+        check_fit(device, Support(kind="rod"))
+        parts |= {
+            "glue": _glue(device),
+            "rod": _rod(device),
+            "coil": _coil(device),
+            "sleeve": _sleeve(device),
+        }
+    return {name: parts[name] for name in known if name in wanted}
+
+
+def shim_base(device: Device, standing: Standing) -> float:
+    """Return the height of the shim's lower end (m)."""
+    if standing == "alone":
+        return 0.0
+    return float(device.glue.thickness - device.rod.slot_depth)
+
+
+def ceramic_base(device: Device, standing: Standing) -> float:
+    """Return the height of the ceramic's lower edge (m)."""
+    return float(device.bimorph.tab_length if standing == "alone" else device.ceramic_base)
+
+
+def rod_base(device: Device) -> float:
+    """Return the height of the rod's bottom face (m)."""
+    return float(_rod_datum(device) - device.rod.length)
+
+
+def _rod_datum(device: Device) -> float:
+    """Return the height from which rod-fixed axial positions are measured downward (m).
+
+    It moves with the rod: the sleeve's top face would be there at the nominal gap.
+    """
+    return float(-device.rod.head_thickness - NOMINAL_GAP)
+
+
+def _mm(length: float) -> float:
+    return round(length * MM, _DIGITS) + 0.0  # + 0.0 turns -0.0 into 0.0, one key for both
+
+
+def _box(width_x: tuple[float, float], width_y: float, height: tuple[float, float]) -> Box:
+    """Return a box centred on y = 0, from metres."""
+    return Box(
+        low=(_mm(width_x[0]), _mm(-width_y / 2), _mm(height[0])),
+        high=(_mm(width_x[1]), _mm(width_y / 2), _mm(height[1])),
+    )
+
+
+def _bimorph(device: Device, standing: Standing) -> dict[str, Part]:
+    b = device.bimorph
+    base = ceramic_base(device, standing)
+    top = base + b.length
+    inner, outer = b.shim_thickness / 2, b.thickness / 2
+    return {
+        "piezo_top": Part(_box((inner, outer), b.width, (base, top))),
+        "piezo_bottom": Part(_box((-outer, -inner), b.width, (base, top))),
+        "shim": Part(_box((-inner, inner), b.width, (shim_base(device, standing), top))),
+    }
+
+
+def _slot(device: Device) -> Box:
+    b, bond = device.bimorph, device.glue.thickness
+    half = b.shim_thickness / 2 + bond
+    return _box((-half, half), b.width + 2 * bond, (-device.rod.slot_depth, 0.0))
+
+
+def _glue(device: Device) -> Part:
+    b = device.bimorph
+    half = b.shim_thickness / 2
+    tab = _box((-half, half), b.width, (shim_base(device, "rod"), 0.0))
+    return Part(_slot(device), cut=tab)
+
+
+def _rod(device: Device) -> Part:
+    rod = device.rod
+    datum = _rod_datum(device)
+    flange_top = datum - rod.flange_position
+    flange_bottom = flange_top - rod.flange_thickness
+    rings = [
+        _ring(rod_base(device), flange_bottom, 0.0, rod.radius),
+        _ring(flange_bottom, flange_top, 0.0, rod.flange_radius),
+        _ring(flange_top, -rod.head_thickness, 0.0, rod.radius),
+        _ring(-rod.head_thickness, 0.0, 0.0, rod.head_radius),
+    ]
+    return Part(_turned(rings), cut=_slot(device))
+
+
+def _coil(device: Device) -> Part:
+    coil = device.coil
+    top = _rod_datum(device) - coil.position
+    return Part(_turned([_ring(top - coil.length, top, coil.inner_radius, coil.outer_radius)]))
+
+
+def _sleeve(device: Device) -> Part:
+    sleeve = device.sleeve
+    if sleeve.collar_thickness > sleeve.length:
+        raise InputError(
+            f"sleeve.collar_thickness = {sleeve.collar_thickness * MM:g} mm is more than "
+            f"sleeve.length = {sleeve.length * MM:g} mm; make the collar thinner"
+        )
+    top = -device.rod.head_thickness - device.gap
+    collar = top - sleeve.collar_thickness
+    rings = [
+        _ring(top - sleeve.length, collar, sleeve.inner_radius, sleeve.outer_radius),
+        _ring(collar, top, sleeve.collar_radius, sleeve.outer_radius),
+    ]
+    return Part(_turned(rings))
+
+
+def _ring(low: float, high: float, inner: float, outer: float) -> Ring:
+    return Ring(_mm(low), _mm(high), _mm(inner), _mm(outer))
+
+
+def _turned(rings: list[Ring]) -> Turned:
+    """Return the outline of rings stacked from the bottom up, without needless corners."""
+    rings = [ring for ring in rings if ring.high > ring.low]
+    outer = [corner for r in rings for corner in ((r.outer, r.low), (r.outer, r.high))]
+    inner = [corner for r in rings for corner in ((r.inner, r.low), (r.inner, r.high))]
+    return Turned(_without_needless_corners(outer + inner[::-1]))
+
+
+def _without_needless_corners(
+    corners: list[tuple[float, float]],
+) -> tuple[tuple[float, float], ...]:
+    """Drop repeated corners and corners between two edges in one line.
+
+    They would become CAD faces of no area, or one cylinder in two pieces.
+    """
+    kept = list(corners)
+    for here in range(len(corners) - 1, -1, -1):
+        before, corner, after = kept[here - 1], kept[here], kept[(here + 1) % len(kept)]
+        along_z = before[0] == corner[0] == after[0]
+        along_r = before[1] == corner[1] == after[1]
+        if along_z or along_r:
+            del kept[here]
+    return tuple(kept)
+
+
+def closed_form_volumes(device: Device, standing: Standing = "rod") -> dict[str, float]:
+    """Return the volume of each solid (m³), worked out by hand from the parameters.
+
+    Raises
+    ------
+    InputError
+        If the parts cannot be put together.
+    """
+    names = tuple(layout(device, standing))
+    b, rod, coil, sleeve = device.bimorph, device.rod, device.coil, device.sleeve
+    layer = b.length * b.width * b.piezo_thickness
+    embedded = rod.slot_depth - device.glue.thickness
+    slot = (
+        (b.shim_thickness + 2 * device.glue.thickness)
+        * (b.width + 2 * device.glue.thickness)
+        * rod.slot_depth
+    )
+    shaft = rod.length + NOMINAL_GAP
+    bore = sleeve.length - sleeve.collar_thickness
+    volumes = {
+        "piezo_top": layer,
+        "piezo_bottom": layer,
+        "shim": (b.length + b.tab_length) * b.width * b.shim_thickness,
+        "glue": slot - embedded * b.width * b.shim_thickness,
+        "rod": math.pi
+        * (
+            rod.radius**2 * shaft
+            + (rod.flange_radius**2 - rod.radius**2) * rod.flange_thickness
+            + rod.head_radius**2 * rod.head_thickness
+        )
+        - slot,
+        "coil": math.pi * (coil.outer_radius**2 - coil.inner_radius**2) * coil.length,
+        "sleeve": math.pi
+        * (
+            sleeve.outer_radius**2 * sleeve.length
+            - sleeve.inner_radius**2 * bore
+            - sleeve.collar_radius**2 * sleeve.collar_thickness
+        ),
+    }
+    return {name: volumes[name] for name in names}

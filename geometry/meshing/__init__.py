@@ -1,0 +1,1 @@
+"""Meshes, their files and checks, and the meshers that know no device."""

@@ -1,0 +1,115 @@
+"""Tetrahedra on a graded tensor-product grid: for bodies whose faces all lie on grid planes.
+
+Every box is cut into six tetrahedra along its diagonal from (low, low, low) to
+(high, high, high) (Kuhn), the same way everywhere, so the mesh conforms and honours
+every plane exactly.  Knows boxes and region numbers, not what they mean.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from geometry.arrays import Floats, Ints
+from geometry.meshing.mesh import Mesh
+
+#: Names of the six outer sides, in the order of axis and end.
+SIDES = ("x_low", "x_high", "y_low", "y_high", "z_low", "z_high")
+
+#: Corners (opposite to 0, 1, 2, 3) of a tetrahedron's faces.
+_FACES = ([1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2])
+
+
+def box_tetrahedra(
+    x: Floats, y: Floats, z: Floats, region_of_box: Ints, regions: tuple[str, ...]
+) -> Mesh:
+    """Return the mesh of all boxes between the grid planes.
+
+    Parameters
+    ----------
+    x, y, z : (nx,), (ny,), (nz,) float
+        Increasing grid planes (m).
+    region_of_box : (nx - 1, ny - 1, nz - 1) int
+        Index into `regions`.
+    regions : tuple of str
+        Region names.
+
+    Returns
+    -------
+    Mesh
+        Straight tetrahedra; its faces are the outer sides named in `SIDES`.
+    """
+    sizes = (x.size, y.size, z.size)
+    index = np.arange(x.size * y.size * z.size).reshape(sizes)
+    points = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
+    cells = []
+    for order in itertools.permutations(range(3)):
+        corner = np.zeros(3, dtype=int)
+        path = [_corner(index, corner)]
+        for axis in order:
+            corner[axis] = 1
+            path.append(_corner(index, corner))
+        if np.linalg.det(np.eye(3)[list(order)]) < 0.0:
+            path[2], path[3] = path[3], path[2]  # keep the volume positive
+        cells.append(np.stack(path, axis=1))
+    tets = np.stack(cells, axis=1).reshape(-1, 4)
+    return Mesh(
+        points=points,
+        cells=tets,
+        kind="tetra",
+        region_of_cell=np.repeat(region_of_box.ravel(), len(cells)),
+        regions=regions,
+        faces=_sides(tets, sizes),
+    )
+
+
+def _corner(index: Ints, corner: Ints) -> Ints:
+    """Return the vertex of each box at the low (0) or high (1) end of each axis."""
+    cut = tuple(slice(c, n - 1 + c) for c, n in zip(corner, index.shape, strict=True))
+    return np.asarray(index[cut].ravel())
+
+
+def _sides(tets: Ints, sizes: tuple[int, int, int]) -> dict[str, Ints]:
+    """Return the triangles on each outer side."""
+    triangles = np.concatenate([tets[:, face] for face in _FACES])
+    along = np.stack(np.unravel_index(triangles, sizes))
+    faces = {}
+    for name, (axis, end) in zip(SIDES, itertools.product(range(3), (0, 1)), strict=True):
+        plane = end * (sizes[axis] - 1)
+        faces[name] = triangles[np.all(along[axis] == plane, axis=1)]
+    return faces
+
+
+def graded_planes(stops: Sequence[tuple[float, float]], growth: float) -> Floats:
+    """Return grid planes through all stops, intervals growing away from each stop.
+
+    Parameters
+    ----------
+    stops : sequence of (position, size)
+        Increasing positions (m) that must be planes, and the length (m) wanted of the
+        intervals beside each.
+    growth : float
+        How much longer an interval may be per distance from a stop: neighbours then differ
+        by a factor of about exp(growth).  A family of alike meshes scales it as the sizes.
+    """
+    planes = [stops[0][0]]
+    for (low, first), (high, last) in itertools.pairwise(stops):
+        planes.extend(low + _divided(high - low, first, last, growth)[1:])
+    return np.array(planes)
+
+
+def _divided(length: float, first: float, last: float, growth: float) -> Floats:
+    """Divide [0, length]: intervals near `first` and `last` at the ends, growing inwards.
+
+    The size wanted at distance s from one end is size + growth s; the number of intervals
+    is the integral of its inverse, and the planes divide that integral evenly.
+    """
+    s = np.linspace(0.0, length, 2001)
+    size = np.minimum(first + growth * s, last + growth * (length - s))
+    count = np.concatenate([[0.0], np.cumsum(0.5 * (1.0 / size[1:] + 1.0 / size[:-1]))]) * s[1]
+    number = max(1, round(float(count[-1])))
+    inner = np.interp(np.linspace(0.0, count[-1], number + 1), count, s)
+    inner[[0, -1]] = 0.0, length
+    return np.asarray(inner)

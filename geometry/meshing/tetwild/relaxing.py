@@ -1,0 +1,60 @@
+"""Cures flat tetrahedra by moving those of their vertices that lie on no surface.
+
+Putting vertices on their surfaces can leave a tetrahedron without room.  A vertex inside a
+region is free to give it some.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from geometry.arrays import Bools, Floats, Ints
+from geometry.meshing.mesh_check import is_poor
+from geometry.meshing.quadratic import smallest_dihedral_angles, tet_volumes
+
+#: Rounds over all flat tetrahedra at most: one helps its neighbours in the next.
+_ROUNDS = 4
+
+#: Shares of the way to the middle of its neighbours that a vertex is tried at.
+_WAYS = (0.1, 0.3, 0.6, 1.0)
+
+
+def relaxed(points: Floats, tets: Ints, free: Bools) -> Floats:
+    """Return the points, free vertices of flat tetrahedra moved where their worst angle is best.
+
+    Parameters
+    ----------
+    points : (n_points, 3) array
+        Coordinates, in which the shape of tetrahedra is judged.
+    tets : (n_tets, 4) int array
+        Corners of all tetrahedra that must keep their volume.
+    free : (n_points,) bool array
+        Which points may be moved.
+    """
+    points = points.copy()
+    for _ in range(_ROUNDS):
+        flat = is_poor(points, tets) | (tet_volumes(points[tets]) <= 0.0)
+        movable = np.unique(tets[flat])
+        movable = movable[free[movable]]
+        if not movable.size:
+            return points
+        near = tets[np.isin(tets, movable).any(axis=1)]
+        for vertex in movable:
+            around = near[(near == vertex).any(axis=1)]
+            points[vertex] = _best_place(points, around, int(vertex))
+    return points
+
+
+def _best_place(points: Floats, around: Ints, vertex: int) -> Floats:
+    """Return where the worst of the tetrahedra around a vertex is best."""
+    here = points[vertex]
+    ring = np.setdiff1d(around, [vertex])
+    middle = points[ring].mean(axis=0)
+    places = [here, *(here + way * (middle - here) for way in _WAYS)]
+    merits = []
+    for place in places:
+        corners = np.where((around == vertex)[:, :, None], place, points[around])
+        # an inverted tetrahedron has the angles of its mirror image
+        upright = np.sign(tet_volumes(corners))
+        merits.append((upright * smallest_dihedral_angles(corners)).min())
+    return np.asarray(places[int(np.argmax(merits))])

@@ -1,0 +1,121 @@
+"""Where a mesh should be fine: from errors of its elements to the edge lengths of the next one.
+
+Plain geometry: what the errors are errors of is not known here.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Floats, Ints
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.quadratic import TET_EDGES, unique_edges
+
+#: Order in which an element's share of the error per volume falls with its size.  Smooth
+#: solutions would give quadratic elements 4; most of the error sits at edges where the
+#: solution is singular, and gives 1 to 2 while they are being resolved.
+_ORDER = 1.5
+
+#: One step makes elements at most this much smaller or larger: an estimate on a coarse mesh
+#: is not to be trusted further.
+_FINER, _COARSER = 0.3, 1.2
+
+#: Growth of the edge length per distance (m/m); steeper, and the mesher's own quality
+#: measure decides the size.
+_GROWTH = 0.4
+
+#: Lengths are rounded to steps of this ratio, so that the rounding of a solution they were
+#: found from does not make another mesh.
+_STEP = 1.02
+
+
+@dataclass(frozen=True)
+class Sizing:
+    """Target edge lengths at points.
+
+    Attributes
+    ----------
+    points : (n, 3) array
+        Where (m).
+    lengths : (n,) array
+        Edge length (m); between the points it is interpolated.
+    """
+
+    points: Floats
+    lengths: Floats
+
+    @property
+    def digest(self) -> str:
+        """Name that stands for exactly this content."""
+        both = np.ascontiguousarray(np.column_stack([self.points, self.lengths]), dtype=float)
+        return hashlib.sha256(both.tobytes()).hexdigest()[:32]
+
+
+def sizing_for(
+    mesh: Mesh, errors: Floats, wanted: float, *, shortest: float, most: float
+) -> Sizing:
+    """Return the edge lengths that bring the sum of the elements' errors down to `wanted`.
+
+    With fewest elements each has the same error µ.  Since an element's share of the error
+    falls with its volume and size, as h³⁺ᵠ, an element of error η becomes (η/µ)^(3/(3+q))
+    elements of size h (µ/η)^(1/(3+q)); that their errors µ add up to `wanted` gives µ.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Tetrahedra.
+    errors : (n_cells,) array
+        Each element's share of the error, not negative.
+    wanted : float
+        Sum of the shares on the next mesh.
+    shortest : float
+        Shortest edge (m).
+    most : float
+        Number of elements that the next mesh shall not exceed by much: if `wanted` needs
+        more, its error is larger.
+    """
+    tets = mesh.cells[:, :4]
+    errors = np.maximum(errors, 1e-12 * errors.max())
+    power = _ORDER + 3.0
+    sum_of_roots = (errors ** (3.0 / power)).sum()
+    each = max((wanted / sum_of_roots) ** (power / _ORDER), (sum_of_roots / most) ** (power / 3.0))
+    factor = np.clip((each / errors) ** (1.0 / power), _FINER, _COARSER)
+    ends = mesh.points[tets[:, TET_EDGES]]
+    mean_edge = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2).mean(axis=1)
+    logs = np.repeat(np.log(factor * mean_edge), 4)
+    used, corner = np.unique(tets, return_inverse=True)
+    corner = corner.ravel()
+    lengths = np.exp(np.bincount(corner, logs) / np.bincount(corner))
+    points = mesh.points[used]
+    edges, _ = unique_edges(corner.reshape(-1, 4))
+    lengths = limited_growth(points, edges, np.maximum(lengths, shortest), _GROWTH)
+    rounded = _STEP ** np.round(np.log(lengths) / np.log(_STEP))
+    return Sizing(points, rounded)
+
+
+def limited_growth(points: Floats, edges: Ints, lengths: Floats, growth: float) -> Floats:
+    """Return lengths lowered until none differs along an edge by more than growth x distance.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        Coordinates (m).
+    edges : (n_edges, 2) int array
+        Pairs of points.
+    lengths : (n,) array
+        Target edge lengths (m).
+    growth : float
+        Largest change per distance (m/m).
+    """
+    lengths = lengths.copy()
+    a, b = edges.T
+    rise = growth * np.linalg.norm(points[a] - points[b], axis=1)
+    while True:
+        before = lengths.copy()
+        np.minimum.at(lengths, a, before[b] + rise)
+        np.minimum.at(lengths, b, before[a] + rise)
+        if (lengths >= before * (1.0 - 1e-12)).all():
+            return lengths

@@ -1,0 +1,1 @@
+"""The normal actuator divided: half section, swept sector, tetrahedra; TEAM problem 20."""
