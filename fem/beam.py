@@ -17,7 +17,7 @@ from fem.beam_section import gauss, section_constants
 from geometry.arrays import Complex, Floats, Ints
 from geometry.bimorph.pieces import Piece, beam_pieces
 from geometry.device.parameters import Beam, Device, Support
-from tmm.multiport import Multiport
+from tmm.ports.multiport import Multiport
 
 #: Polynomial order of w and ψ (equal orders lock only at low order).
 ORDER = 5

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem.port_model import PortModel
 from geometry.arrays import Complex, Floats
-from tmm.multiport import PSI_BASE, W_BASE, Multiport, Termination, respond
+from tmm.ports.multiport import PSI_BASE, W_BASE, Multiport, Termination, respond
 
 #: What is attached to the mechanical ports, at given frequencies.
 End = Callable[[Floats], Termination]

@@ -20,7 +20,7 @@ import numpy as np
 
 from fem.solid_ports import ports_from_blocks
 from geometry.arrays import Complex, Floats
-from tmm.multiport import Multiport
+from tmm.ports.multiport import Multiport
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from fem.port_model import PortModel, undamped_modes
 from fem.solid_system import SolidSystem
 from fem.sparse_rows import wide_product
 from geometry.arrays import Bools, Complex, Floats, Ints, Sparse
-from tmm.multiport import Multiport
+from tmm.ports.multiport import Multiport
 
 Wide = NDArray[Any]
 

@@ -11,7 +11,7 @@ import numpy as np
 from fem.linear_solver import Factor, factorise
 from fem.solid_system import SolidSystem
 from geometry.arrays import Complex, Floats, Numbers
-from tmm.multiport import Multiport
+from tmm.ports.multiport import Multiport
 
 
 def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:

@@ -11,7 +11,7 @@ from fem.port_model import PortModel
 from fem.state_space import BaseSupport, StateSpace, state_space
 from geometry.arrays import Complex, Floats
 from geometry.files import written_whole
-from tmm.multiport import Termination, respond
+from tmm.ports.multiport import Termination, respond
 
 #: What the entry `title` says.
 TITLE = "state space of a piezoelectric solid on its support"

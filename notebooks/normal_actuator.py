@@ -6,12 +6,12 @@
 # the reluctance network, which takes a moment; the field gives the same kind of map.
 
 # %%
-from tmm.coenergy import closed_loop_work
-from tmm.coenergy_fit import fit
-from tmm.coil_heat import thermal_statement
-from tmm.map_range import map_grid
-from tmm.normal_actuator import finger_force, switching
-from tmm.reluctance_network import network_bridge, network_samples
+from tmm.reluctance.coenergy.fit import fit
+from tmm.reluctance.coenergy.map import closed_loop_work
+from tmm.reluctance.coenergy.range import map_grid
+from tmm.reluctance.coil_heat import thermal_statement
+from tmm.reluctance.network import network_bridge, network_samples
+from tmm.reluctance.switching import finger_force, switching
 from validation.scene import load_scene
 
 device = load_scene("reluctance")[0].device

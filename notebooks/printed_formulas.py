@@ -9,8 +9,8 @@
 # %%
 import numpy as np
 
-from tmm.appendix_a import MISPRINTS, from_dynamic_stiffness, matrix_a
-from tmm.transfer_matrix import multiport, sections
+from tmm.beam.printed_formulas import MISPRINTS, from_dynamic_stiffness, matrix_a
+from tmm.beam.transfer.transfer_matrix import multiport, sections
 from validation.audit import AT, audit
 from validation.scene import load_scene
 

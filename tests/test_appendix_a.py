@@ -10,7 +10,7 @@ import pytest
 
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Device, Support
-from tmm.appendix_a import (
+from tmm.beam.printed_formulas import (
     FORMULAS,
     MISPRINTS,
     PLACES,
@@ -18,9 +18,9 @@ from tmm.appendix_a import (
     matrix_a,
     printed_section,
 )
-from tmm.section import section
-from tmm.terminations import finger_impedance
-from tmm.timoshenko import dynamic_stiffness
+from tmm.beam.section.section import section
+from tmm.beam.transfer.timoshenko import dynamic_stiffness
+from tmm.ports.terminations import finger_impedance
 from validation import reference_beam as reference
 
 DEVICE = Device()

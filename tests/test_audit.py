@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tmm.appendix_a import FORMULAS, MISPRINTS
+from tmm.beam.printed_formulas import FORMULAS, MISPRINTS
 from validation.audit import AT, audit, section
 from validation.scene import load_scene
 

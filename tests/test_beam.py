@@ -5,7 +5,9 @@ import pytest
 
 from fem import beam
 from geometry.device.parameters import Beam, Bimorph, Device, Support
-from tmm import modes, multiport, transfer_matrix
+from tmm.beam import modes
+from tmm.beam.transfer import transfer_matrix
+from tmm.ports import multiport
 
 FREQUENCIES = np.array([0.0, 10.0, 445.0, 1000.0, 5000.0, 20000.0])
 CASES = {

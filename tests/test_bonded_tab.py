@@ -6,9 +6,9 @@ import pytest
 from fem import beam as elements
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Bimorph, Device, Glue, Shim, Support
-from tmm import transfer_matrix as tmm
-from tmm.bonded_tab import bonded_tab
-from tmm.modes import Fixture, bending_frequencies
+from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.section.bonded_tab import bonded_tab
+from tmm.beam.transfer import transfer_matrix as tmm
 
 DEPTH = 0.4e-3
 PIECE = Piece("bond", DEPTH)

@@ -8,8 +8,8 @@ import pytest
 
 from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from geometry.device.parameters import Piezo
-from tmm.laminate import laminate_section
-from tmm.shear_correction import energy_shear_correction
+from tmm.beam.section.laminate import laminate_section
+from tmm.beam.section.shear_correction import energy_shear_correction
 from validation.bridge import bridge
 from validation.bridge.assumptions import Assumptions
 from validation.bridge.beam_values import beam_values

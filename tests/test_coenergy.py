@@ -7,10 +7,10 @@ import pytest
 
 from geometry.device.parameters import Device
 from geometry.errors import InputError
-from tmm.coenergy import CoenergyMap, Samples, closed_loop_work
-from tmm.coenergy_fit import fit
-from tmm.reluctance_circuit import FULL, Refinements
-from tmm.reluctance_network import network_samples
+from tmm.reluctance.circuit import FULL, Refinements
+from tmm.reluctance.coenergy.fit import fit
+from tmm.reluctance.coenergy.map import CoenergyMap, Samples, closed_loop_work
+from tmm.reluctance.network import network_samples
 from validation.magnetic_cases import square_law
 
 #: A linear actuator: λ = C i/(g + G0).

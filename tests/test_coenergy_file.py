@@ -6,10 +6,10 @@ from scipy.io import netcdf_file
 
 from geometry.device.parameters import Device
 from geometry.errors import InputError
-from tmm.coenergy import CoenergyMap
-from tmm.coenergy_file import read_map, write_map
-from tmm.coenergy_fit import fit
-from tmm.reluctance_network import network_samples
+from tmm.reluctance.coenergy.files import read_map, write_map
+from tmm.reluctance.coenergy.fit import fit
+from tmm.reluctance.coenergy.map import CoenergyMap
+from tmm.reluctance.network import network_samples
 
 CURRENTS, GAPS = np.linspace(0.0, 0.2, 8), np.geomspace(0.02e-3, 0.25e-3, 7)
 

@@ -5,7 +5,7 @@ import pytest
 
 from geometry.device import steel_law as steel
 from geometry.device.steel_law import TEAM20
-from tmm.flux_ladder import Ladder, solve
+from tmm.reluctance.flux_ladder import Ladder, solve
 from validation.magnetic_cases import square_law
 from validation.magnetic_cases.square_law import one_loop
 

@@ -7,8 +7,8 @@ from geometry.bimorph.pieces import Piece
 from geometry.device.materials import EPS0
 from geometry.device.parameters import Beam, Bimorph, Device, Piezo, Shim
 from geometry.errors import InputError
-from tmm.laminate import laminate_section
-from tmm.section import section
+from tmm.beam.section.laminate import laminate_section
+from tmm.beam.section.section import section
 
 
 def by_quadrature(device):

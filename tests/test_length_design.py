@@ -8,7 +8,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from scipy.optimize import minimize_scalar
 
 from geometry.errors import InputError
-from tmm import terminations
+from tmm.ports import terminations
 from validation.design import excitation_voltage
 from validation.design.aim import PAPER_LENGTHS, Aim
 from validation.design.detection import DISPLAY_THRESHOLD

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from geometry.device.parameters import Beam, Bimorph, Device, Support
-from tmm import lumped
-from tmm import transfer_matrix as tmm
-from tmm.modes import Fixture, bending_frequencies
+from tmm.beam import lumped
+from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.transfer import transfer_matrix as tmm
 
 SPRING, CLAMPED, ROD = Support(), Support(kind="clamped"), Support(kind="rod")
 TAB = Device(bimorph=Bimorph(tab_length=2e-3))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from geometry.device.parameters import Coil, Device, Sleeve, Spring
-from tmm.map_range import map_grid
-from tmm.reluctance_network import network_samples
+from tmm.reluctance.coenergy.range import map_grid
+from tmm.reluctance.network import network_samples
 
 
 def device(current=0.13, **spring):

@@ -8,10 +8,10 @@ import pytest
 
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Bimorph, Device, Support
-from tmm import transfer_matrix as tmm
-from tmm.appendix_a import matrix_a
-from tmm.modes import Fixture, bending_frequencies, natural_frequencies
-from tmm.section import Joint, Section, section
+from tmm.beam.modes import Fixture, bending_frequencies, natural_frequencies
+from tmm.beam.printed_formulas import matrix_a
+from tmm.beam.section.section import Joint, Section, section
+from tmm.beam.transfer import transfer_matrix as tmm
 from validation import reference_beam
 
 CLAMPED = Fixture(clamped=True)

@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Shim, Support
-from tmm import lumped
-from tmm import transfer_matrix as tmm
-from tmm.appendix_a import printed_section
-from tmm.multiport import (
+from tmm.beam import lumped
+from tmm.beam.printed_formulas import printed_section
+from tmm.beam.transfer import transfer_matrix as tmm
+from tmm.ports.multiport import (
     Multiport,
     Termination,
     blocked_force,
@@ -22,7 +22,7 @@ from tmm.multiport import (
     round_off,
     symmetric_form,
 )
-from tmm.terminations import termination
+from tmm.ports.terminations import termination
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e3, 2e4])
 CLAMPED, SPRING = Support(kind="clamped"), Support()
@@ -45,7 +45,7 @@ devices = st.builds(
 
 
 def paper(frequencies=FREQUENCIES, *, lossy=True, **bimorph):
-    return tmm.multiport(
+    return tmm.ports.multiport(
         Device(bimorph=Bimorph(**bimorph)), SPRING, Beam(), frequencies, lossy=lossy
     )
 

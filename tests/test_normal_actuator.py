@@ -6,11 +6,12 @@ import pytest
 from geometry.device.parameters import Coil, Device, Spring
 from geometry.device.winding import winding
 from geometry.errors import InputError
-from tmm import coil_heat, normal_actuator
-from tmm.coenergy import Samples
-from tmm.coenergy_fit import fit
-from tmm.map_range import map_grid
-from tmm.reluctance_network import network_samples
+from tmm.reluctance import coil_heat
+from tmm.reluctance import switching as normal_actuator
+from tmm.reluctance.coenergy.fit import fit
+from tmm.reluctance.coenergy.map import Samples
+from tmm.reluctance.coenergy.range import map_grid
+from tmm.reluctance.network import network_samples
 
 #: A linear actuator: λ = C i/(g + G0), F = C i²/(2 (g + G0)²).
 C, G0 = 2e-6, 0.1e-3

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geometry.errors import InputError
-from tmm.coenergy_file import read_map
+from tmm.reluctance.coenergy.files import read_map
 from validation.checks import Outcome
 from validation.cli import main
 from validation.export import normal_actuator_solids, scene_solids
@@ -173,7 +173,7 @@ def test_words_follow_the_spring(tmp_path, monkeypatch, overrides, there, not_th
 def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
     """Words instead of a number wherever pull-in is shown, and no picture fails."""
     small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)
-    monkeypatch.setattr("tmm.map_range.map_grid", lambda _: small)
+    monkeypatch.setattr("tmm.reluctance.coenergy.range.map_grid", lambda _: small)
     text = shown(tmp_path, monkeypatch, "coil.current=40 mA")
     assert "No current up to 60 mA draws the rod down" in text
     assert "not reached" in text
@@ -299,7 +299,7 @@ def test_lateral_report_imports_nothing_magnetic(tmp_path):
     loaded = modules(LATERAL_ONLY, tmp_path)
     assert "validation.report.lateral_sections" in loaded
     assert not loaded & {
-        "fem.reluctance_field", "fem.axisymmetric_field", "tmm.reluctance_network",
+        "fem.reluctance_field", "fem.axisymmetric_field", "tmm.reluctance.network",
         "validation.magnetic_checks", "validation.normal_actuator_plots",
         "validation.report.normal_sections",
     }  # fmt: skip
@@ -308,7 +308,7 @@ def test_lateral_report_imports_nothing_magnetic(tmp_path):
 def test_normal_report_imports_nothing_piezoelectric(tmp_path):
     """The other way round: no solid, no beam elements, no lateral sections."""
     loaded = modules(NORMAL_ONLY, tmp_path)
-    assert "tmm.reluctance_network" in loaded
+    assert "tmm.reluctance.network" in loaded
     assert not loaded & {
         "fem.piezo_solid", "fem.solid_modes", "fem.solid_ports", "fem.beam", "validation.bridge",
         "validation.audit", "validation.report.lateral_sections",

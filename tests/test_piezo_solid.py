@@ -11,8 +11,8 @@ from fem.solid_modes import Attachment, classify, natural_modes
 from fem.solid_ports import direct_multiport, static_multiport
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.device.parameters import Bimorph, Device, Piezo, Shim, Support
-from tmm import multiport
-from tmm.terminations import base_stiffness
+from tmm.ports import multiport
+from tmm.ports.terminations import base_stiffness
 from validation.scene import load_scene
 from validation.solve import solve
 

@@ -9,8 +9,8 @@ from fem.port_reduction import port_error, reduce_to_ports
 from fem.solid_ports import direct_multiport
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.device.parameters import Device, Load, Piezo, Support
-from tmm.multiport import passivity_margin, reciprocity_error, respond
-from tmm.terminations import termination
+from tmm.ports.multiport import passivity_margin, reciprocity_error, respond
+from tmm.ports.terminations import termination
 
 BOUNDS = (10.0, 20000.0)
 SWEEP = np.geomspace(*BOUNDS, 1000)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from geometry.device.parameters import Beam, Bimorph, Device, Load, Support
-from tmm import transfer_matrix as tmm
-from tmm.modes import Fixture, bending_frequencies
-from tmm.multiport import passivity_margin, reciprocity_error, respond
-from tmm.scattering import change_along, element_stiffness, joined
-from tmm.section import Joint
-from tmm.terminations import termination
-from tmm.timoshenko import dynamic_stiffness
+from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.section.section import Joint
+from tmm.beam.transfer import transfer_matrix as tmm
+from tmm.beam.transfer.scattering import change_along, element_stiffness, joined
+from tmm.beam.transfer.timoshenko import dynamic_stiffness
+from tmm.ports.multiport import passivity_margin, reciprocity_error, respond
+from tmm.ports.terminations import termination
 
 FREQUENCIES = np.array([0.0, 1e-3, 10.0, 445.0, 1000.0, 5000.0, 20000.0])
 OMEGA = 2.0 * np.pi * FREQUENCIES
@@ -108,7 +108,7 @@ def test_invariants(lossy):
             piezo_thickness_profile=((0, 0.26e-3), (20e-3, 0.15e-3)),
         )
     )  # fmt: skip
-    port = tmm.multiport(device, Support(kind="rod"), Beam(), FREQUENCIES, lossy=lossy)
+    port = tmm.ports.multiport(device, Support(kind="rod"), Beam(), FREQUENCIES, lossy=lossy)
     assert reciprocity_error(port).max() < 1e-12
     if lossy:
         assert passivity_margin(port).min() > -1e-12

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from geometry.bimorph.pieces import Layers, Piece
 from geometry.device.materials import EPS0
 from geometry.device.parameters import Beam, Bimorph, Device, Glue, Piezo, Rod, Shim
-from tmm.section import section
+from tmm.beam.section.section import section
 from validation import reference_beam as reference
 
 NAMES = ("EI", "GA", "m", "rhoI", "K", "C")

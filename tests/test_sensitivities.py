@@ -12,10 +12,10 @@ import pytest
 
 from geometry.device.materials import EPS0
 from geometry.errors import InputError
-from tmm.parametric import Actuator, parameter_keys
-from tmm.port_quantities import READOUTS, evaluate, first_frequency, resonance_peak
-from tmm.sensitivities import DIFFERENTIABLE, derivatives, logarithmic_sensitivities, values
-from tmm.terminations import finger_spring_damper
+from tmm.beam.parametric import Actuator, parameter_keys
+from tmm.beam.port_quantities import READOUTS, evaluate, first_frequency, resonance_peak
+from tmm.beam.sensitivities import DIFFERENTIABLE, derivatives, logarithmic_sensitivities, values
+from tmm.ports.terminations import finger_spring_damper
 from validation import reference_beam as reference
 from validation.scene import load_scene
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geometry.device.parameters import Bimorph, Device, Glue, Piezo, Shim
-from tmm.shear_correction import energy_shear_correction
+from tmm.beam.section.shear_correction import energy_shear_correction
 
 
 def by_quadrature(device, points=20001):

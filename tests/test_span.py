@@ -5,9 +5,9 @@ import pytest
 
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Device
-from tmm.precision import EXTENDED_EPS
-from tmm.section import Section, section
-from tmm.span import Span, ThroughSpan, extended_span, span
+from tmm.beam.section.section import Section, section
+from tmm.beam.transfer.precision import EXTENDED_EPS
+from tmm.beam.transfer.span import Span, ThroughSpan, extended_span, span
 
 NAMES = tuple(ThroughSpan.__dataclass_fields__)[2:]
 EPS = np.finfo(float).eps

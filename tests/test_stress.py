@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geometry.errors import InputError
-from tmm.precision import error_bound
+from tmm.beam.transfer.precision import error_bound
 from validation.commands import stress as command
 from validation.stress import beam, magnetics, output
 from validation.stress.result import (

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tmm import transfer_matrix
-from tmm.multiport import Multiport
+from tmm.beam.transfer import transfer_matrix
+from tmm.ports.multiport import Multiport
 from validation.bridge.beam_values import beam_row, beam_values
 from validation.bridge.generator import GeneratorChain
 from validation.bridge.solid_values import SolidCase, solve_solid

@@ -10,15 +10,16 @@ from hypothesis import strategies as st
 
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Device, Load, Support
-from tmm import sweep, timoshenko
-from tmm.modes import Fixture, bending_frequencies
-from tmm.multiport import respond
-from tmm.precision import error_bound
-from tmm.section import Section, section
-from tmm.sweep import design_map, tip_response
-from tmm.terminations import termination
-from tmm.timoshenko import dynamic_stiffness
-from tmm.transfer_matrix import chain
+from tmm.beam import sweep
+from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.section.section import Section, section
+from tmm.beam.sweep import design_map, tip_response
+from tmm.beam.transfer import timoshenko
+from tmm.beam.transfer.precision import error_bound
+from tmm.beam.transfer.timoshenko import dynamic_stiffness
+from tmm.beam.transfer.transfer_matrix import chain
+from tmm.ports.multiport import respond
+from tmm.ports.terminations import termination
 from validation import reference_beam as reference
 
 LENGTH = 20e-3

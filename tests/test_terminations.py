@@ -5,15 +5,15 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 from geometry.device.parameters import Beam, Device, Load, Support
-from tmm import terminations as t
-from tmm import transfer_matrix as tmm
-from tmm.multiport import Termination, respond
+from tmm.beam.transfer import transfer_matrix as tmm
+from tmm.ports import terminations as t
+from tmm.ports.multiport import Termination, respond
 
 FREQUENCIES = np.array([0.0, 10.0, 300.0, 1000.0])
 
 
 def tip(support, load, frequencies=FREQUENCIES):
-    port = tmm.multiport(Device(), support, Beam(), frequencies)
+    port = tmm.ports.multiport(Device(), support, Beam(), frequencies)
     return respond(port, t.termination(support, load, frequencies), 50.0).w_tip
 
 

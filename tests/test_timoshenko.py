@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Device
-from tmm.precision import error_bound
-from tmm.section import Section, section
-from tmm.timoshenko import condition, dynamic_stiffness, wavenumbers
+from tmm.beam.section.section import Section, section
+from tmm.beam.transfer.precision import error_bound
+from tmm.beam.transfer.timoshenko import condition, dynamic_stiffness, wavenumbers
 from validation import reference_beam as reference
 from validation.stress.beam_point import CONDITION_LIMIT
 

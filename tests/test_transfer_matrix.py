@@ -5,17 +5,17 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from geometry.device.parameters import Beam, Bimorph, Device, Load, Support
-from tmm import transfer_matrix as tmm
-from tmm.modes import Fixture, bending_frequencies
-from tmm.multiport import Termination, blocked_force, respond, round_off
-from tmm.terminations import static_termination, termination
+from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.transfer import transfer_matrix as tmm
+from tmm.ports.multiport import Termination, blocked_force, respond, round_off
+from tmm.ports.terminations import static_termination, termination
 
 SUPPORT = Support()
 
 
 def model(length, frequencies, *, lossy=True, support=SUPPORT):
     device = Device(bimorph=Bimorph(length=length))
-    return tmm.multiport(device, support, Beam(), frequencies, lossy=lossy)
+    return tmm.ports.multiport(device, support, Beam(), frequencies, lossy=lossy)
 
 
 def case_name(case):
@@ -143,7 +143,7 @@ def test_what_holds_the_actuator():
     bending, first = [], []
     for tab, support in ((0.0, clamped), (1.6e-3, clamped), (2e-3, rod)):
         device = Device(bimorph=Bimorph(tab_length=tab))
-        port = tmm.multiport(device, support, Beam(), np.zeros(1), lossy=False)
+        port = tmm.ports.multiport(device, support, Beam(), np.zeros(1), lossy=False)
         free = Termination(base=None, tip=np.zeros(1, dtype=complex))
         bending.append(respond(port, free, 1.0).w_tip[0].real)
         pieces = tmm.sections(device, support, Beam(), lossy=False)

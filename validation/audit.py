@@ -19,7 +19,7 @@ from geometry.arrays import Complex, Floats
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Device
 from geometry.device.profile import UNIFORM
-from tmm.appendix_a import (
+from tmm.beam.printed_formulas import (
     FORMULAS,
     MISPRINTS,
     PLACES,
@@ -30,9 +30,9 @@ from tmm.appendix_a import (
     printed_section,
     wave_parameters,
 )
-from tmm.section import Section
-from tmm.section import section as section_constants
-from tmm.terminations import load_stiffness, termination
+from tmm.beam.section.section import Section
+from tmm.beam.section.section import section as section_constants
+from tmm.ports.terminations import load_stiffness, termination
 from validation.scene import Scene
 
 #: Frequencies at which the effects are stated (Hz).

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from geometry.arrays import Floats
-from tmm.multiport import Multiport
-from tmm.terminations import conservative_load
+from tmm.ports.multiport import Multiport
+from tmm.ports.terminations import conservative_load
 from validation.models import Model, Modes, Refined
 
 

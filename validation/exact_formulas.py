@@ -14,9 +14,9 @@ import numpy as np
 
 from geometry.device.materials import EPS0
 from geometry.device.parameters import Beam, Device, Support
-from tmm.appendix_a import PLACES
-from tmm.section import Section
-from tmm.terminations import finger_impedance
+from tmm.beam.printed_formulas import PLACES
+from tmm.beam.section.section import Section
+from tmm.ports.terminations import finger_impedance
 from validation import reference_beam as reference
 
 

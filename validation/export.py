@@ -16,7 +16,7 @@ from validation.quantities import MAGNETIC_MODELS, gives
 from validation.scene import Scene
 
 if TYPE_CHECKING:
-    from tmm.coenergy import CoenergyMap
+    from tmm.reluctance.coenergy.map import CoenergyMap
 
 #: Endings that each kind of file may have.
 _SUFFIXES = {
@@ -116,7 +116,7 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
         announce("ports of the solid")
         write_port_files(scene, reductions)
     if "map" in files:
-        from tmm.coenergy_file import write_map
+        from tmm.reluctance.coenergy.files import write_map
 
         write_map(files["map"], _map(scene, announce))
 

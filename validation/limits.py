@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from geometry.errors import InputError
-from tmm.terminations import FINGER_RANGE, conservative_load, outside_finger_range
+from tmm.ports.terminations import FINGER_RANGE, conservative_load, outside_finger_range
 from validation.design.detection import DISPLAY_THRESHOLD
 from validation.quantities import QUANTITIES
 from validation.results import Quantity

@@ -11,8 +11,8 @@ import numpy as np
 from geometry.arrays import Floats
 from geometry.errors import InputError
 from geometry.meshing.mesh_cache import cache_folder
-from tmm.coenergy import CoenergyMap
-from tmm.coenergy_file import read_map, write_map
+from tmm.reluctance.coenergy.files import read_map, write_map
+from tmm.reluctance.coenergy.map import CoenergyMap
 from validation.magnetic_model import MagneticModel
 from validation.magnetic_point import MagneticPoint, Measured
 from validation.scene import Scene
@@ -112,7 +112,7 @@ class AxisymmetricModel(_FieldModel):
 
     def _map(self) -> CoenergyMap:
         from fem.reluctance_field import solve_map
-        from tmm.map_range import map_grid
+        from tmm.reluctance.coenergy.range import map_grid
 
         device = self.scene.device
         currents, gaps = map_grid(device)
@@ -166,7 +166,7 @@ class Magnetic3dModel(_FieldModel):
 
     def _map(self) -> CoenergyMap:
         from fem.reluctance_swept import Sector
-        from tmm.map_range import map_grid
+        from tmm.reluctance.coenergy.range import map_grid
         from validation.solid_map_rows import kept_row
 
         check_solid_map(self.scene)

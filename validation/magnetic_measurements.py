@@ -12,11 +12,11 @@ from geometry.arrays import Floats
 from geometry.device.parameters import Device, Steel
 from geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
 from geometry.reluctance.team20 import MEASURED_FORCE
-from tmm.coenergy import CoenergyMap, Samples, closed_loop_work
-from tmm.coenergy_fit import fit
-from tmm.map_range import map_grid
-from tmm.normal_actuator import spring_force
-from tmm.reluctance_network import network_samples
+from tmm.reluctance.coenergy.fit import fit
+from tmm.reluctance.coenergy.map import CoenergyMap, Samples, closed_loop_work
+from tmm.reluctance.coenergy.range import map_grid
+from tmm.reluctance.network import network_samples
+from tmm.reluctance.switching import spring_force
 from validation.magnetic_cases import coaxial_coils, infinite_solenoid, square_law
 from validation.magnetic_cases.long_conductors import conductors
 from validation.magnetic_cases.sphere_in_field import Potential, ball_error

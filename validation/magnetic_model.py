@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tmm.coenergy import CoenergyMap
+from tmm.reluctance.coenergy.map import CoenergyMap
 from validation.magnetic_point import MagneticPoint, Measured
 from validation.magnetic_switching import SwitchingCurrents, switching_currents
 from validation.scene import Scene
@@ -75,7 +75,7 @@ class NetworkModel(MagneticModel):
 
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Return the values at a current (A) and gap (m)."""
-        from tmm.reluctance_network import fine_and_coarse, iron_beyond_table
+        from tmm.reluctance.network import fine_and_coarse, iron_beyond_table
 
         device = self.scene.device
         fine, coarse = fine_and_coarse(device, np.array([current]), np.array([gap]))
@@ -96,9 +96,9 @@ class NetworkModel(MagneticModel):
         )
 
     def _map(self) -> CoenergyMap:
-        from tmm.coenergy_fit import fit
-        from tmm.map_range import map_grid
-        from tmm.reluctance_network import network_samples
+        from tmm.reluctance.coenergy.fit import fit
+        from tmm.reluctance.coenergy.range import map_grid
+        from tmm.reluctance.network import network_samples
 
         device = self.scene.device
         found = network_samples(device, *map_grid(device))

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.device.parameters import Device
-from tmm.coenergy import CoenergyMap
-from tmm.normal_actuator import Switching, spring_force, switching
+from tmm.reluctance.coenergy.map import CoenergyMap
+from tmm.reluctance.switching import Switching, spring_force, switching
 from validation.magnetic_point import MagneticPoint, Measured
 
 #: Solves one current (A) at one gap (m).
@@ -35,7 +35,7 @@ _NONE = Measured(math.nan, math.nan)
 
 @dataclass(frozen=True)
 class SwitchingCurrents:
-    """Currents at which the rod moves (A), see :class:`tmm.normal_actuator.Switching`.
+    """Currents at which the rod moves (A), see :class:`tmm.reluctance.switching.Switching`.
 
     Attributes
     ----------

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tmm.terminations import finger_spring_damper
+from tmm.ports.terminations import finger_spring_damper
 from validation.scene import Scene, load_scene
 from validation.solve import Solution, solve
 

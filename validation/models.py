@@ -14,9 +14,9 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from geometry.arrays import Floats
-from tmm.modes import Fixture
-from tmm.multiport import Multiport
-from tmm.terminations import conservative_load
+from tmm.beam.modes import Fixture
+from tmm.ports.multiport import Multiport
+from tmm.ports.terminations import conservative_load
 from validation.scene import Scene
 from validation.stages import Stages
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.device.parameters import Device
-from tmm.coenergy import CoenergyMap
-from tmm.normal_actuator import (
+from tmm.reluctance.coenergy.map import CoenergyMap
+from tmm.reluctance.switching import (
     balance_current,
     between_stops,
     equilibria,

@@ -10,9 +10,10 @@ from typing import TypeVar
 import numpy as np
 
 from geometry.bimorph.pieces import beam_pieces
-from tmm import lumped, transfer_matrix
-from tmm.modes import NaturalFrequencies, natural_frequencies
-from tmm.multiport import Multiport
+from tmm.beam import lumped
+from tmm.beam.modes import NaturalFrequencies, natural_frequencies
+from tmm.beam.transfer import transfer_matrix
+from tmm.ports.multiport import Multiport
 from validation.models import Model, Modes, Refined
 from validation.refinement import SAFETY
 
@@ -149,7 +150,7 @@ class TmmModel(RowModel):
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes."""
-        short, opened = self.stages.run("tmm.modes", self._both_modes)
+        short, opened = self.stages.run("tmm.beam.modes", self._both_modes)
         return opened if open_circuit else short
 
     def _both_modes(self) -> tuple[Refined[Modes], ...]:

@@ -22,8 +22,8 @@ from geometry.arrays import Numbers
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.bimorph.bricks import Bricks, Held
 from geometry.device.checks import beyond_plain_layers
-from tmm.multiport import Multiport, Termination, respond
-from tmm.terminations import conservative_load, static_termination, termination
+from tmm.ports.multiport import Multiport, Termination, respond
+from tmm.ports.terminations import conservative_load, static_termination, termination
 from validation.plan import make_plan
 from validation.scene import Scene, load_scene
 from validation.solid_meshes import BrickPair

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from geometry.arrays import Floats
-from tmm.multiport import Multiport
-from tmm.terminations import conservative_load
+from tmm.ports.multiport import Multiport
+from tmm.ports.terminations import conservative_load
 from validation.models import Model, Modes, Refined
 from validation.refinement import SAFETY, least_difference
 

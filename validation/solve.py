@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tmm.multiport import Multiport, Termination, blocked_force, in_series, respond, round_off
-from tmm.terminations import static_termination, termination
+from tmm.ports.multiport import Multiport, Termination, blocked_force, in_series, respond, round_off
+from tmm.ports.terminations import static_termination, termination
 from validation.design.detection import DISPLAY_THRESHOLD
 from validation.limits import (
     accuracy_warnings,

@@ -20,10 +20,10 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.bimorph.pieces import Piece, beam_pieces
-from tmm import transfer_matrix
-from tmm.multiport import Multiport
-from tmm.scattering import Element
-from tmm.section import Joint, section
+from tmm.beam.section.section import Joint, section
+from tmm.beam.transfer import transfer_matrix
+from tmm.beam.transfer.scattering import Element
+from tmm.ports.multiport import Multiport
 from validation.bridge.beam_values import beam_row, values_of_row
 from validation.bridge.generator import GeneratorChain
 from validation.bridge.solid_values import SolidCase, solve_static, tip_compliance

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Complex, Floats
-from tmm.appendix_a import matrix_a
-from tmm.multiport import Termination
-from tmm.section import Section
+from tmm.beam.printed_formulas import matrix_a
+from tmm.beam.section.section import Section
+from tmm.ports.multiport import Termination
 
 
 def transfer(beam: Section, length: float, frequencies: Floats) -> Complex:

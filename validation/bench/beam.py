@@ -14,12 +14,12 @@ import numpy as np
 from geometry.arrays import Complex, Floats
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Device, Load, Support
-from tmm.blocks import BLOCK
-from tmm.multiport import Termination, respond
-from tmm.section import section
-from tmm.sweep import design_map, tip_response
-from tmm.terminations import termination
-from tmm.transfer_matrix import chain
+from tmm.beam.section.section import section
+from tmm.beam.sweep import design_map, tip_response
+from tmm.beam.transfer.blocks import BLOCK
+from tmm.beam.transfer.transfer_matrix import chain
+from tmm.ports.multiport import Termination, respond
+from tmm.ports.terminations import termination
 from validation import reference_beam as reference
 from validation import textbook_beam
 from validation.bench.one_core import on_one_core, peak_memory
@@ -133,7 +133,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
         Target("terminated points per second", 1.5e6, rate, "points/s", False, _CLOSED),
         Target(
             "design map, 200 lengths x 2000 frequencies x 3 loads", 2.0, map_seconds, "s", True,
-            "tmm.sweep.design_map",
+            "tmm.beam.sweep.design_map",
         ),
         Target(
             f"peak memory of {points:.0e} points", 1e9, memory, "B", True,

@@ -152,7 +152,7 @@ def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
 def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
     """Return the complex deflection by reduction to ports."""
     from fem.port_reduction import reduce_to_ports
-    from tmm.multiport import Termination, respond
+    from tmm.ports.multiport import Termination, respond
 
     f = np.array(frequencies)
     port = reduce_to_ports(system, f, tolerance=_REDUCTION).multiport(f)

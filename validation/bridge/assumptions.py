@@ -1,7 +1,7 @@
 """The bridge from the transfer-matrix model to the solid: one assumption given up at a time.
 
 Each rung changes one thing.  Beside what it changes stands what a closed form predicts for
-it (tmm.laminate), and what the beam model does with the section that the solid itself has
+it (tmm.beam.section.laminate), and what the beam model does with the section that the solid itself has
 far from its ends; what neither explains is the work of the ends, see :mod:`.ends`.
 """
 
@@ -14,9 +14,9 @@ import numpy as np
 
 from geometry.device.materials import Piezoceramic
 from geometry.errors import InputError
-from tmm.laminate import laminate_section
-from tmm.section import Section
-from tmm.shear_correction import energy_shear_correction
+from tmm.beam.section.laminate import laminate_section
+from tmm.beam.section.section import Section
+from tmm.beam.section.shear_correction import energy_shear_correction
 from validation.bridge.beam_values import beam_values
 from validation.bridge.rung import Rung, Values
 from validation.bridge.solid_values import SolidCase, far_section, solve_solid

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from geometry.bimorph.pieces import Piece, beam_pieces
-from tmm import transfer_matrix
-from tmm.modes import Fixture, bending_frequencies
-from tmm.multiport import respond
-from tmm.scattering import Element
-from tmm.section import Section, without_electrode
-from tmm.terminations import conservative_load, static_termination
+from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.section.section import Section, without_electrode
+from tmm.beam.transfer import transfer_matrix
+from tmm.beam.transfer.scattering import Element
+from tmm.ports.multiport import respond
+from tmm.ports.terminations import conservative_load, static_termination
 from validation.bridge.rung import Values
 from validation.scene import Scene
 

@@ -13,8 +13,8 @@ from functools import cached_property
 from geometry.bimorph.pieces import beam_pieces
 from geometry.device.parameters import Glue, Rod
 from geometry.meshing.mesh import Mesh
-from tmm import transfer_matrix
-from tmm.scattering import Element
+from tmm.beam.transfer import transfer_matrix
+from tmm.beam.transfer.scattering import Element
 from validation.bridge.beam_values import beam_values, values_of_row
 from validation.bridge.rung import Rung, Values
 from validation.bridge.solid_values import SolidCase, SolvedSolid, solve_solid

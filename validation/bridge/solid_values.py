@@ -20,9 +20,9 @@ from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from geometry.bimorph.bricks import Bricks, Held
 from geometry.device.materials import Piezoceramic
 from geometry.meshing.mesh import Mesh
-from tmm.multiport import Multiport, respond
-from tmm.section import Section, section
-from tmm.terminations import conservative_load, static_termination
+from tmm.beam.section.section import Section, section
+from tmm.ports.multiport import Multiport, respond
+from tmm.ports.terminations import conservative_load, static_termination
 from validation.bridge.beam_values import base_springs, bimorph_piece
 from validation.bridge.rung import Values
 from validation.scene import Scene

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tmm.laminate import laminate_section
+from tmm.beam.section.laminate import laminate_section
 from validation.bridge.solid_values import SolidCase, far_section, solve_solid
 from validation.scene import Scene
 

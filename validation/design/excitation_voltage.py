@@ -16,9 +16,9 @@ from typing import Any, Literal
 import numpy as np
 
 from geometry.arrays import Complex, Floats, Ints
-from tmm.multiport import W_TIP
-from tmm.parametric import terminated
-from tmm.port_quantities import free_ports, port_motion
+from tmm.beam.parametric import terminated
+from tmm.beam.port_quantities import free_ports, port_motion
+from tmm.ports.multiport import W_TIP
 from validation.design.detection import (
     DISPLAY_THRESHOLD,
     HIGHEST_SUBJECT,

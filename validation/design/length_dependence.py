@@ -22,9 +22,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Floats
-from tmm.parametric import Actuator, parameter_keys
-from tmm.sensitivities import logarithmic_sensitivities
-from tmm.terminations import finger_spring_damper
+from tmm.beam.parametric import Actuator, parameter_keys
+from tmm.beam.sensitivities import logarithmic_sensitivities
+from tmm.ports.terminations import finger_spring_damper
 from validation.design.aim import Aim
 from validation.design.length_design import Design
 from validation.design.length_map import actuator

@@ -22,7 +22,7 @@ from typing import Literal
 import numpy as np
 
 from geometry.arrays import Floats
-from tmm.parametric import Actuator
+from tmm.beam.parametric import Actuator
 from validation.design.aim import Aim
 from validation.design.length_map import actuator
 from validation.design.length_scan import lowest_margin, scan

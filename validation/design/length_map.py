@@ -12,9 +12,9 @@ import numpy as np
 
 from geometry.arrays import Floats, Ints
 from geometry.errors import InputError
-from tmm.multiport import W_TIP
-from tmm.parametric import Actuator, check_length_free, terminated
-from tmm.port_quantities import free_ports, port_motion
+from tmm.beam.parametric import Actuator, check_length_free, terminated
+from tmm.beam.port_quantities import free_ports, port_motion
+from tmm.ports.multiport import W_TIP
 from validation.scene import Scene
 
 #: Frequencies of the map over the band; minima between them are located by narrowing.

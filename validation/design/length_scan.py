@@ -16,9 +16,9 @@ import numpy as np
 from geometry.arrays import Floats, Ints
 from geometry.bimorph.pieces import beam_pieces
 from geometry.errors import InputError
-from tmm.parametric import Actuator
-from tmm.section import section
-from tmm.timoshenko import wavenumbers
+from tmm.beam.parametric import Actuator
+from tmm.beam.section.section import section
+from tmm.beam.transfer.timoshenko import wavenumbers
 from validation.design.aim import Aim
 from validation.design.length_map import (
     band_points,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from geometry.errors import InputError
-from tmm.sensitivities import logarithmic_sensitivities
+from tmm.beam.sensitivities import logarithmic_sensitivities
 from validation.design import wording
 from validation.design.aim import PAPER_LENGTHS, Aim
 from validation.design.length_dependence import decided_lengths, dependences

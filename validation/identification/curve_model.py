@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Complex, Floats, Ints
-from tmm.multiport import Multiport, in_series, respond
-from tmm.terminations import termination
-from tmm.transfer_matrix import multiport
+from tmm.beam.transfer.transfer_matrix import multiport
+from tmm.ports.multiport import Multiport, in_series, respond
+from tmm.ports.terminations import termination
 from validation.identification.fit_parameters import with_values
 from validation.scene import Scene
 

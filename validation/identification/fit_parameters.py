@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, TypeAdapter, ValidationError
 
 from geometry.errors import InputError
 from geometry.units import Unit, quoted
-from tmm.parametric import check_length_free
+from tmm.beam.parametric import check_length_free
 from validation.idle_keys import scene_warnings
 from validation.scene import Scene, scene_keys
 from validation.wording import nearest, one_line

@@ -13,8 +13,8 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.device.steel_law import MagnetisationCurve
-from tmm.coenergy import CoenergyMap
-from tmm.flux_ladder import Ladder, LadderSolution, solve
+from tmm.reluctance.coenergy.map import CoenergyMap
+from tmm.reluctance.flux_ladder import Ladder, LadderSolution, solve
 
 CURRENT, FLUX_LINKAGE = 0.2, 0.25
 COENERGY, ENERGY = 2.0 / 3.0 * CURRENT * FLUX_LINKAGE, CURRENT * FLUX_LINKAGE / 3.0

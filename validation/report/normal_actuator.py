@@ -12,7 +12,7 @@ import numpy as np
 from geometry.arrays import Floats
 from geometry.errors import InputError
 from geometry.device.parameters import Device
-from tmm.coenergy import CoenergyMap
+from tmm.reluctance.coenergy.map import CoenergyMap
 from validation.comparison import Cell, ComparedRow, Verdict
 from validation.magnetic_field_models import AxisymmetricModel
 from validation.magnetic_model import MagneticModel, NetworkModel
@@ -185,7 +185,7 @@ class NormalActuator:
     @cached_property
     def bridge(self) -> list[BridgeStep]:
         """The way from the one-gap formula over the network to the field, if that was asked for."""
-        from tmm.reluctance_network import network_bridge
+        from tmm.reluctance.network import network_bridge
 
         rows: list[tuple[str, str, dict[str, float]]] = [
             (

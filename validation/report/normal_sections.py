@@ -10,13 +10,8 @@ import numpy as np
 
 from geometry.device.parameters import Device
 from geometry.device.winding import winding
-from tmm.coil_heat import thermal_statement
-from tmm.normal_actuator import (
-    Equilibrium,
-    equilibria,
-    finger_force,
-    spring_force,
-)
+from tmm.reluctance.coil_heat import thermal_statement
+from tmm.reluctance.switching import Equilibrium, equilibria, finger_force, spring_force
 from validation.magnetic_field_models import AxisymmetricModel
 from validation.magnetic_model import NetworkModel
 from validation.magnetic_point import Measured

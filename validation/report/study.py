@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.arrays import Complex
-from tmm.multiport import passivity_margin, reciprocity_error
-from tmm.terminations import outside_finger_range
+from tmm.ports.multiport import passivity_margin, reciprocity_error
+from tmm.ports.terminations import outside_finger_range
 from validation.checks import CHECKS, Check, Outcome, run_check
 from validation.comparison import ComparedRow, compare
 from validation.solid_model import SolidModel

@@ -19,11 +19,11 @@ from geometry.arrays import Floats
 from geometry.bimorph.pieces import Piece
 from geometry.device.materials import EPS0
 from geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Support
-from tmm.modes import Fixture, bending_frequencies
-from tmm.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
-from tmm.section import Section, section
-from tmm.span import Span, span
-from tmm.transfer_matrix import chain
+from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.section.section import Section, section
+from tmm.beam.transfer.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
+from tmm.beam.transfer.span import Span, span
+from tmm.beam.transfer.transfer_matrix import chain
 from validation import reference_beam as reference
 from validation.formats import engineering
 from validation.stress.beam_point import CONDITION_LIMIT, Ends, entry_error, point

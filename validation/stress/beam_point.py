@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from geometry.device.parameters import Load, Support
-from tmm.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
-from tmm.section import Section
-from tmm.sweep import tip_response
-from tmm.terminations import termination
-from tmm.timoshenko import condition, dynamic_stiffness
+from tmm.beam.section.section import Section
+from tmm.beam.sweep import tip_response
+from tmm.beam.transfer.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
+from tmm.beam.transfer.timoshenko import condition, dynamic_stiffness
+from tmm.ports.terminations import termination
 from validation import reference_beam as reference
 from validation import textbook_beam
 from validation.stress.result import WANTED, Point

@@ -16,8 +16,8 @@ from fem.reluctance_field import solve_point
 from geometry.device.parameters import Coil, Device, Steel
 from geometry.device.steel_law import MagnetisationCurve, linear
 from geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
-from tmm.reluctance_circuit import ONE_GAP
-from tmm.reluctance_network import network_samples, textbook_force
+from tmm.reluctance.circuit import ONE_GAP
+from tmm.reluctance.network import network_samples, textbook_force
 from validation.formats import engineering
 from validation.stress.answers import REFUSALS, Family
 from validation.stress.result import Row, answered

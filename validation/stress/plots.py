@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Floats
-from tmm.precision import error_bound
+from tmm.beam.transfer.precision import error_bound
 from validation.formats import engineering
 from validation.plots import svg
 from validation.stress.result import WANTED, Approach, ErrorMap

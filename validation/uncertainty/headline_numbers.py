@@ -11,9 +11,9 @@ from functools import cached_property
 import numpy as np
 
 from geometry.arrays import Floats
-from tmm.parametric import Actuator
-from tmm.port_quantities import READOUTS, evaluate, first_frequency, resonance_peak
-from tmm.sensitivities import derivatives, values
+from tmm.beam.parametric import Actuator
+from tmm.beam.port_quantities import READOUTS, evaluate, first_frequency, resonance_peak
+from tmm.beam.sensitivities import derivatives, values
 from validation.quantities import QUANTITIES
 from validation.scene import Scene
 from validation.solve import Solution, solve

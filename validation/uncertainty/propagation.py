@@ -18,8 +18,8 @@ import numpy as np
 from geometry.bimorph.pieces import beam_pieces
 from geometry.device.materials import PRINTED
 from geometry.device.parameters import spreads
-from tmm.parametric import parameter_keys
-from tmm.transfer_matrix import is_tapered
+from tmm.beam.parametric import parameter_keys
+from tmm.beam.transfer.transfer_matrix import is_tapered
 from validation.parameter_list import show
 from validation.scene import Scene
 from validation.solve import Solution

@@ -9,9 +9,9 @@ import numpy as np
 
 from geometry.device.parameters import Drive
 from geometry.errors import InputError
-from tmm.parametric import Actuator, parameter_keys
-from tmm.port_quantities import READOUTS
-from tmm.sensitivities import DIFFERENTIABLE, derivatives, values
+from tmm.beam.parametric import Actuator, parameter_keys
+from tmm.beam.port_quantities import READOUTS
+from tmm.beam.sensitivities import DIFFERENTIABLE, derivatives, values
 from validation.design.detection import DISPLAY_THRESHOLD
 from validation.formats import engineering
 from validation.limits import check_held

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from geometry.device.profile import Profile
 from geometry.errors import InputError
 from geometry.units import quoted
-from tmm.parametric import Actuator, check_keys, parameter_keys
+from tmm.beam.parametric import Actuator, check_keys, parameter_keys
 from validation.identification.fit_parameters import SYMBOLS, idle, value_of
 from validation.scene import Scene, scene_keys
 from validation.wording import nearest

@@ -1,1 +1,1 @@
-"""Tetrahedra from CAD solids: fTetWild and what makes its output conform, faithful and well shaped."""
+"""Tetrahedra from CAD solids: fTetWild, and what makes its output conform to them."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Complex, Floats
-from tmm.double_double import DoubleDouble
+from tmm.beam.transfer.double_double import DoubleDouble
 
 #: Working precision of the extended evaluation, and its rounding unit.
 EXTENDED = np.clongdouble

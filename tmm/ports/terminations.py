@@ -11,7 +11,7 @@ import numpy as np
 
 from geometry.arrays import Bools, Complex, Floats
 from geometry.device.parameters import Load, Support
-from tmm.multiport import Termination
+from tmm.ports.multiport import Termination
 
 #: Range in which the paper fitted the finger's impedance (Hz).
 FINGER_RANGE = (10.0, 1000.0)

@@ -37,7 +37,7 @@ machine's long double (64 bits on x86-64, 113 on most others; where it is a plai
 only the phases gain).  A result made of these functions has as condition number the size of
 its terms over its value.  It is kept in double precision while its error there is below
 `TOLERATED`, and worked out in extended precision otherwise; what is promised then is
-:func:`tmm.precision.error_bound`.
+:func:`tmm.beam.transfer.precision.error_bound`.
 
 Sources: T. C. Huang, J. Appl. Mech. 28 (1961) 579 for the frequency equations (E, E', O, O'
 and their products are his); E. C. Pestel and F. A. Leckie, Matrix Methods in
@@ -54,12 +54,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from geometry.arrays import Bools, Complex, Floats, Numbers
-from tmm.double_double import DoubleDouble
-from tmm.precision import head, phase, rounded, size, sqrt
-from tmm.section import Section
+from tmm.beam.section.section import Section
+from tmm.beam.transfer.double_double import DoubleDouble
+from tmm.beam.transfer.precision import head, phase, rounded, size, sqrt
 
 #: Roundings in a function relative to its size, from the series and, per 1 + |λ|, from the
-#: products.  The results of :mod:`tmm.timoshenko` and :mod:`tmm.sweep` at 6e5 random points,
+#: products.  The results of :mod:`tmm.beam.transfer.timoshenko` and :mod:`tmm.beam.sweep` at 6e5 random points,
 #: held against extended precision, had at most 0.83 of the error so estimated.
 _SERIES_ROUNDINGS, _PHASE_ROUNDINGS = 4.0, 0.5
 

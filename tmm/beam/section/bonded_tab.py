@@ -22,8 +22,8 @@ import numpy as np
 
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Device
-from tmm.section import Constant, Joint, section
-from tmm.timoshenko import dynamic_stiffness
+from tmm.beam.section.section import Constant, Joint, section
+from tmm.beam.transfer.timoshenko import dynamic_stiffness
 
 
 def bonded_tab(piece: Piece, device: Device, beam: Beam) -> Joint:

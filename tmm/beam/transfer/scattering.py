@@ -26,8 +26,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from geometry.arrays import Complex, Floats, Numbers
-from tmm.section import Joint, Section
-from tmm.timoshenko import dynamic_stiffness, wavenumbers
+from tmm.beam.section.section import Joint, Section
+from tmm.beam.transfer.timoshenko import dynamic_stiffness, wavenumbers
 
 #: A beam of a length (m), or a joint with length 0.
 Element: TypeAlias = tuple[Section | Joint, Any]
@@ -73,7 +73,7 @@ class _Stack:
 
 
 def joined(row: Sequence[Element], omega: Floats) -> Complex:
-    """Return D(Ω) (n, 5, 5) of elements joined end to end; see :mod:`tmm.multiport`.
+    """Return D(Ω) (n, 5, 5) of elements joined end to end; see :mod:`tmm.ports.multiport`.
 
     Parameters
     ----------

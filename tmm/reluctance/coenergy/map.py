@@ -2,7 +2,7 @@
 
 Flux linkage λ = ∂W'/∂i, pull F = −∂W'/∂g (positive when it closes the gap), incremental
 inductance ∂λ/∂i, motional coefficient ∂λ/∂g.  Any model gives the samples; the map is
-the same for all.  How the surface is fitted is told in tmm.coenergy_fit.
+the same for all.  How the surface is fitted is told in tmm.reluctance.coenergy.fit.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.errors import InputError
-from tmm.splines import SplineBasis
+from tmm.reluctance.coenergy.splines import SplineBasis
 
 #: How far beyond its ends a map may be asked, relative to its range: rounding of a grid.
 _ROUNDING = 1e-9
@@ -122,7 +122,7 @@ class CoenergyMap:
         InputError
             If the samples are too few, not finite, or no co-energy can have them.
         """
-        from tmm.coenergy_fit import fit  # which imports this module
+        from tmm.reluctance.coenergy.fit import fit  # which imports this module
 
         return fit(
             Samples(

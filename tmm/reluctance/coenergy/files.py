@@ -13,8 +13,8 @@ import numpy as np
 from geometry.arrays import Floats
 from geometry.errors import InputError
 from geometry.files import written_whole
-from tmm.coenergy import CoenergyMap, Samples
-from tmm.coenergy_fit import fit
+from tmm.reluctance.coenergy.fit import fit
+from tmm.reluctance.coenergy.map import CoenergyMap, Samples
 
 #: What the global attribute `title` says; files that say otherwise are refused.
 TITLE = "co-energy map of a reluctance actuator"

@@ -16,7 +16,7 @@ import numpy as np
 from geometry.arrays import Floats
 from geometry.device.parameters import Device
 from geometry.errors import InputError
-from tmm.coenergy import CoenergyMap
+from tmm.reluctance.coenergy.map import CoenergyMap
 
 #: Positions between the stops at which forces are compared, before refinement.
 _POSITIONS = 101

@@ -20,7 +20,7 @@ So resonances do not spoil the contour: A(p) itself has poles only where the act
 vibrates with all its ports held.  With h = 0.003 |p| and N = 16 the truncation is (h/R)^16
 for a distance R to such a pole: below rounding from R = 0.03 |p| on, 4e-9 at 0.01 |p|.
 Rounding is that of A over 0.003: some 1e-13 of the largest part of a derivative, and not
-more than 1.3e-9 where an entry of A is itself near a pole or zero (:mod:`tmm.timoshenko`).
+more than 1.3e-9 where an entry of A is itself near a pole or zero (:mod:`tmm.beam.transfer.timoshenko`).
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ import numpy as np
 
 from geometry.arrays import Complex, Floats, Numbers
 from geometry.errors import InputError
-from tmm.modes import Fixture, bending_frequencies
-from tmm.multiport import VOLTAGE, symmetric_form
-from tmm.parametric import Actuator, check_keys, parameter_keys, terminated
-from tmm.port_quantities import READOUTS, evaluate, free_ports, port_motion, solve_free
-from tmm.terminations import conservative_load
-from tmm.transfer_matrix import sections
+from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.parametric import Actuator, check_keys, parameter_keys, terminated
+from tmm.beam.port_quantities import READOUTS, evaluate, free_ports, port_motion, solve_free
+from tmm.beam.transfer.transfer_matrix import sections
+from tmm.ports.multiport import VOLTAGE, symmetric_form
+from tmm.ports.terminations import conservative_load
 
 _RADIUS, _POINTS = 0.003, 16
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Device
-from tmm.section import Constant, Section, section
+from tmm.beam.section.section import Constant, Section, section
 
 #: Shares of a segment's length at which its sections are taken.
 _GAUSS = (0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0)

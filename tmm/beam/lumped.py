@@ -15,16 +15,16 @@ import numpy as np
 
 from geometry.arrays import Complex, Floats
 from geometry.device.parameters import Beam, Device, Support
-from tmm.modes import Fixture
-from tmm.multiport import Multiport
-from tmm.scattering import Element
-from tmm.section import Joint, Section
-from tmm.transfer_matrix import SEGMENTS, sections
+from tmm.beam.modes import Fixture
+from tmm.beam.section.section import Joint, Section
+from tmm.beam.transfer.scattering import Element
+from tmm.beam.transfer.transfer_matrix import SEGMENTS, sections
+from tmm.ports.multiport import Multiport
 
 
 @dataclass(frozen=True)
 class LumpedModel:
-    """Port matrices: D(Ω) = stiffness − Ω² mass, shapes (5, 5); see tmm.multiport."""
+    """Port matrices: D(Ω) = stiffness − Ω² mass, shapes (5, 5); see tmm.ports.multiport."""
 
     stiffness: Complex
     mass: Floats

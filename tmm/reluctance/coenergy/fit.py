@@ -13,8 +13,14 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.errors import InputError
-from tmm.coenergy import CoenergyMap, MapError, Samples, current_basis, gap_derivative
-from tmm.splines import SplineBasis, b_splines
+from tmm.reluctance.coenergy.map import (
+    CoenergyMap,
+    MapError,
+    Samples,
+    current_basis,
+    gap_derivative,
+)
+from tmm.reluctance.coenergy.splines import SplineBasis, b_splines
 
 #: Degrees of the inductance in the current and of the surface in ln(g + g0).
 _CURRENT_DEGREE, _GAP_DEGREE = 2, 3

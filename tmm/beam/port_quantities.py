@@ -1,6 +1,6 @@
 """Quantities of the transfer-matrix model at many points, each with its own parameter values.
 
-Read off the terminated ports of :mod:`tmm.parametric`: responses, static values, the first
+Read off the terminated ports of :mod:`tmm.beam.parametric`: responses, static values, the first
 natural frequency and the resonance peak.
 """
 
@@ -12,8 +12,8 @@ from typing import Any, Literal
 import numpy as np
 
 from geometry.arrays import Complex, Floats
-from tmm.multiport import PSI_BASE, PSI_TIP, VOLTAGE, W_BASE, W_TIP, symmetric_form
-from tmm.parametric import Actuator, Values, terminated
+from tmm.beam.parametric import Actuator, Values, terminated
+from tmm.ports.multiport import PSI_BASE, PSI_TIP, VOLTAGE, W_BASE, W_TIP, symmetric_form
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 Two iron rails carry the same flux up and down; rungs of air join them; a winding sits
 between.  Here is the circuit, not the device: what becomes an iron element and what a
-rung is decided in tmm.reluctance_network.
+rung is decided in tmm.reluctance.network.
 
 The fluxes φ_1 … φ_n of the cells minimise
 

@@ -8,7 +8,7 @@ in EI/l³ and EI/l), Cramer's rule gives tip displacement and ψ_tip − ψ_base
     P = det(D + κ) Δ = Σ κ-products · (minor of D without the held rows) Δ,
 
 and each minor of D times Δ = E O is again entire, a product of the functions of
-:mod:`tmm.span`: free ends β⁴E'O', one end's w held −½(c₁c₂O' + β⁴g S₁S₂E'), cantilever
+:mod:`tmm.beam.transfer.span`: free ends β⁴E'O', one end's w held −½(c₁c₂O' + β⁴g S₁S₂E'), cantilever
 ¼(c₁²c₂² − β⁴g S₁²S₂² + 2β⁴XY − β⁴E'O − O'E), and so on (g = 1 − ρI Ω²/GA).  The voltage drives
 only the even part, hence N.  V is the derivative of P to twice the even part's c₁c₂/E.
 There is no pivot and no matrix; what cancels in P and N does so only near the mounted beam's
@@ -16,7 +16,7 @@ own resonances and antiresonances.  (The minors are those of the delta-matrix me
 and Leckie 1963, chapter 7.)
 
 Accuracy.  `condition` is the size of the terms of P, N and the charge over their values; the
-relative error of displacement and charge is at most :func:`tmm.precision.error_bound` of it.
+relative error of displacement and charge is at most :func:`tmm.beam.transfer.precision.error_bound` of it.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ import numpy as np
 
 from geometry.arrays import Bools, Complex, Floats, Numbers
 from geometry.device.parameters import Load, Support
-from tmm.blocks import BLOCK, blocks
-from tmm.precision import EPS, EXTENDED, TOLERATED, size
-from tmm.section import Section
-from tmm.span import Span, extended_span, span
-from tmm.terminations import base_stiffness, load_stiffness
+from tmm.beam.section.section import Section
+from tmm.beam.transfer.blocks import BLOCK, blocks
+from tmm.beam.transfer.precision import EPS, EXTENDED, TOLERATED, size
+from tmm.beam.transfer.span import Span, extended_span, span
+from tmm.ports.terminations import base_stiffness, load_stiffness
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def tip_response(
 ) -> TipResponse:
     """Return the response of a uniform beam to a voltage amplitude (V).
 
-    Equal to :func:`tmm.multiport.respond` on the beam's D, but several times faster, right
+    Equal to :func:`tmm.ports.multiport.respond` on the beam's D, but several times faster, right
     also at the poles of D, and in constant memory beside inputs and results.
 
     Parameters

@@ -23,7 +23,7 @@ from geometry.arrays import Floats
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Device
 from geometry.errors import InputError
-from tmm.section import Section, section
+from tmm.beam.section.section import Section, section
 
 
 def laminate_section(

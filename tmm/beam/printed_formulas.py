@@ -1,7 +1,7 @@
 """The paper's matrix A (Appendix A), corrected, and each entry as it was printed.
 
 Kept as the witness for the printed formulas: the production model is
-:mod:`tmm.transfer_matrix`, which does not lose digits at low or high frequency.
+:mod:`tmm.beam.transfer.transfer_matrix`, which does not lose digits at low or high frequency.
 State [v, ψ̇, M, F, U] at the lower end to [v, ψ̇, M, F, I] at the upper end,
 v and ψ̇ velocities, M and F internal, time factor e^{+jΩt}.
 
@@ -19,7 +19,7 @@ import numpy as np
 from geometry.arrays import Complex, Floats
 from geometry.device.materials import EPS0
 from geometry.device.parameters import Device
-from tmm.section import Section
+from tmm.beam.section.section import Section
 
 
 @dataclass(frozen=True)

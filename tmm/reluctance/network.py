@@ -13,10 +13,10 @@ import numpy as np
 from geometry.arrays import Floats
 from geometry.device.parameters import Device
 from geometry.device.steel_law import MU0
-from tmm.coenergy import Samples
-from tmm.flux_ladder import LadderSolution, solve
-from tmm.gap_permeance import pole_area
-from tmm.reluctance_circuit import CELLS, FULL, ONE_GAP, Refinements, circuit
+from tmm.reluctance.circuit import CELLS, FULL, ONE_GAP, Refinements, circuit
+from tmm.reluctance.coenergy.map import Samples
+from tmm.reluctance.flux_ladder import LadderSolution, solve
+from tmm.reluctance.gap_permeance import pole_area
 
 
 def textbook_force(device: Device, current: float, gap: float) -> float:

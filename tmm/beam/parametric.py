@@ -19,10 +19,10 @@ from geometry.bimorph.pieces import Layers, Piece, beam_pieces
 from geometry.device.parameters import Beam, Bimorph, Device, Drive, Load, Support
 from geometry.errors import InputError
 from geometry.units import Unit, quoted
-from tmm.multiport import PSI_BASE, W_BASE, W_TIP, in_series
-from tmm.section import Section
-from tmm.terminations import termination
-from tmm.transfer_matrix import SEGMENTS, chain, elements
+from tmm.beam.section.section import Section
+from tmm.beam.transfer.transfer_matrix import SEGMENTS, chain, elements
+from tmm.ports.multiport import PSI_BASE, W_BASE, W_TIP, in_series
+from tmm.ports.terminations import termination
 
 #: Values by scene key, each a number or an array over the points.
 Values = Mapping[str, Any]

@@ -15,10 +15,10 @@ from geometry.device.checks import widest_gap
 from geometry.device.parameters import Device
 from geometry.device.steel_law import MU0
 from geometry.errors import InputError
-from tmm.gap_permeance import pole_area
-from tmm.normal_actuator import between_stops, spring_force
-from tmm.reluctance_circuit import widest_circuit
-from tmm.reluctance_network import network_samples
+from tmm.reluctance.circuit import widest_circuit
+from tmm.reluctance.gap_permeance import pole_area
+from tmm.reluctance.network import network_samples
+from tmm.reluctance.switching import between_stops, spring_force
 
 #: The map reaches so many times the largest current at which the network's pull and the spring
 #: balance; the fields switch at currents up to a third above it.

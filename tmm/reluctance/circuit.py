@@ -23,8 +23,8 @@ from geometry.device.checks import check_gap
 from geometry.device.parameters import NOMINAL_GAP, Device
 from geometry.device.steel_law import MU0, MagnetisationCurve, linear, magnetisation_curve
 from geometry.errors import InputError
-from tmm.flux_ladder import Ladder
-from tmm.gap_permeance import GapPermeance, pole_radii, straight, with_fringing
+from tmm.reluctance.flux_ladder import Ladder
+from tmm.reluctance.gap_permeance import GapPermeance, pole_radii, straight, with_fringing
 
 #: Cells in each of the ladder's zones; the error falls with their square.
 CELLS = 24

@@ -1,6 +1,6 @@
 """All lossless bending modes of a row of beams, none missed, to the rounding of the row.
 
-With its ends attached and in the units of :mod:`tmm.scattering`, a lossless row has a real
+With its ends attached and in the units of :mod:`tmm.beam.transfer.scattering`, a lossless row has a real
 symmetric dynamic stiffness E(Ω).  Its eigenvalues e_i fall with frequency; each is taken as an
 angle, e_i = cot θ_i, and followed through infinity, where the row vibrates with its ends held:
 
@@ -27,9 +27,9 @@ from typing import TypeAlias
 import numpy as np
 
 from geometry.arrays import Complex, Floats, Ints
-from tmm.scattering import THROUGH, Element, in_waves, star
-from tmm.section import Section
-from tmm.timoshenko import wavenumbers
+from tmm.beam.section.section import Section
+from tmm.beam.transfer.scattering import THROUGH, Element, in_waves, star
+from tmm.beam.transfer.timoshenko import wavenumbers
 
 Row: TypeAlias = Sequence[Element]
 

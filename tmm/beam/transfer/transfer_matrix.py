@@ -1,7 +1,7 @@
 """The semi-analytical model: exact beams in a row, and their ports.
 
 The paper's Transfer Matrix Method, its pieces joined in wave variables
-(:mod:`tmm.scattering`); :mod:`tmm.appendix_a` gives the printed matrix A, which is one
+(:mod:`tmm.beam.transfer.scattering`); :mod:`tmm.beam.printed_formulas` gives the printed matrix A, which is one
 change of variables away.
 """
 
@@ -14,11 +14,11 @@ import numpy as np
 from geometry.arrays import Floats
 from geometry.bimorph.pieces import Piece, beam_pieces
 from geometry.device.parameters import Beam, Device, Support
-from tmm.bonded_tab import bonded_tab
-from tmm.multiport import Multiport
-from tmm.scattering import Element, joined
-from tmm.section import section
-from tmm.tapered import segmented
+from tmm.beam.section.bonded_tab import bonded_tab
+from tmm.beam.section.section import section
+from tmm.beam.section.tapered import segmented
+from tmm.beam.transfer.scattering import Element, joined
+from tmm.ports.multiport import Multiport
 
 #: Segments of a tapered piece.
 SEGMENTS = 32

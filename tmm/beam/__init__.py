@@ -1,0 +1,1 @@
+"""The lateral actuator as a row of beams: closed forms, modes, derivatives."""

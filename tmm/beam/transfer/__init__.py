@@ -1,0 +1,1 @@
+"""Timoshenko's beam over frequency, exact to rounding."""

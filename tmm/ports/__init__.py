@@ -1,0 +1,1 @@
+"""Ports, and the algebra that joins and terminates what has them."""
