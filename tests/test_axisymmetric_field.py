@@ -9,12 +9,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fem.axisymmetric_field import solve_field, truncation_error
-from fem.axisymmetric_force import eggshell_force, eggshell_weight, virtual_work_force
-from fem.axisymmetric_grid import Grid, Region, graded_grid
-from fem.axisymmetric_space import discretise, lowered
-from fem.linear_solver import SolverError
+from fem.reluctance.axisymmetric.field import solve_field, truncation_error
+from fem.reluctance.axisymmetric.force import eggshell_force, eggshell_weight, virtual_work_force
+from fem.reluctance.axisymmetric.space import discretise, lowered
+from fem.solvers.linear_solver import SolverError
 from geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from geometry.reluctance.section_grid import Grid, Region, graded_grid
 from validation.magnetic_cases import coaxial_coils
 from validation.magnetic_cases.coaxial_coils import (
     HIGH,
@@ -204,7 +204,8 @@ def test_no_current_no_field():
 
 def test_the_two_solvers_agree(monkeypatch):
     """Pardiso and SuperLU factorisations give one field."""
-    from fem import axisymmetric_field, linear_solver
+    from fem.reluctance.axisymmetric import field as axisymmetric_field
+    from fem.solvers import linear_solver
 
     d = discretise(graded_grid((POLE, PLATE, COIL), 0.1), 3)
     first = solve_field(d, np.ones(1))
@@ -242,7 +243,7 @@ def test_badly_graded_grids(current, ratio):
 
 def test_no_silent_wrong_answer(monkeypatch):
     """A field that is not converged is refused with a sentence, never returned."""
-    from fem import axisymmetric_field
+    from fem.reluctance.axisymmetric import field as axisymmetric_field
 
     monkeypatch.setattr(axisymmetric_field, "_MOST_ITERATIONS", 2)
     d = discretise(graded_grid((POLE, PLATE, COIL), 0.1), 2)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem import beam
+from fem.beam import beam
 from geometry.device.parameters import Beam, Bimorph, Device, Support
 from tmm.beam import modes
 from tmm.beam.transfer import transfer_matrix

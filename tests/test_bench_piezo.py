@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.solid_system import materials
+from fem.bimorph.system import materials
 from geometry.errors import InputError
 from validation.bench import PARTS, peers, piezo, piezo_jobs, piezo_meshes, run_parts
 from validation.bench.output import time_error_plot

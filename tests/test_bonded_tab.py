@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem import beam as elements
+from fem.beam import beam as elements
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Bimorph, Device, Glue, Shim, Support
 from tmm.beam.modes import Fixture, bending_frequencies

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fem.brick_order import elimination_order
-from fem.brick_solid import assemble_bricks
-from fem.linear_solver import factorise
+from fem.bimorph.bricks.assembly import assemble_bricks
+from fem.bimorph.bricks.order import elimination_order
+from fem.solvers.linear_solver import factorise
 from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from geometry.device.parameters import Bimorph, Device
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.brick_solid import assemble_bricks
-from fem.piezo_solid import assemble
-from fem.solid_modes import Attachment, natural_modes
-from fem.solid_ports import static_multiport
+from fem.bimorph.bricks.assembly import assemble_bricks
+from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.ports import static_multiport
+from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.bimorph.bricks import Axis
 from geometry.device.parameters import Bimorph, Device, Shim
@@ -112,8 +112,8 @@ def skfem_matrices(device, mesh):
     from skfem import Basis, BilinearForm, ElementHex1, ElementVector
     from skfem.helpers import dot
 
-    from fem.skfem_mesh import to_skfem
-    from fem.solid_system import materials
+    from fem.bimorph.system import materials
+    from fem.elements.skfem_mesh import to_skfem
 
     domain = to_skfem(mesh)
     known = materials(device, mesh.regions, device.piezo.ceramic(), lossy=False)

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.error_indicator import goal_errors
-from fem.piezo_solid import assemble
-from fem.solid_modes import Attachment, natural_modes
-from fem.solid_ports import static_multiport
+from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.ports import static_multiport
+from fem.bimorph.refinement.error_indicator import goal_errors
+from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
 from geometry.meshing.tetwild.tagging import TET_FACES

@@ -5,11 +5,11 @@ import pytest
 from skfem import Basis, BilinearForm, ElementTetP2, LinearForm
 from skfem.helpers import dot, mul
 
-from fem.magnetic_problem import MagneticSolid, sample
-from fem.magnetic_scalar import gradient_kernel
-from fem.magnetic_solid import VectorPotential
-from fem.nedelec import ElementTetEdge2
-from fem.tet_quadrature import tet_rule
+from fem.elements.nedelec import ElementTetEdge2
+from fem.elements.tet_quadrature import tet_rule
+from fem.reluctance.three_d.problem import MagneticSolid, sample
+from fem.reluctance.three_d.scalar_potential import gradient_kernel
+from fem.reluctance.three_d.vector_potential import VectorPotential
 from validation.magnetic_cases.sphere_mesh import sphere_mesh
 
 RULE = tet_rule()

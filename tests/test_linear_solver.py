@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from fem import linear_solver, sparse_rows
-from fem.linear_solver import Factor, SolverError, factorise, refined_solution
-from fem.piezo_solid import assemble
+from fem.bimorph.solid import assemble
+from fem.solvers import linear_solver, sparse_rows
+from fem.solvers.linear_solver import Factor, SolverError, factorise, refined_solution
 from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from geometry.device.parameters import Device
 
@@ -250,7 +250,7 @@ def test_matching_where_pivots_are_lost(monkeypatch):
 @needs_mkl
 def test_perturbed_pivots_are_counted():
     """A pivot that had to be replaced is told of."""
-    from fem.pardiso import Pardiso
+    from fem.solvers.pardiso import Pardiso
 
     upper = sparse.triu(laplacian(50), format="csr")
     line = Pardiso(upper.indptr, upper.indices, complex_numbers=False)

@@ -6,12 +6,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-import fem.magnetic_solid
-from fem.magnetic_iron import coenergy_density, energy_density
-from fem.magnetic_probe import flux_density_at
-from fem.magnetic_problem import MagneticSolid, sample
-from fem.magnetic_scalar import ScalarPotential
-from fem.magnetic_solid import VectorPotential
+import fem.reluctance.three_d.vector_potential
+from fem.reluctance.iron import coenergy_density, energy_density
+from fem.reluctance.three_d.probe import flux_density_at
+from fem.reluctance.three_d.problem import MagneticSolid, sample
+from fem.reluctance.three_d.scalar_potential import ScalarPotential
+from fem.reluctance.three_d.vector_potential import VectorPotential
 from geometry.device.steel_law import MU0, TEAM20, linear
 from geometry.errors import InputError
 from geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
@@ -245,7 +245,7 @@ def test_half_of_the_device_gives_what_a_quarter_gives(saturated, which):
 
 def test_gauge_term_leaves_the_field_alone(coarse, saturated, monkeypatch):
     """A hundred times the added mass changes no digit of the co-energy that Newton settles."""
-    monkeypatch.setattr(fem.magnetic_solid, "_GAUGE", 1e-2)
+    monkeypatch.setattr(fem.reluctance.three_d.vector_potential, "_GAUGE", 1e-2)
     problem = saturated[0].solid
     stiff = VectorPotential(problem).solve(5000.0)
     assert stiff.coenergy == pytest.approx(saturated[0].coenergy, rel=1e-11)

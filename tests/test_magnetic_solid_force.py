@@ -3,16 +3,11 @@
 import numpy as np
 import pytest
 
-from fem.magnetic_probe import flux_density_at
-from fem.magnetic_problem import MagneticSolid, sample
-from fem.magnetic_scalar import ScalarPotential
-from fem.magnetic_solid import VectorPotential
-from fem.magnetic_solid_force import (
-    eggshell_force,
-    harmonic_weight,
-    moved,
-    virtual_work_force,
-)
+from fem.reluctance.three_d.force import eggshell_force, harmonic_weight, moved, virtual_work_force
+from fem.reluctance.three_d.probe import flux_density_at
+from fem.reluctance.three_d.problem import MagneticSolid, sample
+from fem.reluctance.three_d.scalar_potential import ScalarPotential
+from fem.reluctance.three_d.vector_potential import VectorPotential
 from geometry.device.steel_law import MU0, TEAM20, linear
 from geometry.errors import InputError
 from geometry.meshing.quadratic import tet_volumes

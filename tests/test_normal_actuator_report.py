@@ -299,7 +299,7 @@ def test_lateral_report_imports_nothing_magnetic(tmp_path):
     loaded = modules(LATERAL_ONLY, tmp_path)
     assert "validation.report.lateral_sections" in loaded
     assert not loaded & {
-        "fem.reluctance_field", "fem.axisymmetric_field", "tmm.reluctance.network",
+        "fem.reluctance.axisymmetric.actuator", "fem.reluctance.axisymmetric.field", "tmm.reluctance.network",
         "validation.magnetic_checks", "validation.normal_actuator_plots",
         "validation.report.normal_sections",
     }  # fmt: skip
@@ -310,7 +310,7 @@ def test_normal_report_imports_nothing_piezoelectric(tmp_path):
     loaded = modules(NORMAL_ONLY, tmp_path)
     assert "tmm.reluctance.network" in loaded
     assert not loaded & {
-        "fem.piezo_solid", "fem.solid_modes", "fem.solid_ports", "fem.beam", "validation.bridge",
+        "fem.bimorph.solid", "fem.bimorph.modes", "fem.bimorph.ports", "fem.beam.beam", "validation.bridge",
         "validation.audit", "validation.report.lateral_sections",
     }  # fmt: skip
 

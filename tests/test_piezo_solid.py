@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.piezo_solid import assemble
-from fem.port_reduction import reduce_to_ports
-from fem.solid_modes import Attachment, classify, natural_modes
-from fem.solid_ports import direct_multiport, static_multiport
+from fem.bimorph.modes import Attachment, classify, natural_modes
+from fem.bimorph.ports import direct_multiport, static_multiport
+from fem.bimorph.reduction.krylov import reduce_to_ports
+from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.device.parameters import Bimorph, Device, Piezo, Shim, Support
 from tmm.ports import multiport

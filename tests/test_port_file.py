@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem import port_cache
-from fem.piezo_solid import assemble
-from fem.port_cache import made_from, reduced_solid
-from fem.port_file import read_ports, write_ports
-from fem.port_reduction import reduce_to_ports
+from fem.bimorph.reduction import kept as port_cache
+from fem.bimorph.reduction.files import read_ports, write_ports
+from fem.bimorph.reduction.kept import made_from, reduced_solid
+from fem.bimorph.reduction.krylov import reduce_to_ports
+from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
 from geometry.device.parameters import Bimorph, Device, Piezo
 from geometry.errors import InputError

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from fem.piezo_solid import assemble
-from fem.port_extremes import extremes, motions, standard_ends
-from fem.port_reduction import port_error, reduce_to_ports
-from fem.solid_ports import direct_multiport
+from fem.bimorph.ports import direct_multiport
+from fem.bimorph.reduction.extremes import extremes, motions, standard_ends
+from fem.bimorph.reduction.krylov import port_error, reduce_to_ports
+from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.device.parameters import Device, Load, Piezo, Support
 from tmm.ports.multiport import passivity_margin, reciprocity_error, respond

@@ -8,12 +8,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem.linear_solver import SolverError
-from fem.reluctance_field import FieldErrors, solve_map, solve_point
-from fem.reluctance_regions import actuator_regions
+from fem.reluctance.axisymmetric.actuator import FieldErrors, solve_map, solve_point
+from fem.solvers.linear_solver import SolverError
 from geometry.device.parameters import Coil, Device, Rod, Sleeve, Steel
 from geometry.device.steel_law import MU0
 from geometry.errors import InputError
+from geometry.reluctance.section_regions import actuator_regions
 
 DEVICE = Device()
 NAMES = tuple(FieldErrors.__dataclass_fields__)
@@ -252,7 +252,7 @@ def test_an_order_without_error_bar_is_refused():
 
 def test_solver_errors_pass_through(monkeypatch):
     """A field that does not converge is an error of the point, not a value."""
-    from fem import axisymmetric_field
+    from fem.reluctance.axisymmetric import field as axisymmetric_field
 
     monkeypatch.setattr(axisymmetric_field, "_MOST_ITERATIONS", 1)
     with pytest.raises(SolverError, match="did not converge"):

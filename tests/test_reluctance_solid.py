@@ -5,22 +5,22 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem.magnetic_problem import sample
-from fem.magnetic_scalar import ScalarPotential
-from fem.magnetic_solid import VectorPotential
-from fem.magnetic_solid_force import eggshell_force, harmonic_weight, virtual_work_force
-from fem.reluctance_field import solve_point
-from fem.reluctance_solid import (
+from fem.reluctance.axisymmetric.actuator import solve_point
+from fem.reluctance.three_d.actuator import (
     actuator_problem,
     solve_cad,
     solve_row,
     solve_solid,
     winding_source,
 )
-from fem.reluctance_swept import Sector, sector_mesh
+from fem.reluctance.three_d.force import eggshell_force, harmonic_weight, virtual_work_force
+from fem.reluctance.three_d.problem import sample
+from fem.reluctance.three_d.scalar_potential import ScalarPotential
+from fem.reluctance.three_d.vector_potential import VectorPotential
 from geometry.device.parameters import Device
 from geometry.errors import InputError
 from geometry.meshing.quadratic import jacobian_coefficients
+from geometry.reluctance.sector_tets import Sector, sector_mesh
 from geometry.reluctance.tets import ActuatorMeshing
 
 DEVICE = Device()

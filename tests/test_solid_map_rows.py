@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fem.reluctance_swept import Sector
 from geometry.device.parameters import Device
+from geometry.reluctance.sector_tets import Sector
 from validation import solid_map_rows
 from validation.scene import load_scene
 from validation.solve import solve

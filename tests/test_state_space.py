@@ -4,11 +4,16 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from fem.piezo_solid import assemble
-from fem.port_extremes import motions
-from fem.port_reduction import reduce_to_ports
-from fem.state_space import BaseSupport, _branches, state_space
-from fem.state_space_file import TITLE, differences, support_end, write_state_space
+from fem.bimorph.reduction.extremes import motions
+from fem.bimorph.reduction.krylov import reduce_to_ports
+from fem.bimorph.reduction.state_space import BaseSupport, _branches, state_space
+from fem.bimorph.reduction.state_space_file import (
+    TITLE,
+    differences,
+    support_end,
+    write_state_space,
+)
+from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
 from geometry.device.parameters import Device, Support
 from validation.cli import main

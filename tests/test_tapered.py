@@ -5,7 +5,7 @@ import pytest
 from scipy import special
 from scipy.optimize import brentq
 
-from fem import beam as elements
+from fem.beam import beam as elements
 from geometry.device.parameters import Beam, Bimorph, Device, Load, Support
 from tmm.beam import lumped
 from tmm.beam.modes import Fixture, bending_frequencies

@@ -1,6 +1,6 @@
 """Meshes of tetrahedra refined where the goals need it, until the wanted accuracy is met.
 
-Coarse mesh, solution, estimate, finer mesh.  The estimate (fem.error_indicator) says where to
+Coarse mesh, solution, estimate, finer mesh.  The estimate (fem.bimorph.refinement.error_indicator) says where to
 refine and when to stop; the last two meshes give the error bars.  Every mesh is kept on disk
 under its geometry and sizes, so a study that was stopped goes on where it was.
 """
@@ -19,8 +19,8 @@ from validation.refinement import SAFETY
 from validation.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.error_indicator import GoalError
-    from fem.solid_system import SolidSystem
+    from fem.bimorph.refinement.error_indicator import GoalError
+    from fem.bimorph.system import SolidSystem
 
 #: Edge length of the first mesh and shortest edge of any, in thicknesses of the shim.
 _START, _SHORTEST = 2.0, 0.04
@@ -157,8 +157,8 @@ def _finer(scene: Scene, last: Solved, accuracy: float, most_elements: int) -> S
 
 def _solved(scene: Scene, sizing: Sizing | None) -> Solved:
     """Mesh with the given sizes, by default uniform and coarse, solve, and estimate errors."""
-    from fem.error_indicator import goal_errors
-    from fem.piezo_solid import assemble
+    from fem.bimorph.refinement.error_indicator import goal_errors
+    from fem.bimorph.solid import assemble
     from geometry.bimorph.tets import TetMeshing, tetrahedralise
 
     regions: tuple[str, ...] = ("piezo_top", "piezo_bottom", "shim")

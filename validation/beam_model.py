@@ -31,7 +31,7 @@ class BeamModel(Model):
         return self.stages.run("beam.static", lambda: self._refined(np.zeros(1), lossy=False))
 
     def _refined(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
-        from fem import beam
+        from fem.beam import beam
 
         s = self.scene
         n = beam.elements_for(s.device, float(frequencies.max()))
@@ -47,7 +47,7 @@ class BeamModel(Model):
         return opened if open_circuit else short
 
     def _both_modes(self) -> tuple[Refined[Modes], ...]:
-        from fem import beam
+        from fem.beam import beam
 
         s = self.scene
         n = 12 + 2 * s.modes

@@ -18,8 +18,8 @@ from validation.magnetic_point import MagneticPoint, Measured
 from validation.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.reluctance_field import FieldPoint
-    from fem.reluctance_solid import SolidPoint
+    from fem.reluctance.axisymmetric.actuator import FieldPoint
+    from fem.reluctance.three_d.actuator import SolidPoint
 
 _Found = TypeVar("_Found", "FieldPoint", "SolidPoint")
 
@@ -101,7 +101,7 @@ class AxisymmetricModel(_FieldModel):
         return _judged(self._solved(current, gap), self._METHOD)
 
     def _solved(self, current: float, gap: float) -> FieldPoint:
-        from fem.reluctance_field import solve_point
+        from fem.reluctance.axisymmetric.actuator import solve_point
 
         device, accuracy = self.scene.device, self.scene.accuracy
         return _fine_enough(
@@ -111,7 +111,7 @@ class AxisymmetricModel(_FieldModel):
         )
 
     def _map(self) -> CoenergyMap:
-        from fem.reluctance_field import solve_map
+        from fem.reluctance.axisymmetric.actuator import solve_map
         from tmm.reluctance.coenergy.range import map_grid
 
         device = self.scene.device
@@ -149,8 +149,8 @@ class Magnetic3dModel(_FieldModel):
         return _judged(self._solved(current, gap), self._METHOD)
 
     def _solved(self, current: float, gap: float) -> SolidPoint:
-        from fem.reluctance_solid import solve_cad, solve_solid
-        from fem.reluctance_swept import Sector
+        from fem.reluctance.three_d.actuator import solve_cad, solve_solid
+        from geometry.reluctance.sector_tets import Sector
         from geometry.reluctance.tets import ActuatorMeshing
 
         scene = self.scene
@@ -165,7 +165,7 @@ class Magnetic3dModel(_FieldModel):
         )
 
     def _map(self) -> CoenergyMap:
-        from fem.reluctance_swept import Sector
+        from geometry.reluctance.sector_tets import Sector
         from tmm.reluctance.coenergy.range import map_grid
         from validation.solid_map_rows import kept_row
 

@@ -13,9 +13,9 @@ from geometry.device.parameters import NOMINAL_GAP, Device
 from validation.plots import svg
 
 if TYPE_CHECKING:
-    from fem.axisymmetric_field import MagneticField
-    from fem.axisymmetric_grid import Region
-    from fem.reluctance_field import FieldPoint
+    from fem.reluctance.axisymmetric.actuator import FieldPoint
+    from fem.reluctance.axisymmetric.field import MagneticField
+    from geometry.reluctance.section_grid import Region
 
 #: Flux lines per picture.
 _LINES = 16

@@ -7,7 +7,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from fem.reluctance_field import FieldPoint, solve_map, solve_point
+from fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
 from geometry.arrays import Floats
 from geometry.device.parameters import Device, Steel
 from geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
@@ -28,8 +28,8 @@ STATES = ((0.13, 0.2e-3), (0.05, 0.1e-3), (0.02, 0.02e-3), (0.195, 0.25e-3))
 
 
 def _potential(name: str) -> Potential:
-    from fem.magnetic_scalar import ScalarPotential
-    from fem.magnetic_solid import VectorPotential
+    from fem.reluctance.three_d.scalar_potential import ScalarPotential
+    from fem.reluctance.three_d.vector_potential import VectorPotential
 
     return VectorPotential if name == "A" else ScalarPotential
 
@@ -41,14 +41,14 @@ def coils_mutual_inductance() -> float:
 
 def coils_force() -> float:
     """Force between them by virtual work (N)."""
-    from fem.axisymmetric_force import virtual_work_force
+    from fem.reluctance.axisymmetric.force import virtual_work_force
 
     return virtual_work_force(coaxial_coils.solved())
 
 
 def coils_force_by_stress() -> float:
     """Force between them by the stress in the air (N)."""
-    from fem.axisymmetric_force import eggshell_force, eggshell_weight
+    from fem.reluctance.axisymmetric.force import eggshell_force, eggshell_weight
 
     field = coaxial_coils.solved()
     return eggshell_force(field, eggshell_weight(field.discretisation))

@@ -28,7 +28,7 @@ from validation.plots import svg
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from fem.reluctance_field import FieldPoint
+    from fem.reluctance.axisymmetric.actuator import FieldPoint
     from validation.report.normal_actuator import BridgeStep
 
 #: Line of each model; colours tell currents or gaps.

@@ -12,8 +12,8 @@ from geometry.errors import InputError
 from validation.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.port_model import PortModel
-    from fem.state_space import BaseSupport
+    from fem.bimorph.reduction.port_model import PortModel
+    from fem.bimorph.reduction.state_space import BaseSupport
 
 
 def check_state_space(scene: Scene) -> None:
@@ -46,9 +46,9 @@ def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
     InputError
         If the solid model cannot take the scene or a file cannot be written.
     """
-    from fem.port_cache import made_from, reduced_solid
-    from fem.port_file import write_ports
-    from fem.state_space_file import write_state_space
+    from fem.bimorph.reduction.files import write_ports
+    from fem.bimorph.reduction.kept import made_from, reduced_solid
+    from fem.bimorph.reduction.state_space_file import write_state_space
     from validation.solid_meshes import check_meshable, mesh_pair
 
     check_meshable(scene)
@@ -76,7 +76,7 @@ def _wired(scene: Scene, model: PortModel) -> PortModel:
 
 
 def _support(scene: Scene) -> BaseSupport | None:
-    from fem.state_space import BaseSupport
+    from fem.bimorph.reduction.state_space import BaseSupport
 
     support = scene.support
     if support.kind != "spring":

@@ -13,11 +13,11 @@ from typing import TypeAlias
 
 import numpy as np
 
-from fem.brick_solid import assemble_bricks
-from fem.linear_solver import factorise
-from fem.solid_modes import Attachment, natural_modes
-from fem.solid_ports import ports_from_blocks
-from fem.solid_system import Motion, SolidSystem
+from fem.bimorph.bricks.assembly import assemble_bricks
+from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.ports import ports_from_blocks
+from fem.bimorph.system import Motion, SolidSystem
+from fem.solvers.linear_solver import factorise
 from geometry.arrays import Numbers
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.bimorph.bricks import Bricks, Held

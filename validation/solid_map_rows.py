@@ -12,13 +12,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from fem.reluctance_solid import SolidPoint, SolidValues, solve_row
-from fem.reluctance_swept import Sector
+from fem.reluctance.three_d.actuator import SolidPoint, SolidValues, solve_row
 from geometry.arrays import Floats
 from geometry.device.parameters import Device
 from geometry.errors import InputError
 from geometry.files import written_whole
 from geometry.meshing.mesh_cache import cache_folder
+from geometry.reluctance.sector_tets import Sector
 
 
 def kept_row(
@@ -31,7 +31,7 @@ def kept_row(
     key : str
         Stands for the device and all currents and gaps of the map.
     device, gap, currents, sector
-        As for :func:`fem.reluctance_solid.solve_row`.
+        As for :func:`fem.reluctance.three_d.actuator.solve_row`.
     """
     file = cache_folder() / f"coenergy-{key}-{gap * 1e9:.0f}nm.json"
     kept = _read(file)

@@ -15,7 +15,7 @@ from validation.refinement import ASSUMED_GAIN, BRICK_FACTOR, SAFETY
 from validation.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.solid_system import SolidSystem
+    from fem.bimorph.system import SolidSystem
     from validation.adaptive_meshes import AdaptedPair
 
 #: Relative error bar of static deflection, capacitances and first frequencies that each level
@@ -65,7 +65,7 @@ class BrickPair:
     @cached_property
     def systems(self) -> tuple[SolidSystem, SolidSystem]:
         """The lossless systems on the finer and the coarser mesh."""
-        from fem.brick_solid import assemble_bricks
+        from fem.bimorph.bricks.assembly import assemble_bricks
 
         fine, coarse = (assemble_bricks(self.device, m, lossy=False) for m in self.meshes)
         return fine, coarse

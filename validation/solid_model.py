@@ -15,7 +15,7 @@ from validation.models import Model, Modes, Refined
 from validation.refinement import SAFETY, least_difference
 
 if TYPE_CHECKING:
-    from fem.solid_system import SolidSystem
+    from fem.bimorph.system import SolidSystem
     from geometry.bimorph.bricks import Bricks
     from geometry.meshing.mesh import Mesh
     from validation.adaptive_meshes import AdaptedPair
@@ -50,7 +50,7 @@ class SolidModel(Model):
         """Return the lossless D(0)."""
 
         def work() -> Refined[Multiport]:
-            from fem.solid_ports import static_multiport
+            from fem.bimorph.ports import static_multiport
 
             fine, coarse = (static_multiport(system) for system in self.systems())
             return self._two_meshes(fine, coarse, self._rounding(fine))
@@ -62,7 +62,7 @@ class SolidModel(Model):
         return self.stages.run("solid.ports", self._reduced)
 
     def _reduced(self) -> Refined[Multiport]:
-        from fem.port_cache import reduced_solid
+        from fem.bimorph.reduction.kept import reduced_solid
 
         ports = []
         extra: tuple[tuple[Multiport, float], ...] = ()
@@ -106,7 +106,7 @@ class SolidModel(Model):
 
     @cached_property
     def _search(self) -> ShapeSearch:
-        from fem.solid_modes import Attachment
+        from fem.bimorph.modes import Attachment
         from validation.solid_shapes import ShapeSearch
 
         stiffness, mass = conservative_load(self.scene.load)

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fem.solid_modes import Attachment, SolidMode, natural_modes
-from fem.solid_system import Motion, SolidSystem
+from fem.bimorph.modes import Attachment, SolidMode, natural_modes
+from fem.bimorph.system import Motion, SolidSystem
 
 #: Classes of motion in which the ports take no part; the same at open circuit.
 _OTHERS: tuple[Motion, ...] = ("bending_y", "torsion", "axial")

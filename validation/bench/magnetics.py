@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from fem.reluctance_field import FieldPoint, solve_map, solve_point
+from fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
 from geometry.device.parameters import Device
 from tmm.reluctance.coenergy.range import map_grid
 from validation.bench.one_core import on_one_core
@@ -201,7 +201,7 @@ def _targets(
         ),
         Target(
             "map of 10 gaps by 10 currents", 60.0, map_time, "s", True,
-            f"fem.reluctance_field.solve_map, order {_MAP_ORDER}",
+            f"fem.reluctance.axisymmetric.actuator.solve_map, order {_MAP_ORDER}",
         ),
     )  # fmt: skip
 
@@ -233,8 +233,8 @@ def map_seconds(gaps: int, currents: int) -> float:
 
 def solid_of(name: str, scale: float) -> dict[str, float]:
     """Return TEAM problem 20 by one potential, and the processor time (s) from mesh to force."""
-    from fem.magnetic_scalar import ScalarPotential
-    from fem.magnetic_solid import VectorPotential
+    from fem.reluctance.three_d.scalar_potential import ScalarPotential
+    from fem.reluctance.three_d.vector_potential import VectorPotential
 
     potential: Potential = VectorPotential if name == "A" else ScalarPotential
     seconds, found = _timed(lambda: next(pole_forces(potential, scale, (_SATURATED,))), 1)

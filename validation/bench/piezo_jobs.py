@@ -48,7 +48,7 @@ def job(
     growth: float = 4.0,
 ) -> Job:
     """Return job J1 as plain numbers; with frequencies, its damped sweep."""
-    from fem.solid_system import materials
+    from fem.bimorph.system import materials
 
     device = j1().device
     regions = ("piezo_top", "shim")
@@ -98,9 +98,9 @@ def _plain(exact: Any, lossy: Any) -> Material:
 def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
     """Solve the job (or, with frequencies, its sweep) on a mesh of one of our families."""
     # imported before the clock starts: their time is the process's, not the mesh's
-    import fem.piezo_solid
-    import fem.port_reduction
-    from fem.linear_solver import available_solver
+    import fem.bimorph.reduction.krylov
+    import fem.bimorph.solid
+    from fem.solvers.linear_solver import available_solver
 
     for later in ("scipy.sparse.linalg", "validation.solid_shapes"):
         importlib.import_module(later)
@@ -109,7 +109,7 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
     clock = Clock()
     mesh = make(device, fineness)
     clock.stop("mesh")
-    system = fem.piezo_solid.assemble(device, mesh, lossy=bool(frequencies))
+    system = fem.bimorph.solid.assemble(device, mesh, lossy=bool(frequencies))
     clock.stop("assembly")
     if frequencies:
         values = _sweep(system, frequencies)
@@ -126,7 +126,7 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
 
 def _static(system: Any) -> tuple[float, float]:
     """Return deflection and capacitance of the clamped, free bimorph."""
-    from fem.solid_ports import static_multiport
+    from fem.bimorph.ports import static_multiport
 
     d = static_multiport(system).stiffness[0].real
     tip, volt = [2, 3], 4
@@ -136,8 +136,8 @@ def _static(system: Any) -> tuple[float, float]:
 
 def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
     """Return the natural frequencies; a coarse mesh says which classes of motion they are in."""
-    from fem.piezo_solid import assemble
-    from fem.solid_modes import Attachment, natural_modes
+    from fem.bimorph.modes import Attachment, natural_modes
+    from fem.bimorph.solid import assemble
     from validation.solid_shapes import ShapeSearch
 
     clamped = Attachment(None)
@@ -151,7 +151,7 @@ def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
 
 def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
     """Return the complex deflection by reduction to ports."""
-    from fem.port_reduction import reduce_to_ports
+    from fem.bimorph.reduction.krylov import reduce_to_ports
     from tmm.ports.multiport import Termination, respond
 
     f = np.array(frequencies)

@@ -113,7 +113,7 @@ class SolverTiming:
 
 def run(quick: bool, announce: Callable[[str], None]) -> Bench:
     """Measure everything on one core; some ten minutes, or under one if `quick`."""
-    from fem.linear_solver import available_solver
+    from fem.solvers.linear_solver import available_solver
 
     started = time.perf_counter()
     has_pardiso = available_solver().startswith("Pardiso")
@@ -219,7 +219,7 @@ def write_matrix(unknowns: int, lossy: bool, path: str) -> int:
     """Write the matrix of about as many unknowns, and return how many are potentials."""
     from scipy import sparse
 
-    from fem.piezo_solid import assemble
+    from fem.bimorph.solid import assemble
 
     device = Device()
     system = assemble(device, _bricks(device, unknowns), lossy=lossy)
@@ -231,7 +231,7 @@ def measured(path: str, solver: str) -> dict[str, float]:
     """Return the processor times (s) of the steps, peak memory (bytes), error and pivots."""
     from scipy import sparse
 
-    from fem.linear_solver import factorise
+    from fem.solvers.linear_solver import factorise
 
     matrix = sparse.load_npz(path)
     known = np.random.default_rng(3).uniform(-1.0, 1.0, (matrix.shape[0], _RIGHT_SIDES))

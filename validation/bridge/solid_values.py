@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.piezo_solid import assemble
-from fem.solid_modes import Attachment, natural_modes
-from fem.solid_ports import static_multiport
+from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.ports import static_multiport
+from fem.bimorph.solid import assemble
 from geometry.arrays import Floats
 from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from geometry.bimorph.bricks import Bricks, Held

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.magnetic_problem import MagneticSolid, sample
-from fem.magnetic_solid_force import eggshell_force, harmonic_weight
+from fem.reluctance.three_d.force import eggshell_force, harmonic_weight
+from fem.reluctance.three_d.problem import MagneticSolid, sample
 from geometry.arrays import Floats
 from geometry.meshing.mesh import Mesh
 from geometry.meshing.tensor_tets import box_tetrahedra, graded_planes

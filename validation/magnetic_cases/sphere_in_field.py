@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.magnetic_problem import MagneticSolid, SampledSolid, sample
-from fem.magnetic_scalar import ScalarPotential
-from fem.magnetic_solid import VectorPotential
+from fem.reluctance.three_d.problem import MagneticSolid, SampledSolid, sample
+from fem.reluctance.three_d.scalar_potential import ScalarPotential
+from fem.reluctance.three_d.vector_potential import VectorPotential
 from geometry.device.steel_law import MU0, linear
 from validation.magnetic_cases.sphere_mesh import OUTER, RADIUS, sphere_mesh
 

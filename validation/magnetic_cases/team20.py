@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.magnetic_problem import MagneticSolid, sample
-from fem.magnetic_solid_force import eggshell_force, harmonic_weight
+from fem.reluctance.three_d.force import eggshell_force, harmonic_weight
+from fem.reluctance.three_d.problem import MagneticSolid, sample
 from geometry.device.steel_law import TEAM20
 from geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from validation.magnetic_cases.sphere_in_field import Potential

@@ -24,7 +24,7 @@ from validation.results import Quantity
 from validation.solve import Solution, solve
 
 if TYPE_CHECKING:
-    from fem.reluctance_field import FieldPoint
+    from fem.reluctance.axisymmetric.actuator import FieldPoint
 
 #: Quantities that need a whole map; for the field, the better part of a minute.
 MAP_QUANTITIES = tuple(name for name, q in QUANTITIES.items() if "magnetic_map" in q.needs)
@@ -228,7 +228,7 @@ class NormalActuator:
         """Single solutions of the field along both families, where it has no map."""
         if self.field_model is None or self.field_model.name in self.maps:
             return ()
-        from fem.reluctance_field import solve_map
+        from fem.reluctance.axisymmetric.actuator import solve_map
 
         self.announce("field at single points")
         device, order = self.device, _POINT_ORDER

@@ -20,7 +20,7 @@ from validation.report.normal_actuator import NormalActuator
 from validation.report.section import Context, Section
 
 if TYPE_CHECKING:
-    from fem.reluctance_field import FieldPoint
+    from fem.reluctance.axisymmetric.actuator import FieldPoint
     from validation.report.study import Study
 
 #: Order and fineness of pictures: many lines for smooth contours.
@@ -65,7 +65,7 @@ def _field(actuator: NormalActuator) -> Context | None:
     """Return pictures of the field at both stops, if it was asked for."""
     if actuator.field_model is None:
         return None
-    from fem.reluctance_field import solve_point
+    from fem.reluctance.axisymmetric.actuator import solve_point
     from validation.magnetic_field_plot import field_plot
 
     device, current = actuator.device, actuator.current

@@ -63,7 +63,7 @@ _PACKAGES = ("numpy", "scipy", "scikit-fem", "cadquery", "pytetwild", "pyvista",
 
 
 def _versions() -> dict[str, str]:
-    from fem.linear_solver import available_solver
+    from fem.solvers.linear_solver import available_solver
 
     found = {"tactgen": metadata.version("tactgen"), "linear solver": available_solver()}
     for package in _PACKAGES:

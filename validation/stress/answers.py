@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from fem.energy_newton import NotConvergedError
-from fem.linear_solver import SolverError
+from fem.solvers.linear_solver import SolverError
+from fem.solvers.newton import NotConvergedError
 from geometry.errors import InputError
 from validation.stress.result import Point
 

@@ -8,13 +8,13 @@ from itertools import product
 
 import numpy as np
 
-from fem.axisymmetric_field import solve_field
-from fem.axisymmetric_grid import Region, graded_grid
-from fem.axisymmetric_space import discretise
-from fem.magnetic_problem import MagneticSolid
-from fem.reluctance_field import solve_point
+from fem.reluctance.axisymmetric.actuator import solve_point
+from fem.reluctance.axisymmetric.field import solve_field
+from fem.reluctance.axisymmetric.space import discretise
+from fem.reluctance.three_d.problem import MagneticSolid
 from geometry.device.parameters import Coil, Device, Steel
 from geometry.device.steel_law import MagnetisationCurve, linear
+from geometry.reluctance.section_grid import Region, graded_grid
 from geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from tmm.reluctance.circuit import ONE_GAP
 from tmm.reluctance.network import network_samples, textbook_force

@@ -7,14 +7,20 @@ from itertools import product
 
 import numpy as np
 
-from fem.axisymmetric_field import MagneticField, solve_field
-from fem.axisymmetric_grid import Grid, graded_grid
-from fem.axisymmetric_space import discretise, lowered
-from fem.reluctance_field import OUTER_RADIUS, FieldErrors, FieldPoint, solve_map, solve_point
-from fem.reluctance_regions import actuator_regions
+from fem.reluctance.axisymmetric.actuator import (
+    OUTER_RADIUS,
+    FieldErrors,
+    FieldPoint,
+    solve_map,
+    solve_point,
+)
+from fem.reluctance.axisymmetric.field import MagneticField, solve_field
+from fem.reluctance.axisymmetric.space import discretise, lowered
 from geometry.arrays import Floats
 from geometry.device.parameters import Device, Sleeve, Steel
 from geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from geometry.reluctance.section_grid import Grid, graded_grid
+from geometry.reluctance.section_regions import actuator_regions
 from validation.formats import engineering
 from validation.magnetic_cases.infinite_solenoid import (
     INNER,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.magnetic_problem import MagneticField, MagneticSolid, sample
-from fem.magnetic_scalar import ScalarPotential
-from fem.magnetic_solid import VectorPotential
+from fem.reluctance.three_d.problem import MagneticField, MagneticSolid, sample
+from fem.reluctance.three_d.scalar_potential import ScalarPotential
+from fem.reluctance.three_d.vector_potential import VectorPotential
 from geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
 from geometry.meshing.mesh import Mesh
 from geometry.meshing.tensor_tets import box_tetrahedra

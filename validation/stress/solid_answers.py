@@ -6,10 +6,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from fem.piezo_solid import assemble
-from fem.port_reduction import port_error, reduce_to_ports
-from fem.solid_modes import Attachment, natural_modes
-from fem.solid_ports import direct_multiport
+from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.ports import direct_multiport
+from fem.bimorph.reduction.krylov import port_error, reduce_to_ports
+from fem.bimorph.solid import assemble
 from geometry.arrays import Floats
 from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from geometry.bimorph.bricks import Bricks

@@ -7,10 +7,10 @@ from itertools import product
 
 import numpy as np
 
-from fem.piezo_solid import assemble
-from fem.solid_modes import Attachment, natural_modes
-from fem.solid_ports import static_multiport
-from fem.solid_system import SolidSystem
+from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.ports import static_multiport
+from fem.bimorph.solid import assemble
+from fem.bimorph.system import SolidSystem
 from geometry.arrays import Floats, Ints
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.bimorph.bricks import Axis, Bricks

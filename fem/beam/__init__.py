@@ -1,0 +1,1 @@
+"""Beam elements of the lateral actuator."""

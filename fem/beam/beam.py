@@ -1,0 +1,295 @@
+"""Timoshenko beam finite elements with voltage: the discretised twin of the TMM.
+
+Weak form, for all (v, φ):  ∫ EI ψ' φ' + GA (w' + ψ)(v' + φ) − Ω² (m w v + ρI ψ φ) dz
+= U ∫ K φ' dz + end forces.  A taper is known to the elements at every quadrature point.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fem.beam.section import gauss, section_constants
+from geometry.arrays import Complex, Floats, Ints
+from geometry.bimorph.pieces import Piece, beam_pieces
+from geometry.device.parameters import Beam, Device, Support
+from tmm.ports.multiport import Multiport
+
+#: Polynomial order of w and ψ (equal orders lock only at low order).
+ORDER = 5
+#: Elements of the glued part of the tab: far more than its waves on the glue need.
+_TAB_ELEMENTS = 8
+
+
+@dataclass(frozen=True)
+class BeamMatrices:
+    """Assembled beam, all (n, n) or (n,): dofs of w and ψ, then the scalar capacitance.
+
+    `ports` are the dofs of w and ψ at the base, then at the tip.
+    """
+
+    stiffness: Complex
+    mass: Floats
+    coupling: Complex
+    capacitance: complex
+    ports: Ints
+
+
+def multiport(
+    device: Device,
+    support: Support,
+    beam: Beam,
+    frequencies: Floats,
+    *,
+    elements: int = 8,
+    lossy: bool = True,
+) -> Multiport:
+    """Return the beam-element model over its five ports (parallel wiring).
+
+    Parameters
+    ----------
+    elements : int
+        Elements along the whole row.
+    """
+    frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    matrices = assemble(device, support, beam, elements=elements, lossy=lossy)
+    return Multiport(frequencies, _condense(matrices, 2.0 * np.pi * frequencies))
+
+
+def elements_for(device: Device, highest: float) -> int:
+    """Return a number of elements that resolves waves up to `highest` Hz along the row.
+
+    One radian of the slowest wave per element of order five; even, at least 8.
+    """
+    piezo, bimorph = device.piezo, device.bimorph
+    ceramic = [p for p in beam_pieces(device, Support()) if p.section == "bimorph"]
+    ends = [piece.layers(bimorph, end) for piece in ceramic for end in (0.0, 1.0)]
+    thinnest = min(2.0 * layers.piezo_thickness + layers.shim_thickness for layers in ends)
+    slowest = math.sqrt(min(1.0 / piezo.s55, device.shim.shear_modulus) / piezo.density)
+    modulus = 1.0 / (piezo.s11 * piezo.density)
+    omega = 2.0 * math.pi * highest
+    bending = math.sqrt(omega / math.sqrt(modulus) / thinnest * math.sqrt(12.0))
+    radians = (bimorph.length + bimorph.tab_length) * max(bending, omega / slowest)
+    return int(2 * max(4, math.ceil(radians / 2.0)))
+
+
+def assemble(
+    device: Device, support: Support, beam: Beam, *, elements: int, lossy: bool
+) -> BeamMatrices:
+    """Assemble the row of beams, `elements` shared out by length, at least one a piece."""
+    from skfem import Basis, ElementLinePp, LinearForm, asm
+
+    pieces = beam_pieces(device, support)
+    beams = [piece for piece in pieces if piece.section != "bond"]
+    mesh, piece_of, joints = _mesh(pieces, elements)
+    w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
+    constants = np.stack(
+        [
+            section_constants(beams[k], device, beam, share, lossy=lossy)
+            for k, share in zip(piece_of, _shares(w_space, piece_of), strict=True)
+        ],
+        axis=1,
+    )
+    basis = w_space * w_space
+    stiffness = asm(_elastic(*constants[:2]), basis).toarray()
+    for node, depth in joints:
+        dofs = w_space.nodal_dofs[0][[node, node + 1]]
+        ports = np.ix_(*2 * [[*dofs, *(dofs + w_space.N)]])
+        spring = bonded_tab(device, beam, depth)
+        stiffness[ports] += np.kron(spring, [[1.0, -1.0], [-1.0, 1.0]])
+
+    @LinearForm(dtype=complex)  # type: ignore[untyped-decorator]
+    def moment_per_voltage(v: Any, phi: Any, _: Any) -> Any:
+        return constants[4] * phi.grad[0] + 0.0 * v
+
+    ends = w_space.nodal_dofs[0][[0, -1]]
+    return BeamMatrices(
+        stiffness=stiffness,
+        mass=asm(_inertial(*constants[2:4].real), basis).toarray(),
+        coupling=asm(moment_per_voltage, basis),
+        capacitance=complex(np.sum(constants[5] * w_space.dx)),
+        ports=np.array([ends[0], ends[0] + w_space.N, ends[1], ends[1] + w_space.N]),
+    )
+
+
+def _mesh(pieces: Sequence[Piece], elements: int) -> tuple[Any, Ints, list[tuple[int, float]]]:
+    """Return the line mesh from base to tip, the beam of each element, and the joints.
+
+    A joint is a node, whose successor lies at the same height and which no element connects
+    to it, and the depth of the slot (m).
+    """
+    from skfem import MeshLine
+
+    total = sum(piece.length for piece in pieces if piece.section != "bond")
+    nodes, cells, piece_of, joints = [0.0], [], [], []
+    beams = 0
+    for piece in pieces:
+        last = len(nodes) - 1
+        if piece.section == "bond":
+            joints.append((last, piece.length))
+            nodes.append(nodes[-1])
+            continue
+        count = max(1, round(elements * piece.length / total))
+        nodes += list(nodes[-1] + np.linspace(0.0, piece.length, count + 1)[1:])
+        cells += [(last + i, last + i + 1) for i in range(count)]
+        piece_of += count * [beams]
+        beams += 1
+    mesh = MeshLine(np.array([nodes]), np.array(cells).T, sort_t=False)
+    return mesh, np.array(piece_of), joints
+
+
+def _shares(space: Any, piece_of: Ints) -> Floats:
+    """Return where each quadrature point lies in its beam (n_elements, n_points), 0 to 1."""
+    z = np.asarray(space.global_coordinates())[0]
+    low, high = space.mesh.p[0][space.mesh.t]
+    lower = np.array([low[piece_of == k].min() for k in piece_of])[:, None]
+    upper = np.array([high[piece_of == k].max() for k in piece_of])[:, None]
+    return np.asarray((z - lower) / (upper - lower))
+
+
+def _elastic(ei: Complex, ga: Complex) -> Any:
+    from skfem import BilinearForm
+
+    @BilinearForm(dtype=complex)  # type: ignore[untyped-decorator]
+    def form(w: Any, psi: Any, v: Any, phi: Any, _: Any) -> Any:
+        shear = (w.grad[0] + psi) * (v.grad[0] + phi)
+        return ei * psi.grad[0] * phi.grad[0] + ga * shear
+
+    return form
+
+
+def _inertial(m: Any, rho_i: Any) -> Any:
+    from skfem import BilinearForm
+
+    @BilinearForm  # type: ignore[untyped-decorator]
+    def form(w: Any, psi: Any, v: Any, phi: Any, _: Any) -> Any:
+        return m * w * v + rho_i * psi * phi
+
+    return form
+
+
+def bonded_tab(device: Device, beam: Beam, depth: float) -> Floats:
+    """Return the stiffness (2, 2) of the tab in the slot at the slot's edge, to the head.
+
+    Weak form of a beam on its bond lines, its end on the glue below it:
+    ∫ EI θ' φ' + GA (v' + θ)(ν' + φ) + k_w v ν + k_r θ φ dz + end springs, with the glue's
+    energy integrated over the tab's perimeter: per area (E' n² + G s²)/(2 t) for
+    displacements n across and s along the bond line.
+    """
+    from skfem import Basis, ElementLinePp, MeshLine, asm
+
+    glue, bimorph = device.glue, device.bimorph
+    half, b, t = 0.5 * bimorph.shim_thickness, bimorph.width, glue.thickness
+    nu = glue.poisson_ratio
+    lame = glue.youngs_modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    shear = glue.youngs_modulus / (2.0 * (1.0 + nu))
+    squeezed = lame + 2.0 * shear
+    across = sum(weight for _, weight in gauss(-half, half))
+    turned = sum(weight * x**2 for x, weight in gauss(-half, half))
+    lateral = 2.0 * (b * squeezed + across * shear) / t
+    rotational = 2.0 * (b * shear * half**2 + turned * shear) / t
+    tab = section_constants(Piece("shim", depth), device, beam, np.zeros(1), lossy=False)[:2]
+    mesh = MeshLine(np.linspace(0.0, depth, _TAB_ELEMENTS + 1))
+    space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
+    k = asm(_elastic(*tab), space * space) + asm(_inertial(lateral, rotational), space * space)
+    k = k.toarray().real
+    low, high = space.nodal_dofs[0][[0, -1]]
+    k[low, low] += shear * b * across / t
+    k[low + space.N, low + space.N] += squeezed * b * turned / t
+    edge = [high, high + space.N]
+    inner = np.setdiff1d(np.arange(k.shape[0]), edge)
+    solved = np.linalg.solve(k[np.ix_(inner, inner)], k[np.ix_(inner, edge)])
+    return np.asarray(k[np.ix_(edge, edge)] - k[np.ix_(edge, inner)] @ solved)
+
+
+def bending_frequencies(
+    matrices: BeamMatrices,
+    *,
+    clamped: bool,
+    base: tuple[float, float, float],
+    tip: tuple[float, float],
+    count: int,
+    open_circuit: bool,
+) -> Floats:
+    """Return the lowest elastic natural frequencies (Hz) of lossless matrices.
+
+    Parameters
+    ----------
+    base : tuple of float
+        Lateral and rotational stiffness and rotational inertia of the support.
+    tip : tuple of float
+        Stiffness and mass of the load.
+    """
+    from scipy.linalg import eigh
+
+    k, m = matrices.stiffness.real.copy(), matrices.mass.copy()
+    w0, psi0, w1, _ = matrices.ports
+    if open_circuit:
+        charge = matrices.coupling.real
+        k += np.outer(charge, charge) / matrices.capacitance.real
+    k[w1, w1] += tip[0]
+    m[w1, w1] += tip[1]
+    held = matrices.ports[: 2 if clamped else 0]
+    if not clamped:
+        k[w0, w0] += base[0]
+        k[psi0, psi0] += base[1]
+        m[psi0, psi0] += base[2]
+    free = np.setdiff1d(np.arange(k.shape[0]), held)
+    k, m = k[np.ix_(free, free)], m[np.ix_(free, free)]
+    rough = eigh(k, m, eigvals_only=True)
+    elastic = rough[rough > 1e-9 * rough[min(count + 2, rough.size) - 1]]
+    # the lowest values of (k, m) carry the rounding of the highest; as the highest of the
+    # inverse pencil they are exact to a few digits of machine precision
+    shift = float(elastic[0])
+    inverse = eigh(m, k + shift * m, eigvals_only=True, subset_by_index=_top(k.shape[0], count + 2))
+    values = np.sort(1.0 / inverse) - shift
+    # of the two rigid motions each spring stops one
+    rigid = 0 if clamped else max(0, 2 - sum(spring > 0.0 for spring in (*base[:2], tip[0])))
+    return np.asarray(np.sqrt(values[rigid : rigid + count]) / (2.0 * np.pi))
+
+
+def _top(size: int, count: int) -> list[int]:
+    return [max(size - count, 0), size - 1]
+
+
+def _condense(matrices: BeamMatrices, omega: Floats) -> Complex:
+    """Return D (n, 5, 5): interior dofs, a band when numbered along z, eliminated."""
+    from scipy.linalg import solve_banded
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+    ports = matrices.ports
+    inner = np.setdiff1d(np.arange(matrices.mass.shape[0]), ports)
+    pattern = csr_matrix(
+        matrices.mass[np.ix_(inner, inner)] + abs(matrices.stiffness[np.ix_(inner, inner)])
+    )
+    inner = inner[reverse_cuthill_mckee(pattern, symmetric_mode=True)]
+    inside = np.ix_(inner, inner)
+    width, k_band, m_band = _bands(matrices.stiffness[inside], matrices.mass[inside])
+    held = np.concatenate([matrices.stiffness[:, ports], -matrices.coupling[:, None]], axis=1)
+    moving = np.concatenate(
+        [matrices.mass[:, ports], np.zeros((matrices.mass.shape[0], 1))], axis=1
+    )
+    d = np.zeros((omega.size, 5, 5), dtype=complex)
+    for i, o2 in enumerate(omega**2):
+        to_ports = held - o2 * moving
+        solved = solve_banded((width, width), k_band - o2 * m_band, to_ports[inner])
+        d[i, :4] = to_ports[ports]
+        d[i, 4, :4], d[i, 4, 4] = matrices.coupling[ports], matrices.capacitance
+        d[i] -= np.vstack([to_ports[inner, :4].T, matrices.coupling[inner]]) @ solved
+    return d
+
+
+def _bands(k: Complex, m: Floats) -> tuple[int, Complex, Floats]:
+    """Return the half bandwidth and both matrices in LAPACK's band storage."""
+    rows, columns = np.nonzero(abs(k) + abs(m))
+    width = int(np.abs(rows - columns).max())
+    k_band = np.zeros((2 * width + 1, k.shape[0]), dtype=complex)
+    m_band = np.zeros((2 * width + 1, k.shape[0]))
+    k_band[width + rows - columns, columns] = k[rows, columns]
+    m_band[width + rows - columns, columns] = m[rows, columns]
+    return width, k_band, m_band

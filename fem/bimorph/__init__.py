@@ -1,0 +1,1 @@
+"""The piezoelectric solid: assembly, modes, ports."""

@@ -1,0 +1,1 @@
+"""The solid on bricks of high order."""

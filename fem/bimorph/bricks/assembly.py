@@ -1,0 +1,198 @@
+"""The piezoelectric solid on bricks of high order: a quarter, one class of motion at a time.
+
+Weak form and unknowns are those of :mod:`fem.bimorph.solid`, the matrices those of
+:mod:`fem.bimorph.bricks.matrices`.
+
+Planes of symmetry: reflection at x = 0 turns the poling round, so with it goes φ → −φ.
+Motions are even or odd at each plane; what is odd vanishes there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from fem.bimorph.bordered import Bordered
+from fem.bimorph.bricks.matrices import brick_matrices
+from fem.bimorph.bricks.order import elimination_order
+from fem.bimorph.system import Motion, SolidSystem, materials, volts_per_unit
+from fem.elements.line_basis import line_weights
+from geometry.arrays import Bools, Floats, Ints, Sparse
+from geometry.bimorph.bricks import Bricks, mirrored_axis
+from geometry.device.materials import Piezoceramic
+from geometry.device.parameters import Device
+
+#: Signs of (u_x, u_y, u_z, φ) under the reflections at x = 0 and at y = 0.
+_SIGNS: dict[Motion, tuple[tuple[int, ...], tuple[int, ...]]] = {
+    "bending_x": ((1, -1, -1, 1), (1, -1, 1, 1)),
+    "bending_y": ((-1, 1, 1, -1), (-1, 1, -1, -1)),
+    "torsion": ((1, -1, -1, 1), (-1, 1, -1, -1)),
+    "axial": ((-1, 1, 1, -1), (1, -1, 1, 1)),
+}
+
+
+@dataclass(frozen=True)
+class _Unknowns:
+    """Which of the grid's (n, 4) values are unknowns, and which the ports prescribe.
+
+    `ports` (4 n, 3) gives the values, in the units of the unknowns, per unit of w_base,
+    ψ_base and U.
+    """
+
+    free: Bools
+    ports: Floats
+
+    @property
+    def index(self) -> Ints:
+        """Flat positions of the free values."""
+        return np.flatnonzero(self.free)
+
+
+def assemble_bricks(
+    device: Device,
+    bricks: Bricks,
+    *,
+    lossy: bool,
+    ceramic: Piezoceramic | None = None,
+    motion: Motion = "bending_x",
+    uniform_field: bool = False,
+) -> SolidSystem:
+    """Assemble one class of motion of the solid model of `device` on `bricks`.
+
+    Parameters
+    ----------
+    device : Device
+        Materials and poling.
+    lossy : bool
+        Take the ceramic's Q and tan δ into account (complex matrices).
+    ceramic : Piezoceramic, optional
+        Full material to use instead of the device's own, for studies of the tensor.
+    motion : {"bending_x", "bending_y", "torsion", "axial"}
+        Only the first takes part in what the ports do.
+    uniform_field : bool
+        Let the potential be linear through each layer, as beam theories have it.
+    """
+    known = materials(device, bricks.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
+    unit = volts_per_unit(known)
+    quarter = _Quarter(bricks, unit, *brick_matrices(bricks, known, unit), uniform_field)
+    return quarter.system(motion)
+
+
+@dataclass(frozen=True)
+class _Quarter:
+    """The quarter before it is held anywhere: what all classes of motion have in common."""
+
+    bricks: Bricks
+    unit: float
+    stiffness: Sparse
+    mass: Sparse
+    uniform_field: bool
+
+    def system(self, motion: Motion) -> SolidSystem:
+        """Return the system of one class of motion, of the whole body."""
+        bricks, unit, mass = self.bricks, self.unit, self.mass
+        unknowns = _unknowns(bricks, motion, unit, uniform_field=self.uniform_field)
+        # in proportion to the diagonal: row sums may be negative
+        diagonal = np.asarray(mass.diagonal()).reshape(-1, 4)[:, 0]
+        nodal = diagonal * (mass.sum() / 3.0 / diagonal.sum())
+        nodes, expand, node_mass = _whole(bricks, unknowns, motion, unit, nodal)
+        tip = _tip_functionals(bricks)
+        place = elimination_order(bricks)
+        return SolidSystem(
+            stiffness=_bordered(self.stiffness, unknowns),
+            mass=_bordered(mass, unknowns),
+            tip=np.vstack([tip[unknowns.index], unknowns.ports.T @ tip]),
+            expand=expand,
+            nodes=nodes,
+            node_mass=node_mass,
+            potentials=int(unknowns.free[:, 3].sum()),
+            volts_per_unit=unit,
+            motion=motion,
+            related=self.system,
+            elimination=np.argsort(4 * place[unknowns.index // 4] + unknowns.index % 4),
+        )
+
+
+def _unknowns(bricks: Bricks, motion: Motion, unit: float, *, uniform_field: bool) -> _Unknowns:
+    """Return what is free, and what base and electrodes prescribe."""
+    x, y = bricks.x.nodes, bricks.y.nodes
+    base, piezo = bricks.base(), bricks.nodes_of("piezo")
+    outer, inner = bricks.electrodes()
+    field = piezo & ~outer & ~inner & (not uniform_field)
+    used = bricks.used() & ~base
+    free = np.stack([used, used, used, field], axis=-1)
+    at_x, at_y = _SIGNS[motion]
+    free[x == 0.0, :, :, :] &= np.array(at_x) > 0
+    free[:, y == 0.0, :, :] &= np.array(at_y) > 0
+    ports = np.zeros((*free.shape, 3))
+    if motion == "bending_x":
+        ports[base, 0, 0] = 1.0
+        ports[..., 2, 1][base] = np.broadcast_to(x[:, None, None], base.shape)[base]
+        potential = outer.astype(float)
+        if uniform_field:
+            potential = _linear_potential(bricks, outer, inner, piezo)
+        ports[..., 3, 2] = potential / unit
+    return _Unknowns(free.reshape(-1, 4), ports.reshape(-1, 3))
+
+
+def _linear_potential(bricks: Bricks, outer: Bools, inner: Bools, piezo: Bools) -> Floats:
+    """Return the potential per volt (nx, ny, nz) that is linear under the outer electrode."""
+    x = bricks.x.nodes
+    low, high = x[inner.any(axis=(1, 2))][0], x[outer.any(axis=(1, 2))][0]
+    share = np.clip((x - low) / (high - low), 0.0, 1.0)
+    return np.where(piezo & outer.any(axis=0), share[:, None, None], 0.0)
+
+
+def _bordered(matrix: Sparse, unknowns: _Unknowns) -> Bordered:
+    """Return the matrix over [free values, w_base, ψ_base, U]."""
+    free, ports = unknowns.index, unknowns.ports
+    given = np.flatnonzero(ports.any(axis=1))
+    on_ports = matrix[given].T @ ports[given]
+    return Bordered(matrix[free][:, free], on_ports[free], ports.T @ on_ports)
+
+
+def _tip_functionals(bricks: Bricks) -> Floats:
+    """Return (4 n, 2): mean u_x over the tip face, and mean rotation from u_z = x ψ."""
+    plain, levered = np.zeros((2, bricks.x.nodes.size))
+    for slab in bricks.tip_slabs():
+        more = line_weights(bricks.x, *slab.x)
+        plain, levered = plain + more[0], levered + more[1]
+    across, _ = line_weights(bricks.y)
+    out = np.zeros((*bricks.shape, 4, 2))
+    out[:, :, -1, 0, 0] = np.outer(plain, across) / (plain.sum() * across.sum())
+    inertia = levered @ bricks.x.nodes
+    out[:, :, -1, 2, 1] = np.outer(levered, across) / (inertia * across.sum())
+    return out.reshape(-1, 2)
+
+
+def _whole(
+    bricks: Bricks, unknowns: _Unknowns, motion: Motion, unit: float, nodal: Floats
+) -> tuple[Floats, Sparse, Floats]:
+    """Return nodes, expansion and nodal masses of the whole body, mirrored from the quarter.
+
+    The nodes are the points of :meth:`geometry.bimorph.bricks.Bricks.node_mesh`, in its order.
+    """
+    x, from_x, turned_x = mirrored_axis(bricks.x.nodes)
+    y, from_y, turned_y = mirrored_axis(bricks.y.nodes)
+    z = bricks.z.nodes
+    used = bricks.used()[np.ix_(from_x, from_y)]
+    source = np.arange(unknowns.free.shape[0]).reshape(bricks.shape)[np.ix_(from_x, from_y)][used]
+    at_x, at_y = (np.array(signs) for signs in _SIGNS[motion])
+    sign = np.where(turned_x[:, None, None, None], at_x, 1) * np.where(
+        turned_y[None, :, None, None], at_y, 1
+    )
+    sign = np.broadcast_to(sign, (*used.shape, 4))[used] * np.array([1.0, 1.0, 1.0, unit])
+    n, free = source.size, unknowns.index
+    values = sparse.csr_matrix(
+        (sign.T.ravel(), (np.arange(4 * n), (4 * source + np.arange(4)[:, None]).ravel())),
+        shape=(4 * n, unknowns.free.size),
+    )
+    pick = sparse.csr_matrix(
+        (np.ones(free.size), (free, np.arange(free.size))), shape=(unknowns.free.size, free.size)
+    )
+    expand = values @ sparse.hstack([pick, sparse.csr_matrix(unknowns.ports)])
+    nodes = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)[used]
+    copies = np.bincount(source, minlength=unknowns.free.shape[0])
+    return nodes, expand.tocsr(), nodal[source] / copies[source]

@@ -1,0 +1,193 @@
+"""Stiffness and mass of bricks of high order from integrals along the axes.
+
+A region's nine Gram matrices are products of integrals along the axes,
+
+    G_ab = ∫ ∂_a N_i ∂_b N_j dV = X_ab ⊗ Y_ab ⊗ Z_ab ,
+
+and all blocks over (u_x, u_y, u_z, φ) are one matrix product of their entries with the
+tensors.  For one pair of functions along x at a time it fits the cache, and goes straight
+to its place in compressed rows: memory touched for the first time is what costs most here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from fem.bimorph.system import VOIGT, Material
+from fem.elements.line_basis import LineMatrices, line_matrices
+from geometry.arrays import Floats, Ints, Numbers, Sparse
+from geometry.bimorph.bricks import Bricks, Slab
+
+#: The quarter is one of four.
+_COPIES = 4.0
+#: Of the nine pairs of axes, one in which nothing is differentiated along x.
+_PLAIN = 4
+
+
+def brick_matrices(
+    bricks: Bricks, known: dict[str, Material], unit: float
+) -> tuple[Sparse, Sparse]:
+    """Return stiffness and mass of the whole body by the values on its quarter, held nowhere.
+
+    Parameters
+    ----------
+    bricks : Bricks
+        The quarter.
+    known : dict of str to Material
+        Material of each region.
+    unit : float
+        Size of the potential's unit (V).
+
+    Returns
+    -------
+    stiffness, mass : (4 n, 4 n) sparse
+        Over (u_x, u_y, u_z, φ) node by node, z fastest; columns sorted.  Nodes that no
+        material has are there, with zeros.
+    """
+    pairs = _Pairs(bricks.shape, *(line_matrices(axis) for axis in bricks.axes))
+    layers = [_Layer.of(bricks, slab, known[slab.region], unit) for slab in bricks.slabs]
+    dtype = np.result_type(*(layer.weights.dtype for layer in layers))
+    values = np.zeros((4 * pairs.count, 4), dtype=dtype)
+    columns = np.empty((4 * pairs.count, 4), dtype=np.int32)
+    inertia = np.zeros(3 * pairs.count)
+    moved = np.empty(3 * pairs.count, dtype=np.int32)
+    component = np.arange(4, dtype=np.int32)
+    for pair in range(pairs.x.rows.size):
+        start, count, within, column = pairs.places(pair)
+        at = (4 * start + within)[:, None] + count[:, None] * component
+        columns[at] = (4 * column[:, None] + component)[:, None, :]
+        light = (3 * start + within)[:, None] + count[:, None] * component[:3]
+        moved[light] = 4 * column[:, None] + component[:3]
+        for layer in layers:
+            if layer.reaches(pair):
+                values[at] += layer.blocks(pair)
+                inertia[light] += layer.inertia(pair)[:, None]
+    n = 4 * pairs.row_counts.size
+    stiff = _starts(pairs.row_counts[:, None] * np.array([4, 4, 4, 4]))
+    heavy = _starts(pairs.row_counts[:, None] * np.array([1, 1, 1, 0]))
+    return (
+        sparse.csr_matrix((values.ravel(), columns.ravel(), stiff), shape=(n, n)),
+        sparse.csr_matrix((inertia, moved, heavy), shape=(n, n)),
+    )
+
+
+def _starts(counts: Ints) -> Ints:
+    """Return where rows of these lengths start."""
+    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+
+
+@dataclass(frozen=True)
+class _Pairs:
+    """All pairs of nodes that share a brick, as products of pairs along the axes."""
+
+    shape: tuple[int, int, int]
+    x: LineMatrices
+    y: LineMatrices
+    z: LineMatrices
+
+    @cached_property
+    def _counts(self) -> list[Ints]:
+        """Partners of each node along each axis."""
+        return [
+            np.bincount(line.rows, minlength=n)
+            for line, n in zip((self.x, self.y, self.z), self.shape, strict=True)
+        ]
+
+    @cached_property
+    def row_counts(self) -> Ints:
+        """Partners of each node of the grid (n,)."""
+        x, y, z = self._counts
+        return np.asarray(x[:, None, None] * y[:, None] * z).ravel()
+
+    @cached_property
+    def count(self) -> int:
+        """Number of pairs."""
+        return int(self.row_counts.sum())
+
+    @cached_property
+    def _row_starts(self) -> Ints:
+        return (np.cumsum(self.row_counts) - self.row_counts).reshape(self.shape)
+
+    def places(self, pair: int) -> tuple[Ints, Ints, Ints, Ints]:
+        """Return for one pair along x and all along y, z where they are, z fastest.
+
+        The start and length of the first node's row, the place in that row, and the other
+        node; all counted in nodes.
+        """
+        (_, ny, nz), (in_x, in_y, in_z) = self.shape, self._counts
+        i, y, z = self.x.rows[pair], self.y, self.z
+        start = self._row_starts[i][np.ix_(y.rows, z.rows)]
+        count = in_x[i] * np.outer(in_y[y.rows], in_z[z.rows])
+        before = _position(self.x)[pair] * in_y[y.rows] + _position(y)
+        within = np.outer(before, in_z[z.rows]) + _position(z)
+        other = ((self.x.columns[pair] * ny + y.columns) * nz)[:, None] + z.columns
+        return start.ravel(), count.ravel(), within.ravel(), other.ravel()
+
+
+def _position(line: LineMatrices) -> Ints:
+    """Return the place of each pair along an axis in its row."""
+    counts = np.bincount(line.rows)
+    return np.arange(line.rows.size) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+@dataclass(frozen=True)
+class _Layer:
+    """One slab: its integrals along x, and those over y and z with what they weigh.
+
+    `gram` (m, 9) holds Y_ab Z_ab, `weights` (9, 16) what each G_ab gives to each block.
+    """
+
+    along_x: Floats
+    gram: Floats
+    weights: Numbers
+    areas: Floats
+
+    @classmethod
+    def of(cls, bricks: Bricks, slab: Slab, material: Material, unit: float) -> _Layer:
+        x, z = line_matrices(bricks.x, *slab.x), line_matrices(bricks.z, *slab.z)
+        y = line_matrices(bricks.y)
+
+        def product(a: int, b: int) -> Floats:
+            along_y, along_z = ((int(a == k), int(b == k)) for k in (1, 2))
+            return np.outer(y.integrals[along_y], z.integrals[along_z]).ravel()
+
+        axes = [(a, b) for a in range(3) for b in range(3)]
+        return cls(
+            along_x=np.array([x.integrals[int(a == 0), int(b == 0)] for a, b in axes]),
+            gram=np.column_stack([product(a, b) for a, b in axes]),
+            weights=_COPIES * _weights(material, unit),
+            areas=_COPIES * material.density * product(0, 0),
+        )
+
+    def reaches(self, pair: int) -> bool:
+        """Return whether the slab has this pair of functions along x."""
+        return bool(self.along_x[:, pair].any())
+
+    def blocks(self, pair: int) -> Numbers:
+        """Return the 4 x 4 blocks (m, 4, 4) of one pair along x with all along y and z."""
+        scaled = self.along_x[:, [pair]] * self.weights
+        # complex weights as twice as many real ones: the integrals are real
+        product = self.gram @ scaled.view(float)
+        return np.asarray(product.view(self.weights.dtype)).reshape(-1, 4, 4)
+
+    def inertia(self, pair: int) -> Floats:
+        """Return the mass (m,) of one pair along x with all along y and z."""
+        return np.asarray(self.along_x[_PLAIN, pair] * self.areas)
+
+
+def _weights(material: Material, unit: float) -> Numbers:
+    """Return (9, 16): what each Gram matrix gives to each block over (u_x, u_y, u_z, φ)."""
+    w = np.zeros((3, 3, 4, 4), dtype=material.c.dtype)
+    for p in range(3):
+        for q in range(3):
+            w[:, :, p, q] = material.c[np.ix_(VOIGT[p], VOIGT[q])]
+    if material.piezo is not None:
+        for p in range(3):
+            coupling = unit * material.piezo.e[:, VOIGT[p]]
+            w[:, :, 3, p], w[:, :, p, 3] = coupling, coupling.T
+        w[:, :, 3, 3] = -(unit**2) * material.piezo.eps
+    return w.reshape(9, 16)

@@ -1,0 +1,105 @@
+"""Reduced solids as files (npz): small matrices that answer for a mesh of any size."""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from fem.bimorph.reduction.krylov import ReducedSolid
+from fem.bimorph.reduction.port_model import PortModel
+from geometry.errors import InputError
+from geometry.files import written_whole
+
+#: What the entry `title` says; files that say otherwise are refused.
+TITLE = "piezoelectric solid reduced to its ports"
+#: What the matrices mean, for who opens the file without this package.
+_CONVENTIONS = (
+    "SI; unknowns [q, w_base, psi_base, U]; (stiffness - Omega^2 mass) x = "
+    "[q: 0, base force, base moment, -charge] + tip @ [tip force, tip moment]; "
+    "tip.T @ x = [w_tip, psi_tip]; time factor exp(+j Omega t); losses in stiffness"
+)
+_MATRICES = ("stiffness", "mass", "tip")
+
+
+def write_ports(path: str | Path, reduced: ReducedSolid, *, made_from: str) -> None:
+    """Write a reduced solid, whole or not at all.
+
+    Parameters
+    ----------
+    made_from : str
+        What stands for device and mesh; :func:`read_ports` asks for the same.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    arrays = {
+        f"{level} {name}": getattr(getattr(reduced, level), name)
+        for level in ("fine", "coarse")
+        for name in _MATRICES
+    }
+    with written_whole(path) as temporary:
+        np.savez_compressed(
+            temporary,
+            allow_pickle=False,
+            title=np.array(TITLE),
+            conventions=np.array(_CONVENTIONS),
+            made_from=np.array(made_from),
+            range=np.array(reduced.range),
+            error=np.array(reduced.error),
+            unknowns=np.array(reduced.unknowns),
+            **arrays,
+        )
+
+
+def read_ports(path: str | Path, *, made_from: str | None = None) -> ReducedSolid:
+    """Return the reduced solid of a file.
+
+    Parameters
+    ----------
+    made_from : str, optional
+        What it must have been made from; anything when left out.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is no reduced solid, or was made from something else.
+    """
+    path = Path(path)
+    try:
+        # opened here, since numpy leaves a file open that it cannot read
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as data:
+            if data["title"].item() != TITLE:
+                raise KeyError("title")
+            found = data["made_from"].item()
+            low, high = data["range"].tolist()
+            models = [
+                PortModel(*(data[f"{level} {name}"] for name in _MATRICES))
+                for level in ("fine", "coarse")
+            ]
+            error, unknowns = float(data["error"]), int(data["unknowns"])
+    except OSError as failure:
+        if isinstance(failure, zipfile.BadZipFile) or failure.strerror is None:
+            raise _unreadable(path, "not a whole npz file") from None
+        raise _unreadable(path, failure.strerror.lower()) from None
+    except (ValueError, EOFError, zipfile.BadZipFile, zlib.error):
+        raise _unreadable(path, "not a whole npz file") from None
+    except KeyError as failure:
+        raise _unreadable(path, f"it lacks {failure.args[0]}") from None
+    if made_from is not None and made_from != found:
+        raise InputError(
+            f"{path} was made from another device or mesh ({found}, not {made_from}); "
+            "export the ports of this scene again"
+        )
+    return ReducedSolid(models[0], models[1], (low, high), error, unknowns)
+
+
+def _unreadable(path: Path, reason: str) -> InputError:
+    return InputError(
+        f"{path} cannot be read as the ports of a reduced solid ({reason}); give a file that "
+        "`tactgen export --ports` wrote"
+    )

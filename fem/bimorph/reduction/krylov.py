@@ -1,0 +1,275 @@
+"""Reduction of a solid to its ports by a rational Krylov basis, with its error estimated.
+
+The basis spans the solutions for unit loads at the ports and their first moments at one or
+more complex shifts, losses included; displacement and potential get a basis each, real, so
+that the small system is symmetric and passive like the large one.  For symmetric systems the
+error at the ports is the square of that of the field (r being the residual, it is rᵀ A⁻¹ r).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.bimorph.bordered import PORTS
+from fem.bimorph.reduction.extremes import extremes, motions, standard_ends
+from fem.bimorph.reduction.port_model import PortModel, undamped_modes
+from fem.bimorph.system import SolidSystem
+from fem.solvers.linear_solver import factorise
+from fem.solvers.sparse_rows import wide_product
+from geometry.arrays import Bools, Complex, Floats, Ints, Sparse
+from tmm.ports.multiport import Multiport
+
+Wide = NDArray[Any]
+
+#: Blocks per shift of the Krylov basis.
+_BLOCKS = 5
+#: Most shifts, each a complex factorisation.
+_MOST_SHIFTS = 6
+#: A unit vector of which less than this is new is rounding of the factorisation; what is lost
+#: counts by its square at the ports.
+_NOISE = 1e-8
+
+#: Deformations softer than this part of the stiffest one are projected in long double.
+_SOFT = 1e-3
+
+
+@dataclass(frozen=True)
+class ReducedSolid:
+    """A solid projected on a Krylov basis, ports kept: a few dozen unknowns.
+
+    Attributes
+    ----------
+    fine : PortModel
+        The reduced model.
+    coarse : PortModel
+        The same without the last block of every shift, to judge it by: the estimate is
+        the distance between the two, in effect the error of the poorer one.
+    range : tuple of float
+        Lowest and highest frequency (Hz) it was made for.
+    error : float
+        Largest estimate over the frequencies it was checked at, peaks and dips included.
+    unknowns : int
+        Number of unknowns of the solid.
+    """
+
+    fine: PortModel
+    coarse: PortModel
+    range: tuple[float, float]
+    error: float
+    unknowns: int
+
+    def multiport(self, frequencies: Floats) -> Multiport:
+        """Return D(Ω) (n, 5, 5)."""
+        return self.fine.multiport(frequencies)
+
+    def coarser_multiport(self, frequencies: Floats) -> Multiport:
+        """Return D(Ω) of the coarser basis, for the error estimate."""
+        return self.coarse.multiport(frequencies)
+
+    def error_estimate(self, frequencies: Floats) -> Floats:
+        """Return the estimated relative error (n,), the larger of two.
+
+        That of D(Ω), entries against the geometric mean of their diagonal neighbours; and,
+        where there are losses, that of tip displacement, tip rotation and charge per volt
+        of the clamped and the sprung actuator, each against itself, so that dips count.
+        """
+        fine, coarse = self.multiport(frequencies), self.coarser_multiport(frequencies)
+        error = port_error(fine, coarse)
+        if np.any(self.fine.stiffness.imag):
+            for end in standard_ends(self.fine):
+                exact, poorer = motions(fine, end), motions(coarse, end)
+                size = np.where(
+                    exact == 0.0, 1.0, np.abs(exact)
+                )  # moved by nothing, off by nothing
+                error = np.maximum(error, (np.abs(exact - poorer) / size).max(axis=0))
+        return error
+
+
+def port_error(port: Multiport, other: Multiport) -> Floats:
+    """Return the distance of two D(Ω) (n,), against the geometric mean of the diagonal."""
+    size = np.sqrt(np.abs(np.einsum("nii->ni", port.stiffness)))
+    difference = np.abs(port.stiffness - other.stiffness)
+    return np.asarray((difference / (size[:, :, None] * size[:, None, :])).max(axis=(1, 2)))
+
+
+def reduce_to_ports(
+    system: SolidSystem, frequencies: Floats, *, tolerance: float = 1e-6
+) -> ReducedSolid:
+    """Project a solid on a rational Krylov basis that serves a range of frequencies.
+
+    Parameters
+    ----------
+    system : SolidSystem
+        Lossy or lossless.
+    frequencies : (n,) array
+        Where D(Ω) is wanted (Hz).
+    tolerance : float
+        Estimated relative error (:meth:`ReducedSolid.error_estimate`) at every one of these
+        frequencies and, with losses, at every peak and dip between the lowest and highest.
+        Shifts are added at the worst frequency until it holds or six are used; what was
+        reached stays available as the estimate.
+
+    Notes
+    -----
+    One complex factorisation per shift.  The shifts Ω² (1 + j) keep clear of all poles.
+    """
+    frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    bounds = float(frequencies.min()), float(frequencies.max())
+    chains = [_krylov_chain(system, max(0.7 * bounds[1], 500.0))]
+    while True:
+        fine, coarse = _project(system, chains)
+        reduced = ReducedSolid(fine, coarse, bounds, np.inf, system.size)
+        checked = frequencies
+        if np.any(fine.stiffness.imag):
+            ends = standard_ends(fine)
+            checked = np.concatenate([frequencies, extremes(fine, *bounds, ends)])
+        estimate = reduced.error_estimate(checked)
+        worst = int(np.argmax(estimate))
+        if estimate[worst] <= tolerance or len(chains) == _MOST_SHIFTS:
+            return replace(reduced, error=float(estimate[worst]))
+        chains.append(_krylov_chain(system, max(float(checked[worst]), 20.0)))
+
+
+def _krylov_chain(system: SolidSystem, centre: float) -> list[Complex]:
+    """Return the blocks (n, 5) of one shift: responses to the ports, then their moments."""
+    shift = (2.0 * np.pi * centre) ** 2 * (1.0 + 1.0j)
+    stiffness, mass = system.stiffness, system.mass
+    factor = factorise(stiffness.inner - shift * mass.inner, order=system.elimination)
+    loads = np.hstack([shift * mass.border - stiffness.border, system.tip[:-PORTS]])
+    chain = [factor.solve(loads)]
+    right = mass.inner @ chain[0]
+    right[:, :PORTS] += mass.border
+    for _ in range(1, _BLOCKS):
+        # a voltage that moves nothing (a passive ceramic) has no moments
+        block = factor.solve(right[:, right.any(axis=0)])
+        # powers alone turn parallel and lose what is new; the first block has its own load
+        chain.append(_orthogonal(block, chain[1:]))
+        right = mass.inner @ chain[-1]
+    return chain
+
+
+def _orthogonal(block: Complex, earlier: list[Complex]) -> Complex:
+    """Return an orthonormal basis of a block, each column scaled alike, less the earlier ones."""
+    block = block / np.linalg.norm(block, axis=0)
+    for _ in range(2):  # twice is enough (Kahan, Parlett)
+        for other in earlier:
+            block = block - other @ (other.conj().T @ block)
+    return np.asarray(np.linalg.qr(block)[0])
+
+
+def _project(system: SolidSystem, chains: list[list[Complex]]) -> tuple[PortModel, PortModel]:
+    """Project on the real and imaginary parts of all blocks; then without each chain's last."""
+    moves = system.mass.inner.diagonal() > 0.0
+    blocks = [block for chain in chains for block in chain[:-1]]
+    last = [chain[-1] for chain in chains]
+    u, few_u = _basis(blocks, last, moves)
+    p, few_p = _basis(blocks, last, ~moves)
+    k, s = u.shape[1], u.shape[1] + PORTS
+    stiffness, border = system.stiffness.inner, system.stiffness.border
+    both = np.hstack([u, p])
+    inner = both.T @ (stiffness @ both)
+    softness, turn = np.linalg.eigh(_condensed(inner, p.shape[1]).real.astype(float))
+    u = u @ turn
+    whole = np.zeros((s + p.shape[1], s + p.shape[1]), dtype=np.clongdouble)
+    whole[:k, :k], whole[:k, s:] = turn.T @ inner[:k, :k] @ turn, turn.T @ inner[:k, k:]
+    whole[s:, s:] = inner[k:, k:]
+    soft = int((softness < _SOFT * softness[-1]).sum())
+    exact = _wide(u[:, :soft], stiffness, np.hstack([u, p]))
+    whole[:soft, :k], whole[:soft, s:] = exact[:, :k], exact[:, k:]
+    whole[:k, k:s] = u.T @ border.astype(np.clongdouble)
+    whole[k:s, s:], whole[k:s, k:s] = border.T @ p, system.stiffness.corner
+    whole = np.triu(whole) + np.triu(whole, 1).T
+    mass = np.zeros((s, s))
+    mass[:k, :k], mass[:k, k:] = u.T @ (system.mass.inner @ u), u.T @ system.mass.border
+    mass[k:, k:] = system.mass.corner
+    mass = np.triu(mass) + np.triu(mass, 1).T
+    tip = np.zeros((s, 2))
+    tip[:k] = u.T @ system.tip[:-PORTS]
+
+    def kept(of_u: int, of_p: int) -> PortModel:
+        # what the first vectors span, in terms of the turned ones
+        basis = np.eye(s)[:, k - of_u :]
+        basis[:k, :of_u] = turn[:of_u].T
+        change = np.zeros((whole.shape[0], s - k + of_u + of_p))
+        change[:s, : basis.shape[1]] = basis
+        change[s : s + of_p, basis.shape[1] :] = np.eye(of_p)
+        stiffness = _condensed(change.T @ whole @ change, of_p)
+        return _graded(stiffness, basis.T @ mass @ basis, basis.T @ tip)
+
+    return kept(k, p.shape[1]), kept(few_u, few_p)
+
+
+def _wide(left: Floats, matrix: Sparse, right: Floats) -> Wide:
+    """Return leftᵀ matrix right of a symmetric matrix, the real part in long double.
+
+    A bimorph bends ten million times more easily than its elements stretch, so the energy of
+    bending is what is left of large terms; a peak magnifies what is lost by Q once more.
+    """
+    real = wide_product(matrix.real, left).T @ right.astype(np.longdouble)
+    if not np.iscomplexobj(matrix.data):
+        return np.asarray(real)
+    return np.asarray(real + 1j * ((matrix.imag @ left).T @ right))
+
+
+def _condensed(matrix: Wide, last: int) -> Wide:
+    """Eliminate the `last` unknowns (potentials, which have no mass)."""
+    if not last:
+        return matrix
+    a, b, c = matrix[:-last, :-last], matrix[:-last, -last:], matrix[-last:, -last:]
+    inverse = np.linalg.inv(c.astype(complex))
+    x = inverse @ b.T
+    x = x + inverse @ (b.T - c @ x)
+    return np.asarray(a - b @ x)
+
+
+def _graded(stiffness: Wide, mass: Floats, tip: Floats) -> PortModel:
+    """Change to unknowns in which nothing cancels, and round to double.
+
+    The inner ones become undamped modes; those of the base take the static deformation along
+    (Craig, Bampton), else their stiffness would be what is left of one layer of elements.
+    """
+    k = stiffness.shape[0] - 3
+    change = np.eye(k + 3)
+    modes, _ = undamped_modes(stiffness[:k, :k].real.astype(float), mass[:k, :k])
+    change[:k, :k] = modes
+    base = slice(k, k + 2)
+    change[:k, base] = -modes @ (modes.T @ stiffness[:k, base].real.astype(float))
+    small = (change.T @ stiffness @ change).astype(complex)
+    return PortModel(0.5 * (small + small.T), change.T @ mass @ change, change.T @ tip)
+
+
+def _basis(blocks: list[Complex], last: list[Complex], chosen: Bools) -> tuple[Floats, int]:
+    """Return a real orthonormal basis of the chosen rows of all blocks, zero in the others.
+
+    Also how many of its vectors precede those of `last`.
+    """
+    basis: Floats = np.zeros((np.count_nonzero(chosen), 0))
+    for block in blocks:
+        basis = _extended(basis, block[chosen])
+    before = basis.shape[1]
+    for block in last:
+        basis = _extended(basis, block[chosen])
+    spread = np.zeros((chosen.size, basis.shape[1]))
+    spread[chosen] = basis
+    return spread, before
+
+
+def _extended(basis: Floats, block: Complex) -> Floats:
+    """Extend a real orthonormal basis by the real and imaginary parts of a block."""
+    new = np.hstack([block.real, block.imag])
+    new = new / np.maximum(np.linalg.norm(new, axis=0), 1e-300)
+    for _ in range(2):  # twice is enough (Kahan, Parlett)
+        new = new - basis @ (basis.T @ new)
+    q, r, _ = _pivoted_qr(new)
+    kept = np.abs(np.diag(r)) > _NOISE
+    return np.hstack([basis, q[:, kept]])
+
+
+def _pivoted_qr(matrix: Floats) -> tuple[Floats, Floats, Ints]:
+    from scipy.linalg import qr
+
+    return qr(matrix, mode="economic", pivoting=True)  # type: ignore[no-any-return]

@@ -1,0 +1,95 @@
+"""A small system that answers at the ports of a solid: D(Ω) from its inner poles.
+
+Unknowns [q, w_base, ψ_base, U], all with mass but U.  Base and electrode held and the tip free,
+the inner response is G(Ω) = (K − Ω² M)⁻¹.  In the undamped modes (K' the real part of K)
+
+    Wᵀ K' W = 1,   Wᵀ M W = S²,   Wᵀ K W = P⁻¹,
+
+    G = P + Ω² P S (1 − Ω² C)⁻¹ S P   with   C = S P S = Y diag(μ) Y⁻¹,
+
+so after one small eigenvalue problem D(Ω) is a sum over the poles Ω² = 1/μ.  What base motion
+does statically and by its inertia is split off first, so that nothing cancels at 0 Hz.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from fem.bimorph.ports import ports_from_blocks
+from geometry.arrays import Complex, Floats
+from tmm.ports.multiport import Multiport
+
+
+@dataclass(frozen=True)
+class PortModel:
+    """Matrices over [q, w_base, ψ_base, U], symmetric; the last row is minus the charge.
+
+    Attributes
+    ----------
+    stiffness : (k + 3, k + 3) complex array
+        Its real part is positive definite over q.
+    mass : (k + 3, k + 3) array
+        Positive definite but for the row and column of U, which are zero.
+    tip : (k + 3, 2) array
+        Tip displacement and rotation from the unknowns.
+    """
+
+    stiffness: Complex
+    mass: Floats
+    tip: Floats
+
+    def multiport(self, frequencies: Floats) -> Multiport:
+        """Return D(Ω) (n, 5, 5), a few microseconds each."""
+        f = np.atleast_1d(np.asarray(frequencies, dtype=float))
+        p = self._poles
+        o2 = (2.0 * np.pi * f)[:, None] ** 2
+        g = ((o2 / (1.0 - o2 * p.mu)) @ p.products).reshape(-1, 5, 5) + p.still
+        o2 = o2[:, :, None]
+        held = p.static - o2 * p.inertia - o2**2 * g[:, :3, :3]
+        through = p.carried - o2 * g[:, :3, 3:]
+        follows = -through.transpose(0, 2, 1)
+        return Multiport(f, ports_from_blocks(held, through, follows, g[:, 3:, 3:]))
+
+    @cached_property
+    def _poles(self) -> _Poles:
+        k = self.stiffness.shape[0] - 3
+        modes, s2 = undamped_modes(self.stiffness[:k, :k].real, self.mass[:k, :k])
+        s = np.sqrt(s2)
+        p = np.linalg.inv(np.eye(k) + 1j * (modes.T @ self.stiffness[:k, :k].imag @ modes))
+        mu, y = np.linalg.eig(s[:, None] * p * s)
+        pull, drag = modes.T @ self.stiffness[:k, k:], modes.T @ self.mass[:k, k:]
+        follows = p @ pull
+        moved = drag - s2[:, None] * follows
+        loads = np.hstack([moved, modes.T @ self.tip[:k]])
+        left, right = (loads.T @ p * s) @ y, np.linalg.solve(y, s[:, None] * (p @ loads))
+        return _Poles(
+            mu=mu,
+            products=(left.T[:, :, None] * right[:, None, :]).reshape(k, 25),
+            still=np.asarray(loads.T @ p @ loads, dtype=complex),
+            static=self.stiffness[k:, k:] - pull.T @ follows,
+            inertia=self.mass[k:, k:] - drag.T @ follows - follows.T @ moved,
+            carried=follows.T @ loads[:, 3:] - self.tip[k:],
+        )
+
+
+@dataclass(frozen=True)
+class _Poles:
+    """D(Ω) as sums: `products` (k, 25) belong to the poles `mu`; the rest is constant."""
+
+    mu: Complex
+    products: Complex
+    still: Complex
+    static: Complex
+    inertia: Complex
+    carried: Complex
+
+
+def undamped_modes(stiffness: Floats, mass: Floats) -> tuple[Floats, Floats]:
+    """Return modes W (k, k) with Wᵀ K W = 1, and s² (k,) = 1/ω², lowest frequency first."""
+    lower = np.linalg.cholesky(stiffness)
+    inverse = np.linalg.inv(lower)
+    values, vectors = np.linalg.eigh(inverse @ mass @ inverse.T)
+    return inverse.T @ vectors[:, ::-1], np.maximum(values[::-1], 0.0)

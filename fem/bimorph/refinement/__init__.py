@@ -1,0 +1,1 @@
+"""Where a mesh of the solid must be finer."""

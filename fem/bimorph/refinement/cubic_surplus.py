@@ -1,0 +1,179 @@
+"""What quadratic tetrahedra miss: their residual against the cubics that they lack.
+
+A quadratic solution x of a(x, v) = f(v) leaves a residual r(v) = f(v) − a(x, v).  Tested with
+the cubic functions that quadratics lack (one on each edge, one on each face), and each of
+these functions taken alone, it gives the missing part e of the solution: one 4 x 4 system per
+function, over (u_x, u_y, u_z, φ).  The hierarchical estimator of Bank and Smith (SIAM J.
+Numer. Anal. 30, 1993); jumps of the stress between materials need no special care, since the
+residual knows nothing of smoothness.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fem.bimorph.system import VOIGT, Material, SolidSystem, materials
+from fem.elements.skfem_mesh import to_skfem
+from fem.elements.tet_quadrature import tet_rule
+from geometry.arrays import Floats, Ints
+from geometry.device.parameters import Device
+from geometry.meshing.mesh import Mesh
+
+#: Elements worked on at a time: bounds the memory.
+_CHUNK = 4000
+
+#: Gradients of the barycentric coordinates on the reference tetrahedron.
+_SLOPES = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+@dataclass(frozen=True)
+class CubicSurplus:
+    """Residuals against the missing cubics, and the parts of the solutions found from them.
+
+    Attributes
+    ----------
+    residual, missing : (n_functions, 4, n_fields) array
+        r(v) and e, the potential in the system's own unit.  e holds zero where the solution
+        is prescribed.
+    functions_of_cell : (10, n_cells) int array
+        The functions that live on each cell of the mesh.
+    """
+
+    residual: Floats
+    missing: Floats
+    functions_of_cell: Ints
+
+    def shares(self, i: int, j: int) -> Floats:
+        """Return the contributions (n_cells,) to r_i(e_j), each function's spread evenly."""
+        each = np.einsum("wp,wp->w", self.residual[:, :, i], self.missing[:, :, j])
+        cells = np.bincount(self.functions_of_cell.ravel(), minlength=each.size)
+        return np.asarray((each / np.maximum(cells, 1))[self.functions_of_cell].sum(axis=0))
+
+
+def cubic_surplus(
+    device: Device, mesh: Mesh, system: SolidSystem, fields: Floats, inertia: Floats, force: Floats
+) -> CubicSurplus:
+    """Return what the fields lack.
+
+    Parameters
+    ----------
+    device : Device
+        Materials and poling, as the system was assembled with.
+    mesh : Mesh
+        Tetrahedra, as the system was assembled on.
+    system : SolidSystem
+        Lossless.
+    fields : (n, n_fields) array
+        Solutions y of the system, in its own unknowns.
+    inertia : (n_fields,) array
+        Ω² (rad²/s²) of each: its load is Ω² times its mass, 0 at rest.
+    force : (n_fields,) array
+        Lateral force on the tip (N) of each, spread evenly over the tip face.
+    """
+    domain = to_skfem(mesh)
+    n_edges = domain.edges.shape[1]
+    unit = system.volts_per_unit
+    scale = np.array([1.0, 1.0, 1.0, 1.0 / unit])
+    nodal = (system.expand @ fields).reshape(4, -1, fields.shape[1]) * scale[:, None, None]
+    shape = (n_edges + domain.facets.shape[1], 4)
+    residual, diagonal = np.zeros((*shape, fields.shape[1])), np.zeros((*shape, 4))
+    functions = np.concatenate([domain.t2e, n_edges + domain.t2f])
+    known = materials(device, mesh.regions, device.piezo.ceramic(), lossy=False)
+    for region, material in known.items():
+        cells = domain.subdomains[region]
+        for start in range(0, cells.size, _CHUNK):
+            some = cells[start : start + _CHUNK]
+            r, d = _on_cells(domain, some, _tensor(material, unit), material, nodal, inertia)
+            np.add.at(residual, functions[:, some], r)
+            np.add.at(diagonal, functions[:, some], d)
+    tip = domain.boundaries["tip"]
+    a, b, c = (domain.p[:, domain.facets[k, tip]].T for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    # the integral of the face function is 1/60 of the triangle's area
+    residual[n_edges + tip, 0] += (area / area.sum() / 60.0)[:, None] * force
+    _prescribe(residual, diagonal, slice(0, 3), _on_faces(domain, ["base"]))
+    electrodes = _on_faces(domain, [name for name in mesh.faces if name.startswith("electrode")])
+    without_field = np.flatnonzero(diagonal[:, 3, 3] == 0.0)
+    _prescribe(residual, diagonal, slice(3, 4), np.union1d(electrodes, without_field))
+    return CubicSurplus(residual, np.linalg.solve(diagonal, residual), functions)
+
+
+def _tensor(material: Material, unit: float) -> Floats:
+    """Return C (4, 3, 4, 3): flux (p, a) = C grad (q, b) of (u_x, u_y, u_z, φ / unit)."""
+    tensor = np.zeros((4, 3, 4, 3))
+    tensor[:3, :, :3, :] = material.c[VOIGT[:, :, None, None], VOIGT[None, None]]
+    if material.piezo is not None:
+        e = unit * material.piezo.e[:, VOIGT]
+        tensor[:3, :, 3, :] = np.moveaxis(e, 0, 2)
+        tensor[3, :, :3, :] = e
+        tensor[3, :, 3, :] = -(unit**2) * material.piezo.eps
+    return tensor
+
+
+def _on_cells(
+    domain: Any, cells: Ints, tensor: Floats, material: Material, nodal: Floats, inertia: Floats
+) -> tuple[Floats, Floats]:
+    """Return residuals (10, n_cells, 4, n_fields) and diagonal blocks (10, n_cells, 4, 4)."""
+    from skfem import Basis, ElementTetP2
+
+    at, weights = tet_rule()
+    basis = Basis(domain, ElementTetP2(), quadrature=(at, weights), elements=cells)
+    values, slopes = _cubics(at, domain.refdom.edges, domain.refdom.facets)
+    corners = domain.t[:, cells]
+    ends = np.array(domain.refdom.edges)
+    # an edge's function is odd along it: the same way round in all its elements
+    sign = np.ones((10, cells.size))
+    sign[:6] = np.where(corners[ends[:, 0]] < corners[ends[:, 1]], 1.0, -1.0)
+    inverse = basis.mapping.invDF(at, tind=cells)
+    slopes = np.einsum("wbn,batn,wt->watn", slopes, inverse, sign, optimize=True)
+    gram = np.einsum("watn,wbtn,tn->wtab", slopes, slopes, basis.dx, optimize=True)
+    blocks = np.einsum("paqb,wtab->wtpq", tensor, gram, optimize=True)
+    residuals = np.zeros((10, cells.size, 4, nodal.shape[2]))
+    for k, square in enumerate(inertia):
+        found = [basis.interpolate(nodal[p, :, k]) for p in range(4)]
+        gradient = np.stack([f.grad for f in found])
+        flux = np.einsum("paqb,qbtn,tn->patn", tensor, gradient, basis.dx, optimize=True)
+        residuals[..., k] = -np.einsum("patn,watn->wtp", flux, slopes, optimize=True)
+        if square > 0.0:
+            moving = np.stack([np.asarray(f) for f in found[:3]])
+            load = square * material.density * moving * basis.dx
+            residuals[:, :, :3, k] += np.einsum("ptn,wn,wt->wtp", load, values, sign, optimize=True)
+    return residuals, blocks
+
+
+def _cubics(at: Floats, edges: Any, facets: Any) -> tuple[Floats, Floats]:
+    """Return values (10, n) and reference gradients (10, 3, n) of edge and face functions."""
+    b = np.stack([1.0 - at.sum(axis=0), *at])
+    values, by_coordinate = [], []
+    for i, j in edges:
+        values.append(b[i] * b[j] * (b[i] - b[j]))
+        by_coordinate.append({i: 2.0 * b[i] * b[j] - b[j] ** 2, j: b[i] ** 2 - 2.0 * b[i] * b[j]})
+    for i, j, k in facets:
+        values.append(b[i] * b[j] * b[k])
+        by_coordinate.append({i: b[j] * b[k], j: b[i] * b[k], k: b[i] * b[j]})
+    slopes = [sum(np.outer(_SLOPES[i], d) for i, d in each.items()) for each in by_coordinate]
+    return np.array(values), np.array(slopes)
+
+
+def _on_faces(domain: Any, names: list[str]) -> Ints:
+    """Return the functions on the edges and faces of named boundaries."""
+    facets = np.unique(np.concatenate([domain.boundaries[name] for name in names]))
+    corners = np.sort(domain.facets[:, facets], axis=0)
+    pairs = np.hstack([corners[[0, 1]], corners[[1, 2]], corners[[0, 2]]])
+    ends = np.sort(domain.edges, axis=0)
+    stride = int(ends.max()) + 1
+    keys = ends[0] * stride + ends[1]
+    order = np.argsort(keys)
+    edges = order[np.searchsorted(keys, pairs[0] * stride + pairs[1], sorter=order)]
+    return np.concatenate([np.unique(edges), ends.shape[1] + facets])
+
+
+def _prescribe(residual: Floats, diagonal: Floats, parts: slice, functions: Ints) -> None:
+    """Make the given components of functions zero: nothing is missing where all is given."""
+    residual[functions, parts] = 0.0
+    diagonal[functions, parts, :] = diagonal[functions, :, parts] = 0.0
+    for p in range(4)[parts]:
+        diagonal[functions, p, p] = 1.0

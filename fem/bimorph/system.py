@@ -1,0 +1,159 @@
+"""The assembled piezoelectric solid as a value, and the tensors of its regions.
+
+Which elements it came from does not matter to anyone who asks it for ports or modes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from fem.bimorph.bordered import PORTS, Bordered
+from fem.solvers.linear_solver import Factor, factorise
+from geometry.arrays import Floats, Ints, Numbers, Sparse
+from geometry.device.materials import (
+    Piezoceramic,
+    PiezoTensors,
+    isotropic_stiffness,
+    orthotropic_stiffness,
+)
+from geometry.device.parameters import Device
+
+#: The motions of a body with two planes of symmetry: bending in x is odd in x and even in
+#: y, and the only one that the ports take part in.  ``all`` is a body taken whole.
+Motion = Literal["all", "bending_x", "bending_y", "torsion", "axial"]
+
+#: Voigt index of a pair of axes.
+VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+
+
+@dataclass(frozen=True)
+class SolidSystem:
+    """Assembled solid over y = [free displacements and potentials, w_base, ψ_base, U].
+
+    Attributes
+    ----------
+    stiffness : Bordered
+        Symmetric indefinite; complex when lossy.  Its last row is minus the charge.
+    mass : Bordered
+        Zero in the rows of potentials.
+    tip : (n, 2) array
+        Columns give tip displacement and tip rotation from y, and port forces to y.
+    expand : (4 * n_nodes, n) sparse
+        All of (u_x, u_y, u_z, φ) at the nodes from y, in metres and volts.
+    nodes : (n_nodes, 3) array
+        Where the nodes are (m).
+    node_mass : (n_nodes,) array
+        Lumped mass (kg), for weighing modes.
+    potentials : int
+        Number of free potential unknowns.
+    volts_per_unit : float
+        Size of the potential's unit (V); U is in volts all the same.
+    motion : str
+        The motions that it can make.  Those that the ports take no part in leave the last
+        three rows empty.
+    related : callable, optional
+        Gives the same body in another class of motion; None for a body taken whole.
+    elimination : (n - 3,) int array, optional
+        A good order in which to eliminate all but the last three unknowns.
+    """
+
+    stiffness: Bordered
+    mass: Bordered
+    tip: Floats
+    expand: Sparse
+    nodes: Floats
+    node_mass: Floats
+    potentials: int
+    volts_per_unit: float
+    motion: Motion = "all"
+    related: Callable[[Motion], SolidSystem] | None = None
+    elimination: Ints | None = None
+
+    @property
+    def has_ports(self) -> bool:
+        """Whether base, tip and electrodes can act on these motions."""
+        return self.motion in ("all", "bending_x")
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self.inner + PORTS
+
+    @property
+    def inner(self) -> int:
+        """Number of unknowns less the ports."""
+        return int(self.stiffness.inner.shape[0])
+
+    @property
+    def lossy(self) -> bool:
+        """Whether the stiffness is complex."""
+        return np.iscomplexobj(self.stiffness.inner.data)
+
+    @cached_property
+    def spurious_stiffness(self) -> float:
+        """Stiffness (N/m) by which rounding of the matrix may change that of bending.
+
+        A translation in x needs no force; this is the sum of those it seems to need at all
+        unknowns.  In a slender body, (L/h)⁴ times stiffer across than in bending, it counts.
+        """
+        n = self.nodes.shape[0]
+        moved = np.asarray(np.abs(self.expand[:n]).sum(axis=0)).ravel() > 0.0
+        forces = self.stiffness.wide_product(moved.astype(np.longdouble))
+        return float(np.abs(forces.real[moved]).sum())
+
+    @property
+    def held(self) -> Sparse:
+        """The stiffness with base and electrodes held: all but the last three unknowns."""
+        return self.stiffness.inner
+
+    @cached_property
+    def held_factor(self) -> Factor:
+        """The factor of :attr:`held`: statics and all modes come from this one."""
+        return factorise(self.held, order=self.elimination)
+
+
+@dataclass(frozen=True)
+class Material:
+    """Tensors of one region; `piezo` None where there is no field."""
+
+    c: Numbers
+    density: float
+    piezo: PiezoTensors | None = None
+
+
+def materials(
+    device: Device, regions: tuple[str, ...], ceramic: Piezoceramic, *, lossy: bool
+) -> dict[str, Material]:
+    """Return the material of each region (SI, in the device's axes, with the device's poling)."""
+    tensors = ceramic.tensors(lossy=lossy)
+    turned = PiezoTensors(tensors.c, device.bimorph.poling_sign * tensors.e, tensors.eps)
+    piezo = Material(tensors.c, ceramic.density, turned)
+    shim, glue, rod = device.shim, device.glue, device.rod
+    across = shim.transverse_modulus or 2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus
+    known = {
+        "piezo": piezo,
+        "piezo_top": piezo,
+        "piezo_bottom": piezo,
+        "shim": Material(
+            orthotropic_stiffness(
+                shim.youngs_modulus, across, shim.shear_modulus, shim.poisson_ratio
+            ),
+            shim.density,
+        ),
+        "glue": Material(
+            isotropic_stiffness(glue.youngs_modulus, glue.poisson_ratio), glue.density
+        ),
+        "rod": Material(isotropic_stiffness(rod.youngs_modulus, rod.poisson_ratio), rod.density),
+    }
+    return {region: known[region] for region in regions}
+
+
+def volts_per_unit(known: dict[str, Material]) -> float:
+    """Return the voltage whose field energy is that of a unit displacement's strain energy."""
+    piezo = next(m.piezo for m in known.values() if m.piezo is not None)
+    return float(np.sqrt(np.abs(piezo.c[0, 0] / piezo.eps[0, 0])))

@@ -1,0 +1,1 @@
+"""Bases, quadrature, edge elements, assembly on a fixed pattern: no physics."""

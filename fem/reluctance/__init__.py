@@ -1,0 +1,1 @@
+"""The nonlinear magnetic field of the normal actuator."""

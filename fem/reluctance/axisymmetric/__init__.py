@@ -1,0 +1,1 @@
+"""The field in the half section."""

@@ -1,0 +1,243 @@
+"""Shape functions on an axisymmetric grid, tabulated for the unknown u = A_φ / r.
+
+Functions and their curls at the quadrature points, flux linkages, where the cells'
+matrices go.  scikit-fem gives functions and numbering; its hierarchical functions of
+order p − 1 are among those of order p.  No material, no solution.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Floats, Ints, Sparse
+from geometry.reluctance.section_grid import Grid
+
+
+@dataclass(frozen=True, eq=False)
+class Discretisation:
+    """Shape functions of one order on one grid, as tables at the quadrature points.
+
+    Shapes: n_e cells (r slow, z fast), n_q points per cell, n_b functions per cell.
+
+    Parameters
+    ----------
+    grid, order
+        What it was made from.
+    cell_dofs : (n_e, n_b) int
+        Unknown of each function.
+    curl_r, curl_z : (n_e, n_q, n_b) float
+        B_r and B_z of each function.
+    volumes : (n_e, n_q) float
+        2π r × quadrature weight (m³).
+    radii, levels : (n_e, n_q) float
+        Where the points are: r (m), and the height in the cell from 0 to 1.
+    loads : (n_coils, n_e, n_b) float
+        Flux linkage of each function of each cell.
+    free : (n_free,) int
+        Unknowns not held at 0 by the boundary.
+    pattern : Pattern
+        Where the cells' matrices go.
+    """
+
+    grid: Grid
+    order: int
+    cell_dofs: Ints
+    curl_r: Floats
+    curl_z: Floats
+    volumes: Floats
+    radii: Floats
+    levels: Floats
+    loads: Floats
+    free: Ints
+    pattern: Pattern
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns, held ones included."""
+        return int(self.cell_dofs.max()) + 1
+
+    @cached_property
+    def cell_labels(self) -> Ints:
+        """Region of each cell (n_e,), −1 for air."""
+        return self.grid.labels.ravel()
+
+    @cached_property
+    def linkage(self) -> Floats:
+        """Flux linkage of each unknown, (n_coils, n_dofs)."""
+        return np.array([gathered(self.cell_dofs, load, self.size) for load in self.loads])
+
+    @cached_property
+    def heights(self) -> Floats:
+        """Height of each cell (n_e,) in m."""
+        return np.tile(np.diff(self.grid.z), self.grid.r.size - 1)
+
+    @property
+    def elevations(self) -> Floats:
+        """Height z of the quadrature points (n_e, n_q) in m."""
+        low = np.tile(self.grid.z[:-1], self.grid.r.size - 1)
+        return low[:, None] + self.heights[:, None] * self.levels
+
+    def moved(self, displacement: float) -> Discretisation:
+        """Return the same functions on the grid whose moving regions rose (m).
+
+        Only cell heights change: ∂/∂z with their inverse, volumes with them.
+        """
+        grid = self.grid.moved(displacement)
+        ratio = np.tile(np.diff(grid.z), grid.r.size - 1) / self.heights
+        return replace(
+            self,
+            grid=grid,
+            curl_r=self.curl_r / ratio[:, None, None],
+            volumes=self.volumes * ratio[:, None],
+            loads=self.loads * ratio[:, None],
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Compressed rows of the system matrix; `slots` says which entry each cell's entry joins."""
+
+    indptr: Ints
+    indices: Ints
+    slots: Ints
+    kept: Ints
+
+    def matrix(self, cells: Floats) -> Sparse:
+        """Return the sum of the cells' matrices (n_e, n_b, n_b) as CSR over the free unknowns."""
+        from scipy import sparse
+
+        data = np.bincount(self.slots, cells.ravel()[self.kept], minlength=self.indices.size)
+        n = self.indptr.size - 1
+        return sparse.csr_matrix((data, self.indices, self.indptr), shape=(n, n))
+
+
+def discretise(
+    grid: Grid, order: int, closed: tuple[str, ...] = ("outer", "bottom", "top")
+) -> Discretisation:
+    """Put shape functions on a grid.
+
+    Parameters
+    ----------
+    grid : Grid
+        Lines and regions.
+    order : int
+        Polynomial order in each direction, at least 1.
+    closed : tuple of {"outer", "bottom", "top"}
+        Sides that no flux crosses (A_φ = 0); on the others the tangential H is zero.
+    """
+    from skfem import Basis, ElementQuadP, MeshQuad
+
+    # scikit-fem recommends its nodal elements for low orders; those are not nested
+    logging.getLogger(ElementQuadP.__module__).setLevel(logging.ERROR)
+    mesh = MeshQuad.init_tensor(grid.r, grid.z)
+    basis = Basis(mesh, ElementQuadP(order), intorder=quadrature_order(order))
+    cells = cells_in_order(grid, mesh)
+    r, z = (x[cells] for x in np.asarray(basis.global_coordinates()))
+    shape = np.stack([np.broadcast_to(np.asarray(b[0]), basis.dx.shape) for b in basis.basis], -1)[
+        cells
+    ]
+    slope_r, slope_z = (np.stack([b[0].grad[i] for b in basis.basis], -1)[cells] for i in (0, 1))
+    volumes = 2.0 * np.pi * r * basis.dx[cells]
+    low, height = (np.tile(x, grid.r.size - 1) for x in (grid.z[:-1], np.diff(grid.z)))
+    labels = grid.labels.ravel()
+    linked = np.einsum("eqb,eq->eb", shape, r * volumes)
+    loads = [
+        np.where((labels == index)[:, None], region.turns / region.section * linked, 0.0)
+        for index, region in enumerate(grid.regions)
+        if region.turns
+    ]
+    cell_dofs = np.asarray(basis.element_dofs.T[cells], dtype=np.int64)
+    free = np.setdiff1d(np.arange(basis.N), _held(basis, grid, closed))
+    return Discretisation(
+        grid=grid,
+        order=order,
+        cell_dofs=cell_dofs,
+        curl_r=-r[..., None] * slope_z,
+        curl_z=2.0 * shape + r[..., None] * slope_r,
+        volumes=volumes,
+        radii=r,
+        levels=(z - low[:, None]) / height[:, None],
+        loads=np.array(loads).reshape(-1, *linked.shape),
+        free=free,
+        pattern=_pattern(cell_dofs, free),
+    )
+
+
+def cells_in_order(grid: Grid, mesh: Any) -> Ints:
+    """Return the mesh's cells sorted by r, then z."""
+    low = mesh.p[:, mesh.t].min(axis=1)
+    columns, rows = np.searchsorted(grid.r, low[0]), np.searchsorted(grid.z, low[1])
+    return np.asarray(np.lexsort((rows, columns)))
+
+
+def quadrature_order(order: int) -> int:
+    """Return the degree to integrate exactly: r³ × (order p)² along r for linear material."""
+    return 2 * order + 3
+
+
+def _held(basis: Any, grid: Grid, closed: tuple[str, ...]) -> Ints:
+    sides = {"outer": (0, grid.r[-1]), "bottom": (1, grid.z[0]), "top": (1, grid.z[-1])}
+    held = [
+        basis.get_dofs(
+            basis.mesh.facets_satisfying(
+                lambda x, axis=axis, at=at: x[axis] == at, boundaries_only=True
+            )
+        ).all()
+        for axis, at in (sides[side] for side in closed)
+    ]
+    return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *held]))
+
+
+def _pattern(cell_dofs: Ints, free: Ints) -> Pattern:
+    number = np.full(int(cell_dofs.max()) + 1, -1, dtype=np.int64)
+    number[free] = np.arange(free.size)
+    local = number[cell_dofs]
+    rows, columns = np.broadcast_arrays(local[:, :, None], local[:, None, :])
+    kept = np.flatnonzero((rows.ravel() >= 0) & (columns.ravel() >= 0))
+    keys = rows.ravel()[kept] * free.size + columns.ravel()[kept]
+    entries, slots = np.unique(keys, return_inverse=True)
+    counts = np.bincount(entries // free.size, minlength=free.size)
+    indptr = np.concatenate([[0], np.cumsum(counts)])
+    return Pattern(indptr, entries % free.size, slots, kept)
+
+
+def gathered(cell_dofs: Ints, values: Floats, size: int) -> Floats:
+    """Return the sum (size,) of the cells' vectors (n_e, n_b)."""
+    summed = np.bincount(cell_dofs.ravel(), values.ravel(), minlength=size)
+    return np.asarray(summed, dtype=float)
+
+
+def lowered(fine: Discretisation) -> tuple[Discretisation, Ints]:
+    """Return the functions one order lower, and which unknowns of `fine` theirs are.
+
+    The tables are parts of the finer ones, at the same quadrature points.
+    """
+    place = {mode: i for i, mode in enumerate(_modes(fine.order))}
+    local = [place[mode] for mode in _modes(fine.order - 1)]
+    kept, cell_dofs = np.unique(fine.cell_dofs[:, local], return_inverse=True)
+    cell_dofs = cell_dofs.reshape(-1, len(local))
+    free = np.flatnonzero(np.isin(kept, fine.free))
+    coarse = replace(
+        fine,
+        order=fine.order - 1,
+        cell_dofs=cell_dofs,
+        curl_r=fine.curl_r[..., local],
+        curl_z=fine.curl_z[..., local],
+        loads=fine.loads[..., local],
+        free=free,
+        pattern=_pattern(cell_dofs, free),
+    )
+    return coarse, kept
+
+
+def _modes(order: int) -> list[tuple[int, ...]]:
+    """Return what tells the functions of a cell apart, in scikit-fem's order."""
+    inner = range(2, order + 1)
+    corners = [(corner,) for corner in range(4)]
+    sides = [(side, degree) for side in range(4) for degree in inner]
+    return [*corners, *sides, *((0, a, b) for a in inner for b in inner)]

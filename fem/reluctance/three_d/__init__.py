@@ -1,0 +1,1 @@
+"""The field in 3D, by vector and by scalar potential."""

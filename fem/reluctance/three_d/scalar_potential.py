@@ -1,0 +1,116 @@
+"""Magnetic field by the scalar potential: H = T0 − grad φ with quadratic nodal elements.
+
+Weak form, for all ψ:   ∫ B(T0 − grad φ)·grad ψ dV = 0,
+which is where the co-energy ∫ w'(T0 − grad φ) dV is least (w' = ∫ B·dH).
+
+The discrete H has the right curl and the discrete co-energy is too large: with the vector
+potential, whose co-energy is too small, the exact one is enclosed.
+
+T0 should vanish in iron, or be there the gradient of what the elements can represent:
+where the two nearly cancel, T0's interpolation error would be the field.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fem.elements.pattern import FieldKernel
+from fem.reluctance.iron import coenergy_density, flux_from_field, permeability_tensor
+from fem.reluctance.three_d.problem import MagneticField, SampledSolid
+from fem.solvers.linear_solver import factorise
+from fem.solvers.newton import minimise
+from geometry.arrays import Floats, Ints, Sparse
+
+
+class ScalarPotential:
+    """The problem assembled for φ; solve as many currents as wanted."""
+
+    def __init__(self, solid: SampledSolid) -> None:
+        from skfem import Basis, ElementTetP2
+
+        self._solid = solid
+        basis = Basis(solid.domain, ElementTetP2(), mapping=solid.mapping, intorder=2)
+        self._gradient = gradient_kernel(solid, basis, _free(solid, basis))
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self._gradient.size
+
+    def solve(self, current: float, start: MagneticField | None = None) -> MagneticField:
+        """Return the field at `current` ampere-turns; as :meth:`VectorPotential.solve`."""
+        energy = _ScalarEnergy(self._solid, self._gradient, current)
+        # H = T0 − grad φ keeps its shape from current to current only if φ grows with T0
+        first = (
+            energy.unsaturated()
+            if start is None or start.current == 0.0
+            else start.potential * (current / start.current)
+        )
+        found = minimise(energy, first)
+        h = energy.field(found.x)
+        return MagneticField(
+            solid=self._solid,
+            current=current,
+            potential=found.x,
+            flux_density=flux_from_field(self._solid.iron, h),
+            field_strength=h,
+            iterations=found.steps,
+        )
+
+
+def gradient_kernel(solid: SampledSolid, basis: Any, free: Ints) -> FieldKernel:
+    """Return the kernel of the gradients of quadratic nodal functions."""
+    local = [basis.elem.lbasis(solid.reference_points, i)[1] for i in range(10)]
+    inverse = np.linalg.inv(solid.jacobians)
+    return FieldKernel(
+        np.array(local),
+        np.swapaxes(inverse, -1, -2),
+        solid.weights,
+        np.ascontiguousarray(basis.element_dofs.T),
+        free,
+    )
+
+
+def _free(solid: SampledSolid, basis: Any) -> Ints:
+    """Return all unknowns but those of flux-normal walls, or but one if there is no such wall."""
+    normal = solid.problem.flux_normal
+    if not normal:
+        return np.arange(1, basis.N)
+    held = [basis.get_dofs(name).flatten() for name in normal]
+    return np.setdiff1d(np.arange(basis.N), np.concatenate(held))
+
+
+class _ScalarEnergy:
+    """∫ w'(T0 − grad φ) dV."""
+
+    def __init__(self, solid: SampledSolid, gradient: FieldKernel, current: float) -> None:
+        self._solid, self._gradient = solid, gradient
+        self._source = current * solid.source
+
+    def field(self, x: Floats) -> Floats:
+        """Return H (n_cells, n_points, 3) in A/m."""
+        return self._source - self._gradient.field(x)
+
+    def value(self, x: Floats) -> float:
+        density = coenergy_density(self._solid.iron, self.field(x))
+        return float(np.sum(self._solid.weights * density))
+
+    scale = value
+
+    def gradient(self, x: Floats) -> Floats:
+        return -self._gradient.functional(flux_from_field(self._solid.iron, self.field(x)))
+
+    def hessian(self, x: Floats) -> Sparse:
+        return self._gradient.matrix(permeability_tensor(self._solid.iron, self.field(x)))
+
+    def unsaturated(self) -> Floats:
+        """Return the potential of the same iron with its initial permeability throughout.
+
+        From φ = 0 the iron would see T0 alone and seem saturated where it is not.
+        """
+        tensor = permeability_tensor(self._solid.iron, np.zeros_like(self._source))
+        driven = np.einsum("cqab,cqb->cqa", tensor, self._source)
+        stiffness = factorise(self._gradient.matrix(tensor), definite=True)
+        return stiffness.solve(self._gradient.functional(driven))

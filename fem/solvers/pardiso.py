@@ -1,0 +1,196 @@
+"""Pardiso of Intel's MKL by ctypes: one symmetric sparsity pattern, its factors, solutions.
+
+The library comes with the mkl wheel.  No scaling, no judgement of the answers: that is
+:mod:`fem.solvers.linear_solver`.
+
+Fill-reducing ordering and symbolic factorisation (phase 11) look at the pattern only, so
+they stay valid for every matrix that has it.  Weighted matching permutes by value, so with
+it every factorisation orders anew.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from functools import cache
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.solvers.threads import thread_count
+from geometry.arrays import Ints
+
+Array: TypeAlias = NDArray[Any]
+
+#: With fewer stored entries than this, a second thread costs more than it brings.
+_WORTH_THREADS = 100_000
+
+
+class PardisoError(RuntimeError):
+    """Pardiso reported an error; the message says which."""
+
+
+class Pardiso:
+    """Factors of symmetric matrices that share one pattern.
+
+    Parameters
+    ----------
+    starts, columns : (n + 1,) int, (n_entries,) int
+        Compressed rows of the upper triangle, columns sorted, every diagonal entry there.
+    complex_numbers : bool
+        Whether entries are complex.
+    definite : bool
+        Real positive definite (matrix type 2) instead of real indefinite (−2); complex
+        symmetric is always 6.
+    matching : bool
+        Weighted matching and scaling, for matrices on whose diagonal there is little.
+    order : (n,) int array, optional
+        The unknowns in the order of their elimination; found by nested dissection if not given.
+
+    Attributes
+    ----------
+    negative_pivots : int or None
+        Number of negative pivots; None for complex matrices, where there is no sign.
+    perturbed_pivots : int
+        Pivots that were too small and were replaced.
+    """
+
+    negative_pivots: int | None = None
+    perturbed_pivots = 0
+
+    def __init__(
+        self,
+        starts: Ints,
+        columns: Ints,
+        *,
+        complex_numbers: bool,
+        definite: bool = False,
+        matching: bool = False,
+        order: Ints | None = None,
+    ) -> None:
+        self._complex = complex_numbers
+        self._definite = definite and not complex_numbers
+        self._matching = matching
+        self._kind = ctypes.c_int(6 if complex_numbers else 2 if definite else -2)
+        self._n = ctypes.c_int(starts.size - 1)
+        self._indptr = np.ascontiguousarray(starts, dtype=np.int32)
+        self._indices = np.ascontiguousarray(columns, dtype=np.int32)
+        self._data = np.zeros(0)
+        self._handle = np.zeros(64, dtype=np.int64)
+        self._control = _control(definite=self._definite, matching=matching)
+        self._order = None if order is None else np.ascontiguousarray(order, dtype=np.int32)
+        self._control[4] = int(order is not None)  # ordered by us
+        self._ordered = False
+        weakref.finalize(self, _release, self._handle, self._kind, self._n, self._control)
+
+    def factorise(self, data: Array) -> None:
+        """Factorise the matrix with entries `data`, in the order of the pattern.
+
+        Raises
+        ------
+        PardisoError
+            If the pattern cannot be ordered, memory runs out, or a pivot is zero, or not
+            positive where the matrix was said to be definite.
+        """
+        # kept: Pardiso reads the entries again when it refines a solution
+        self._data = np.ascontiguousarray(data, dtype=complex if self._complex else float)
+        if not self._ordered:
+            self._call(11)
+            self._ordered = not self._matching
+        self._call(22)
+        self.perturbed_pivots = int(self._control[13])
+        if not self._complex:
+            self.negative_pivots = 0 if self._definite else int(self._control[22])
+
+    def solve(self, right: Array) -> Array:
+        """Return A⁻¹ right for right (n, k) of the matrix's own type."""
+        columns = np.asfortranarray(right, dtype=self._data.dtype)
+        out = np.zeros_like(columns, order="F")
+        self._call(33, columns, out)
+        return out
+
+    def _call(self, phase: int, right: Array | None = None, out: Array | None = None) -> None:
+        library = mkl()
+        assert library is not None
+        columns = 1 if right is None else right.shape[1]
+        error = ctypes.c_int(0)
+        one, quiet = ctypes.c_int(1), ctypes.c_int(0)
+        few = self._indices.size < _WORTH_THREADS
+        before = library.MKL_Set_Num_Threads_Local(1 if few else thread_count() or 0)
+        library.pardiso(
+            _pointer(self._handle),
+            ctypes.byref(one),
+            ctypes.byref(one),
+            ctypes.byref(self._kind),
+            ctypes.byref(ctypes.c_int(phase)),
+            ctypes.byref(self._n),
+            _pointer(self._data),
+            _pointer(self._indptr),
+            _pointer(self._indices),
+            None if self._order is None else _pointer(self._order),
+            ctypes.byref(ctypes.c_int(columns)),
+            _pointer(self._control),
+            ctypes.byref(quiet),
+            None if right is None else _pointer(right),
+            None if out is None else _pointer(out),
+            ctypes.byref(error),
+        )
+        library.MKL_Set_Num_Threads_Local(before)
+        if error.value != 0:
+            raise PardisoError(_MESSAGES.get(error.value, f"Pardiso error {error.value}"))
+
+
+@cache
+def mkl() -> ctypes.CDLL | None:
+    """Load MKL's single dynamic library from the installed wheel, if there is one."""
+    from importlib.metadata import PackageNotFoundError, files
+
+    try:
+        found = [f for f in files("mkl") or [] if f.name.startswith("libmkl_rt")]
+    except PackageNotFoundError:
+        return None
+    for entry in found:
+        try:
+            return ctypes.CDLL(str(entry.locate()))
+        except OSError:
+            continue
+    return None
+
+
+_MESSAGES = {
+    -2: "Pardiso ran out of memory; use a coarser mesh",
+    -3: "Pardiso could not order the matrix",
+    -4: "the matrix is singular (a part that nothing holds, or an electrode with no material)",
+    -7: "the matrix has a singular diagonal",
+}
+
+
+def _control(*, definite: bool, matching: bool) -> Array:
+    """Return Pardiso's control array (iparm, here counted from 0); what is not named keeps 0."""
+    p = np.zeros(64, dtype=np.int32)
+    p[0] = 1  # the values below are ours
+    p[1] = 2  # nested dissection
+    p[7] = 0  # refine only if a pivot had to be perturbed: five times cheaper solves
+    p[9] = 13  # perturb pivots below 1e-13 of the norm
+    p[10] = p[12] = int(matching)  # scaling, weighted matching
+    p[20] = int(not definite)  # 1x1 and 2x2 (Bunch-Kaufman) pivots
+    p[34] = 1  # indices start at 0
+    return p
+
+
+def _pointer(array: Array) -> ctypes.c_void_p:
+    return array.ctypes.data_as(ctypes.c_void_p)
+
+
+def _release(handle: Array, kind: ctypes.c_int, n: ctypes.c_int, control: Array) -> None:
+    """Free the factor's memory when its object dies."""
+    library = mkl()
+    if library is None or not handle.any():
+        return
+    one, quiet, phase, error = (ctypes.c_int(v) for v in (1, 0, -1, 0))
+    library.pardiso(
+        _pointer(handle), ctypes.byref(one), ctypes.byref(one), ctypes.byref(kind),
+        ctypes.byref(phase), ctypes.byref(n), None, None, None, None, ctypes.byref(one),
+        _pointer(control), ctypes.byref(quiet), None, None, ctypes.byref(error),
+    )  # fmt: skip
