@@ -12,7 +12,7 @@ from tmm.reluctance.coenergy.range import map_grid
 from tmm.reluctance.coil_heat import thermal_statement
 from tmm.reluctance.network import network_bridge, network_samples
 from tmm.reluctance.switching import finger_force, switching
-from validation.scene import load_scene
+from validation.scene.scene import load_scene
 
 device = load_scene("reluctance")[0].device
 pull = fit(network_samples(device, *map_grid(device)))

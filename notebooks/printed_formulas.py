@@ -11,8 +11,8 @@ import numpy as np
 
 from tmm.beam.printed_formulas import MISPRINTS, from_dynamic_stiffness, matrix_a
 from tmm.beam.transfer.transfer_matrix import multiport, sections
-from validation.audit import AT, audit
-from validation.scene import load_scene
+from validation.checks.paper.audit import AT, audit
+from validation.scene.scene import load_scene
 
 scene, _ = load_scene("paper")
 result = audit(scene)

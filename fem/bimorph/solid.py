@@ -44,8 +44,8 @@ def assemble(
 ) -> SolidSystem:
     """Assemble the solid model of `device` on `mesh`, all that its ports can move.
 
-    Bricks are the business of :mod:`fem.bimorph.bricks.assembly`; other cells are scikit-fem's: quadratic
-    tetrahedra of ten nodes, and hexahedra of twenty.
+    Bricks are the business of :mod:`fem.bimorph.bricks.assembly`; other cells are scikit-fem's:
+    quadratic tetrahedra of ten nodes, and hexahedra of twenty.
 
     Parameters
     ----------

@@ -25,6 +25,9 @@ GROWTH = 1.0
 #: A moved grid is good until a cell is this much higher than where it was graded.
 _STRETCH = 2.0
 
+#: Air around the device (m), 26 times its diameter: costs a few lines.
+OUTER_RADIUS = 60e-3
+
 
 @dataclass(frozen=True)
 class Region:

@@ -10,12 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.actuator import OUTER_RADIUS
 from geometry.arrays import Floats, Ints
 from geometry.device.parameters import Device
 from geometry.meshing.mesh import Mesh
 from geometry.meshing.swept_tets import swept_tetrahedra
-from geometry.reluctance.section_grid import Grid, Region, graded_grid
+from geometry.reluctance.section_grid import OUTER_RADIUS, Grid, Region, graded_grid
 from geometry.reluctance.section_regions import actuator_regions
 from geometry.reluctance.tets import REGIONS
 

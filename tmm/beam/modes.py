@@ -1,7 +1,7 @@
 """All lossless bending modes of a row of beams, none missed, to the rounding of the row.
 
-With its ends attached and in the units of :mod:`tmm.beam.transfer.scattering`, a lossless row has a real
-symmetric dynamic stiffness E(Ω).  Its eigenvalues e_i fall with frequency; each is taken as an
+With its ends attached and in the units of :mod:`tmm.beam.transfer.scattering`, a lossless row has a
+real symmetric dynamic stiffness E(Ω).  Its eigenvalues e_i fall with frequency; each is taken as an
 angle, e_i = cot θ_i, and followed through infinity, where the row vibrates with its ends held:
 
     Θ = Σ θ_i + π (modes with ends held),   modes below Ω = (Θ − Σ θ_i)/π + #(e_i < 0)

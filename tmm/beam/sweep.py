@@ -8,15 +8,16 @@ in EI/l³ and EI/l), Cramer's rule gives tip displacement and ψ_tip − ψ_base
     P = det(D + κ) Δ = Σ κ-products · (minor of D without the held rows) Δ,
 
 and each minor of D times Δ = E O is again entire, a product of the functions of
-:mod:`tmm.beam.transfer.span`: free ends β⁴E'O', one end's w held −½(c₁c₂O' + β⁴g S₁S₂E'), cantilever
-¼(c₁²c₂² − β⁴g S₁²S₂² + 2β⁴XY − β⁴E'O − O'E), and so on (g = 1 − ρI Ω²/GA).  The voltage drives
-only the even part, hence N.  V is the derivative of P to twice the even part's c₁c₂/E.
+:mod:`tmm.beam.transfer.span`: free ends β⁴E'O', one end's w held −½(c₁c₂O' + β⁴g S₁S₂E'),
+cantilever ¼(c₁²c₂² − β⁴g S₁²S₂² + 2β⁴XY − β⁴E'O − O'E), and so on (g = 1 − ρI Ω²/GA).  The voltage
+drives only the even part, hence N.  V is the derivative of P to twice the even part's c₁c₂/E.
 There is no pivot and no matrix; what cancels in P and N does so only near the mounted beam's
 own resonances and antiresonances.  (The minors are those of the delta-matrix method, Pestel
 and Leckie 1963, chapter 7.)
 
 Accuracy.  `condition` is the size of the terms of P, N and the charge over their values; the
-relative error of displacement and charge is at most :func:`tmm.beam.transfer.precision.error_bound` of it.
+relative error of displacement and charge is at most :func:`tmm.beam.transfer.precision.error_bound`
+of it.
 """
 
 from __future__ import annotations

@@ -12,9 +12,9 @@ from validation.bench.result import Bench
 
 #: Name of each part and the module that measures it.
 PARTS = {
-    "tmm": "validation.bench.beam",
-    "magnetics": "validation.bench.magnetics",
-    "piezo": "validation.bench.piezo",
+    "tmm": "validation.bench.bimorph.beam",
+    "magnetics": "validation.bench.reluctance",
+    "piezo": "validation.bench.bimorph.piezo",
     "solver": "validation.bench.solver",
 }
 

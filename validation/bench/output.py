@@ -12,8 +12,8 @@ from typing import Any
 
 from geometry.files import written_whole
 from validation.bench.result import Bench, Timing
-from validation.formats import engineering
-from validation.plots import svg
+from validation.view.formats import engineering
+from validation.view.plots import svg
 
 
 def print_bench(parts: Iterable[Bench]) -> None:

@@ -23,7 +23,7 @@ from geometry.device.parameters import Device
 from geometry.errors import InputError
 from validation.bench.one_core import on_one_core, peak_memory
 from validation.bench.result import Bench, Target
-from validation.formats import engineering
+from validation.view.formats import engineering
 
 #: Unknowns asked for.
 _SIZES = (50_000, 200_000, 500_000)

@@ -13,15 +13,15 @@ from geometry.arrays import Floats
 from geometry.errors import InputError
 from geometry.device.parameters import Device
 from tmm.reluctance.coenergy.map import CoenergyMap
-from validation.comparison import Cell, ComparedRow, Verdict
-from validation.magnetic_field_models import AxisymmetricModel
-from validation.magnetic_model import MagneticModel, NetworkModel
-from validation.magnetic_point import MagneticPoint
-from validation.magnetic_switching import SwitchingCurrents
-from validation.plan import Plan
-from validation.quantities import MAGNETIC_MODELS, QUANTITIES
-from validation.results import Quantity
-from validation.solve import Solution, solve
+from validation.report.comparison import Cell, ComparedRow, Verdict
+from validation.models.reluctance.field import AxisymmetricModel
+from validation.models.reluctance.model import MagneticModel, NetworkModel
+from validation.models.reluctance.point import MagneticPoint
+from validation.models.reluctance.switching import SwitchingCurrents
+from validation.engine.plan import Plan
+from validation.catalogue.quantities import MAGNETIC_MODELS, QUANTITIES
+from validation.engine.results import Quantity
+from validation.engine.solve import Solution, solve
 
 if TYPE_CHECKING:
     from fem.reluctance.axisymmetric.actuator import FieldPoint

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from geometry.files import written_whole
-from validation.comparison import ComparedRow
-from validation.files import writable_folder
-from validation.formats import filters
-from validation.report.sections import sections
+from validation.report.comparison import ComparedRow
+from validation.command_line.files import writable_folder
+from validation.view.formats import filters
+from validation.report.sections.all import sections
 from validation.report.study import Study
-from validation.scene import Scene
+from validation.scene.scene import Scene
 
 
 def write_report(
@@ -44,7 +44,7 @@ def write_report(
 def _page(study: Study, started: float) -> str:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-    folder = resources.files("validation") / "templates" / "report"
+    folder = resources.files("validation.report") / "templates"
     environment = Environment(
         loader=FileSystemLoader(str(folder)),
         autoescape=True,

@@ -12,19 +12,19 @@ import numpy as np
 from geometry.arrays import Complex
 from tmm.ports.multiport import passivity_margin, reciprocity_error
 from tmm.ports.terminations import outside_finger_range
-from validation.checks import CHECKS, Check, Outcome, run_check
-from validation.comparison import ComparedRow, compare
-from validation.solid_model import SolidModel
-from validation.parameter_list import ParameterRow, parameter_rows
-from validation.plan import Plan, check_models
-from validation.quantities import MAGNETIC_MODELS, QUANTITIES, gives
+from validation.checks.bimorph import CHECKS, Check, Outcome, run_check
+from validation.report.comparison import ComparedRow, compare
+from validation.models.bimorph.solid import SolidModel
+from validation.scene.parameter_list import ParameterRow, parameter_rows
+from validation.engine.plan import Plan, check_models
+from validation.catalogue.quantities import MAGNETIC_MODELS, QUANTITIES, gives
 from validation.report.normal_actuator import NormalActuator
-from validation.scene import Scene
-from validation.solve import Solution, solve
-from validation.stages import READS
+from validation.scene.scene import Scene
+from validation.engine.solve import Solution, solve
+from validation.engine.stages import READS
 
 if TYPE_CHECKING:
-    from validation.bridge import Rung
+    from validation.models.bimorph.bridge import Rung
 
 #: Points of the frequency response in the report.
 _PLOT_POINTS = 400
@@ -101,7 +101,7 @@ class Study:
         """The bridge from TMM to the solid, for a piezoelectric bimorph without a rod."""
         if self.solid is None or self.scene.support.kind == "rod" or self.scene.piezo.d31 == 0.0:
             return None
-        from validation.bridge import bridge
+        from validation.models.bimorph.bridge import bridge
 
         return bridge(self.scene, self.announce, sections=not self.quick)
 
@@ -121,7 +121,7 @@ class Study:
         """The suite's own checks of what the scene asks for, without the heavy ones if quick."""
         rows: tuple[Check, ...] = CHECKS if self.lateral else ()
         if self.normal:
-            from validation.magnetic_checks import MAGNETIC_CHECKS
+            from validation.checks.reluctance import MAGNETIC_CHECKS
 
             rows += MAGNETIC_CHECKS
         found = []

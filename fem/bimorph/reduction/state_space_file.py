@@ -26,7 +26,7 @@ _CONVENTIONS = (
 def write_state_space(
     path: str | Path, model: PortModel, base: BaseSupport | None, frequencies: tuple[float, float]
 ) -> None:
-    """Write :func:`fem.bimorph.reduction.state_space.state_space` of these arguments, whole or not at all.
+    """Write the state space of a reduced solid on its support, whole or not at all.
 
     Beside the matrices: the frequencies of all peaks and dips of the solid's response to a
     voltage in the range (Hz), its amplitudes there, and how far (relative) those of the state

@@ -22,11 +22,9 @@ from fem.reluctance.axisymmetric.space import Discretisation, discretise, lowere
 from geometry.arrays import Ints
 from geometry.device.parameters import Device
 from geometry.errors import InputError
-from geometry.reluctance.section_grid import graded_grid
+from geometry.reluctance.section_grid import OUTER_RADIUS, graded_grid
 from geometry.reluctance.section_regions import actuator_regions
 
-#: Air around the device (m), 26 times its diameter: costs a few lines, see `truncation_error`.
-OUTER_RADIUS = 60e-3
 #: Polynomial order that gives the accuracy wanted in the least time on this device.
 ORDER = 4
 #: Relative truncation of the force over that of the coenergy: up to 6 was measured on this

@@ -38,7 +38,8 @@ _UP = np.array([0.0, 0.0, 1.0])
 #: there, and changes the inductance by less than 1e-4 up to this (by 2.5 % up to one).
 _STEP = 0.01
 _FIRST_STEP = 1e-3
-#: Scatter of the incremental inductance in full saturation, as in :mod:`fem.reluctance.axisymmetric.actuator`.
+#: Scatter of the incremental inductance in full saturation, as in
+#: :mod:`fem.reluctance.axisymmetric.actuator`.
 _SCATTER = 0.02
 
 

@@ -10,7 +10,8 @@ exactly.  The outer boundary and symmetry planes are of two kinds:
     flux-normal (by name)      (H − T0)×n = 0
 
 Only what is known beforehand is here: quadrature points, T0 at them, materials.  The
-potentials are in :mod:`fem.reluctance.three_d.vector_potential` and :mod:`fem.reluctance.three_d.scalar_potential`.
+potentials are in :mod:`fem.reluctance.three_d.vector_potential` and
+:mod:`fem.reluctance.three_d.scalar_potential`.
 """
 
 from __future__ import annotations

@@ -14,9 +14,9 @@ and the transmissions from end to end those of :mod:`tmm.beam.transfer.span`, ov
 Accuracy.  An entry's condition number is the size of the terms of its numerator, and of E
 and O, over their values: some tens away from the entry's poles (E O = 0, natural frequencies
 of the lossless beam with both ends held) and zeros, 1/distance in radians of phase near them.
-The relative error of every entry is at most :func:`tmm.beam.transfer.precision.error_bound` of it, 1e-12 up to
-a condition of 1.8e5 on x86-64; :func:`condition` returns it.  Exactly at a pole of a lossless
-beam there is no digit to be had: the entry is infinite.  An entry too small for a double
+The relative error of every entry is at most :func:`tmm.beam.transfer.precision.error_bound` of it,
+1e-12 up to a condition of 1.8e5 on x86-64; :func:`condition` returns it.  Exactly at a pole of a
+lossless beam there is no digit to be had: the entry is infinite.  An entry too small for a double
 (transmission through a long lossy beam) is 0.
 """
 

@@ -1,8 +1,8 @@
 """The semi-analytical model: exact beams in a row, and their ports.
 
 The paper's Transfer Matrix Method, its pieces joined in wave variables
-(:mod:`tmm.beam.transfer.scattering`); :mod:`tmm.beam.printed_formulas` gives the printed matrix A, which is one
-change of variables away.
+(:mod:`tmm.beam.transfer.scattering`); :mod:`tmm.beam.printed_formulas` gives the printed matrix A,
+which is one change of variables away.
 """
 
 from __future__ import annotations

@@ -1,0 +1,131 @@
+"""Reduced solids on disk: the same bits back, one sentence for every other file; the cache."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.bimorph.reduction import kept as port_cache
+from fem.bimorph.reduction.files import read_ports, write_ports
+from fem.bimorph.reduction.kept import made_from, reduced_solid
+from fem.bimorph.reduction.krylov import reduce_to_ports
+from fem.bimorph.solid import assemble
+from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from geometry.device.parameters import Bimorph, Device, Piezo
+from geometry.errors import InputError
+from validation.export.export import export
+from validation.scene.scene import load_scene
+
+MESHING = BrickMeshing((2, 2, 2), smallest=0.5)
+SWEEP = np.array([10.0, 1000.0, 5000.0])
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return bimorph_bricks(Device(), MESHING)
+
+
+@pytest.fixture(scope="module")
+def reduced(mesh):
+    return reduce_to_ports(assemble(Device(), mesh, lossy=True), SWEEP)
+
+
+def test_round_trip(reduced, tmp_path):
+    """Reloaded, it gives the same D(Ω) and the same estimate, to the last bit."""
+    write_ports(tmp_path / "p.npz", reduced, made_from="mine")
+    again = read_ports(tmp_path / "p.npz", made_from="mine")
+    assert np.array_equal(again.multiport(SWEEP).stiffness, reduced.multiport(SWEEP).stiffness)
+    assert np.array_equal(again.error_estimate(SWEEP), reduced.error_estimate(SWEEP))
+    assert (again.range, again.error, again.unknowns) == (
+        reduced.range, reduced.error, reduced.unknowns
+    )  # fmt: skip
+
+
+def test_other_files_are_refused(reduced, tmp_path):
+    """Half a file, a text, another archive, another device, no file: one sentence each."""
+    whole = tmp_path / "p.npz"
+    write_ports(whole, reduced, made_from="mine")
+    with pytest.raises(InputError, match="made from another device or mesh"):
+        read_ports(whole, made_from="yours")
+    (tmp_path / "half.npz").write_bytes(whole.read_bytes()[:4000])
+    (tmp_path / "text.npz").write_text("B (T), H (A/m)\n")
+    (tmp_path / "empty.npz").write_bytes(b"")
+    np.savez(tmp_path / "other.npz", title=np.array("something else"))
+    for name, words in (
+        ("half", "not a whole npz file"),
+        ("text", "not a whole npz file"),
+        ("empty", "not a whole npz file"),
+        ("other", "lacks title"),
+        ("none", "no such file"),
+    ):
+        with pytest.raises(InputError, match=words) as caught:
+            read_ports(tmp_path / f"{name}.npz")
+        assert "\n" not in str(caught.value)
+
+
+def test_stamp_holds_all_that_matters(mesh):
+    """Materials, poling and mesh change it; coil and width, which the mesh has, need not."""
+    one = made_from(Device(), mesh)
+    assert one == made_from(Device(), bimorph_bricks(Device(), MESHING))
+    assert one != made_from(Device(piezo=Piezo(quality_factor=31.0)), mesh)
+    assert one != made_from(Device(bimorph=Bimorph(poling="+x")), mesh)
+    breaks = mesh.z.breaks.copy()
+    breaks[1] *= 1.0 + 1e-15
+    assert one != made_from(Device(), replace(mesh, z=replace(mesh.z, breaks=breaks)))
+
+
+def test_second_time_factorises_nothing(mesh, tmp_path, monkeypatch):
+    """Kept for its range: other frequencies in it are served, a wider range is reduced anew."""
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "new"))
+    calls = []
+
+    def counted(*arguments, **options):
+        calls.append(1)
+        return reduce_to_ports(*arguments, **options)
+
+    monkeypatch.setattr(port_cache, "reduce_to_ports", counted)
+    first = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-6)
+    denser = np.geomspace(10.0, 5000.0, 50)
+    second = reduced_solid(Device(), mesh, denser, tolerance=1e-6)
+    assert len(calls) == 1
+    assert np.array_equal(first.multiport(denser).stiffness, second.multiport(denser).stiffness)
+    reduced_solid(Device(), mesh, np.array([10.0, 6000.0]), tolerance=1e-6)
+    reduced_solid(Device(piezo=Piezo(quality_factor=31.0)), mesh, SWEEP, tolerance=1e-6)
+    assert len(calls) == 3
+    kept = next((tmp_path / "new").glob("ports-*.npz"))
+    for file in (tmp_path / "new").glob("ports-*.npz"):
+        file.write_bytes(kept.read_bytes()[:100])
+    reduced_solid(Device(), mesh, SWEEP, tolerance=1e-6)  # broken files are no reason to fail
+    assert len(calls) == 4
+
+
+def test_what_did_not_reach_the_tolerance_is_kept_too(mesh, tmp_path, monkeypatch):
+    """All shifts used and still an estimate above the tolerance: a second try would end there."""
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path))
+    calls = []
+
+    def counted(*arguments, **options):
+        calls.append(1)
+        return reduce_to_ports(*arguments, **options)
+
+    monkeypatch.setattr(port_cache, "reduce_to_ports", counted)
+    first = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-16)
+    assert first.error > 1e-16
+    second = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-16)
+    assert (len(calls), second.error) == (1, first.error)
+
+
+def test_folder_that_cannot_be_written_keeps_nothing(mesh, tmp_path, monkeypatch):
+    """A cache is never a reason to fail."""
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "file"))
+    found = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-6)
+    assert found.error <= 1e-6
+
+
+@pytest.mark.parametrize("kind", ["ports", "state_space"])
+def test_ports_of_the_normal_actuator_are_refused(tmp_path, kind):
+    """A scene about the normal actuator alone has no bimorph; nothing is written."""
+    with pytest.raises(InputError, match="no bimorph"):
+        export(load_scene("reluctance")[0], {kind: tmp_path / "a.npz"}, lambda _: None)
+    assert list(tmp_path.iterdir()) == []

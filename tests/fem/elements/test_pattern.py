@@ -1,0 +1,71 @@
+"""Whole-mesh assembly against scikit-fem's, form by form."""
+
+import numpy as np
+import pytest
+from skfem import Basis, BilinearForm, ElementTetP2, LinearForm
+from skfem.helpers import dot, mul
+
+from fem.elements.nedelec import ElementTetEdge2
+from fem.elements.tet_quadrature import tet_rule
+from fem.reluctance.three_d.problem import MagneticSolid, sample
+from fem.reluctance.three_d.scalar_potential import gradient_kernel
+from fem.reluctance.three_d.vector_potential import VectorPotential
+from validation.checks.cases.magnetics.sphere_mesh import sphere_mesh
+
+RULE = tet_rule()
+TENSOR = np.array([[2.0, 0.3, -0.1], [0.3, 1.0, 0.2], [-0.1, 0.2, 4.0]])
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["straight", "curved"])
+def solid(request):
+    mesh = sphere_mesh(1, curved=request.param)
+    # every wall open: all unknowns are free
+    return sample(MagneticSolid(mesh, {}, np.zeros_like, flux_normal=tuple(mesh.faces)))
+
+
+def compare(kernel, basis, derivative):
+    """Matrix, right side and field of one kernel; scikit-fem takes the same quadrature."""
+    shape = kernel.field(np.zeros(kernel.size)).shape
+    matrix = kernel.matrix(np.broadcast_to(TENSOR, (*shape, 3)))
+    form = BilinearForm(lambda u, v, _: dot(mul(TENSOR, derivative(u)), derivative(v)))
+    expected = form.assemble(basis)
+    scale = np.abs(expected).max()
+    assert np.abs(matrix - expected).max() < 1e-12 * scale
+
+    vector = np.array([1.0, -2.0, 0.5])
+    right = kernel.functional(np.broadcast_to(vector, shape))
+    known = LinearForm(lambda v, _: np.einsum("i,i...->...", vector, derivative(v))).assemble(basis)
+    np.testing.assert_allclose(right, known, atol=1e-12 * np.abs(known).max())
+
+    x = np.random.default_rng(5).standard_normal(kernel.size)
+    field = derivative(basis.interpolate(x))
+    np.testing.assert_allclose(kernel.field(x), np.moveaxis(field, 0, -1), atol=1e-10)
+
+
+def test_curl_kernel_is_scikit_fems_curl(solid):
+    """∫ curl v · T curl u, ∫ t · curl v and curl u agree to rounding, on curved cells too."""
+    basis = Basis(solid.domain, ElementTetEdge2(), mapping=solid.mapping, quadrature=RULE)
+    compare(VectorPotential(solid)._curl, basis, lambda u: u.curl)
+
+
+def test_gradient_kernel_is_scikit_fems_gradient(solid):
+    """The same for gradients of quadratic nodal functions."""
+    basis = Basis(solid.domain, ElementTetP2(), mapping=solid.mapping, quadrature=RULE)
+    compare(gradient_kernel(solid, basis, np.arange(basis.N)), basis, lambda u: u.grad)
+
+
+def test_held_unknowns_are_zero():
+    """Unknowns that are not free leave rows, columns and field."""
+    mesh = sphere_mesh(1, curved=False)
+    solid = sample(MagneticSolid(mesh, {}, np.zeros_like, flux_normal=tuple(mesh.faces)))
+    basis = Basis(solid.domain, ElementTetP2(), mapping=solid.mapping, quadrature=RULE)
+    free = np.arange(3, basis.N)
+    whole = gradient_kernel(solid, basis, np.arange(basis.N))
+    part = gradient_kernel(solid, basis, free)
+    shape = whole.field(np.zeros(whole.size)).shape
+    tensor = np.broadcast_to(np.eye(3), (*shape, 3))
+    cut = whole.matrix(tensor)[free][:, free]
+    assert np.abs(part.matrix(tensor) - cut).max() < 1e-14
+    x = np.random.default_rng(6).standard_normal(free.size)
+    padded = np.concatenate([np.zeros(3), x])
+    np.testing.assert_allclose(part.field(x), whole.field(padded), atol=1e-12)

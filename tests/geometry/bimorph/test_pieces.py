@@ -1,0 +1,137 @@
+"""The row of pieces of bimorphs that are not uniform, and who refuses them."""
+
+import pytest
+
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.bimorph.pieces import Layers, Piece, beam_pieces
+from geometry.device.checks import check_fit
+from geometry.device.layout import layout
+from geometry.device.parameters import Bimorph, Device, Support
+from geometry.errors import InputError
+from validation.engine.plan import make_plan
+from validation.scene.idle_keys import scene_warnings
+from validation.scene.scene import load_scene
+
+STEP = ((0.0, 2.1e-3), (8e-3, 2.1e-3), (8e-3, 1e-3), (20e-3, 1e-3))
+TAPER = ((0.0, 0.26e-3), (20e-3, 0.13e-3))
+#: A setting of each key that only the beam models know.
+ODD = (
+    "width_profile=0 mm: 2.1 mm, 20 mm: 1 mm",
+    "piezo_thickness_profile=0 mm: 0.26 mm, 20 mm: 0.1 mm",
+    "shim_thickness_profile=0 mm: 0.25 mm, 20 mm: 0.1 mm",
+    "bare_below=1 mm",
+    "bare_above=1 mm",
+    "glue_thickness=10 um",
+)
+
+
+def ceramic(**keys):
+    return beam_pieces(Device(bimorph=Bimorph(**keys)), Support())
+
+
+def test_a_uniform_bimorph_is_one_piece():
+    """Without profiles the row is what it was, to the last digit."""
+    assert ceramic() == (Piece("bimorph", 20e-3),)
+
+
+def test_cuts_at_steps_and_electrode_edges():
+    """Pieces end at every point of a profile and where an electrode begins or ends."""
+    row = ceramic(width_profile=STEP, bare_below=2e-3, bare_above=5e-3)
+    assert [p.length for p in row] == pytest.approx([2e-3, 6e-3, 7e-3, 5e-3])
+    assert [p.electrode for p in row] == [False, True, True, False]
+    assert [p.ends[0].width for p in row] == [2.1e-3, 2.1e-3, 1e-3, 1e-3]
+    assert not any(p.tapered for p in row)
+
+
+def test_tapers_meet_at_their_ends():
+    """A taper cut in two by a step of another dimension is continuous."""
+    low, high = ceramic(width_profile=STEP, piezo_thickness_profile=TAPER)
+    assert low.tapered
+    assert low.ends[1].piezo_thickness == pytest.approx(high.ends[0].piezo_thickness, rel=1e-15)
+    assert low.layers(Bimorph(), 0.5).piezo_thickness == pytest.approx(0.234e-3)
+    assert low.layers(Bimorph(), 0.5).shim_thickness == 0.25e-3
+
+
+def test_points_that_are_one_but_for_rounding():
+    """An electrode edge at a step does not leave a sliver between them."""
+    length = 20e-3
+    row = ceramic(width_profile=STEP, bare_above=length - 8e-3 * (1.0 + 1e-15))
+    assert len(row) == 2
+
+
+def test_the_tab_keeps_the_constants():
+    """The profile is the ceramic's; the tab below it has the plain width and thickness."""
+    device = Device(bimorph=Bimorph(tab_length=2e-3, width_profile=STEP))
+    tab = beam_pieces(device, Support())[0]
+    assert tab.layers(device.bimorph) == Layers(2.1e-3, 0.26e-3, 0.25e-3)
+
+
+@pytest.mark.parametrize(
+    ("bimorph", "words"),
+    [
+        (
+            Bimorph(width_profile=((0.0, 3e-3), (20e-3, 1e-3))),
+            ("bimorph.width_profile = 3 mm", "head diameter 2.3 mm"),
+        ),
+        (Bimorph(bare_below=12e-3, bare_above=8e-3), ("no electrode", "make them shorter")),
+        (
+            Bimorph(shim_thickness_profile=((0.0, 1e-4), (19e-3, 1e-4))),
+            ("bimorph.shim_thickness_profile ends at 19 mm", "20 mm"),
+        ),
+    ],
+)
+def test_ceramic_that_does_not_fit_is_refused(bimorph, words):
+    """One sentence with key, values and remedy."""
+    with pytest.raises(InputError) as caught:
+        check_fit(Device(bimorph=bimorph), Support())
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
+@pytest.mark.parametrize("setting", ODD)
+def test_cad_and_tetrahedra_do_not_know_them(setting):
+    """Plan and CAD refuse before any work, naming the key and the models that can."""
+    scene, _ = load_scene("paper", [f"bimorph.{setting}", "mesh.kind=tetwild"])
+    key = setting.split("=")[0]
+    refusals = (
+        lambda: make_plan(scene, ("tmm", "solid"), ("capacitance_free",)),
+        lambda: layout(scene.device, "alone"),
+    )
+    for refused in refusals:
+        with pytest.raises(InputError, match=f"bimorph.{key} .* models=lumped,tmm,beam"):
+            refused()
+    assert make_plan(scene, ("lumped", "tmm", "beam"), ("capacitance_free",)).run
+
+
+@pytest.mark.parametrize("setting", ODD)
+def test_bricks_know_what_keeps_the_section_constant(setting):
+    """Bare ends and glue layers are in the bricks; profiles are refused, in plan and mesh."""
+    scene, _ = load_scene("paper", [f"bimorph.{setting}"])
+    key = setting.split("=")[0]
+
+    def meshed():
+        make_plan(scene, ("tmm", "solid"), ("capacitance_free",))
+        return bimorph_bricks(scene.device, LEVELS[0])
+
+    if not key.endswith("_profile"):
+        assert meshed().slabs
+        return
+    with pytest.raises(InputError, match=f"bimorph.{key} .* models=lumped,tmm,beam"):
+        meshed()
+    with pytest.raises(InputError, match=f"bimorph.{key} "):
+        bimorph_bricks(scene.device, LEVELS[0])
+
+
+def test_a_constant_that_a_profile_replaces_is_said_to_be_idle():
+    """Setting both warns, unless the tab still takes the constant."""
+    both = [f"bimorph.{ODD[0]}", "bimorph.width=2 mm"]
+    assert (
+        "has no effect with bimorph.width_profile" in scene_warnings(*load_scene("paper", both))[0]
+    )
+    assert not scene_warnings(*load_scene("paper", [*both, "bimorph.tab_length=1 mm"]))
+
+
+def test_glue_between_layers_is_not_idle():
+    """Glue constants count with a glue layer, also without the rod."""
+    settings = ["bimorph.glue_thickness=10 um", "glue.youngs_modulus=2 GPa"]
+    assert not scene_warnings(*load_scene("paper", settings))
+    assert scene_warnings(*load_scene("paper", settings[1:]))

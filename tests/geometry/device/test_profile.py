@@ -1,0 +1,116 @@
+"""Text of a dimension along the ceramic: what is read, held and refused."""
+
+import pytest
+
+from geometry.device.parameters import Bimorph
+from geometry.device.profile import UNIFORM, Profile
+from geometry.errors import InputError
+from validation.scene.scene import load_scene
+from validation.scene.template import template
+
+STEPPED = "0 mm: 2.1 mm, 10 mm: 2.1 mm, 10 mm: 1.5 mm, 20 mm: 1 mm"
+POINTS = ((0.0, 2.1e-3), (10e-3, 2.1e-3), (10e-3, 1.5e-3), (20e-3, 1e-3))
+
+
+def read(text):
+    return load_scene("paper", [f"bimorph.width_profile={text}"])[0].bimorph.width_profile
+
+
+@pytest.mark.parametrize(
+    ("text", "points"),
+    [
+        (STEPPED, POINTS),
+        ("0 m:2100 um,2 cm:1 mm", ((0.0, 2.1e-3), (20e-3, 1e-3))),
+    ],
+)
+def test_points_are_read_with_their_units(text, points):
+    """A profile is a list of positions and dimensions, each with any unit of length."""
+    assert read(text) == points
+
+
+def test_a_profile_says_itself_as_it_is_read():
+    """The text of a profile gives the same profile again, and is what a report shows."""
+    profile = read(STEPPED)
+    assert str(profile) == STEPPED
+    assert read(str(profile)) == profile
+    assert str(UNIFORM) == "uniform"
+    for text in ("", "uniform", " Uniform "):
+        assert Bimorph(width_profile=text) == Bimorph()
+
+
+def test_a_profile_is_taken_away_again():
+    """On the command line by the word uniform, which the refusal of an empty value names."""
+    both = [f"bimorph.width_profile={STEPPED}", "bimorph.width_profile=uniform"]
+    assert load_scene("paper", both)[0].bimorph == Bimorph()
+    with pytest.raises(InputError, match=r"--set bimorph\.width_profile=uniform"):
+        load_scene("paper", ["bimorph.width_profile="])
+    with pytest.raises(InputError) as other:
+        load_scene("paper", ["bimorph.length="])
+    assert "uniform" not in str(other.value)
+    assert '# width_profile = "uniform"' in template()
+
+
+@pytest.mark.parametrize("end", ["20.0000001", "19.9999999", "20.00001", "19.99999"])
+def test_an_end_missed_by_rounding_is_the_edge(end):
+    """Up to 1e-6 of the length the last point is put to the ceramic's edge: no sliver beyond."""
+    assert read(f"0 mm: 2.1 mm, {end} mm: 1 mm") == ((0.0, 2.1e-3), (20e-3, 1e-3))
+
+
+def test_a_profile_survives_a_dump():
+    """A dumped group of parameters is the same when read back, as stage keys need."""
+    bimorph = Bimorph(width_profile=POINTS)
+    for mode in ("python", "json"):
+        assert Bimorph.model_validate(bimorph.model_dump(mode=mode)) == bimorph
+    assert isinstance(bimorph.width_profile, Profile)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "ends"),
+    [
+        (0.0, 10e-3, (2.1e-3, 2.1e-3)),
+        (2e-3, 3e-3, (2.1e-3, 2.1e-3)),
+        (10e-3, 20e-3, (1.5e-3, 1e-3)),
+        (12e-3, 18e-3, (1.4e-3, 1.1e-3)),
+    ],
+)
+def test_values_between_points(low, high, ends):
+    """Straight from point to point; at a step the side that is asked for."""
+    assert Profile(POINTS).between(low, high) == pytest.approx(ends, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("abc", ("list of points", '"0 mm: 2.1 mm, 20 mm: 1 mm"', '"uniform"')),
+        ("5 mm", ("list of points",)),
+        ("0 mm: 1 mm: 2 mm, 20 mm: 1 mm", ("list of points",)),
+        ("0 mm: 1 mm", ("at least two",)),
+        ("1 mm: 1 mm, 20 mm: 1 mm", ("begins at 1 mm", "lower edge")),
+        ("0 mm: 1, 20 mm: 1 mm", ('the dimension "1"', "no unit")),
+        ("0: 1 mm, 20 mm: 1 mm", ('the position "0"', "no unit")),
+        ("0 mm: 1 s, 20 mm: 1 mm", ('the dimension "1 s"', "not a dimension")),
+        ("0 mm: -1 mm, 20 mm: 1 mm", ('"-1 mm"', "greater than 0 mm")),
+        ("0 mm: 0 mm, 20 mm: 1 mm", ("greater than 0 mm",)),
+        ("0 mm: 1 mm, 5 mm: 1 mm, 3 mm: 1 mm, 20 mm: 1 mm", ("do not ascend",)),
+        ("0 mm: 2 mm, 0 mm: 1 mm, 20 mm: 1 mm", ("a step at its",)),
+        ("0 mm: 2 mm, 20 mm: 1 mm, 20 mm: 2 mm", ("a step at its",)),
+        ("0 mm: 1 mm, 5 mm: 1 mm, 5 mm: 2 mm, 5 mm: 3 mm, 20 mm: 1 mm", ("more than two points",)),
+        ("0 mm: 1 mm, 19 mm: 1 mm", ("ends at 19 mm", "bimorph.length = 20 mm")),
+        ("0 mm: 1 mm, 20.0001 mm: 1 mm", ("ends at 20.0001 mm", "bimorph.length = 20 mm")),
+        (", ".join(f"{i / 20} mm: 1 mm" for i in range(401)), ("401 points", "at most 200")),
+    ],
+)  # fmt: skip
+def test_bad_profiles_are_refused(text, words):
+    """One sentence that names the key, what is wrong with it, and a remedy."""
+    with pytest.raises(InputError) as caught:
+        read(text)
+    message = str(caught.value)
+    assert message.startswith("bimorph.width_profile ")
+    assert "\n" not in message
+    assert all(word in message for word in words), message
+
+
+def test_a_new_length_needs_a_new_profile():
+    """A what-if on the length says what to do with the profile."""
+    with pytest.raises(InputError, match="let the profile end at the ceramic's upper edge"):
+        load_scene("paper", [f"bimorph.width_profile={STEPPED}", "bimorph.length=25mm"])

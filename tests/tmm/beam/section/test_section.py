@@ -1,0 +1,167 @@
+"""Section constants of the three layers, the bare shim and the rod."""
+
+import math
+
+import mpmath as mp
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from geometry.bimorph.pieces import Layers, Piece
+from geometry.device.materials import EPS0
+from geometry.device.parameters import Beam, Bimorph, Device, Glue, Piezo, Rod, Shim
+from tmm.beam.section.section import section
+from validation.checks.cases import reference_beam as reference
+
+NAMES = ("EI", "GA", "m", "rhoI", "K", "C")
+BIMORPH = Piece("bimorph", 20e-3)
+# a dozen roundings; C is a difference, ε (1 − k²), which costs one more digit at k² = 0.2
+ROUNDING = 3e-15
+
+
+def layers(device, *, lossy):
+    b, p, s = device.bimorph, device.piezo, device.shim
+    losses = {"quality_factor": p.quality_factor, "loss_tangent": p.loss_tangent} if lossy else {}
+    return reference.Layers(
+        width=b.width, piezo_thickness=b.piezo_thickness, shim_thickness=b.shim_thickness,
+        piezo_density=p.density, shim_density=s.density, shim_modulus=s.youngs_modulus,
+        shim_shear_modulus=s.shear_modulus, s11=p.s11, s55=p.s55, d31=p.d31,
+        permittivity=mp.mpf(p.eps33) * mp.mpf(EPS0), shear_correction=Beam().shear_correction,
+        **losses,
+    )  # fmt: skip
+
+
+@given(
+    hp=st.floats(1e-6, 5e-3), hs=st.floats(1e-6, 5e-3), b=st.floats(1e-4, 1e-1),
+    s11=st.floats(1e-11, 2e-11), d31=st.floats(-4e-10, 4e-10), lossy=st.booleans(),
+)  # fmt: skip
+def test_three_layers_against_integration(hp, hs, b, s11, d31, lossy):
+    """All six constants are the layers' integrals, for layers thin and thick."""
+    device = Device(
+        bimorph=Bimorph(piezo_thickness=hp, shim_thickness=hs, width=b),
+        piezo=Piezo(s11=s11, d31=d31),
+    )
+    got = section(BIMORPH, device, Beam(), lossy=lossy)
+    exact = reference.bimorph_constants(layers(device, lossy=lossy))
+    for name in NAMES:
+        assert getattr(got, name) == pytest.approx(complex(getattr(exact, name)), rel=ROUNDING)
+
+
+def test_paper_section_as_stored(state_space):
+    """The default bimorph has the section constants of the stored 60-digit solution."""
+    got = section(BIMORPH, Device(), Beam(), lossy=True)
+    for name, stored in (("EI", "EI"), ("GA", "GA"), ("m", "m"), ("rhoI", "rI"), ("K", "K"),
+                         ("C", "C1")):  # fmt: skip
+        assert getattr(got, name) == pytest.approx(
+            complex(*state_space["section"][stored]), rel=ROUNDING
+        )
+
+
+def test_poling_flips_only_the_coupling():
+    """Poling the layers the other way changes the sign of K and nothing else."""
+    down, up = (
+        section(BIMORPH, Device(bimorph=Bimorph(poling=poling)), Beam(), lossy=True)
+        for poling in ("-x", "+x")
+    )
+    assert up.K == -down.K
+    assert down.K.real < 0.0  # d31 < 0 and poling along −x, as in the paper's matrix A
+    assert all(getattr(up, n) == getattr(down, n) for n in NAMES if n != "K")
+
+
+def test_losses_are_in_the_ceramic():
+    """Losses enter EI by the ceramic's share only, and C by ε(1 − j tan δ) − d²/s(1 + j/Q)."""
+    device = Device()
+    lossy, plain = (section(BIMORPH, device, Beam(), lossy=x) for x in (True, False))
+    b, p, s = device.bimorph, device.piezo, device.shim
+    shim = s.youngs_modulus * b.width * b.shim_thickness**3 / 12
+    assert lossy.EI.real == pytest.approx(plain.EI.real)
+    assert lossy.EI.imag == pytest.approx((plain.EI.real - shim) / p.quality_factor)
+    imaginary = -(p.eps33 * EPS0 * p.loss_tangent + p.d31**2 / p.s11 / p.quality_factor)
+    assert lossy.C.imag == pytest.approx(imaginary * 2 * b.width / b.piezo_thickness)
+    assert (lossy.m, lossy.rhoI, lossy.GA) == (plain.m, plain.rhoI, plain.GA)
+    assert plain.EI.imag == plain.K.imag == plain.C.imag == 0.0
+
+
+def test_without_ceramic_it_is_the_shim():
+    """A vanishing ceramic leaves the bare shim, to the order of its thickness."""
+    thin = 1e-12
+    device = Device(bimorph=Bimorph(piezo_thickness=thin))
+    layered = section(BIMORPH, device, Beam(), lossy=False)
+    bare = section(Piece("shim", 1e-3), device, Beam(), lossy=False)
+    for name in ("EI", "GA", "m", "rhoI"):
+        # relative share of the ceramic: 6 hp/hs times the ratio of the materials, below 6
+        assert getattr(layered, name) == pytest.approx(getattr(bare, name), rel=36 * thin / 0.25e-3)
+    assert (bare.K, bare.C) == (0.0, 0.0)
+
+
+def test_shim_and_rod_are_textbook_sections():
+    """Rectangle b h³/12 with the beam's shear factor; disc π r⁴/4 with Cowper's."""
+    device = Device(shim=Shim(youngs_modulus=100e9), rod=Rod(poisson_ratio=0.3))
+    shim = section(Piece("shim", 1e-3), device, Beam(shear_correction=0.8), lossy=True)
+    assert pytest.approx(100e9 * 2.1e-3 * 0.25e-3**3 / 12) == shim.EI
+    assert pytest.approx(0.8 * 5e9 * 2.1e-3 * 0.25e-3) == shim.GA
+    disc = section(Piece("cylinder", 1e-3, 0.62e-3), device, Beam(), lossy=True)
+    assert pytest.approx(205e9 * math.pi * 0.62e-3**4 / 4) == disc.EI
+    # Cowper (1966), solid circle, ν = 0.3: 0.886
+    assert disc.GA / (205e9 / 2.6 * math.pi * 0.62e-3**2) == pytest.approx(0.8864, abs=5e-5)
+    assert disc.rhoI / disc.m == pytest.approx(0.62e-3**2 / 4)
+
+
+def test_glue_layer_by_hand():
+    """Five layers as a textbook composite: E I about the middle, shears and masses added."""
+    b, hs, tg, hp = 2e-3, 0.2e-3, 0.05e-3, 0.3e-3
+    device = Device(
+        bimorph=Bimorph(width=b, shim_thickness=hs, piezo_thickness=hp, glue_thickness=tg),
+        glue=Glue(youngs_modulus=4e9, poisson_ratio=0.25, density=1100.0),
+    )
+    got = section(BIMORPH, device, Beam(shear_correction=0.8), lossy=False)
+    p, s = device.piezo, device.shim
+
+    def inertia(thickness, arm):  # parallel axes, both sides of the middle
+        return 2 * (b * thickness**3 / 12 + b * thickness * arm**2)
+
+    glue, piezo = inertia(tg, 0.125e-3), inertia(hp, 0.3e-3)
+    core = b * hs**3 / 12
+    stiffness = s.youngs_modulus * core + 4e9 * glue + piezo / p.s11
+    assert pytest.approx(stiffness, rel=1e-14) == got.EI
+    assert got.rhoI == pytest.approx(s.density * core + 1100 * glue + p.density * piezo, rel=1e-14)
+    assert got.m == pytest.approx(
+        b * (s.density * hs + 2 * (1100 * tg + p.density * hp)), rel=1e-14
+    )
+    shear = s.shear_modulus * hs + 2 * (1.6e9 * tg + hp / p.s55)
+    assert pytest.approx(0.8 * b * shear, rel=1e-14) == got.GA
+    # each layer's force per volt, d31/s11 b, on a lever from middle to middle
+    assert abs(got.K) == pytest.approx(2 * abs(p.d31) / p.s11 * b * 0.3e-3, rel=1e-14)
+    unglued = section(
+        BIMORPH, Device(bimorph=Bimorph(width=b, piezo_thickness=hp)), Beam(), lossy=False
+    )
+    assert got.C == unglued.C
+
+
+def test_bare_ceramic_carries_no_charge():
+    """Without electrodes: no coupling, each layer's mean strain stiffened by 1/(1 − k²)."""
+    device = Device()
+    b, p = device.bimorph, device.piezo
+    active = section(BIMORPH, device, Beam(), lossy=True)
+    bare = section(Piece("bimorph", 20e-3, electrode=False), device, Beam(), lossy=True)
+    assert (bare.K, bare.C) == (0.0, 0.0)
+    assert (bare.GA, bare.m, bare.rhoI) == (active.GA, active.m, active.rhoI)
+    modulus = (1 + 1j / p.quality_factor) / p.s11
+    k2 = p.d31**2 * modulus / (p.eps33 * EPS0 * (1 - 1j * p.loss_tangent))
+    arm = 0.5 * (b.shim_thickness + b.piezo_thickness)
+    layers = 2 * b.width * b.piezo_thickness * arm**2
+    # C is a difference, ε (1 − k²): one more digit
+    more = layers * modulus * k2 / (1 - k2)
+    assert pytest.approx(more, rel=1e-13) == bare.EI - active.EI
+    assert bare.EI.imag > 0.0
+
+
+def test_sections_along_a_taper():
+    """The section at a share of a tapered piece is that of a bimorph with those dimensions."""
+    ends = Layers(2e-3, 0.3e-3, 0.2e-3), Layers(1e-3, 0.1e-3, 0.4e-3)
+    tapered = Piece("bimorph", 20e-3, ends=ends)
+    quarter = Bimorph(width=1.75e-3, piezo_thickness=0.25e-3, shim_thickness=0.25e-3)
+    got = section(tapered, Device(), Beam(), lossy=True, share=0.25)
+    exact = section(BIMORPH, Device(bimorph=quarter), Beam(), lossy=True)
+    for name in NAMES:
+        assert getattr(got, name) == pytest.approx(getattr(exact, name), rel=1e-14)

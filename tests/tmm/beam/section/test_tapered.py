@@ -1,0 +1,236 @@
+"""Tapered, stepped and partly electroded bimorphs against closed forms and beam elements."""
+
+import numpy as np
+import pytest
+from scipy import special
+from scipy.optimize import brentq
+
+from fem.beam import beam as elements
+from geometry.device.parameters import Beam, Bimorph, Device, Load, Support
+from tmm.beam import lumped
+from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.transfer import transfer_matrix as tmm
+from tmm.ports.multiport import Termination, respond
+from tmm.ports.terminations import static_termination
+
+CLAMPED = Support(kind="clamped")
+FREQUENCIES = np.array([0.0, 10.0, 445.0, 1000.0, 5000.0])
+TAPERS = {
+    "width": {"width_profile": ((0.0, 2.1e-3), (20e-3, 1e-3))},
+    "all": {
+        "width_profile": ((0.0, 2.1e-3), (20e-3, 1e-3)),
+        "piezo_thickness_profile": ((0.0, 0.26e-3), (20e-3, 0.15e-3)),
+        "shim_thickness_profile": ((0.0, 0.15e-3), (20e-3, 0.25e-3)),
+    },
+}
+STEPPED = {
+    "width": {"width_profile": ((0, 2.1e-3), (8e-3, 2.1e-3), (8e-3, 1e-3), (20e-3, 1e-3))},
+    "thickness": {
+        "piezo_thickness_profile": ((0, 0.26e-3), (8e-3, 0.26e-3), (8e-3, 0.1e-3), (20e-3, 0.1e-3))
+    },
+    "electrodes": {"bare_below": 2e-3, "bare_above": 5e-3},
+    "glue": {"glue_thickness": 20e-6},
+    "tab": {"tab_length": 1.6e-3, "bare_above": 5e-3},
+}
+
+
+def device(**keys):
+    return Device(bimorph=Bimorph(**keys))
+
+
+def distance(got, exact):
+    """Largest difference of two D(Ω), each entry relative to its two diagonal neighbours."""
+    size = np.sqrt(np.abs(np.einsum("nii->ni", exact)))
+    return (np.abs(got - exact) / (size[:, :, None] * size[:, None, :])).max()
+
+
+@pytest.mark.parametrize("case", STEPPED)
+@pytest.mark.parametrize("support", [CLAMPED, Support(kind="rod")], ids=lambda s: s.kind)
+def test_stepped_rows_equal_beam_elements(case, support):
+    """Steps, partial electrodes, glue and tab: two discretisations of one theory, to 1e-8."""
+    keys = {"tab_length": 2e-3} | STEPPED[case] if support.kind == "rod" else STEPPED[case]
+    fine = elements.multiport(device(**keys), support, Beam(), FREQUENCIES, elements=24)
+    exact = tmm.ports.multiport(device(**keys), support, Beam(), FREQUENCIES)
+    assert distance(fine.stiffness, exact.stiffness) < 1e-8
+
+
+@pytest.mark.parametrize("case", TAPERS)
+def test_tapers_converge_to_beam_elements(case):
+    """Twice the segments, a sixteenth of the error, towards elements that know the taper itself."""
+    exact = elements.multiport(device(**TAPERS[case]), CLAMPED, Beam(), FREQUENCIES, elements=32)
+    found = (
+        tmm.ports.multiport(device(**TAPERS[case]), CLAMPED, Beam(), FREQUENCIES, segments=n)
+        for n in (8, 16, 32)
+    )
+    errors = [distance(port.stiffness, exact.stiffness) for port in found]
+    np.testing.assert_allclose(np.log2(errors[:-1]) - np.log2(errors[1:]), 4.0, atol=0.1)
+    # the default; 5000 Hz is twice the second pole of the held beam
+    assert errors[-1] < 1e-5
+
+
+def wedge_frequency(ratio):
+    """First ω l² √(m_0/EI_0) of a clamped wedge whose tip is `ratio` times as thick as its root.
+
+    Kirchhoff's solution (1879) by Bessel functions: (x³ w'')'' = q² x w, x from the apex, has
+    w = Z_1(2 √(q x)) / √x with Z any of J, Y, I, K.
+    """
+    j, y, i, k = special.jv, special.yv, special.iv, special.kv
+
+    def determinant(q):
+        root, tip = 2.0 * np.sqrt(q), 2.0 * np.sqrt(q * ratio)
+        return np.linalg.det(
+            [
+                [j(1, root), y(1, root), i(1, root), k(1, root)],  # w
+                [-j(2, root), -y(2, root), i(2, root), -k(2, root)],  # w'
+                [j(3, tip), y(3, tip), i(3, tip), k(3, tip)],  # moment
+                [j(2, tip), y(2, tip), i(2, tip), -k(2, tip)],  # shear force
+            ]
+        )
+
+    # x from the apex, the root at 1: q² = ω² m_0/EI_0, and the beam's length is 1 − ratio
+    q = np.linspace(2.0, 20.0, 2000)
+    values = [determinant(v) for v in q]
+    first = int(np.flatnonzero(np.diff(np.sign(values)))[0])
+    return brentq(determinant, q[first], q[first + 1]) * (1.0 - ratio) ** 2
+
+
+@pytest.mark.parametrize("ratio", [0.2, 0.5])
+def test_wedge(ratio):
+    """A slender wedge-shaped cantilever has Kirchhoff's first frequency."""
+    length, hp, hs = 1.0, 0.26e-3, 0.25e-3
+    wedge = device(
+        length=length,
+        piezo_thickness_profile=((0.0, hp), (length, ratio * hp)),
+        shim_thickness_profile=((0.0, hs), (length, ratio * hs)),
+    )
+    stiff = Beam(shear_correction=1e6)
+    row = tmm.sections(wedge, CLAMPED, stiff, lossy=False)
+    root, _ = tmm.sections(device(length=length), CLAMPED, stiff, lossy=False)[0]
+    (got,) = bending_frequencies(row, Fixture(clamped=True), 1, open_circuit=False)
+    exact = wedge_frequency(ratio) / length**2 * np.sqrt(root.EI / root.m) / (2.0 * np.pi)
+    # rotary inertia (h/l)², 1e-6; the default number of segments leaves less
+    assert got == pytest.approx(exact, rel=2e-6)
+
+
+def test_wedge_reference_tends_to_the_sharp_one():
+    """Kirchhoff's sharp wedge: 5.315; the reference of the test above approaches it."""
+    # a thousandth of its length is missing: two thousandths of the frequency
+    assert wedge_frequency(0.001) == pytest.approx(5.315 * 0.998, rel=5e-4)
+
+
+def test_partial_electrode_bends_only_itself():
+    """Electrodes from a to b: w = −K U/EI (b − a)(l − (a + b)/2), whatever lies outside."""
+    l, a, b = 20e-3, 3e-3, 12e-3
+    partly = device(bare_below=a, bare_above=l - b)
+    port = tmm.ports.multiport(partly, CLAMPED, Beam(), np.zeros(1), lossy=False)
+    end = static_termination(CLAMPED, Load(kind="none"))
+    response = respond(port, end, 1.0)
+    ((active, _),) = tmm.sections(device(), CLAMPED, Beam(), lossy=False)
+    curvature = active.K / active.EI
+    # a dozen roundings
+    assert response.w_tip[0] == pytest.approx(-curvature * (b - a) * (l - (a + b) / 2), rel=1e-13)
+    assert response.charge[0] == pytest.approx(
+        (active.C + active.K * curvature) * (b - a), rel=1e-13
+    )
+    model = lumped.multiport(partly, CLAMPED, Beam(), np.zeros(1), lossy=False)
+    assert respond(model, end, 1.0).w_tip[0] == pytest.approx(response.w_tip[0], rel=1e-13)
+
+
+def test_bare_ceramic_is_stiffer_under_a_force():
+    """A tip force bends the electroded part by 1/EI and the rest by 1/(EI + K²/C)."""
+    l, b = 20e-3, 8e-3
+    port = tmm.ports.multiport(device(bare_above=l - b), CLAMPED, Beam(), np.zeros(1), lossy=False)
+    compliance = np.linalg.inv(port.stiffness[0, 2:4, 2:4])[0, 0].real
+    ((s, _),) = tmm.sections(device(), CLAMPED, Beam(), lossy=False)
+    near, far = (l**3 - (l - b) ** 3) / 3, (l - b) ** 3 / 3
+    exact = near / s.EI + far / (s.EI + s.K**2 / s.C) + l / s.GA
+    assert compliance == pytest.approx(exact, rel=1e-13)
+
+
+def test_static_bending_of_a_tapered_bimorph():
+    """Free at rest, the tip moves by the double integral of K U/EI along the taper."""
+    tapered = device(**TAPERS["all"])
+    port = tmm.ports.multiport(tapered, CLAMPED, Beam(), np.zeros(1), lossy=False)
+    free = Termination(base=None, tip=np.zeros(1, dtype=complex))
+    x, weights = np.polynomial.legendre.leggauss(20)
+    exact = 0.0
+    for share, weight in zip(0.5 + 0.5 * x, 0.5 * weights, strict=True):
+        here = Bimorph(
+            width=2.1e-3 - 1.1e-3 * share,
+            piezo_thickness=0.26e-3 - 0.11e-3 * share,
+            shim_thickness=0.15e-3 + 0.1e-3 * share,
+        )
+        ((s, _),) = tmm.sections(Device(bimorph=here), CLAMPED, Beam(), lossy=False)
+        exact -= weight * 20e-3 * s.K / s.EI * 20e-3 * (1.0 - share)
+    # order four: 1e-8 at 32 segments
+    assert respond(port, free, 1.0).w_tip[0].real == pytest.approx(exact, rel=1e-7)
+
+
+def test_taper_that_runs_out_stays_physical():
+    """Down to a ten-thousandth of the thickness: every segment is positive, the sum converges."""
+    sharp = device(piezo_thickness_profile=((0.0, 0.26e-3), (20e-3, 0.26e-7)),
+                   shim_thickness_profile=((0.0, 0.25e-3), (20e-3, 0.25e-7)))  # fmt: skip
+    found = []
+    for n in (16, 32, 64):
+        row = tmm.sections(sharp, CLAMPED, Beam(), lossy=False, segments=n)
+        assert all(s.EI > 0.0 and s.GA > 0.0 and s.m > 0.0 and s.C > 0.0 for s, _ in row)
+        found.append(bending_frequencies(row, Fixture(clamped=True), 1, open_circuit=False)[0])
+    # the tip's last segment alone is of second order
+    assert abs(found[2] / found[1] - 1.0) < 0.5 * abs(found[1] / found[0] - 1.0) < 1e-3
+
+
+def test_lumped_model_of_segments_is_that_of_the_beam():
+    """The static part does not depend on how the beam is cut, however fine."""
+    ((s, l),) = tmm.sections(device(), CLAMPED, Beam(), lossy=True)
+    one, many = (lumped.lumped_model([(s, l / n)] * n).stiffness for n in (1, 1000))
+    assert distance(many[None], one[None]) < 1e-11
+
+
+@pytest.mark.parametrize("model", ["lumped", "tmm"])
+def test_error_bar_of_a_taper_covers_it(model):
+    """The bar from half as many segments covers the distance to four times as many."""
+    from validation.engine.solve import solve
+    from validation.scene.scene import load_scene
+
+    settings = [
+        "bimorph.piezo_thickness_profile=0 mm: 0.26 mm, 20 mm: 0.1 mm", "support.kind=clamped",
+        "load.kind=none", "modes=1", "frequency=500",
+    ]  # fmt: skip
+    scene, _ = load_scene("paper", settings)
+    names = ("short_circuit_frequencies", "capacitance_free", "tip_displacement")
+    first, capacitance, tip = solve(scene, [model], names).quantities
+    assert "segments of the taper" in tip.uncertainty_method
+    fine = tmm.ports.multiport if model == "tmm" else lumped.multiport
+    port = fine(
+        scene.device, scene.support, scene.beam, np.array([500.0]), segments=4 * tmm.SEGMENTS
+    )
+    end = Termination(base=None, tip=np.zeros(1, dtype=complex))
+    exact = respond(port, end, scene.drive.voltage).w_tip[0]
+    assert 0.0 < abs(tip.value[0] - exact) < tip.uncertainty[0] < 1e-5 * abs(exact)
+    assert 0.0 < first.uncertainty[0] < 1e-5 * first.value[0]
+    assert 0.0 < capacitance.uncertainty < 1e-5 * capacitance.value
+
+
+ENTANGLED = (
+    "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm",
+    "bimorph.piezo_thickness_profile=0 mm: 0.26 mm, 8 mm: 0.2 mm, 8 mm: 0.15 mm, 20 mm: 0.1 mm",
+    "bimorph.tab_length=2mm",
+    "bimorph.bare_above=2mm",
+    "bimorph.glue_thickness=10um",
+)
+RUNNING_OUT = ("bimorph.piezo_thickness_profile=0 mm: 0.26 mm, 20 mm: 0.001 mm", "load.kind=none")
+
+
+@pytest.mark.parametrize("settings", [ENTANGLED, RUNNING_OUT], ids=["steps", "runs out"])
+def test_natural_frequencies_agree_with_beam_elements(settings):
+    """Two models of one theory: all modes and the coupling factor agree within their bars."""
+    from validation.engine.solve import solve
+    from validation.scene.scene import load_scene
+
+    scene, _ = load_scene("paper", list(settings))
+    names = ("short_circuit_frequencies", "open_circuit_frequencies", "coupling_factor")
+    solution = solve(scene, ["tmm", "beam"], names)
+    for name in names:
+        ours, theirs = (solution.get(name, model) for model in ("tmm", "beam"))
+        apart = np.abs(np.asarray(ours.value) - theirs.value)
+        assert (apart < np.asarray(ours.uncertainty) + theirs.uncertainty).all(), name

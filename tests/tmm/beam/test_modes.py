@@ -1,0 +1,280 @@
+"""Natural frequencies: right to the last digits, and none missed."""
+
+from dataclasses import replace
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Bimorph, Device, Support
+from tmm.beam.modes import Fixture, bending_frequencies, natural_frequencies
+from tmm.beam.printed_formulas import matrix_a
+from tmm.beam.section.section import Joint, Section, section
+from tmm.beam.transfer import transfer_matrix as tmm
+from validation.checks.cases import reference_beam
+
+CLAMPED = Fixture(clamped=True)
+PAPER_SUPPORT = Fixture(
+    clamped=False, lateral_stiffness=3e6, rotational_stiffness=0.24, rotational_inertia=1e-12
+)
+BEAM = section(Piece("bimorph", 20e-3), Device(), Beam(), lossy=False)
+# angles are rounded to some 1e-15, of frequency some 1e-14
+DIGITS = 1e-12
+
+
+def modes(beam, length, fixture, count, *, open_circuit=False):
+    return bending_frequencies([(beam, length)], fixture, count, open_circuit=open_circuit)
+
+
+def test_stored_resonances(state_space):
+    """Three modes of two lengths, on springs and clamped, short and open: 24 stored values."""
+    for stored in state_space["lossless_resonances"]:
+        fixture = CLAMPED if stored["support"] == "clamped" else PAPER_SUPPORT
+        got = modes(BEAM, stored["length"], fixture, 3, open_circuit=stored["circuit"] == "open")
+        np.testing.assert_allclose(got, stored["hertz"], rtol=DIGITS)
+
+
+def sign_changes(beam, length, end_condition, frequencies):
+    """Return where the determinant of the closed-form matrix A changes sign, refined once."""
+
+    def determinant(f):
+        return end_condition(matrix_a(beam, length, f)[:, :4, :4])
+
+    signs = np.sign(determinant(frequencies))
+    at = np.flatnonzero(signs[1:] != signs[:-1])
+    return 0.5 * (frequencies[at] + frequencies[at + 1])
+
+
+def clamped_free(a):
+    """M = F = 0 above for v = ψ̇ = 0 below: real up to a factor j."""
+    return np.linalg.det(a[:, 2:, 2:]).real
+
+
+def free_free(a):
+    """M = F = 0 above for M = F = 0 below."""
+    return np.linalg.det(a[:, 2:, :2]).real
+
+
+@pytest.mark.parametrize(
+    ("length", "highest"),
+    # the second case is short enough for five modes above the cut-off, 860.3 kHz
+    [(20e-3, 2e5), (3e-3, 3e6)],
+)
+@pytest.mark.parametrize(
+    ("fixture", "condition"), [(CLAMPED, clamped_free), (Fixture(clamped=False), free_free)]
+)
+def test_none_missed(length, highest, fixture, condition):
+    """As many modes as the determinant has sign changes on a dense scan, at the same places."""
+    grid = np.linspace(highest / 40001, highest, 40000)
+    dense = sign_changes(BEAM, length, condition, grid)
+    got = modes(BEAM, length, fixture, dense.size + 1)
+    assert dense.size >= 8
+    np.testing.assert_allclose(got[:-1], dense, atol=grid[1] - grid[0])
+    assert got[-1] > highest
+
+
+@pytest.mark.parametrize("length", [1e-4, 1e-3, 20e-3, 1.0, 10.0])
+def test_free_free_counts_no_rigid_motion(length):
+    """A free beam of any size has its two motions at 0 Hz left out, and no elastic one."""
+    got = modes(BEAM, length, Fixture(clamped=False), 2)
+    # slender: (4.730², 7.853²)/2π √(EI/m)/l²; a short one is softer in shear
+    classical = np.array([4.730040745, 7.853204624]) ** 2 / (2 * np.pi * length**2)
+    classical *= np.sqrt(BEAM.EI.real / BEAM.m)
+    if length >= 1.0:
+        np.testing.assert_allclose(got, classical, rtol=1e-4)
+    assert (got < classical).all()
+    assert (got > 1e-3 * classical).all()
+
+
+def test_soft_suspension_is_a_mode():
+    """A beam on a soft spring has its bouncing mode √(c/m)/2π, and one rigid motion is left."""
+    got = modes(BEAM, 20e-3, Fixture(clamped=False, lateral_stiffness=1e-3), 1)
+    # hinged at the end on the spring, a bar turns about a point 2/3 up: effective mass m l/4
+    mass = BEAM.m * 20e-3
+    assert got[0] == pytest.approx(np.sqrt(1e-3 / (mass / 4)) / (2 * np.pi), rel=1e-2)
+
+
+def test_simply_supported_closed_form():
+    """Pinned at both ends every mode is a sine: both branches of Timoshenko's closed form."""
+    beam, length = Section(EI=2e11 * 4 / 3, GA=3e10, m=32e3, rhoI=8e3 * 4 / 3), 10.0
+    pinned = Fixture(clamped=False, lateral_stiffness=1e25, tip_stiffness=1e25)
+    expected = [np.sqrt(beam.GA / beam.rhoI)]  # the section's rotation alone, n = 0
+    for n in range(1, 13):
+        k2 = (n * np.pi / length) ** 2
+        b = beam.m * (beam.EI * k2 + beam.GA) + beam.rhoI * beam.GA * k2
+        squares = np.roots([beam.m * beam.rhoI, -b, beam.EI * beam.GA * k2**2])
+        expected.extend(np.sqrt(squares))
+    expected = np.sort(expected)[:12] / (2 * np.pi)
+    got = modes(beam, length, pinned, 12)
+    np.testing.assert_allclose(got, expected, rtol=1e-11)  # springs 1e14 times the beam's
+
+
+def nafems_fv5():
+    """Return the section of NAFEMS FV5: 2 m x 2 m, E 200 GPa, ν 0.3, 8000 kg/m³, Cowper's κ."""
+    young, nu, side = 200e9, 0.3, 2.0
+    kappa = 10 * (1 + nu) / (12 + 11 * nu)
+    inertia, area = side**4 / 12, side**2
+    return Section(
+        EI=young * inertia, GA=kappa * young / (2 * (1 + nu)) * area,
+        m=8000 * area, rhoI=8000 * inertia,
+    )  # fmt: skip
+
+
+def test_published_deep_beam_clamped_free():
+    """The FV5 section clamped-free: 15.6727, 84.5597, 201.5408 Hz (exact field solution)."""
+    got = modes(nafems_fv5(), 10.0, CLAMPED, 3)
+    np.testing.assert_allclose(got, [15.6727, 84.5597, 201.5408], atol=6e-5)  # digits printed
+
+
+def test_published_deep_beam_simply_supported():
+    """NAFEMS FV5: 42.650 and 148.15 Hz by its finite elements, 42.645 Hz in closed form."""
+    pinned = Fixture(clamped=False, lateral_stiffness=1e22, tip_stiffness=1e22)
+    got = modes(nafems_fv5(), 10.0, pinned, 2)
+    assert got[0] == pytest.approx(42.645, abs=6e-4)
+    np.testing.assert_allclose(got, [42.650, 148.15], rtol=2e-3)  # another shear factor there
+
+
+def test_heavy_tip_mass():
+    """Under a heavy mass the beam is a spring: √(3 EI/(l³ M))/2π with shear added."""
+    mass, l = 1.0, 20e-3
+    got = modes(BEAM, l, replace(CLAMPED, tip_mass=mass), 1)[0]
+    compliance = l**3 / (3 * BEAM.EI.real) + l / BEAM.GA
+    # Rayleigh: 33/140 of the beam's mass rides along, 4e-5 of the mass
+    effective = mass + 33 / 140 * BEAM.m * l
+    assert got == pytest.approx(1 / np.sqrt(compliance * effective) / (2 * np.pi), rel=1e-6)
+
+
+def test_stiff_tip_spring_is_a_pin():
+    """A stiff tip spring raises every mode to the clamped-pinned one, from below."""
+    free, firm, rigid = (
+        modes(BEAM, 20e-3, replace(CLAMPED, tip_stiffness=k), 4) for k in (0.0, 1e12, 1e14)
+    )
+    assert (free < firm).all()
+    assert (firm < rigid).all()
+    np.testing.assert_allclose(firm, rigid, rtol=1e-6)
+    # clamped-pinned, slender: 3.9266²; shear and rotary inertia take 1 %
+    classical = 3.926602312**2 / (2 * np.pi) * np.sqrt(BEAM.EI.real / BEAM.m) / 20e-3**2
+    assert 0.98 * classical < rigid[0] < classical
+
+
+def test_open_circuit_is_stiffer():
+    """Each open-circuit mode lies between its own and the next short-circuit mode."""
+    for fixture in (CLAMPED, PAPER_SUPPORT):
+        short = modes(BEAM, 14e-3, fixture, 6)
+        opened = modes(BEAM, 14e-3, fixture, 5, open_circuit=True)
+        assert (short[:-1] < opened).all()
+        assert (opened < short[1:]).all()
+
+
+@pytest.mark.parametrize("open_circuit", [False, True])
+def test_cut_beam_has_the_same_modes(open_circuit):
+    """A beam stated in three unequal pieces has the modes of the whole."""
+    whole = modes(BEAM, 20e-3, PAPER_SUPPORT, 5, open_circuit=open_circuit)
+    cut = [(BEAM, 3e-3), (BEAM, 10e-3), (BEAM, 7e-3)]
+    got = bending_frequencies(cut, PAPER_SUPPORT, 5, open_circuit=open_circuit)
+    np.testing.assert_allclose(got, whole, rtol=DIGITS)
+
+
+def test_row_of_unequal_pieces_against_its_ports():
+    """Tab and ceramic: at each mode the terminated ports' determinant changes sign."""
+    device, support = Device(bimorph=Bimorph(tab_length=2e-3)), Support(kind="clamped")
+    pieces = tmm.sections(device, support, Beam(), lossy=False)
+    got = bending_frequencies(pieces, CLAMPED, 4, open_circuit=False)
+    sides = []
+    for shift in (-1e-10, 1e-10):
+        d = tmm.chain(pieces, got * (1 + shift)).stiffness[:, 2:4, 2:4].real
+        sides.append(np.sign(np.linalg.det(d)))
+    assert (sides[0] == -sides[1]).all()
+
+
+def end_condition(row, fixture, frequency, *, open_circuit):
+    """Return the frequency determinant to 60 digits; states [w, ψ, M, F, q, U]."""
+    omega = 2 * mp.pi * frequency
+    state = mp.zeros(6, 3)
+    state[5, 2] = 1
+    if fixture.clamped:
+        state[2, 0] = state[3, 1] = 1
+    else:
+        state[0, 0] = state[1, 1] = 1
+        state[3, 0] = mp.mpf(fixture.lateral_stiffness)
+        state[2, 1] = fixture.rotational_stiffness - omega**2 * mp.mpf(fixture.rotational_inertia)
+    for element, length in row:
+        if isinstance(element, Joint):
+            transfer = mp.eye(6)
+            for i, j in np.ndindex(2, 2):
+                transfer[i, 3 - j] += mp.mpf(float(element.compliance[i, j]))
+        else:
+            transfer = reference_beam.transfer(reference_beam.constants(element), length, omega)
+        state = transfer * state
+    tip = fixture.tip_stiffness - omega**2 * mp.mpf(fixture.tip_mass)
+    unknowns = 3 if open_circuit else 2
+    rows = ([state[k, j] for j in range(unknowns)] for k in (2, 4))
+    force = [state[3, j] + tip * state[0, j] for j in range(unknowns)]
+    moment, charge = rows
+    return mp.re(mp.det(mp.matrix([moment, force, charge][:unknowns])))
+
+
+def offset(row, fixture, frequency, *, open_circuit):
+    """Return how far (relative) the frequency lies from the root, by one secant to 60 digits."""
+    step = mp.mpf("1e-9")
+    with mp.workdps(60):
+        low, high = (
+            end_condition(row, fixture, mp.mpf(frequency) * (1 + s), open_circuit=open_circuit)
+            for s in (-step, step)
+        )
+        return float(step * (high + low) / (high - low))
+
+
+THIN = 1e-6
+ROWS = {
+    "taper, electrodes, tab and glue": {
+        "width_profile": ((0, 2.1e-3), (20e-3, 1e-3)),
+        "piezo_thickness_profile": (
+            (0, 0.26e-3), (8e-3, 0.2e-3), (8e-3, 0.15e-3), (20e-3, 0.1e-3)
+        ),
+        "tab_length": 2e-3, "bare_above": 2e-3, "glue_thickness": 10e-6,
+    },
+    "ceramic that runs out": {"piezo_thickness_profile": ((0, 0.26e-3), (20e-3, THIN))},
+    "foil as a tip": {
+        "piezo_thickness_profile": ((0, 0.26e-3), (8e-3, 0.26e-3), (8e-3, THIN), (20e-3, THIN)),
+        "shim_thickness_profile": ((0, 0.25e-3), (8e-3, 0.25e-3), (8e-3, THIN), (20e-3, THIN)),
+    },
+    "foil as a root": {
+        "piezo_thickness_profile": ((0, THIN), (1e-3, THIN), (1e-3, 0.26e-3), (20e-3, 0.26e-3)),
+        "shim_thickness_profile": ((0, THIN), (1e-3, THIN), (1e-3, 0.25e-3), (20e-3, 0.25e-3)),
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("open_circuit", [False, True])
+@pytest.mark.parametrize(
+    ("case", "support", "fixture"),
+    [
+        (case, "clamped", fixture)
+        for case in ROWS
+        for fixture in (CLAMPED, replace(PAPER_SUPPORT, tip_mass=1e-4))
+    ]
+    + [("taper, electrodes, tab and glue", "rod", CLAMPED)],
+)
+def test_rounding_bar_of_segmented_rows(case, support, fixture, open_circuit):
+    """Against 60 digits every frequency is inside its rounding error, small where rows are usual.
+
+    Foils, 10⁷ times softer than what they hold, cost digits; the bar says how many.
+    """
+    device = Device(bimorph=Bimorph(**ROWS[case]))
+    row = tmm.sections(device, Support(kind=support), Beam(), lossy=False, segments=2)
+    got = natural_frequencies(row, fixture, 3, open_circuit=open_circuit)
+    for frequency, bar in zip(got.frequencies, got.rounding, strict=True):
+        assert abs(offset(row, fixture, frequency, open_circuit=open_circuit)) < bar
+    # the requirement on what is compared with a second model of 1e-11
+    assert got.rounding.max() < (1e-9 if case.startswith("foil") else 1e-12)
+
+
+def test_count_of_many_segments_agrees_with_the_whole():
+    """A hundred unequal segments of one beam: the same twelve modes, none lost at a joint."""
+    lengths = np.linspace(0.5, 1.5, 100) * 0.2e-3
+    row = [(BEAM, float(l)) for l in lengths]
+    whole = modes(BEAM, float(lengths.sum()), PAPER_SUPPORT, 12)
+    got = bending_frequencies(row, PAPER_SUPPORT, 12, open_circuit=False)
+    np.testing.assert_allclose(got, whole, rtol=DIGITS)

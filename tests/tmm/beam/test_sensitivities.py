@@ -1,0 +1,307 @@
+"""Derivatives of the transfer-matrix model against 80-digit difference quotients.
+
+The witness is the state-space beam of validation.checks.cases.reference_beam with support, load and
+wiring written out here in mpmath; it shares no formula with tmm.
+"""
+
+from functools import cache
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from geometry.device.materials import EPS0
+from geometry.errors import InputError
+from tmm.beam.parametric import Actuator, parameter_keys
+from tmm.beam.port_quantities import READOUTS, evaluate, first_frequency, resonance_peak
+from tmm.beam.sensitivities import DIFFERENTIABLE, derivatives, logarithmic_sensitivities, values
+from tmm.ports.terminations import finger_spring_damper
+from validation.checks.cases import reference_beam as reference
+from validation.scene.scene import load_scene
+
+#: Relative step of the difference quotients: their error is its square, 1e-50.
+STEP = mp.mpf(10) ** -25
+
+
+def actuator(name, *overrides):
+    scene, _ = load_scene(name, overrides)
+    return Actuator(scene.device, scene.support, scene.load, scene.beam, scene.drive)
+
+
+PAPER, PROTOTYPE = actuator("paper"), actuator("prototype")
+KEYS = parameter_keys(PAPER)
+
+
+@cache
+def exact_beam(device, changed, lossless):
+    """Return [parameters, 80-digit section constants] with one parameter moved by STEP times n."""
+    key, moves = changed
+    p = {k: mp.mpf(device.value(k)) for k in KEYS}
+    if key:
+        p[key] *= 1 + moves * STEP
+    layers = reference.Layers(
+        p["bimorph.width"], p["bimorph.piezo_thickness"], p["bimorph.shim_thickness"],
+        p["piezo.density"], p["shim.density"], p["shim.youngs_modulus"], p["shim.shear_modulus"],
+        p["piezo.s11"], p["piezo.s55"], p["piezo.d31"], p["piezo.eps33"] * mp.mpf(EPS0),
+        p["beam.shear_correction"],
+        mp.inf if lossless else p["piezo.quality_factor"],
+        0 if lossless else p["piezo.loss_tangent"],
+    )  # fmt: skip
+    return p, reference.bimorph_constants(layers)
+
+
+def exact_matrix(device, changed, frequency, lossless=False):
+    p, beam = exact_beam(device, changed, lossless)
+    omega = 2 * mp.pi * mp.mpf(frequency)
+    d = reference.dynamic_stiffness(beam, p["bimorph.length"], omega)
+    d[0, 0] += p["support.lateral_stiffness"]
+    damping = 0 if lossless else mp.j * omega * p["support.rotational_damping"]
+    d[1, 1] += p["support.rotational_stiffness"] + damping
+    d[1, 1] -= omega**2 * p["support.rotational_inertia"]
+    if device.load.kind == "finger" and not lossless:
+        stiffness, drag = (mp.mpf(float(v)) for v in finger_spring_damper(float(frequency)))
+        d[2, 2] += stiffness + mp.j * omega * drag
+    return p, omega, d
+
+
+def exact(device, quantity, changed, frequency):
+    """Return a quantity of READOUTS with 60 digits or more."""
+    static = READOUTS[quantity].static
+    p, omega, d = exact_matrix(device, changed, 0 if static else frequency, lossless=static)
+    voltage = p["drive.voltage"] if quantity not in ("admittance", "capacitance_free") else 1
+    free = [0, 1, 3] if quantity == "blocked_force" else [0, 1, 2, 3]
+    if quantity == "capacitance_blocked":
+        return d[4, 4]
+    inner = mp.matrix([[d[i, j] for j in free] for i in free])
+    force = mp.matrix([-d[i, 4] * voltage for i in free])
+    x = dict(zip(free, mp.lu_solve(inner, force), strict=True)) | {4: voltage}
+    row = {"blocked_force": 2}.get(quantity, 4)
+    reaction = sum(d[row, i] * value for i, value in x.items())
+    return {
+        "tip_displacement": x.get(2),
+        "static_tip_displacement": x.get(2),
+        "tip_velocity": mp.j * omega * x.get(2, 0),
+        "tip_rotation": x[3],
+        "input_current": mp.j * omega * reaction,
+        "admittance": mp.j * omega * reaction,
+        "capacitance_free": reaction,
+        "blocked_force": reaction,
+    }[quantity]
+
+
+@mp.workdps(reference.DIGITS)
+def exact_frequency(device, changed, start, *, open_circuit):
+    def determinant(f):
+        _, _, d = exact_matrix(device, changed, f, lossless=True)
+        size = 5 if open_circuit else 4
+        return mp.det(d[:size, :size]).real  # lossless
+
+    return mp.findroot(determinant, (start, start * (1 + mp.mpf(10) ** -12)), tol=1e-120)
+
+
+CASES = [
+    *((PROTOTYPE, "tip_velocity", f) for f in (10.0, 781.609, 2000.0)),
+    *((PROTOTYPE, "input_current", f) for f in (781.609,)),
+    *((PAPER, "tip_displacement", f) for f in (10.0, 1000.0)),
+    (PAPER, "blocked_force", 250.0),
+    (PAPER, "tip_rotation", 100.0),
+    (PAPER, "admittance", 100.0),
+    *((PAPER, q, 0.0) for q in READOUTS if READOUTS[q].static),
+]
+
+
+@pytest.mark.parametrize(
+    ("device", "quantity", "frequency"), CASES, ids=[f"{q}-{f:g}" for _, q, f in CASES]
+)
+@mp.workdps(reference.DIGITS)
+def test_every_derivative_is_exact(device, quantity, frequency):
+    """All 20 parameters, lossy beside a sharp peak and beside a minimum too, to 1e-8.
+
+    Relative to the derivative, or to 1e-4 of quantity over parameter where it is smaller:
+    there it is a difference of terms that cancel, and 1e-12 is rounding.
+    """
+    at = None if READOUTS[quantity].static else np.array([frequency])
+    found = derivatives(device, quantity, KEYS, at)
+    value = exact(device, quantity, ("", 0), frequency)
+    assert values(device, quantity, at)[0] == pytest.approx(complex(value), rel=1e-10)
+    for key in KEYS:
+        more, less = (exact(device, quantity, (key, sign), frequency) for sign in (1, -1))
+        slope = (more - less) / (2 * STEP * device.value(key))
+        least = 1e-4 * abs(value / device.value(key))
+        error = abs(complex(found[key][0]) - slope) / max(abs(slope), least)
+        assert error < 1e-8, (key, float(error))
+
+
+@pytest.mark.parametrize("open_circuit", [False, True])
+@mp.workdps(reference.DIGITS)
+def test_derivatives_of_the_first_frequency_are_exact(open_circuit):
+    """Implicit differentiation of det S = 0 against moved roots, to 1e-8."""
+    name = "open_circuit_frequencies" if open_circuit else "short_circuit_frequencies"
+    start = float(values(PROTOTYPE, name)[0])
+    keys = (
+        "bimorph.length", "bimorph.piezo_thickness", "piezo.s11", "piezo.density", "piezo.d31",
+        "piezo.eps33", "shim.shear_modulus", "support.rotational_stiffness",
+        "support.rotational_inertia",
+    )  # fmt: skip
+    found = derivatives(PROTOTYPE, name, keys)
+    for key in keys:
+        more, less = (
+            exact_frequency(PROTOTYPE, (key, sign), start, open_circuit=open_circuit)
+            for sign in (1, -1)
+        )
+        slope = (more - less) / (2 * STEP * PROTOTYPE.value(key))
+        least = 1e-4 * start / abs(PROTOTYPE.value(key))
+        assert abs(float(found[key][0]) - slope) / max(abs(slope), least) < 1e-8, key
+
+
+def test_coupling_factor_follows_from_both_frequencies():
+    """d k of k² = 1 − (f_s/f_o)² for a change so small that the quotient is good to 1e-6."""
+    key, step = "piezo.eps33", 1e-4
+    usual = PAPER.value(key)
+    more, less = (
+        values(PAPER.with_values({key: usual * (1 + s)}), "coupling_factor")[0]
+        for s in (step, -step)
+    )
+    found = derivatives(PAPER, "coupling_factor", [key])[key][0]
+    # the quotient's own error is step² = 1e-8, and rounding of f over step: 1e-13/k²/1e-4
+    assert found == pytest.approx((more - less) / (2 * step * usual), rel=1e-6)
+
+
+ROWS = {
+    "tab": actuator("paper", "bimorph.tab_length=2mm", "load.kind=none"),
+    "rod": actuator("generator", "load.kind=none"),
+    "taper": actuator("prototype", "bimorph.width_profile=0 mm: 2.1 mm, 14 mm: 1 mm"),
+    "series": actuator("prototype", "bimorph.wiring=series", "bimorph.bare_below=2mm"),
+    "mass": actuator("prototype", "load.kind=mass", "load.mass=5mg", "support.kind=clamped"),
+    "spring": actuator(
+        "paper", "load.kind=spring_damper", "load.stiffness=700N/m", "load.damping=0.5N*s/m"
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_rows_of_pieces_and_other_ends(name):
+    """Tab, rod, taper, bare ceramic, series wiring, mass, spring: like difference quotients.
+
+    Richardson's from steps of 1e-3 and 2e-3 (error 1e-12 of the fifth derivative) of the same
+    model, well below the peaks: 1e-7 of quantity over parameter.  Shown is that no piece is
+    left out.
+    """
+    device, at = ROWS[name], np.array([40.0, 120.0])
+    keys = parameter_keys(device)
+    found = derivatives(device, "tip_velocity", keys, at)
+    usual = values(device, "tip_velocity", at)
+    for key in keys:
+        p = device.value(key)
+        quotients = []
+        for step in (1e-3, 2e-3):
+            more, less = (
+                evaluate(device.with_values({key: p * (1 + s)}), "tip_velocity", {}, at)
+                for s in (step, -step)
+            )
+            quotients.append((more - less) / (2 * step * p))
+        slope = (4 * quotients[0] - quotients[1]) / 3
+        assert np.abs((found[key] - slope) * p / usual).max() < 1e-7, key
+
+
+def test_keys_are_those_that_matter():
+    """The model names its own parameters: no magnetics, no rod unless it holds the bimorph."""
+    assert len(KEYS) == 20
+    assert "piezo.s11" in KEYS
+    assert not [key for key in KEYS if key.startswith(("rod", "glue", "load", "coil"))]
+    rod = parameter_keys(ROWS["rod"])
+    assert {"rod.radius", "glue.thickness", "bimorph.tab_length"} <= set(rod)
+    assert not [key for key in rod if key.startswith("support")]
+    # this rod ends at its flange: its length can only grow, with a new piece
+    assert "rod.length" not in rod
+    assert {"load.stiffness", "load.damping"} <= set(parameter_keys(ROWS["spring"]))
+
+
+def test_published_sensitivities_of_the_first_frequency():
+    """At 14 mm density and c_s rule; of the assumed parameters no other moves it by 0.01.
+
+    Two digits are stated: half a unit of the second.
+    """
+    found = logarithmic_sensitivities(PROTOTYPE, "short_circuit_frequencies")
+    assert found["piezo.density"][0] == pytest.approx(-0.46, abs=0.005)
+    assert found["support.rotational_stiffness"][0] == pytest.approx(0.43, abs=0.005)
+    for key in ("piezo.eps33", "piezo.quality_factor", "piezo.loss_tangent", "shim.shear_modulus",
+                "beam.shear_correction"):  # fmt: skip
+        assert abs(found[key][0]) < 0.01
+    # but some that the paper gives do: dimensions, s11 and the shim's density
+    assert found["piezo.s11"][0] == pytest.approx(-0.061, abs=5e-4)
+    assert found["shim.density"][0] == pytest.approx(-0.042, abs=5e-4)
+
+
+def test_published_sensitivities_of_peak_and_minimum():
+    """Peak velocity at 14 mm by d_s and c_s; the loaded 20 mm actuator at 1 kHz by c_s and ρ_p."""
+    start = values(PROTOTYPE, "short_circuit_frequencies")
+    at, _ = resonance_peak(PROTOTYPE, {}, start)
+    peak = logarithmic_sensitivities(PROTOTYPE, "tip_velocity", None, at)
+    assert peak["support.rotational_damping"][0] == pytest.approx(-0.96, abs=0.005)
+    assert peak["support.rotational_stiffness"][0] == pytest.approx(1.1, abs=0.05)
+    loaded = logarithmic_sensitivities(PAPER, "tip_displacement", None, np.array([1000.0]))
+    assert loaded["support.rotational_stiffness"][0] == pytest.approx(-4.1, abs=0.05)
+    assert loaded["piezo.density"][0] == pytest.approx(4.6, abs=0.05)
+
+
+def test_scaling():
+    """Two exact laws: static deflection goes as l², motion as the voltage."""
+    static = logarithmic_sensitivities(PAPER, "static_tip_displacement")
+    # shear does not bend a beam under pure moment, and the springs carry no force
+    assert static["bimorph.length"][0] == pytest.approx(2.0, rel=1e-11)
+    assert abs(static["beam.shear_correction"][0]) < 1e-11
+    assert static["drive.voltage"][0] == pytest.approx(1.0, rel=1e-11)
+    # a factor on all stiffnesses of a clamped, lossless beam: f as its square root
+    clamped = actuator("prototype", "support.kind=clamped")
+    found = logarithmic_sensitivities(clamped, "short_circuit_frequencies", modes=3)
+    densities = found["piezo.density"] + found["shim.density"]
+    np.testing.assert_allclose(densities, -0.5, rtol=1e-10)
+
+
+def test_sampled_first_frequency_is_the_counted_one():
+    """Newton's method on many samples finds the mode that counting modes finds, at both ends."""
+    points = {"piezo.density": np.array([6000.0, 7900.0, 9000.0]), "bimorph.length": 0.014}
+    points["support.rotational_stiffness"] = np.array([0.05, 0.24, 1.0])
+    for name, circuit in (("short_circuit_frequencies", False), ("open_circuit_frequencies", True)):
+        start = np.full(3, values(PROTOTYPE, name)[0])
+        found = first_frequency(PROTOTYPE, points, start, open_circuit=circuit)
+        for i in range(3):
+            one = PROTOTYPE.with_values(
+                {k: float(np.ravel(v)[i % np.size(v)]) for k, v in points.items()}
+            )
+            # counting converges to 1e-14, Newton to 1e-12
+            assert found[i] == pytest.approx(values(one, name)[0], rel=1e-11)
+
+
+def test_resonance_peak_is_a_maximum():
+    """The peak lies where the stored frequency and height say, and beside it is less."""
+    start = values(PROTOTYPE, "short_circuit_frequencies")
+    at, height = resonance_peak(PROTOTYPE, {}, start)
+    assert at[0] == pytest.approx(781.609, abs=5e-4)  # digits stated
+    assert height[0] == pytest.approx(22.795e-3, abs=5e-7)
+    beside = np.abs(values(PROTOTYPE, "tip_velocity", at[0] * np.array([1 - 1e-5, 1 + 1e-5])))
+    assert (beside < height[0]).all()
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: derivatives(PAPER, "tip_velocity", ["coil.turns"], np.ones(1)), "coil.turns"),
+        (lambda: derivatives(PAPER, "tip_velocity", ["bimorph.tab_length"], np.ones(1)), "than 0"),
+        (lambda: derivatives(PAPER, "tip_velocity", ["piezo.s11"]), "frequencies in Hz"),
+        (lambda: values(PAPER, "dynamic_stiffness", np.ones(1)), "has no derivative"),
+    ],
+)
+def test_what_has_no_derivative_is_refused(call, words):
+    """One sentence that names what can be asked."""
+    with pytest.raises(InputError, match=words):
+        call()
+
+
+def test_every_quantity_is_differentiable_by_default_keys():
+    """All scalars and responses of the catalogue answer for all parameters."""
+    for quantity in DIFFERENTIABLE:
+        found = derivatives(PAPER, quantity, None, np.array([100.0]))
+        assert set(found) == set(KEYS)
+        assert all(np.isfinite(v).all() for v in found.values())

@@ -1,0 +1,208 @@
+"""The closed form of the mounted beam: as good as 80 digits allow, at any shape and chunk."""
+
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Device, Load, Support
+from tmm.beam import sweep
+from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.section.section import Section, section
+from tmm.beam.sweep import design_map, tip_response
+from tmm.beam.transfer import timoshenko
+from tmm.beam.transfer.precision import error_bound
+from tmm.beam.transfer.timoshenko import dynamic_stiffness
+from tmm.beam.transfer.transfer_matrix import chain
+from tmm.ports.multiport import respond
+from tmm.ports.terminations import termination
+from validation.checks.cases import reference_beam as reference
+
+LENGTH = 20e-3
+EPS = np.finfo(float).eps
+CLAMPED, SPRING = Support(kind="clamped"), Support()
+FREE, FINGER = Load(kind="none"), Load()
+
+
+def bimorph(*, lossy=True):
+    return section(Piece("bimorph", LENGTH), Device(), Beam(), lossy=lossy)
+
+
+def respond_at(beam, length, f, end, **options):
+    omega = 2 * np.pi * np.asarray(f)
+    return tip_response(beam, length, omega, base=end.base, tip=end.tip, **options)
+
+
+@pytest.mark.parametrize("support", [CLAMPED, SPRING], ids=["clamped", "spring"])
+@pytest.mark.parametrize("load", [FREE, FINGER, Load(kind="mass", mass=1e-3)], ids=lambda l: l.kind)
+def test_same_as_the_dynamic_stiffness(support, load):
+    """Displacement and charge are those of the beam's D with the ends attached."""
+    f = np.geomspace(0.1, 1e5, 400)
+    end = termination(support, load, f)
+    ours = respond_at(bimorph(), LENGTH, f, end, voltage=50.0)
+    matrix = respond(chain([(bimorph(), LENGTH)], f), end, 50.0)
+    # D's resonances, damped with Q = 60, cost the elimination four digits
+    np.testing.assert_allclose(ours.w_tip, matrix.w_tip, rtol=1e-11)
+    np.testing.assert_allclose(ours.charge, matrix.charge, rtol=1e-11)
+
+
+@pytest.mark.parametrize("number", range(18))
+def test_against_the_stored_state_space_solution(state_space, number):
+    """Tip velocity and current of the paper's bimorph, free and loaded, to 30 roundings."""
+    case = state_space["cases"][number]
+    f = np.array([case["frequency"]])
+    end = termination(SPRING, Load(kind=case["load"]), f)
+    ours = respond_at(bimorph(), case["length"], f, end, voltage=case["voltage"])
+    # section constants, Ω and the attachments are rounded, too, and the condition is below 100;
+    # beside a minimum or a peak a rounding of Ω alone is worth four
+    for got, name in ((ours.w_tip, "v_tip"), (ours.charge, "current")):
+        velocity = 2j * np.pi * f[0] * got[0]
+        assert velocity == pytest.approx(complex(*case[name]), rel=30 * EPS), name
+
+
+@given(
+    length=st.floats(-4, 1), frequency=st.floats(-3, 6), lossy=st.booleans(),
+    base=st.none() | st.tuples(st.floats(0, 8), st.floats(-4, 2)),
+    stiffness=st.floats(-1, 7), mass=st.floats(-7, -1),
+)  # fmt: skip
+def test_against_eighty_digits(length, frequency, lossy, base, stiffness, mass):
+    """Any length, frequency, support and load: 1e-12, or what the condition number allows."""
+    beam, length, omega = bimorph(lossy=lossy), 10.0**length, 2 * np.pi * 10.0**frequency
+    tip = 10.0**stiffness - omega**2 * 10.0**mass
+    if base is not None:
+        base = (10.0 ** base[0] + 0j, 10.0 ** base[1] + 0j)
+    ours = tip_response(beam, length, omega, base=base, tip=tip)
+    exact = reference.dynamic_stiffness(reference.constants(beam), length, omega)
+    w_tip, charge = reference.tip_motion(exact, base, tip)
+    bound = error_bound(float(ours.condition))
+    if abs(w_tip) > 1e-280:  # else it leaves the range of doubles
+        assert reference.relative_error(ours.w_tip, w_tip) <= bound
+    assert reference.relative_error(ours.charge, charge) <= bound
+
+
+def many(seed, n=4000):
+    """Return random sections, lengths, frequencies and ends of a lossless beam."""
+    r, beam = np.random.default_rng(seed), bimorph(lossy=False)
+    beams = Section(
+        beam.EI, beam.GA * 10 ** r.uniform(-2, 2, n), beam.m, beam.rhoI * 10 ** r.uniform(-2, 1, n),
+        beam.K, beam.C,
+    )  # fmt: skip
+    base = (10 ** r.uniform(2, 7, n) + 0j, 10 ** r.uniform(-3, 1, n) + 0j)
+    return beams, 10 ** r.uniform(-4, 1, n), 2 * np.pi * 10 ** r.uniform(-2, 6, n), base
+
+
+def test_double_precision_is_left_in_time(monkeypatch):
+    """What is kept in double precision agrees with extended precision to the promise."""
+    beams, lengths, omega, base = many(1)
+    tip = np.full(omega.size, 100.0)
+    mixed = tip_response(beams, lengths, omega, base=base, tip=tip)
+    d = dynamic_stiffness(beams, lengths, omega)
+    monkeypatch.setattr(sweep, "TOLERATED", 0.0)
+    monkeypatch.setattr(timoshenko, "TOLERATED", 0.0)
+    extended = tip_response(beams, lengths, omega, base=base, tip=tip)
+    changed = mixed.w_tip != extended.w_tip
+    assert 0.3 < changed.mean() < 0.99  # some were kept, some were not
+    np.testing.assert_allclose(mixed.w_tip, extended.w_tip, rtol=sweep_tolerance(), atol=0.0)
+    np.testing.assert_allclose(mixed.charge, extended.charge, rtol=sweep_tolerance(), atol=0.0)
+    whole = dynamic_stiffness(beams, lengths, omega)
+    np.testing.assert_allclose(d, whole, rtol=sweep_tolerance(), atol=0.0)
+
+
+def sweep_tolerance():
+    """What double precision may cost."""
+    return error_bound(0.0)
+
+
+def test_no_digit_lost_where_the_held_beam_resonates():
+    """At a lossless resonance of the beam held at both ends D is useless, the response is not."""
+    beam, low, high = bimorph(lossy=False), 6500.0, 6600.0
+    while (middle := 0.5 * (low + high)) not in (low, high):
+        sign = dynamic_stiffness(beam, LENGTH, 2 * np.pi * middle)[0, 2].real
+        low, high = (middle, high) if sign < 0.0 else (low, middle)
+    end = termination(CLAMPED, FREE, np.array([low]))
+    exact = reference.dynamic_stiffness(reference.constants(beam), LENGTH, 2 * np.pi * low)
+    w_tip, _ = reference.tip_motion(exact, None, 0.0)
+    ours = respond_at(beam, LENGTH, np.array([low]), end)
+    matrix = respond(chain([(beam, LENGTH)], np.array([low])), end, 1.0)
+    assert reference.relative_error(ours.w_tip[0], w_tip) < 1e-14
+    assert reference.relative_error(matrix.w_tip[0], w_tip) > 1e-8
+
+
+def test_condition_says_how_near_the_own_resonance_is():
+    """Ten times nearer to a lossless resonance the condition number is ten times larger."""
+    beam = bimorph(lossy=False)
+    first = bending_frequencies([(beam, LENGTH)], Fixture(clamped=True), 1, open_circuit=False)[0]
+    f = first * (1 + np.array([1e-3, 1e-4, 1e-5]))
+    condition = respond_at(beam, LENGTH, f, termination(CLAMPED, FREE, f)).condition
+    np.testing.assert_allclose(condition[1:] / condition[:-1], 10.0, rtol=0.05)
+
+
+@pytest.mark.parametrize("chunk", [1, 7, 64, 100000])
+def test_chunks_do_not_show(chunk):
+    """The result does not depend on how many points are worked on at a time."""
+    f = np.geomspace(1e-2, 1e6, 200)
+    end = termination(SPRING, FINGER, f)
+    one, other = (respond_at(bimorph(), LENGTH, f, end, chunk=n) for n in (50, chunk))
+    # vector instructions may round the last elements of an array differently
+    np.testing.assert_allclose(one.w_tip, other.w_tip, rtol=1e3 * EPS)
+
+
+def test_everything_broadcasts():
+    """Sections, lengths, supports, loads and frequencies in one call, each on its own axis."""
+    one, f = bimorph(), np.array([0.0, 100.0, 2e3])
+    beam = replace(one, EI=one.EI * np.array([1.0, 1.1])[:, None, None, None])
+    lengths, tips = np.array([5e-3, 20e-3])[:, None, None], np.array([0.0, 700.0])[:, None]
+    base = (1e5, np.array([0.2, 0.3, 0.4]))
+    got = tip_response(beam, lengths, 2 * np.pi * f, base=base, tip=tips)
+    assert got.w_tip.shape == got.charge.shape == got.condition.shape == (2, 2, 2, 3)
+    for i, j, k, n in np.ndindex(got.w_tip.shape):
+        alone = tip_response(
+            replace(one, EI=beam.EI[i, 0, 0, 0]), lengths[j, 0, 0], 2 * np.pi * f[n],
+            base=(1e5, base[1][n]), tip=tips[k, 0],
+        )  # fmt: skip
+        np.testing.assert_allclose(got.w_tip[i, j, k, n], alone.w_tip, rtol=20 * EPS)
+
+
+def test_static_clamped_bimorph():
+    """At 0 Hz the tip is at −K U l²/(2 EI) and the charge (C + K²/EI) l U."""
+    beam = bimorph(lossy=False)
+    got = tip_response(beam, LENGTH, 0.0, base=None, tip=0.0, voltage=50.0)
+    assert got.w_tip == pytest.approx(-beam.K * 50.0 * LENGTH**2 / (2 * beam.EI), rel=1e-14)
+    assert got.charge == pytest.approx((beam.C + beam.K**2 / beam.EI) * LENGTH * 50.0, rel=1e-14)
+
+
+def test_unheld_beam_has_no_static_response():
+    """Without support or load nothing balances the motion at 0 Hz."""
+    with pytest.raises(np.linalg.LinAlgError, match="nothing holds"):
+        tip_response(bimorph(), LENGTH, 0.0, base=(0.0, 0.0), tip=0.0)
+
+
+def test_design_map():
+    """The map holds each load, length and frequency's own response."""
+    lengths, f = np.array([10e-3, 20e-3]), np.linspace(0.0, 2e3, 50)
+    loads = [FREE, FINGER]
+    got = design_map(bimorph(), lengths, f, SPRING, loads, 50.0)
+    assert got.w_tip.shape == (2, 2, 50)
+    for i, load in enumerate(loads):
+        for j, length in enumerate(lengths):
+            alone = respond_at(bimorph(), length, f, termination(SPRING, load, f), voltage=50.0)
+            np.testing.assert_allclose(got.w_tip[i, j], alone.w_tip, rtol=20 * EPS)
+            np.testing.assert_allclose(got.charge[i, j], alone.charge, rtol=20 * EPS)
+
+
+def test_memory_stays_flat():
+    """Beside inputs and results a sweep needs memory for one block, however long it is."""
+    extra = []
+    for n in (200_000, 800_000):
+        f = np.linspace(10.0, 2e3, n)
+        tracemalloc.start()
+        got = design_map(bimorph(), np.array([LENGTH]), f, SPRING, [FINGER])
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        extra.append(peak - got.w_tip.nbytes - got.charge.nbytes - got.condition.nbytes)
+    assert extra[1] < 1.1 * extra[0]
+    assert extra[1] < 40e6

@@ -1,0 +1,285 @@
+"""The co-energy map: one surface, its derivatives, its error, what it refuses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from geometry.device.parameters import Device
+from geometry.errors import InputError
+from tmm.reluctance.circuit import FULL, Refinements
+from tmm.reluctance.coenergy.fit import fit
+from tmm.reluctance.coenergy.map import CoenergyMap, Samples, closed_loop_work
+from tmm.reluctance.network import network_samples
+from validation.checks.cases.magnetics import square_law
+
+#: A linear actuator: λ = C i/(g + G0).
+C, G0 = 2e-6, 0.1e-3
+CURRENTS = 0.2 * (np.arange(11) / 10.0) ** 1.5
+GAPS = np.geomspace(0.02e-3, 0.25e-3, 10)
+DEVICE = Device()
+
+
+def linear_samples(currents=CURRENTS, gaps=GAPS):
+    i, g = (v.astype(float) for v in np.broadcast_arrays(currents[:, None], gaps[None]))
+    linkage = C * i / (g + G0)
+    return Samples(currents, gaps, linkage, 0.5 * linkage**2 / C, 0.5 * i * linkage, C / (g + G0))
+
+
+def saturating_samples(currents, gaps):
+    """i = λ (g + G0)/C + (λ/λs)⁹ A: a gap in series with iron that saturates, solved for λ.
+
+    Its energy W(λ, g) is a polynomial, so W' = iλ − W and F = ∂W/∂g at constant λ are exact.
+    """
+    i, g = (v.astype(float) for v in np.broadcast_arrays(currents[:, None], gaps[None]))
+    saturation = 1.2e-3
+
+    def needed(linkage):
+        return linkage * (g + G0) / C + (linkage / saturation) ** 9
+
+    low, high = np.zeros_like(i), i * C / (g + G0) + 1e-30
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        enough = needed(middle) > i
+        low, high = np.where(enough, low, middle), np.where(enough, middle, high)
+    energy = 0.5 * low**2 * (g + G0) / C + saturation * (low / saturation) ** 10 / 10.0
+    slope = (g + G0) / C + 9.0 / saturation * (low / saturation) ** 8
+    return Samples(currents, gaps, low, 0.5 * low**2 / C, i * low - energy, 1.0 / slope)
+
+
+def between(values, spaced="arithmetic"):
+    if spaced == "geometric":
+        return np.sqrt(values[1:] * values[:-1])
+    return 0.5 * (values[1:] + values[:-1])
+
+
+def largest_error(found, expected):
+    """Return the largest error as the map states it: see MapError."""
+    size = np.abs(expected)
+    return (np.abs(found - expected) / np.maximum(size, 0.1 * size.max(axis=0))).max()
+
+
+def test_linear_actuator():
+    """Every quantity of a linear actuator has a closed form."""
+    pull = fit(linear_samples())
+    i, g = between(CURRENTS)[:, None], between(GAPS)[None]
+    linkage, width = C * i / (g + G0), g + G0
+    # W' is quadratic in i, as the map is; cubic splines in ln(g + g0) leave h⁴, 1e-5 of W',
+    # and lose one order with every derivative by the gap
+    for found, expected, tolerance in (
+        (pull.coenergy(i, g), 0.5 * i * linkage, 1e-4),
+        (pull.energy(i, g), 0.5 * i * linkage, 1e-4),
+        (pull.flux_linkage(i, g), linkage, 1e-4),
+        (pull.incremental_inductance(i, g), linkage / i, 1e-4),
+        (pull.force(i, g), 0.5 * linkage**2 / C, 1e-3),
+        (pull.motional_coefficient(i, g), -linkage / width, 1e-3),
+        (pull.force_gradient(i, g), -(linkage**2) / (C * width), 3e-2),
+    ):
+        np.testing.assert_allclose(found, expected, rtol=tolerance)
+    assert pull.gap_offset == pytest.approx(G0, rel=1e-9)
+
+
+def test_vm213_bookkeeping():
+    """The law of ANSYS VM213, λ ∝ √i, through the map: 0.0333 J of co-energy, 0.0166 J stored,
+    1.25 H apparent, 0.625 H differential at 0.2 A (here at the gap where the factor is 1)."""
+    pull = square_law.by_map()
+    # the square root has an infinite slope at no current, which no spline follows: 1e-3
+    assert pull.coenergy(0.2, 0.2e-3) == pytest.approx(2.0 / 3.0 * 0.05, rel=1e-3)
+    assert pull.energy(0.2, 0.2e-3) == pytest.approx(1.0 / 3.0 * 0.05, rel=3e-3)
+    assert pull.flux_linkage(0.2, 0.2e-3) / 0.2 == pytest.approx(1.25, rel=1e-3)
+    assert pull.incremental_inductance(0.2, 0.2e-3) == pytest.approx(0.625, rel=2e-2)
+
+
+def test_derivatives_are_of_one_surface():
+    """λ, F, inductance, motional coefficient and force gradient by central differences of W'."""
+    pull = fit(network_samples(DEVICE, CURRENTS, GAPS))
+    i, g = np.array([0.013, 0.08, -0.17])[:, None], np.array([0.031e-3, 0.11e-3, 0.23e-3])
+    di, dg = 1e-6, 1e-9
+    for name, of, by, step, sign in (
+        ("flux_linkage", "coenergy", "i", di, 1.0),
+        ("incremental_inductance", "flux_linkage", "i", di, 1.0),
+        ("force", "coenergy", "g", dg, -1.0),
+        ("motional_coefficient", "flux_linkage", "g", dg, 1.0),
+        ("motional_coefficient", "force", "i", di, -1.0),
+        ("force_gradient", "force", "g", dg, 1.0),
+    ):
+        function = getattr(pull, of)
+        up = function(i + step, g) if by == "i" else function(i, g + step)
+        down = function(i - step, g) if by == "i" else function(i, g - step)
+        slope = sign * (up - down) / (2.0 * step)
+        # rounding over the step, 1e-15/1e-5
+        np.testing.assert_allclose(getattr(pull, name)(i, g), slope, rtol=1e-6)
+
+
+@pytest.mark.parametrize("refinements", [FULL, Refinements("linear")])
+def test_closed_loops_do_no_work(refinements):
+    """∮ (λ di − F dg) vanishes to 1e-6 of the work of one side, for any rectangle."""
+    pull = fit(network_samples(DEVICE, CURRENTS, GAPS, refinements))
+    for currents, gaps in (
+        ((0.01, 0.15), (0.03e-3, 0.2e-3)),
+        ((-0.2, 0.2), (0.02e-3, 0.25e-3)),
+        ((0.12, 0.13), (0.19e-3, 0.2e-3)),
+    ):
+        net, side = closed_loop_work(pull.sampled, currents, gaps)
+        assert abs(net) < 1e-6 * side
+
+
+def test_loop_work_sees_an_inconsistent_model():
+    """A force that belongs to another co-energy does net work: the test can fail."""
+
+    def wrong(currents, gaps):
+        samples = linear_samples(currents, gaps)
+        return replace(samples, force=1.01 * samples.force)
+
+    net, side = closed_loop_work(wrong, (0.01, 0.15), (0.03e-3, 0.2e-3))
+    assert abs(net) > 1e-3 * side
+
+
+def test_even_in_the_current_and_zero_without():
+    """W' and F are even, λ is odd, all vanish with the current."""
+    pull, i, g = fit(network_samples(DEVICE, CURRENTS, GAPS)), np.array([0.02, 0.2]), 0.1e-3
+    for name, sign in (("coenergy", 1.0), ("force", 1.0), ("flux_linkage", -1.0)):
+        function = getattr(pull, name)
+        assert np.array_equal(function(-i, g), sign * function(i, g))
+        assert function(0.0, g) == 0.0
+    assert pull.incremental_inductance(0.0, g) > 0.0
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.003, 0.02])
+def test_monotone_everywhere(noise):
+    """∂λ/∂i > 0 at every current and gap, even if noise makes the samples contradict it."""
+    samples = network_samples(DEVICE, CURRENTS, GAPS)
+    rng = np.random.default_rng(3)
+
+    def shaken(values):
+        return values * (1.0 + noise * rng.uniform(-1.0, 1.0, values.shape))
+
+    # sorting keeps λ rising from sample to sample, which is asked of them
+    samples = Samples(
+        CURRENTS, GAPS, np.sort(shaken(samples.flux_linkage), axis=0), shaken(samples.force)
+    )
+    pull = fit(samples)
+    i, g = np.linspace(-0.2, 0.2, 201)[:, None], np.linspace(0.02e-3, 0.25e-3, 101)
+    assert (pull.incremental_inductance(i, g) > 0.0).all()
+    assert (pull.coefficients > 0.0).all()
+    if noise:
+        assert pull.residual.flux_linkage > 0.1 * noise  # and the contradiction is reported
+
+
+def test_network_map_of_ten_by_ten():
+    """Half-way between 10 x 10 samples the map gives the network's flux linkage to 0.5 % and its
+    force to 1.5 %, from a tenth of the largest value up."""
+    pull = fit(network_samples(DEVICE, CURRENTS, GAPS))
+    exact = network_samples(DEVICE, between(CURRENTS), between(GAPS, "geometric"))
+    said = pull.sampled(exact.current, exact.gap)
+    assert largest_error(said.flux_linkage, exact.flux_linkage) < 5e-3
+    assert largest_error(said.force, exact.force) < 1.5e-2
+    assert np.sqrt(np.mean((said.force / exact.force - 1.0) ** 2)) < 5e-3
+
+
+@pytest.mark.parametrize("points", [7, 10, 14])
+@pytest.mark.parametrize("power", [1.0, 1.5])
+@pytest.mark.parametrize(
+    "model", [lambda i, g: network_samples(DEVICE, i, g), saturating_samples], ids=("net", "exact")
+)
+def test_interpolation_error_is_honest(points, power, model):
+    """The error found by leaving samples out covers the true one between the samples.
+
+    Of 216 grids and networks it covered 92 % in flux linkage and 95 % in force; with
+    inductances given, as here, the others were within a factor of two.
+    """
+    currents = 0.2 * (np.arange(points + 1) / points) ** power
+    gaps = np.geomspace(0.02e-3, 0.25e-3, points)
+    pull = fit(model(currents, gaps))
+    exact = model(between(currents), between(gaps, "geometric"))
+    said = pull.sampled(exact.current, exact.gap)
+    for name in ("flux_linkage", "force"):
+        true = largest_error(getattr(said, name), getattr(exact, name))
+        assert true < 2.0 * getattr(pull.interpolation_error, name), name
+
+
+def test_map_converges():
+    """Four times as many samples: the true error and its estimate both fall by a factor of 4."""
+    errors = []
+    for points in (8, 16):
+        gaps = np.geomspace(0.02e-3, 0.25e-3, points)
+        currents = 0.2 * (np.arange(points + 1) / points) ** 1.5
+        pull = fit(saturating_samples(currents, gaps))
+        exact = saturating_samples(between(currents), between(gaps, "geometric"))
+        true = largest_error(pull.sampled(exact.current, exact.gap).force, exact.force)
+        errors.append((true, pull.interpolation_error.force))
+    (true, estimate), (finer_true, finer_estimate) = errors
+    assert finer_true < true / 4.0
+    assert finer_estimate < estimate / 4.0
+
+
+def test_fewer_tables_make_a_map_too():
+    """Flux linkage and force alone are enough, with a larger error."""
+    samples = network_samples(DEVICE, CURRENTS, GAPS)
+    bare = CoenergyMap.from_samples(CURRENTS, GAPS, samples.flux_linkage, samples.force)
+    assert bare.force(0.13, 0.2e-3) == pytest.approx(
+        float(fit(samples).force(0.13, 0.2e-3)), rel=bare.interpolation_error.force
+    )
+
+
+@pytest.mark.parametrize(
+    ("current", "gap", "words"),
+    [
+        (0.21, 0.1e-3, ("current = 210 mA", "ends at 200 mA")),
+        (-0.3, 0.1e-3, ("current = 300 mA",)),
+        (np.nan, 0.1e-3, ("current = nan mA",)),
+        (0.1, 0.3e-3, ("gap = 300 um", "from 20 to 250 um")),
+        (0.1, np.array([0.1e-3, 0.0]), ("gap = 0 um",)),
+    ],
+)
+def test_no_extrapolation(current, gap, words):
+    """Outside its samples the map refuses, with value, unit and range."""
+    pull = fit(linear_samples())
+    with pytest.raises(InputError) as caught:
+        pull.force(current, gap)
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
+def test_a_pull_that_falls_through_zero():
+    """Saturated steel may push: W' = C (i²/2 − b i³/6)/(g + G0) + L i²/2, whose pull changes its
+    sign at i = 3/b, is met on both sides; only flux linkage must increase."""
+    b, leakage = 8.0, 0.05
+    i, g = np.linspace(0.0, 0.45, 16), GAPS
+    width = g + G0
+    force = C * (i**2 / 2.0 - b * i**3 / 6.0)[:, None] / width**2
+    found = fit(
+        Samples(
+            i,
+            g,
+            C * (i - b * i**2 / 2.0)[:, None] / width + leakage * i[:, None],
+            force,
+            C * (i**2 / 2.0 - b * i**3 / 6.0)[:, None] / width + leakage * i[:, None] ** 2 / 2.0,
+            C * (1.0 - b * i)[:, None] / width + leakage,
+        )
+    )
+    assert force.min() < 0.0 < force.max()
+    said = found.force(i[:, None], g)
+    # cubic between the gaps, and judged relative to a tenth of the largest pull at most
+    np.testing.assert_allclose(said, force, rtol=2e-3, atol=2e-4 * np.abs(force).max())
+
+
+def broken(**changes):
+    return replace(linear_samples(), **changes)
+
+
+@pytest.mark.parametrize(
+    ("samples", "words"),
+    [
+        (linear_samples(CURRENTS[:5]), "4 currents above 0 mA and 10 gaps make no map"),
+        (linear_samples(gaps=GAPS[:3]), "10 currents above 0 mA and 3 gaps"),
+        (linear_samples(gaps=GAPS[::-1]), "samples of gap must increase"),
+        (linear_samples(CURRENTS - 0.01), "samples of current must increase from 0"),
+        (broken(flux_linkage=-linear_samples().flux_linkage), "flux_linkage must increase"),
+        (broken(force=np.full((11, 10), np.nan)), "force are not all finite"),
+        (broken(force=linear_samples().force[:5]), r"force have the shape \(5, 10\)"),
+    ],
+)
+def test_unusable_samples_are_refused(samples, words):
+    """Samples that make no co-energy map are refused in one sentence."""
+    with pytest.raises(InputError, match=words):
+        fit(samples)

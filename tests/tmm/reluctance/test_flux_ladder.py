@@ -1,0 +1,115 @@
+"""The magnetic circuit's solver: exact answers, energy, any saturation."""
+
+import numpy as np
+import pytest
+
+from geometry.device import steel_law as steel
+from geometry.device.steel_law import TEAM20
+from tmm.reluctance.flux_ladder import Ladder, solve
+from validation.checks.cases.magnetics import square_law
+from validation.checks.cases.magnetics.square_law import one_loop
+
+
+def random_ladder(curve, seed=0, m=3, n=6):
+    """Return a ladder whose every number differs, with two iron elements in every cell."""
+    rng = np.random.default_rng(seed)
+    draw = rng.uniform
+    return Ladder(
+        curve=curve,
+        area=draw(1e-6, 2e-6, (m, 2 * n)),
+        length=draw(1e-4, 1e-3, (m, 2 * n)),
+        d_length=draw(-0.5, 0.5, (m, 2 * n)),
+        cell=np.tile(np.arange(n), 2),
+        reluctance=draw(1e7, 1e8, (m, n + 1)),
+        d_reluctance=draw(1e10, 1e11, (m, n + 1)),
+        turns=draw(10.0, 100.0, (m, n)),
+        d_turns=draw(-1e3, 1e3, (m, n)),
+    )
+
+
+def shifted(ladder, step):
+    """Return the ladder at a gap larger by `step`, all its parts being linear in the gap."""
+    return Ladder(
+        ladder.curve,
+        ladder.area,
+        ladder.length + step * ladder.d_length,
+        ladder.d_length,
+        ladder.cell,
+        ladder.reluctance + step * ladder.d_reluctance,
+        ladder.d_reluctance,
+        ladder.turns + step * ladder.d_turns,
+        ladder.d_turns,
+    )
+
+
+def test_vm213_bookkeeping():
+    """ANSYS VM213: 0.0166 J stored, 0.0333 J of co-energy at 0.2 A; apparent 1.25 H, half of it
+    differential, flux linkage 0.25 Wb follow from them for λ ∝ √i."""
+    found = square_law.by_ladder()
+    linkage, coenergy = found.flux_linkage[0, 0], found.coenergy[0, 0]
+    # printed with three digits, cut off rather than rounded: one unit of the last
+    assert coenergy == pytest.approx(0.0333, abs=1e-4)
+    assert 0.2 * linkage - coenergy == pytest.approx(0.0166, abs=1e-4)
+    # exact for this law; Newton stops at 1e-12 of the mmf, half of that in the flux
+    assert coenergy == pytest.approx(square_law.COENERGY, rel=1e-11)
+    assert linkage / 0.2 == pytest.approx(1.25, rel=1e-11)
+    assert found.incremental_inductance[0, 0] == pytest.approx(0.625, rel=1e-11)
+    assert (found.flux_linkage[1], found.coenergy[1]) == (-linkage, coenergy)
+
+
+def test_one_linear_loop():
+    """Without saturation λ = N² i / (R_iron + R_gap), and energy equals co-energy."""
+    area, length, turns, gap = 1e-6, 5e-3, 849.0, 1e8
+    exact = turns**2 * 0.1 / (length / (steel.MU0 * 1000.0 * area) + gap)
+    found = solve(one_loop(steel.linear(1000.0), area, length, turns, gap), np.array([0.1]))
+    assert found.flux_linkage[0, 0] == pytest.approx(exact, rel=1e-12)  # rounding
+    assert found.coenergy[0, 0] == pytest.approx(0.5 * 0.1 * exact, rel=1e-12)
+
+
+def test_linear_ladder_against_a_full_matrix():
+    """All cells at once: the same circuit as one dense matrix of mesh equations."""
+    ladder = random_ladder(steel.linear(500.0))
+    found = solve(ladder, np.array([0.3]))
+    slope = 1.0 / (steel.MU0 * 500.0)
+    for k in range(3):
+        iron = np.zeros(6)
+        np.add.at(iron, ladder.cell, slope * ladder.length[k] / ladder.area[k])
+        r = ladder.reluctance[k]
+        matrix = np.diag(iron + r[:-1] + r[1:]) - np.diag(r[1:-1], 1) - np.diag(r[1:-1], -1)
+        flux = np.linalg.solve(matrix, 0.3 * ladder.turns[k])
+        np.testing.assert_allclose(found.flux[0, k], flux, rtol=1e-11)  # rounding, condition 1e2
+
+
+def test_derivatives_belong_to_the_coenergy():
+    """Flux linkage, inductance and force are those of the co-energy, all parts moving."""
+    ladder, i = random_ladder(TEAM20), np.array([0.02, 0.1, 0.5, 3.0])
+    found = solve(ladder, i)
+    step = 1e-5 * i
+    up, down = solve(ladder, i + step), solve(ladder, i - step)
+    # central differences: the square of the step, and rounding over it, 1e-15/1e-5
+    linkage = (up.coenergy - down.coenergy) / (2.0 * step[:, None])
+    np.testing.assert_allclose(linkage, found.flux_linkage, rtol=1e-8)
+    inductance = (up.flux_linkage - down.flux_linkage) / (2.0 * step[:, None])
+    # kinks in the curve's slope: a step across one shows to first order
+    np.testing.assert_allclose(inductance, found.incremental_inductance, rtol=1e-4)
+    h = 1e-9
+    wide, close = solve(shifted(ladder, h), i), solve(shifted(ladder, -h), i)
+    force = -(wide.coenergy - close.coenergy) / (2.0 * h)
+    size = np.abs(found.force).max()
+    np.testing.assert_allclose(force, found.force, rtol=1e-6, atol=1e-6 * size)
+
+
+def test_any_saturation():
+    """From 1e-6 to 1e6 ampere-turns the solution exists and flux rises with the current."""
+    i = np.geomspace(1e-8, 1e4, 61)
+    found = solve(random_ladder(TEAM20), i)
+    assert (np.diff(found.flux_linkage, axis=0) > 0.0).all()
+    assert (np.diff(found.coenergy, axis=0) > 0.0).all()
+    assert (found.incremental_inductance > 0.0).all()
+
+
+def test_no_current_no_flux():
+    """Without current all vanish, but not the inductance."""
+    found = solve(random_ladder(TEAM20), np.zeros(1))
+    assert not np.any([found.flux_linkage, found.coenergy, found.force])
+    assert (found.incremental_inductance > 0.0).all()

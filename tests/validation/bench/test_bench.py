@@ -1,0 +1,232 @@
+"""The benchmark: honest errors, one core, and a command that says whether targets are met."""
+
+import argparse
+import json
+import os
+
+import pytest
+
+from geometry.errors import InputError
+from validation.bench import reluctance as magnetics
+from validation.bench import solver
+from validation.bench.bimorph import beam
+from validation.bench.bimorph.beam import BeamTiming
+from validation.bench.one_core import on_one_core, peak_memory
+from validation.bench.output import time_error_plot
+from validation.bench.reluctance import FieldTiming
+from validation.bench.result import Bench, Target
+from validation.command_line.commands import bench as command
+
+
+def test_measured_alone_on_one_core():
+    """A measurement runs in its own process, limited to one thread."""
+    assert on_one_core("os", "getenv", "OMP_NUM_THREADS") == "1"
+    assert on_one_core("os", "getpid") != os.getpid()
+
+
+def test_a_failed_measurement_is_explained():
+    """In one sentence with the reason and a remedy."""
+    with pytest.raises(InputError, match=r"could not be finished .*--quick"):
+        on_one_core("os", "no_such_measurement")
+
+
+def test_memory_of_a_million_points():
+    """A tenth of the ten million that have to fit into 1 GB."""
+    assert 1e7 < on_one_core(beam.__name__, "memory_of", 1_000_000) < 3e8
+    assert peak_memory() > 1e7
+
+
+@pytest.mark.heavy
+def test_memory_of_ten_million_points():
+    """They fit into 1 GB."""
+    assert on_one_core(beam.__name__, "memory_of", 10_000_000) < 1e9
+
+
+def test_errors_of_the_ways():
+    """The closed form has twelve digits everywhere, matrix A only in the paper's range."""
+    narrow, wide = beam.CASES
+    closed, naive = next(iter(beam._PATHS)), beam._NAIVE
+    assert beam.error_of(closed, narrow) < 1e-12
+    assert beam.error_of(closed, wide) < 1e-12
+    assert beam.error_of(naive, narrow) < 1e-10
+    assert beam.error_of(naive, wide) > 1e-3
+
+
+def test_all_ways_can_be_timed():
+    """Every way takes some time for a few points."""
+    for path in (*beam._PATHS, beam._CASCADE, beam._NAIVE):
+        assert beam.seconds_of(path, next(iter(beam.CASES)), 3000) > 0.0
+    assert beam.map_seconds(2, 100, 2) > 0.0
+
+
+def test_point_of_the_normal_actuator():
+    """What the reference and each way bring back; finer is nearer and has a smaller bar."""
+    coarse, fine = (magnetics.point_of(order, 0.5, 1) for order in (2, 3))
+    assert coarse["unknowns"] < fine["unknowns"]
+    assert 0.0 < fine["force_bar"] < coarse["force_bar"]
+    assert min(coarse["seconds"], magnetics.map_seconds(2, 2)) > 0.0
+
+
+@pytest.mark.parametrize("potential", ["A", "φ"])
+def test_team20_in_a_process_of_its_own(potential):
+    """A coarse mesh is within a quarter of the 80.1 N that were measured."""
+    found = on_one_core(magnetics.__name__, "solid_of", potential, 3.0)
+    assert found["force"] == pytest.approx(80.1, rel=0.25)
+    assert found["seconds"] > 0.0
+
+
+def field_timings(error):
+    """One grid with the given error in flux linkage and in force, and a dearer one without."""
+    cases = ((magnetics._LINKAGE_CASE, 5e-4), (magnetics._WORK, 1e-3))
+    return [
+        FieldTiming(f"order {order}", "1", case, 10, seconds, 1.0, "N", miss, wanted)
+        for order, seconds, miss in ((2, 0.5, error), (4, 1.0, 1e-5))
+        for case, wanted in cases
+    ]
+
+
+@pytest.mark.parametrize(("error", "seconds"), [(1e-4, 0.5), (4.5e-4, 1.0), (7e-4, 1.0)])
+def test_cheapest_way_within_both_errors_is_judged(error, seconds):
+    """With the reference's own bar added; both force and flux linkage count."""
+    reference = {"flux_linkage_bar": 1e-4, "force_bar": 1e-4}
+    point, mapped = magnetics._targets(field_timings(error), reference, 61.0)
+    assert point.measured == seconds
+    assert point.met
+    assert not mapped.met
+
+
+def test_no_way_within_the_errors():
+    """Then the target is not met."""
+    reference = {"flux_linkage_bar": 1e-2, "force_bar": 1e-2}
+    assert not magnetics._targets(field_timings(1e-4), reference, 1.0)[0].met
+
+
+def test_plot_has_a_panel_per_result():
+    """More than three go to another row."""
+    timings = [FieldTiming("A", "1", f"result {n}", 10, 1.0, 1.0, "N", 1e-3) for n in range(5)]
+    text = time_error_plot(timings)
+    assert text.startswith("<svg")
+
+
+def test_command_shows_fields(monkeypatch, tmp_path, capsys):
+    """The same command for the magnetic part: its own columns, its own files."""
+    made = Bench("magnetics", "on paper", tuple(field_timings(1e-4)), (), 0.0)
+    monkeypatch.setattr(magnetics, "run", lambda *_: made)
+    assert command.run(options(only=["magnetics"], out=str(tmp_path))) == 0
+    assert "flux linkage" in capsys.readouterr().out
+    head = (tmp_path / "bench-magnetics.csv").read_text().splitlines()[0]
+    assert head == ",".join(FieldTiming.fields)
+
+
+@pytest.mark.heavy
+def test_magnetic_targets_are_met():
+    """Force within 0.1 %, flux linkage within 0.05 % in 2 s; a 10 x 10 map in a minute."""
+    assert all(target.met for target in magnetics.run(True, lambda _: None).targets)
+
+
+@pytest.mark.parametrize(
+    ("measured", "at_most", "met"), [(1.0, True, True), (3.0, True, False), (3.0, False, True)]
+)
+def test_targets(measured, at_most, met):
+    """A requirement is an upper or a lower limit."""
+    assert Target("what", 2.0, measured, "s", at_most, "how").met is met
+
+
+@pytest.fixture
+def made_up(monkeypatch):
+    """Put a made-up measurement in the place of the real one."""
+    timings = (
+        BeamTiming("way", "range", 100, 1e-3, 1e-15),
+        BeamTiming("other", "range", 100, 1.0, 1e9),
+    )
+    targets = (Target("speed", 1e6, 1e5, "1/s", False, "how"),)
+    made = Bench("tmm", "on paper", timings, targets, 0.0)
+    monkeypatch.setattr(beam, "run", lambda *_: made)
+
+
+def options(**changes):
+    return argparse.Namespace(
+        **{"only": None, "quick": True, "out": None, "json": False, **changes}
+    )
+
+
+def test_command(made_up, tmp_path, capsys):
+    """Tables on stdout; with --out a CSV file and the time-against-error plot."""
+    assert command.run(options(only=["tmm"], out=str(tmp_path))) == 0
+    text = capsys.readouterr().out
+    assert "100,000" in text
+    assert "not met" in text
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["bench-tmm.csv", "bench-tmm.svg"]
+
+
+def test_command_as_json(made_up, capsys):
+    """Timings and verdicts, machine-readable."""
+    command.run(options(only=["tmm"], json=True))
+    told = json.loads(capsys.readouterr().out)
+    assert told["met"] == {"tmm": [False]}
+    assert told["parts"][0]["timings"][0]["points"] == 100
+
+
+def test_unknown_part_is_refused():
+    """With the nearest known name."""
+    with pytest.raises(InputError, match='did you mean "tmm"'):
+        command.run(options(only=["tm"]))
+
+
+@pytest.mark.parametrize("lossy", [False, True])
+@pytest.mark.parametrize("library", ["auto", "superlu"])
+def test_solver_on_a_small_matrix(tmp_path, lossy, library):
+    """The size asked for is met, the answer is right, every step took time and memory."""
+    path = str(tmp_path / "matrix.npz")
+    potentials = solver.write_matrix(12_000, lossy, path)
+    found = solver.measured(path, library)
+    # those held at the planes of symmetry and the base are not foreseen
+    assert found["unknowns"] == pytest.approx(12_000, rel=0.2)
+    assert found["error"] < 1e-6
+    assert min(found[step] for step in (solver._FIRST, solver._AGAIN, solver._SOLVE)) > 0.0
+    assert found["memory"] > 1e7
+    assert found["negative"] in (-1, potentials)
+
+
+def test_a_measurement_that_fails_takes_no_other_along(monkeypatch):
+    """What does not fit into memory is named under the table; the rest is there."""
+    row = {"unknowns": 9, "entries": 81, solver._FIRST: 3.0, solver._AGAIN: 1.0, solver._SOLVE: 0.1,
+           "memory": 1e9, "error": 1e-9, "negative": 2}  # fmt: skip
+
+    def alone(_, function, *arguments):
+        if function == "measured" and arguments[1] == "superlu":
+            raise InputError("out of memory")
+        return 2 if function == "write_matrix" else dict(row)
+
+    monkeypatch.setattr(solver, "on_one_core", alone)
+    part = solver.run(quick=True, announce=lambda _: None)
+    assert "superlu, real, 50,000: out of memory" in part.conditions
+    assert not any("superlu" in timing.path for timing in part.timings)
+
+
+def test_a_part_without_a_measurement_is_refused(monkeypatch):
+    """If nothing fits into memory, one sentence says so."""
+
+    def alone(*_):
+        raise InputError("out of memory")
+
+    monkeypatch.setattr(solver, "on_one_core", alone)
+    with pytest.raises(InputError, match=r"Not measured: .*out of memory"):
+        solver.run(quick=True, announce=lambda _: None)
+
+
+def test_solver_part(monkeypatch):
+    """One row per step, way and size; a count of pivots that is off is not met."""
+    measured = {
+        "unknowns": 9, "entries": 81, solver._FIRST: 3.0, solver._AGAIN: 1.0, solver._SOLVE: 0.1,
+        "memory": 1e6, "error": 1e-8, "negative": 4,
+    }  # fmt: skip
+
+    def alone(module, function, *arguments):
+        return 3 if function == "write_matrix" else dict(measured)
+
+    monkeypatch.setattr(solver, "on_one_core", alone)
+    part = solver.run(quick=True, announce=lambda _: None)
+    assert {row.case for row in part.timings} == {solver._FIRST, solver._AGAIN, solver._SOLVE}
+    assert [target.met for target in part.targets] == [True, False, True]
+    assert time_error_plot(part.timings).count("superlu, complex") >= 1

@@ -1,0 +1,275 @@
+"""The solid's benchmark: the same job for everyone, whole rows, honest readings of the curves."""
+
+import argparse
+import math
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.bimorph.system import materials
+from geometry.errors import InputError
+from validation.bench import PARTS, run_parts
+from validation.bench.bimorph import jobs as piezo_jobs
+from validation.bench.bimorph import meshes as piezo_meshes
+from validation.bench.bimorph import peers, piezo
+from validation.bench.bimorph.peers.grid import LAYERS, SHIM, bricks
+from validation.bench.bimorph.peers.job import Clock, answer, lowest_frequencies, tensor
+from validation.bench.bimorph.timing import SolidTiming
+from validation.bench.bimorph.ways import ways
+from validation.bench.output import time_error_plot
+from validation.bench.work_precision import front, time_at_error
+from validation.command_line.commands import bench as command
+
+COARSE = {"longest": 3e-3, "first": 2e-4, "through_piezo": 2, "across": 3}
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    return piezo_jobs.job(**COARSE)
+
+
+@pytest.fixture(scope="module")
+def device():
+    return piezo_jobs.j1().device
+
+
+def test_job_has_the_devices_lengths(coarse, device):
+    """Every layer has the device's volume, whatever the grid."""
+    grid, b = bricks(coarse), device.bimorph
+    corners = grid.points[grid.cells]
+    volumes = np.prod(corners[:, 6] - corners[:, 0], axis=1)
+    assert volumes.min() > 0.0
+    for layer, thickness in enumerate((b.piezo_thickness, b.piezo_thickness, b.shim_thickness)):
+        whole = thickness * b.width * b.length
+        assert volumes[grid.layer == layer].sum() == pytest.approx(whole, rel=1e-12)
+
+
+@pytest.mark.parametrize("lossy", [False, True])
+def test_job_has_the_devices_tensors(coarse, device, lossy):
+    """Stiffness, coupling with the poling's sign, permittivity, density and losses."""
+    exact = materials(device, ("piezo_top", "shim"), device.piezo.ceramic(), lossy=lossy)
+    ceramic, piezo_tensors = coarse["ceramic"], exact["piezo_top"].piezo
+    for name, wanted in (
+        ("stiffness", exact["piezo_top"].c),
+        ("coupling", piezo_tensors.e),
+        ("permittivity", piezo_tensors.eps),
+    ):
+        told = tensor(ceramic[name], ceramic[f"{name}_loss"], lossy=lossy)
+        # the lossless tensors come from another inversion of the compliances
+        assert told == pytest.approx(wanted, rel=1e-12, abs=1e-12 * np.abs(wanted).max())
+    shim = coarse["shim"]
+    assert np.array(shim["stiffness"]) == pytest.approx(exact["shim"].c, rel=1e-12)
+    assert not np.any(shim["stiffness_loss"])
+    assert shim["coupling"] == []
+    assert (ceramic["density"], shim["density"]) == (7500.0, 1500.0)
+
+
+def test_faces_of_the_grid(coarse):
+    """Every named face has its area; electrodes on the shim know both layers."""
+    grid = bricks(coarse)
+    width, length = coarse["width"], coarse["length"]
+    thickness = coarse["shim_thickness"] + 2.0 * coarse["piezo_thickness"]
+    wanted = {
+        "base": width * thickness,
+        "tip": width * thickness,
+        "side": 2.0 * length * thickness,
+        "outer": 2.0 * width * length,
+        "inner": 2.0 * width * length,
+    }
+    found = dict.fromkeys(wanted, 0.0)
+    for face in grid.faces():
+        a, b, c = (grid.points[face.quads[:, i]] for i in (0, 1, 3))
+        found[face.name] += np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+        assert (face.behind == SHIM) is (face.name == "inner")
+    assert found == pytest.approx(wanted, rel=1e-12)
+
+
+def test_grid_is_graded(coarse):
+    """The first brick at the clamp is about as short as asked, no brick longer than allowed."""
+    z = np.unique(bricks(coarse).points[:, 2])
+    assert z[1] == pytest.approx(coarse["first"], rel=0.25)  # scaled so that all fits
+    assert np.diff(z).max() < 1.01 * coarse["longest"]
+
+
+def test_structured_tetrahedra_fill_the_bricks(coarse):
+    """Six per brick, all positive, faces cut as the cells are."""
+    mesh = piezo_meshes.structured_tetrahedra(coarse)
+    p = mesh.points[mesh.cells]
+    volumes = np.linalg.det(p[:, 1:] - p[:, :1]) / 6.0
+    assert volumes.min() > 0.0
+    thickness = coarse["shim_thickness"] + 2.0 * coarse["piezo_thickness"]
+    assert volumes.sum() == pytest.approx(thickness * coarse["width"] * coarse["length"])
+    sides = {tuple(sorted(cell[list(f)])) for cell in mesh.cells for f in FACES}
+    assert mesh.regions == LAYERS
+    assert len(mesh.faces) == 6
+    assert all(tuple(sorted(t)) in sides for faces in mesh.faces.values() for t in faces)
+
+
+FACES = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
+
+
+def test_lowest_frequencies_of_a_chain():
+    """Lanczos with a given inverse finds the exact frequencies of a fixed-free chain."""
+    n = 40
+    stiffness = 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    stiffness[-1, -1] = 1.0
+    inverse = np.linalg.inv(stiffness)
+    found = lowest_frequencies(lambda v: inverse @ v, lambda v: v, n, 4)
+    angles = (2.0 * np.arange(1, 5) - 1.0) * np.pi / (2.0 * (2 * n + 1))
+    assert found == pytest.approx(2.0 * np.sin(angles) / (2.0 * np.pi), rel=1e-9)
+
+
+def test_own_families_solve_both_jobs():
+    """All values within a coarse mesh's error of the published ones, all phases timed."""
+    found = piezo_jobs.solve_own("bricks of high order", 0, [])
+    values = piezo.values_of(found)
+    assert values[:5] == pytest.approx(piezo.PUBLISHED, rel=1e-2)
+    assert set(found["seconds"]) == {"mesh", "assembly", "factor", "solve", "eigen"}
+    assert min(found["process_seconds"], found["peak_memory"], found["unknowns"]) > 0
+    swept = piezo_jobs.solve_own("bricks of high order", 0, [10.0, 100.0])
+    assert complex(*swept["sweep"][0]).real == pytest.approx(values[0], rel=1e-2)
+    assert set(swept["seconds"]) == {"mesh", "assembly", "sweep"}
+    # quadratic bricks need three in a half-wave of the second bending mode
+    shorter = piezo_jobs.job(**{**COARSE, "longest": 1.5e-3})
+    hexes = piezo_jobs.solve_own("hexahedra of 20 nodes", shorter, [])
+    assert piezo.values_of(hexes)[:5] == pytest.approx(piezo.PUBLISHED, rel=1e-2)
+
+
+def test_missing_peer_is_one_sentence(monkeypatch):
+    """With the remedy, and without it in the ways that are run."""
+    monkeypatch.setitem(peers.PEERS, "NGSolve", ("no_such_package", "nowhere"))
+    assert peers.missing("NGSolve") == (
+        "no_such_package is not installed; pip install 'tactgen[peers]'"
+    )
+    assert not any(level.path.startswith("NGSolve") for level in ways(quick=True))
+
+
+def test_python_that_is_not_there(monkeypatch):
+    """The variable is named, not shown as a traceback."""
+    monkeypatch.setenv(peers.PYTHON, "/nowhere/python")
+    assert "TACTGEN_PEERS = /nowhere/python cannot be run" in peers.missing("SfePy")
+
+
+def test_part_is_known():
+    """The command knows the part and refuses a misspelt one with its name."""
+    assert "piezo" in PARTS
+    options = argparse.Namespace(only=["pieso"], quick=True, out=None, json=False)
+    with pytest.raises(InputError, match='did you mean "piezo"'):
+        command.run(options)
+
+
+def test_time_at_an_error():
+    """Between neighbours of the front in logarithms, never beyond its ends."""
+    points = [(1.0, 1e-2), (2.0, 5e-2), (4.0, 1e-4)]
+    assert front(points) == [(1.0, 1e-2), (4.0, 1e-4)]
+    assert time_at_error(points, 1e-3) == pytest.approx(2.0)
+    assert time_at_error(points, 0.5) == 1.0
+    assert time_at_error(points, 1e-5) == math.inf
+    assert time_at_error([], 1e-3) == math.inf
+
+
+def timing(case="J1", own=True, seconds=1.0, error=1e-3, path="ours"):
+    errors = {"sweep": error} if case == "J2" else dict.fromkeys(piezo.VALUES, error)
+    return SolidTiming(path, "1", case, own, 10, {"mesh": seconds}, 2.0, 10**8, errors)
+
+
+def test_rows_are_complete():
+    """As many cells and values as there are headings, for both jobs."""
+    for case in ("J1", "J2"):
+        row = timing(case)
+        assert len(row.cells) == len(row.columns)
+        assert len(row.values) == len(row.fields)
+    assert math.isnan(timing("J2").frequency_error)
+
+
+def test_capacitance_is_shown_but_not_judged():
+    """The requirement speaks of deflection and natural frequencies."""
+    row = replace(timing(), errors={**timing().errors, "capacitance": 1.0})
+    assert row.worst == 1e-3
+
+
+def test_targets():
+    """Times at an error; ratios to the best peer; none of these without a peer."""
+    ours = [timing(seconds=0.5), timing(seconds=4.0, error=5e-5), timing("J2", error=1e-4)]
+    assert [target.met for target in piezo.targets_of(ours)] == [True, True]
+    theirs = [
+        timing(own=False, seconds=2.0, path="A"), timing(own=False, seconds=9.0, path="B"),
+        timing("J2", own=False, seconds=80.0, path="A", error=1e-3),
+    ]  # fmt: skip
+    _, _, ratio, sweep = piezo.targets_of(ours + theirs)
+    assert (ratio.measured, ratio.met) == (pytest.approx(4.0), False)
+    assert (sweep.measured, sweep.met) == (pytest.approx(80.0), True)
+
+
+def test_sweep_target_counts_where_ours_is_worst():
+    """An error that we do not reach counts as no advantage at all."""
+    rows = [timing("J2", error=1e-2), timing("J2", own=False, seconds=99.0, error=1e-3)]
+    assert piezo.targets_of(rows)[-1].measured == 0.0
+
+
+def test_far_targets_are_not_met():
+    """Neither a time nor a ratio is made up from a curve that ends too early."""
+    first, second, ratio, _ = piezo.targets_of(
+        [timing(error=1e-2), timing(own=False, error=1e-3), timing("J2"), timing("J2", own=False)]
+    )
+    assert first.measured == second.measured == math.inf
+    assert math.isnan(ratio.measured)
+    assert not any(target.met for target in (first, second, ratio))
+
+
+def test_sample_has_the_steepest_places():
+    """The flank of a resonance is in it, and so are both ends."""
+    f = np.geomspace(10.0, 1000.0, 200)
+    sweep = 1.0 / (1.0 - (f / 300.0) ** 2 + 0.02j)
+    reference = piezo.Reference(np.zeros(6), np.zeros(6), f, sweep, 0.0)
+    chosen = piezo.sample(reference, 8)
+    assert {0, 199} <= set(chosen)
+    assert np.abs(f[chosen] / 300.0 - 1.0).min() < 0.02
+
+
+def test_plot_shares_one_legend():
+    """Many ways have one legend for all three panels."""
+    rows = [timing(case, path=f"way {n}") for n in range(9) for case in ("J1", "J2")]
+    text = time_error_plot(rows)
+    assert text.startswith("<svg")
+
+
+def test_kept_meshes_stay_out(monkeypatch, tmp_path):
+    """The time of meshing is that of meshing, and the user's folder comes back."""
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path))
+    with piezo._no_kept_meshes():
+        assert os.environ["TACTGEN_CACHE"] != str(tmp_path)
+    assert os.environ["TACTGEN_CACHE"] == str(tmp_path)
+
+
+def test_answer_keeps_its_phases():
+    """What the clock measured is what comes back."""
+    clock = Clock()
+    clock.stop("mesh")
+    found = answer(clock, 3, "solver", sweep=[1.0 + 2.0j])
+    assert list(found["seconds"]) == ["mesh"]
+    assert found["sweep"] == [[1.0, 2.0]]
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("peer", list(peers.PEERS))
+def test_peer_reproduces_the_job(peer):
+    """Deflection, f1 to f4 and the sweep at 10 Hz within this mesh's error of the published."""
+    if sentence := peers.missing(peer):
+        pytest.skip(sentence)
+    fineness = piezo_jobs.job(order=3, across=3, longest=3e-3, first=1e-4)
+    values = piezo.values_of(peers.solve(peer, fineness))
+    assert values[:5] == pytest.approx(piezo.PUBLISHED, rel=1e-3)
+    swept = peers.solve(peer, {**fineness, "frequencies": [10.0]})["sweep"][0]
+    assert complex(*swept) == pytest.approx(values[0], rel=5e-3)  # losses, and the first mode
+
+
+@pytest.mark.heavy
+def test_benchmark_runs():
+    """The quick run has rows of both jobs, and its reference agrees with the published values."""
+    (made,) = run_parts(["piezo"], True, lambda _: None)
+    assert {row.case for row in made.timings if row.own} == {"J1", "J2"}
+    best = min((row for row in made.timings if row.case == "J1"), key=lambda row: row.worst)
+    assert best.worst < 1e-3

@@ -1,0 +1,61 @@
+"""The declarative rows that the report shows, run as tests."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from validation.checks.bimorph import CHECKS, run_check
+from validation.checks.cases.magnetics import coaxial_coils, square_law
+from validation.checks.reluctance import MAGNETIC_CHECKS
+
+ALL = (*CHECKS, *MAGNETIC_CHECKS)
+
+
+@pytest.mark.parametrize(
+    "check",
+    [pytest.param(c, id=c.id, marks=[pytest.mark.heavy] if c.heavy else []) for c in ALL],
+)
+def test_row(check):
+    """Each row passes, or differs for the reason that it states."""
+    outcome = run_check(check)
+    expected = {"pass", "differs, explained"} if check.explained else {"pass"}
+    assert outcome.status in expected, f"{outcome.measured} against {check.reference}"
+
+
+def test_ids_are_unique_and_rows_complete():
+    """A row that lacks a source or a reason for its tolerance is no check."""
+    assert len({c.id for c in ALL}) == len(ALL)
+    assert all(c.source and c.reason and c.requirement.endswith(".") for c in ALL)
+
+
+def test_explained_rows_can_fail():
+    """An explanation covers one known deviation: any other, or none, or nan, is a failure."""
+    for check in ALL:
+        if check.explained:
+            end = check.reference[1] if isinstance(check.reference, tuple) else check.reference
+            assert abs(check.known) > check.tolerance
+            for factor in (1.0 + check.known + math.copysign(0.1, check.known), math.nan):
+                moved = replace(check, measure=lambda value=factor * end: value)
+                assert run_check(moved).status == "fail"
+
+
+def test_rows_tell_which_actuator_they_are_about():
+    """A report shows those of what its scene asks for."""
+    assert {c.subject for c in CHECKS} == {"lateral"}
+    assert {c.subject for c in MAGNETIC_CHECKS} == {"normal"}
+
+
+def test_references_of_the_coils_are_maxwells():
+    """The rows' references are the elliptic integrals with more Gauss points than it takes."""
+    by_id = {c.id: c.reference for c in MAGNETIC_CHECKS}
+    windings = coaxial_coils.LOW, coaxial_coils.HIGH
+    mutual, slope = (
+        coaxial_coils.between_windings(*windings, function, points=16)
+        for function in (coaxial_coils.mutual_inductance, coaxial_coils.mutual_inductance_slope)
+    )
+    one, other = coaxial_coils.CURRENTS
+    assert by_id["COI-1"] == pytest.approx(mutual, rel=1e-12)
+    assert by_id["COI-2"] == by_id["COI-3"] == pytest.approx(one * other * slope, rel=1e-12)
+    assert by_id["VM213-1"] == pytest.approx(square_law.COENERGY, rel=1e-15)
+    assert by_id["VM213-2"] == pytest.approx(square_law.ENERGY, rel=1e-15)

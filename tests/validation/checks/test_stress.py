@@ -1,0 +1,227 @@
+"""The stress run: what it finds, how it judges, and what its command writes."""
+
+import argparse
+import json
+import math
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from tmm.beam.transfer.precision import error_bound
+from validation.checks.stress import beam, magnetics, output
+from validation.checks.stress.result import (
+    WANTED,
+    Approach,
+    ErrorMap,
+    Point,
+    Stress,
+    answered,
+    judged,
+)
+from validation.command_line.commands import stress as command
+
+
+@pytest.fixture(scope="module")
+def found():
+    """Return the quick run of the transfer-matrix model's part."""
+    return beam.run(True, lambda _: None)
+
+
+def row(found, family):
+    return next(r for r in found.rows if r.family == family)
+
+
+@pytest.mark.parametrize(
+    "family",
+    ["frequency x length, lossy", "frequency x length, lossless", "static limit", "cut-off",
+     "thickness ratio", "section constants", "quality factor"],
+)  # fmt: skip
+def test_every_family_holds(found, family):
+    """1e-12 over the whole grid, with no exception."""
+    assert row(found, family).verdict == "holds"
+
+
+@pytest.mark.parametrize("family", ["resonance, both ends held", "resonance, cantilever"])
+def test_into_a_resonance(found, family):
+    """Down to the last bit the error follows the condition number, and then is large."""
+    judgement = row(found, family)
+    assert judgement.verdict == "holds up to the condition limit"
+    assert judgement.worst.error > 1e-6
+    assert judgement.worst.condition > 1e12
+
+
+def test_chains_stay_within_their_condition(found):
+    """Joining n pieces costs n³ roundings at most."""
+    assert row(found, "long chain").verdict != "fails"
+
+
+def test_the_naive_formulas_fail(found):
+    """The paper's matrix A has no digit left in a long beam, and too few near 0 Hz."""
+    for table in found.maps:
+        # above the cut-off, 860 kHz, no wave grows any more
+        high = table.naive[-1, (table.frequencies > 1e3) & (table.frequencies < 8e5)]
+        low = table.naive[table.lengths < 1e-3][
+            :, (table.frequencies > 0) & (table.frequencies < 1)
+        ]
+        assert (high > 0.1).all()
+        assert (low > 100 * WANTED).all()
+        assert (table.error < WANTED).all()
+
+
+@pytest.mark.heavy
+def test_full_grid():
+    """The full run finds no family that fails."""
+    assert all(r.verdict != "fails" for r in beam.run(False, lambda _: None).rows)
+
+
+def synthetic(error, condition=1.0):
+    return Point("somewhere", error, condition, error_bound(condition), math.nan)
+
+
+@pytest.mark.parametrize(
+    ("points", "verdict"),
+    [
+        ([synthetic(1e-13)], "holds"),
+        ([synthetic(2e-12)], "fails"),
+        ([synthetic(1e-9, 1e9), synthetic(1e-13)], "holds up to the condition limit"),
+        ([synthetic(1e-7, 1e9), synthetic(1e-13)], "fails"),
+        ([synthetic(math.inf, 1e9)], "fails"),
+        ([synthetic(math.nan)], "fails"),
+    ],
+)
+def test_verdicts(points, verdict):
+    """A family holds, holds where it is well-conditioned, or fails."""
+    assert judged("family", "what", points).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("points", "refusals", "verdict"),
+    [
+        ([synthetic(1e-13)], [], "holds"),
+        ([synthetic(1e-13)], ["too far: come nearer"], "holds or says why not"),
+        ([], ["too far: come nearer"], "holds or says why not"),
+        ([synthetic(1e-3), synthetic(1e-2)], [], "fails"),
+        ([synthetic(math.nan)], [], "fails"),
+        ([], ["Traceback:\n  File"], "fails"),
+        ([], [""], "fails"),
+    ],
+)
+def test_verdicts_of_answers(points, refusals, verdict):
+    """A family of answers and refusals holds, says why not, or fails."""
+    assert answered("family", "what", points, refusals).verdict == verdict
+
+
+def test_worst_is_one_that_failed():
+    """A large error within its bound does not hide a small one beyond its own."""
+    allowed = Point("far", 0.5, math.nan, 1.0, math.nan)
+    assert answered("family", "what", [allowed, synthetic(1e-3)]).worst.where == "somewhere"
+
+
+@pytest.mark.parametrize(
+    "name", ["narrow gap", "long core", "3D slivers", "3D ball", "network", "no answer exists"]
+)
+def test_magnetic_families(name):
+    """The normal actuator's models converge, or say why not."""
+    rows = magnetics._FAMILIES[name](True)
+    for row in rows if isinstance(rows, list) else [rows]:
+        assert row.verdict != "fails", row
+        if name in ("network", "no answer exists"):
+            assert row.refusals
+
+
+def test_nothing_impossible_is_answered():
+    """Each of them ends in a sentence of its own."""
+    row = magnetics._FAMILIES["no answer exists"](True)
+    assert row.points == 0
+    assert len(set(row.refusals)) == len(row.refusals) == 12
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("quick", [True, False])
+def test_whole_magnetic_run(quick):
+    """µr 1 to 1e6, gaps 1 µm to 5 mm, 1 µA to 1 kA, coarse to fine, badly graded: none fails."""
+    found = magnetics.run(quick, lambda _: None)
+    assert all(row.verdict != "fails" for row in found.rows)
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """Put a made-up run in the place of the real one."""
+    table = ErrorMap(
+        "made up", np.array([0.0, 1.0]), np.array([1e-3]), np.full((1, 2), 1e-14),
+        np.array([[np.nan, np.inf]]), np.ones((1, 2)),
+    )  # fmt: skip
+    approach = Approach("made up", np.array([1e3, 1e6]), np.array([1e-15, 1e-13]), np.ones(2))
+
+    def run(points):
+        rows = (judged("family", "what", points),)
+        made = Stress("tmm", beam._COLUMNS, "words", rows, (table,), (approach,), 0)
+        monkeypatch.setattr(beam, "run", lambda *_: made)
+
+    return run
+
+
+def options(**changes):
+    return argparse.Namespace(
+        **{"only": None, "quick": True, "out": None, "json": False, **changes}
+    )
+
+
+def test_command_writes_tables_and_plots(small, tmp_path, capsys):
+    """With --out come CSV files and SVG plots; the table goes to stdout."""
+    small([synthetic(1e-13)])
+    assert command.run(options(only=["tmm"], out=str(tmp_path / "out"))) == 0
+    assert "holds" in capsys.readouterr().out
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert names == [
+        "stress-tmm-map-1.csv",
+        "stress-tmm-map-1.svg",
+        "stress-tmm-resonance.svg",
+        "stress-tmm.csv",
+    ]
+    assert (tmp_path / "out" / "stress-tmm-map-1.svg").read_text().startswith("<svg")
+
+
+def test_command_quotes_refusals(monkeypatch, tmp_path, capsys):
+    """Each sentence once, with how often it was said; the file has them too."""
+    rows = (answered("family", "what", [synthetic(1e-13)], ["come nearer", "come nearer"]),)
+    made = Stress("magnetics", magnetics._COLUMNS, "words", rows, (), (), 0.0)
+    monkeypatch.setattr(magnetics, "run", lambda *_: made)
+    assert command.run(options(only=["magnetics"], out=str(tmp_path))) == 0
+    assert "refused 2 x: come nearer" in capsys.readouterr().out
+    assert "come nearer" in (tmp_path / "stress-magnetics.csv").read_text()
+
+
+def test_command_fails_if_a_family_does(small):
+    """The exit code is 1."""
+    small([synthetic(1e-3)])
+    assert command.run(options(only=["tmm"])) == 1
+
+
+def test_command_as_json(small, capsys):
+    """Standard JSON: what is not finite is null."""
+    small([synthetic(1e-13)])
+    command.run(options(only=["tmm"], json=True))
+    told = json.loads(capsys.readouterr().out)
+    assert told["verdicts"] == {"tmm": ["holds"]}
+    assert told["parts"][0]["maps"][0]["naive"] == [[None, None]]
+
+
+def test_unknown_part_is_refused():
+    """With the nearest known name."""
+    with pytest.raises(InputError, match='did you mean "tmm"'):
+        command.run(options(only=["tmn"]))
+
+
+def test_section_for_the_report(small):
+    """The report's fragment renders with plots inside."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    small([synthetic(1e-13), synthetic(1e-9, 1e9)])
+    context = output.section(True, lambda _: None)
+    loader = PackageLoader("validation", "templates/report")
+    page = Environment(loader=loader, undefined=StrictUndefined, autoescape=True)
+    text = page.get_template("stress.html").render(context)
+    assert text.count("<svg") == 2
+    assert "holds up to the condition limit" in text

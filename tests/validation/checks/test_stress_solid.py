@@ -1,0 +1,36 @@
+"""The stress run of the solid: each family holds its bounds, or says why it has no answer."""
+
+import pytest
+
+from validation.checks.stress import solid, solid_answers, solid_exact
+
+EXACT = (
+    solid_exact.scaling_row,
+    solid_exact.uniform_section_row,
+    solid_exact.slender_row,
+    solid_exact.one_element_row,
+    solid_exact.distorted_row,
+    solid_answers.resonance_row,
+)
+
+
+@pytest.mark.parametrize("family", EXACT, ids=lambda f: f.__name__)
+def test_exact_families_hold(family):
+    """Scaling laws, patch tests and the slender limit, far beyond the device."""
+    row = family(True)
+    assert row.verdict in ("holds", "holds or says why not"), (row.worst, row.refusals)
+    assert row.points > 0
+
+
+def test_too_slender_is_refused_and_not_wrong():
+    """At L/h = 1e4 rounding hides the stiffness of bending: a sentence, no number."""
+    row = solid_exact.slender_row(True)
+    assert len(row.refusals) == 1
+    assert "L/h 100" in row.worst.where
+
+
+@pytest.mark.heavy
+def test_full_run():
+    """No family of the full run fails."""
+    found = solid.run(False, lambda _: None)
+    assert [row.family for row in found.rows if row.verdict == "fails"] == []

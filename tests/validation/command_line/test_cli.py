@@ -1,0 +1,358 @@
+"""The command line as other programs see it: output, exit codes, what it imports."""
+
+import json
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from validation.command_line.cli import main
+from validation.export.export import export
+from validation.scene.scene import load_scene
+
+
+def run(capsys, *arguments):
+    """Return exit code, stdout and stderr of a call in this process."""
+    code = main(list(arguments))
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_tmm_answer_loads_no_heavy_library():
+    """A cold transfer-matrix answer imports neither CAD, nor VTK, nor finite elements."""
+    script = (
+        "import sys; from validation.command_line.cli import main; "
+        "code = main(['solve', 'paper', '--model', 'tmm', '--quantity', 'tip_velocity', "
+        "'--frequency', '10:2000:200', '--json']); "
+        "heavy = [m for m in ('cadquery', 'OCP', 'vtk', 'vtkmodules', 'pyvista', 'skfem', "
+        "'scipy.sparse', 'scipy.linalg', 'scipy.optimize', 'matplotlib', 'meshio', 'pytetwild', "
+        "'fem.bimorph', 'fem.beam', 'fem.reluctance') if m in sys.modules]; "
+        "print(heavy, file=sys.stderr); sys.exit(code)"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert result.stderr.strip().endswith("[]")
+    (quantity,) = json.loads(result.stdout)["quantities"]
+    assert len(quantity["value"]) == len(quantity["frequency"]) == 200
+
+
+def test_solve_json_contract(capsys):
+    """Keys, complex numbers as pairs, arrays as lists, classes of modes, the plan."""
+    code, out, err = run(
+        capsys, "solve", "prototype", "--model", "tmm", "--model", "lumped",
+        "--quantity", "tip_velocity", "--quantity", "short_circuit_frequencies",
+        "--quantity", "dynamic_stiffness", "--quantity", "capacitance_free",
+        "--frequency", "10,781.609", "--json",
+    )  # fmt: skip
+    assert (code, err) == (0, "")
+    result = json.loads(out)
+    assert result["scene"] == "prototype"
+    assert {"run", "skipped"} <= set(result["plan"])
+    entries = {(q["name"], q["model"]): q for q in result["quantities"]}
+    keys = {"name", "model", "value", "unit", "uncertainty", "uncertainty_method", "seconds"}
+    assert all(keys <= set(q) for q in entries.values())
+    velocity = entries["tip_velocity", "tmm"]
+    assert velocity["frequency"] == [10.0, 781.609]
+    assert abs(complex(*velocity["value"][1])) == pytest.approx(0.0227950, rel=1e-5)
+    assert entries["short_circuit_frequencies", "tmm"]["classes"] == ["bending_x"] * 4
+    matrix = entries["dynamic_stiffness", "lumped"]["value"]
+    assert (len(matrix), len(matrix[0]), len(matrix[0][0]), len(matrix[0][0][0])) == (2, 5, 5, 2)
+    assert isinstance(entries["capacitance_free", "tmm"]["value"], float)
+
+
+def test_table_for_people(capsys):
+    """Without --json a table with every quantity asked for."""
+    code, out, _ = run(capsys, "solve", "--model", "tmm", "--quantity", "capacitance_free")
+    assert code == 0
+    assert "capacitance_free" in out
+    assert "+/-" in out
+
+
+def test_frequencies_partly_outside_the_finger_warn(capsys):
+    """Some frequencies outside 10-1000 Hz: answered, with a warning on stderr and in the JSON."""
+    code, out, err = run(
+        capsys, "solve", "--model", "tmm", "--quantity", "tip_velocity",
+        "--frequency", "500,1500", "--json",
+    )  # fmt: skip
+    assert code == 0
+    assert "1 of 2 frequencies lie outside" in err
+    assert json.loads(out)["warnings"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (
+            ["solve", "--frequency", "5000", "--quantity", "tip_velocity"],
+            ["5000 Hz", "10 to 1000 Hz"],
+        ),
+        (["solve", "nowhere"], ["neither a readable file nor a built-in scene"]),
+        (["solve", "--model", "fem"], ['model "fem" is unknown']),
+        (["solve", "--quantity", "speed"], ['quantity "speed" is unknown']),
+        (["solve", "--set", "bimorph.length=25"], ["has no unit"]),
+        (["solve", "--nonsense"], ["unrecognized arguments", "--help"]),
+        (["fly"], ["invalid choice"]),
+        (["export"], ["--step"]),
+        (["export", "--glb", "x.gltf"], ["--glb x.gltf", ".glb"]),
+        (["export", "--mesh", "x.stl"], ["--mesh x.stl", ".vtu or .msh"]),
+        (["solve", "--frequency", ""], ["--frequency is empty", "--frequency 10:2000:200"]),
+        (["solve", "--model", " "], ["--model is empty"]),
+        (["solve", "--frequency", "10 20"], ['"10 20"', "not a frequency"]),
+        (["solve", "x\ny" * 2000], ["neither a readable file"]),
+        (["solve", "--no\nsense"], ["unrecognized arguments"]),
+        (["plan", "--set", "gap=-1mm"], ["gap", "greater than 0"]),
+        (["report", "--out", "/proc/nowhere"], ["/proc/nowhere", "cannot be written"]),
+        (["export", "--step", "/nowhere/x.step"], ["/nowhere/x.step", "cannot be written"]),
+        (
+            ["solve", "--set", "support.rotational_stiffness=0 N*m/rad"],
+            ["support.rotational_stiffness = 0", "no value at 0 Hz"],
+        ),
+        (
+            ["design", "reluctance"],
+            ["models = network", "design is about the lateral", "models=tmm"],
+        ),
+        (["sensitivity", "reluctance"], ["sensitivity is about the lateral one"]),
+        (["init", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_code_2(capsys, arguments, words):
+    """No traceback, nothing on stdout, one line on stderr."""
+    code, out, err = run(capsys, *arguments)
+    assert (code, out) == (2, "")
+    assert all(word in err for word in words), err
+    assert err.startswith("tactgen: ")
+    assert err.count("\n") == 1
+
+
+def test_a_spring_at_the_tip_holds_a_base_without_one(capsys):
+    """Two springs stop two rigid motions, wherever they are."""
+    setting = ["--set", "support.lateral_stiffness=0 N/m", "--set", "load.kind=spring_damper"]
+    asked = ["--quantity", "static_tip_displacement", "--model", "tmm", "--json"]
+    code, out, _ = run(capsys, "solve", *asked, *setting, "--set", "load.stiffness=1000 N/m")
+    assert code == 0
+    assert json.loads(out)["quantities"][0]["value"] is not None
+    code, _, err = run(capsys, "solve", *asked, *setting)
+    assert code == 2
+    assert "support.lateral_stiffness = 0" in err
+
+
+def test_a_deflection_beyond_linear_theory_is_warned_of(capsys):
+    """A tenth of the length: said once, on stderr; the number stays."""
+    asked = ["solve", "--model", "tmm", "--quantity", "static_tip_displacement", "--json"]
+    code, _, err = run(capsys, *asked)
+    assert (code, "all models are linear" in err) == (0, False)
+    code, out, err = run(capsys, *asked, "--set", "drive.voltage=2100 V")
+    assert code == 0
+    assert json.loads(out)["quantities"][0]["value"] > 2e-3
+    assert "10 % of the length: all models are linear" in err
+
+
+def test_help_is_a_result(capsys):
+    """Without a command, help goes to stdout."""
+    for arguments in ((), ("--help",)):
+        code, out, err = run(capsys, *arguments)
+        assert (code, err) == (0, "")
+        assert "export" in out
+
+
+@pytest.mark.parametrize(
+    ("redirection", "code", "words"),
+    [
+        (">/dev/full", 2, "standard output cannot be written (no space left on device)"),
+        (">&-", 2, "standard output is closed"),
+        ("2>&-", 0, ""),
+    ],
+)
+@pytest.mark.parametrize("command", ["scenes", "solve --model tmm --json"])
+def test_output_that_cannot_be_written(redirection, code, words, command):
+    """A full disk or a closed stream is one sentence, no traceback, also at exit."""
+    shell = f"{sys.executable} -m validation.command_line.cli {command} {redirection}"
+    result = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
+    assert result.returncode == code, result.stderr
+    assert words in result.stderr
+    assert result.stderr.count("\n") == (1 if code else 0)
+    assert bool(result.stdout) == (code == 0)
+
+
+class SolverError(RuntimeError):
+    """Named like the one of the sparse solver."""
+
+
+@pytest.mark.parametrize(
+    "error", [np.linalg.LinAlgError("Singular matrix"), SolverError("singular"), OverflowError()]
+)
+def test_unsolvable_scene_is_one_sentence(capsys, monkeypatch, error):
+    """Failures of linear algebra name the scene and what to change."""
+
+    def fail(*_args, **_options):
+        raise error
+
+    monkeypatch.setattr("validation.engine.solve.solve", fail)
+    code, out, err = run(capsys, "solve", "prototype")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert 'scene "prototype" cannot be solved' in err
+    assert "--model" in err
+
+
+def test_our_own_mistakes_are_not_hidden(monkeypatch):
+    """Only failures that input can cause become sentences."""
+
+    def fail(*_args, **_options):
+        raise KeyError("x")
+
+    monkeypatch.setattr("validation.engine.solve.solve", fail)
+    with pytest.raises(KeyError):
+        main(["solve"])
+
+
+def test_settings_without_effect_warn(capsys):
+    """A key that the chosen kinds ignore is named on stderr; the answer still comes."""
+    code, out, err = run(
+        capsys, "solve", "--set", "load.stiffness=100 N/m", "--model", "tmm",
+        "--quantity", "capacitance_free", "--json",
+    )  # fmt: skip
+    assert code == 0
+    assert err.startswith("tactgen: warning: load.stiffness = 100 N/m has no effect")
+    assert json.loads(out)["quantities"]
+
+
+def test_export_checks_all_places_first(capsys, tmp_path):
+    """A folder, a place named twice, a missing folder: nothing is written at all."""
+    good, folder = tmp_path / "a.step", tmp_path / "b.glb"
+    folder.mkdir()
+    for arguments, words in (
+        (["--step", good, "--glb", folder], "it is a folder"),
+        (["--step", good, "--glb", tmp_path / "no" / "c.glb"], "does not exist"),
+        (["--step", good, "--mesh", tmp_path / ("x" * 300 + ".vtu")], "name too long"),
+    ):
+        code, out, err = run(capsys, "export", *map(str, arguments))
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        assert words in err
+    assert not good.exists()
+
+
+def test_export_writes_all_or_nothing(tmp_path, monkeypatch):
+    """If a later file fails, the earlier ones do not appear, nor their drafts."""
+
+    def fail(_mesh, path):
+        raise InputError(f"{path} cannot be written")
+
+    monkeypatch.setattr("geometry.meshing.mesh_files.write_mesh", fail)
+    monkeypatch.setattr(
+        "validation.models.bimorph.meshes.mesh_pair", lambda _: SimpleNamespace(meshes=(None, None))
+    )
+    monkeypatch.setattr(
+        "validation.export.export._export_solids",
+        lambda _scene, files, _announce: files["step"].write_text("solid"),
+    )
+    targets = {"step": tmp_path / "a.step", "mesh": tmp_path / "a.vtu"}
+    with pytest.raises(InputError) as caught:
+        export(load_scene("j1")[0], targets, lambda _: None)
+    assert str(caught.value) == f"{targets['mesh']} cannot be written"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_two_exports_share_a_file(tmp_path):
+    """Links are followed."""
+    (tmp_path / "a.glb").symlink_to(tmp_path / "a.step")
+    with pytest.raises(InputError, match="is also the file of --step"):
+        export(
+            load_scene("j1")[0],
+            {"step": tmp_path / "a.step", "glb": tmp_path / "a.glb"},
+            lambda _: None,
+        )
+
+
+def test_blocked_force_needs_no_finger(capsys):
+    """A held tip does not feel the load, so its range is no limit."""
+    code, _, err = run(
+        capsys, "solve", "--model", "tmm", "--quantity", "blocked_force", "--frequency", "5000"
+    )
+    assert (code, err) == (0, "")
+
+
+def test_init_refuses_to_overwrite(capsys, tmp_path):
+    """A scene that somebody wrote is not lost."""
+    target = tmp_path / "mine.toml"
+    assert run(capsys, "init", str(target))[0] == 0
+    before = target.read_text(encoding="utf-8")
+    code, _, err = run(capsys, "init", str(target))
+    assert code == 2
+    assert "exists already" in err
+    assert target.read_text(encoding="utf-8") == before
+    assert run(capsys, "solve", str(target), "--model", "tmm", "--quantity", "admittance")[0] == 0
+
+
+def test_plan_and_scenes_print(capsys):
+    """Both are readable without running anything."""
+    code, out, _ = run(capsys, "plan", "prototype", "--set", "models=tmm")
+    assert code == 0
+    assert "skipped:" in out
+    code, out, _ = run(capsys, "plan", "--json")
+    assert code == 0
+    assert json.loads(out)["plan"]["run"]
+    assert "generator" in run(capsys, "scenes")[1]
+
+
+def test_closed_pipe_is_no_error(tmp_path):
+    """`tactgen solve | head -1` ends quietly."""
+    command = f"{sys.executable} -m validation.command_line.cli solve --model tmm --json | true"
+    result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert result.stderr == "" or "warning" in result.stderr
+
+
+ENDED = """
+import os, signal, sys
+import validation.export.export
+from validation.command_line.cli import main
+
+def half(scene, drafts, announce):
+    for draft in drafts.values():
+        draft.write_text("half")
+    os.kill(os.getpid(), signal.SIGTERM)
+
+validation.export.export._write = half
+sys.exit(main(["export", "reluctance", "--set", "models=network", "--map", sys.argv[1]]))
+"""
+
+
+def test_told_to_end_leaves_nothing_behind(tmp_path):
+    """SIGTERM amid writing: the usual exit code, one sentence, no draft in the folder."""
+    command = [sys.executable, "-c", ENDED, str(tmp_path / "map.nc")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 143
+    assert done.stderr.endswith("told to end; nothing half-written was kept\n")
+    assert not list(tmp_path.iterdir())
+
+
+def test_dimensions_of_the_other_actuator_stop_nothing(capsys):
+    """A bimorph wider than the head is nobody's business when only the pull is asked for; with
+    a model of the bimorph, or the tab's slot cut into the rod, it is."""
+    magnetic = ("--model", "network", "--quantity", "magnetic_force")
+    narrow = ("--set", "rod.head_radius=1.0mm")
+    assert run(capsys, "solve", "reluctance", *magnetic, *narrow)[0] == 0
+    for more in (("--set", "support.kind=rod"), ("--model", "tmm", "--quantity", "admittance")):
+        code, _, err = run(capsys, "solve", "reluctance", *magnetic, *narrow, *more)
+        assert code == 2
+        assert "bimorph" in err
+
+
+def test_zero_is_printed_without_a_sign(capsys):
+    """No current: no co-energy and no force, of either sign."""
+    wanted = (
+        "--quantity",
+        "coenergy",
+        "--quantity",
+        "magnetic_force",
+        "--quantity",
+        "flux_linkage",
+    )
+    code, out, _ = run(
+        capsys, "solve", "reluctance", "--model", "network", "--set", "coil.current=0 A", *wanted
+    )
+    assert code == 0
+    assert " -0 " not in out

@@ -1,0 +1,246 @@
+"""``tactgen identify``: output, files, exit codes, what bad input is told."""
+
+import json
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from validation.command_line.cli import main
+from validation.scene.scene import load_scene
+from validation.studies.identification.curve_model import curve_model
+from validation.studies.identification.identify import identify
+from validation.studies.identification.measured_data import read_measured
+from validation.studies.identification.plot import draw
+
+
+def run(capsys, *arguments):
+    """Return exit code, stdout and stderr of a call in this process."""
+    code = main(["identify", *map(str, arguments)])
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+@pytest.fixture(scope="module")
+def sweep(tmp_path_factory):
+    """Return the file of a prototype's synthetic sweep: 2 % noise, magnitude and phase."""
+    frequencies = np.linspace(10.0, 2000.0, 80)
+    exact = curve_model(load_scene("prototype")[0], "tip_velocity", frequencies, ())(np.zeros(0))
+    rng = np.random.default_rng(11)
+    errors = rng.standard_normal(80) + 1j * rng.standard_normal(80)
+    values = 1e3 * exact * (1.0 + 0.02 * errors)
+    rows = [
+        f"{f:.6g},{abs(v):.6g},{np.degrees(np.angle(v)):.5g}"
+        for f, v in zip(frequencies, values, strict=True)
+    ]
+    path = tmp_path_factory.mktemp("measured") / "sweep.csv"
+    header = "# synthetic\nfrequency (Hz),velocity (mm/s),velocity_phase (deg)\n"
+    path.write_text(header + "\n".join(rows) + "\n", encoding="utf-8")
+    return path
+
+
+def test_table_for_people(capsys, sweep):
+    """Parameters with intervals and units, correlations, misfit, assumptions; nothing on stderr."""
+    code, out, err = run(capsys, sweep)
+    assert (code, err) == (0, "")
+    assert "velocity, with phase, 80 points from 10 to 2000 Hz" in out
+    assert "scene prototype, 1 V" in out
+    assert "held: c_sl = 3000000 N/m, theta = 1e-12 kg*m^2" in out
+    for word in ("c_s ", "d_s ", "N*m/rad", "95 % interval", "correlation", "relative noise"):
+        assert word in out
+    assert "piezo.density" in out
+
+
+def test_header_shows_where_the_fit_started(capsys, sweep):
+    """A fitted voltage is not taken for the scene's."""
+    fit = ["--fit", "drive.voltage", "--fit", "piezo.d31"]
+    code, out, _ = run(capsys, sweep, *fit)
+    assert code == 0
+    assert "scene prototype, 1 V at the start" in out
+    assert "drive.voltage and piezo.d31 cannot be told apart" in out
+
+
+def test_exact_data_show_all_digits(capsys, tmp_path):
+    """Without noise every estimate has ten digits, whatever rounding leaves of its interval."""
+    f = np.linspace(100.0, 1500.0, 40)
+    values = 1e3 * curve_model(load_scene("prototype")[0], "tip_velocity", f, ())(np.zeros(0))
+    rows = [f"{a:.17g},{v.real:.17g},{v.imag:.17g}" for a, v in zip(f, values, strict=True)]
+    path = tmp_path / "exact.csv"
+    header = "frequency (Hz),velocity_re (mm/s),velocity_im (mm/s)\n"
+    path.write_text(header + "\n".join(rows), encoding="utf-8")
+    _, out, _ = run(capsys, path)
+    assert "0.2400000000 .. 0.2400000000" in out
+    assert "4.460000000e-06 .. 4.460000000e-06" in out
+
+
+def test_written_scene_keeps_a_profile(capsys, sweep, tmp_path):
+    """--write gives a profile as text that a scene reads."""
+    path, profile = tmp_path / "fitted.toml", "0 mm: 2.1 mm, 14 mm: 1 mm"
+    setting = f"bimorph.width_profile={profile}"
+    assert run(capsys, sweep, "--set", setting, "--write", path)[0] == 0
+    assert str(load_scene(str(path))[0].bimorph.width_profile) == profile
+
+
+def test_json(capsys, sweep):
+    """The same numbers as in Python, SI units, null where there is no number."""
+    fit = ["--fit", "c_s=1N*m/rad:0.5..2N*m/rad", "--fit", "d_s"]
+    code, out, _ = run(capsys, sweep, *fit, "--json")
+    assert code == 0
+    result = json.loads(out)
+    scene, origins = load_scene("prototype")
+    found = identify(scene, read_measured(sweep), (fit[1], "d_s"), origins=origins)
+    stuck, free = result["parameters"]
+    assert (stuck["name"], stuck["at_bound"], stuck["open"]) == ("c_s", "low", ["low"])
+    assert free["key"] == "support.rotational_damping"
+    assert free["unit"] == "N*m*s/rad"
+    assert free["value"] == found.get("d_s").value
+    assert free["interval"] == list(found.get("d_s").interval)
+    assert result["correlation"] == [[None, None], [None, pytest.approx(1.0)]]
+    assert result["data"] == {
+        "file": str(sweep), "curve": "velocity", "phase": True, "points": 80,
+        "frequency": [10.0, 2000.0],
+    }  # fmt: skip
+    assert {"noise", "assumed", "findings", "warnings", "singular_values"} <= set(result)
+
+
+def test_uncertainty_in_table_and_json(capsys, tmp_path):
+    """A stated uncertainty turns the misfit into chi2; --noise then has nothing to say."""
+    scene, _ = load_scene("prototype")
+    f = np.linspace(100.0, 1500.0, 40)
+    exact = 1e3 * np.abs(curve_model(scene, "tip_velocity", f, ())(np.zeros(0)))
+    values = exact * (1.0 + 0.02 * np.random.default_rng(1).standard_normal(40))
+    rows = [f"{a:.6g};{b:.6g};{c:.6g}" for a, b, c in zip(f, values, 0.02 * exact, strict=True)]
+    path = tmp_path / "x.csv"
+    header = "frequency (Hz);velocity (mm/s);uncertainty (mm/s)\n"
+    path.write_text(header + "\n".join(rows), encoding="utf-8")
+    code, out, err = run(capsys, path)
+    assert (code, err) == (0, "")
+    assert "magnitude only" in out
+    assert "chi2 per degree of freedom" in out
+    noise = json.loads(run(capsys, path, "--json")[1])["noise"]
+    assert noise["level"] is None
+    assert 0.4 < noise["reduced_chi2"] < 1.8  # 99.9 % of chances with 38 degrees of freedom
+    code, _, err = run(capsys, path, "--noise", "relative")
+    assert code == 2
+    assert "states its uncertainty" in err
+
+
+def test_written_scene_is_the_fitted_one(capsys, sweep, tmp_path):
+    """--write gives a scene that loads, with the fitted values and all that the start set."""
+    path = tmp_path / "fitted.toml"
+    arguments = ["--set", "piezo.density=8000 kg/m^3", "--set", "models=tmm", "--write", path]
+    code, out, _ = run(capsys, sweep, *arguments, "--json")
+    assert code == 0
+    scene, _ = load_scene(str(path))
+    values = {p["name"]: p["value"] for p in json.loads(out)["parameters"]}
+    assert scene.support.rotational_stiffness == pytest.approx(values["c_s"], rel=1e-9)
+    assert scene.support.rotational_damping == pytest.approx(values["d_s"], rel=1e-9)
+    start, _ = load_scene("prototype", ["piezo.density=8000 kg/m^3"])
+    assert scene.device == start.device
+    assert (scene.load, scene.drive, scene.models) == (start.load, start.drive, ("tmm",))
+    assert "95 % interval" in path.read_text(encoding="utf-8")
+    code, _, err = run(capsys, sweep, "--write", path)
+    assert code == 2
+    assert "exists already" in err
+
+
+def test_plots(capsys, sweep, tmp_path):
+    """--plot writes a well-formed SVG, the same every time, or a PNG."""
+    first, second, image = (tmp_path / name for name in ("a.svg", "b.svg", "c.png"))
+    for path in (first, second, image):
+        assert run(capsys, sweep, "--plot", path)[0] == 0
+    assert ET.parse(first).getroot().tag.endswith("svg")
+    assert first.read_bytes() == second.read_bytes()
+    assert image.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("phase", "columns"), [(True, 2), (False, 1)])
+def test_plot_shows_data_fit_and_residuals(sweep, phase, columns):
+    """Magnitude and, if measured, phase; below each the residuals with the band of the fit."""
+    data = read_measured(sweep)
+    if not phase:
+        data = read_measured(_magnitudes(sweep))
+    figure = draw(identify(load_scene("prototype")[0], data, ("c_s=0.2N*m/rad", "d_s")))
+    assert len(figure.axes) == 2 * columns
+    top = figure.axes[0]
+    lines = {line.get_label(): line for line in top.get_lines()}
+    np.testing.assert_allclose(lines["data"].get_ydata(), 1e3 * np.abs(data.values), rtol=1e-9)
+    assert lines["fit"].get_ydata().max() == pytest.approx(22.8, rel=0.02)  # mm/s, as the truth
+    residuals = figure.axes[columns]
+    assert np.abs(residuals.get_lines()[0].get_ydata()).mean() < 3.0  # % at 2 % noise
+    assert residuals.collections  # the band
+
+
+def _magnitudes(sweep):
+    path = sweep.with_name("magnitudes.csv")
+    lines = sweep.read_text(encoding="utf-8").splitlines()
+    path.write_text("\n".join(line.rsplit(",", 1)[0] for line in lines), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere.csv"], ["nowhere.csv cannot be read", "no such file"]),
+        ([], ["MEASURED.csv", "--help"]),
+        (["SWEEP", "prototyp"], ["neither a readable file nor a built-in scene"]),
+        (["SWEEP", "--fit", "c_q"], ['"c_q" is not a scene key', 'did you mean "c_s"']),
+        (["SWEEP", "--fit", "c_s=5"], ["has no unit"]),
+        (["SWEEP", "--set", "support.kind=clamped"], ["has no effect", "support.kind"]),
+        (["SWEEP", "--noise", "pink"], ["invalid choice"]),
+        (["SWEEP", "--plot", "x.gif"], ['--plot "x.gif"', ".svg or .png"]),
+        (["SWEEP", "--plot", "/nowhere/x.svg"], ["/nowhere/x.svg", "cannot be written"]),
+        (["SWEEP", "--write", "x.txt"], ['--write "x.txt"', ".toml"]),
+        (["SWEEP", "--write", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),
+    ],
+)
+def test_bad_input_gives_one_sentence_and_exit_code_2(
+    capsys, sweep, tmp_path, monkeypatch, arguments, words
+):
+    """One line on stderr, nothing on stdout, no file left behind."""
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(capsys, *(sweep if a == "SWEEP" else a for a in arguments))
+    assert (code, out) == (2, "")
+    assert err.startswith("tactgen: ")
+    assert err.count("\n") == 1
+    for word in words:
+        assert word in err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("frequency (Hz),speed (mm/s)\n10,1\n", ["line 1", '"speed (mm/s)" is unknown']),
+        ("frequency (Hz),velocity\n10,1\n", ['"velocity" has no unit']),
+        ("frequency (Hz),velocity (mm/s)\n10,nan\n20,1\n", ["line 2", '"nan"']),
+        ("frequency (Hz),velocity (mm/s)\n20,1\n10,1\n", ["line 3", "sort"]),
+        ("frequency (Hz),velocity (mm/s)\n10,1\n20,1\n", ["holds 2 points", "at least 5"]),
+        ("", ["is empty"]),
+    ],
+)
+def test_bad_data_gives_one_sentence_and_exit_code_2(capsys, tmp_path, text, words):
+    """The file's own faults end the same way."""
+    path = tmp_path / "bad.csv"
+    path.write_text(text, encoding="utf-8")
+    code, out, err = run(capsys, path)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert str(path) in err
+    for word in words:
+        assert word in err
+
+
+def test_help_says_what_the_data_must_be(capsys):
+    """--help names the columns, the drive voltage, the default and the syntax of --fit."""
+    code, out, _ = run(capsys, "--help")
+    assert code == 0
+    for word in (
+        "frequency (Hz)",
+        "only ratios matter",
+        "comments from #",
+        "drive.voltage",
+        "c_s and d_s",
+        "NAME[=START][:LOW..HIGH]",
+    ):
+        assert word in out

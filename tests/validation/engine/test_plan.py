@@ -1,0 +1,165 @@
+"""The plan runs what is needed, skips the rest, and says why; keys follow the inputs read."""
+
+import pytest
+
+from geometry.errors import InputError
+from validation.catalogue.quantities import MODELS, QUANTITIES, gives
+from validation.engine.plan import make_plan
+from validation.engine.solve import solve
+from validation.engine.stages import READS, Stages, stage_key
+from validation.scene.scene import load_scene
+
+#: Quantities of the normal actuator at one current and gap.
+MAGNETIC_POINT = tuple(n for n, info in QUANTITIES.items() if info.needs == ("magnetic_point",))
+
+
+def test_only_what_is_needed_runs():
+    """A static value by TMM touches no mesh, no mode, no other model."""
+    scene, _ = load_scene("paper")
+    plan = make_plan(scene, ("tmm",), ("capacitance_free",))
+    assert [s.stage for s in plan.run] == ["tmm.static", "terminations"]
+    skipped = {s.stage: s.reason for s in plan.skipped}
+    assert skipped["solid.mesh"] == "model solid is not asked for"
+    assert "static" not in skipped["tmm.beam.modes"]
+    assert skipped["network.map"] == "model network is not asked for"
+
+
+def test_normal_actuator_touches_nothing_of_the_lateral_one():
+    """A pull by the network runs one stage; nothing piezoelectric is even planned."""
+    scene, _ = load_scene("reluctance")
+    plan = make_plan(scene, ("network",), ("magnetic_force",))
+    assert [s.stage for s in plan.run] == ["network.point"]
+    skipped = {s.stage: s.reason for s in plan.skipped}
+    assert skipped["tmm.static"] == "model tmm is not asked for"
+    assert "over the stroke" in skipped["network.map"]
+
+
+def test_quantity_without_a_model_is_refused():
+    """In one sentence, with the models that give it."""
+    scene, _ = load_scene("paper")
+    with pytest.raises(InputError, match=r"computed by network, axisymmetric.*--model"):
+        make_plan(scene, ("tmm",), ("magnetic_force",))
+
+
+def test_a_point_in_3d_needs_no_map():
+    """Quantities of one current and gap solve that alone; those of the stroke plan the map."""
+    scene, _ = load_scene("reluctance", ["accuracy=0.05"])
+    solution = solve(scene, ("magnetic3d",), MAGNETIC_POINT)
+    assert set(solution.stages.seconds) == {"magnetic3d.point"}
+    assert {q.name for q in solution.quantities} == set(MAGNETIC_POINT)
+    plan = make_plan(scene, ("magnetic3d",), ("pull_in_current",))
+    assert [step.stage for step in plan.run] == ["magnetic3d.map", "magnetic3d.switching"]
+
+
+def key(stage, *overrides):
+    return stage_key(stage, load_scene("reluctance", overrides)[0])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ["coil.resistivity=2e-8 ohm*m", "coil.temperature=80 degC", "coil.fill_factor=0.6"],
+        ["steel.relative_permeability=500"],
+        ["rod.density=7800 kg/m^3", "bimorph.width=1 mm"],
+    ],
+)
+@pytest.mark.parametrize("stage", ["network.map", "axisymmetric.point", "axisymmetric.switching"])
+def test_magnetic_stages_do_not_know_what_they_do_not_read(stage, change):
+    """What heats the coil, or a permeability that the curve does not use, makes nothing stale."""
+    assert key(stage, *change) == key(stage)
+
+
+@pytest.mark.parametrize(
+    ("stage", "change", "stale"),
+    [
+        ("axisymmetric.map", "spring.preload=90 mN", True),
+        ("axisymmetric.map", "coil.turns=800", True),
+        ("axisymmetric.map", "steel.curve=linear", True),
+        ("axisymmetric.map", "accuracy=1%", False),
+        ("axisymmetric.switching", "accuracy=1%", True),
+        ("axisymmetric.point", "spring.preload=90 mN", False),
+    ],
+)
+def test_magnetic_stages_know_what_they_read(stage, change, stale):
+    """Turns, curve and spring (which decides the map's range) do make the map stale."""
+    assert (key(stage, change) != key(stage)) is stale
+    straight = ("steel.curve=linear", "steel.relative_permeability=500")
+    assert key(stage, *straight) != key(stage, straight[0])
+
+
+@pytest.mark.parametrize(
+    ("model", "quantity"),
+    [
+        (model, quantity)
+        for model in ("lumped", "tmm", "beam", "network")
+        for quantity in QUANTITIES
+        if gives(model, quantity)
+    ],
+)
+def test_what_ran_is_what_was_planned(model, quantity):
+    """For every quantity: executed stages = planned stages."""
+    scene, _ = load_scene("prototype", ["frequency=100,500"])
+    solution = solve(scene, (model,), (quantity,))
+    assert set(solution.stages.seconds) == set(solution.plan.keys)
+
+
+def test_solid_plan_runs_as_planned():
+    """The same for the solid, all quantities at once."""
+    scene, _ = load_scene("j1", ["frequency=100", "mesh.level=2"])
+    solution = solve(scene, ("solid",))
+    assert set(solution.stages.seconds) == set(solution.plan.keys)
+
+
+def test_unplanned_stage_is_a_defect():
+    """A stage outside the plan is refused."""
+    with pytest.raises(RuntimeError, match="although the plan skips it"):
+        Stages({}).run("tmm.static", lambda: 1)
+
+
+MAGNETIC = {
+    f"{model}.{stage}"
+    for model in ("network", "axisymmetric", "magnetic3d")
+    for stage in ("point", "map", "switching")
+}
+
+
+@pytest.mark.parametrize(
+    ("override", "stale"),
+    [
+        ("drive.voltage=7V", {"terminations"}),
+        ("coil.length=1.9mm", MAGNETIC),
+        ("gap=0.15mm", MAGNETIC),
+        ("steel.curve=linear", MAGNETIC),
+        ("rod.density=7800kg/m^3", set(READS) - MAGNETIC - {"terminations"}),
+        ("load.kind=none", {"terminations", "lumped.modes", "tmm.beam.modes", "beam.modes"}
+         | {"solid.modes_short", "solid.modes_open"}),
+        ("modes=3", {"tmm.beam.modes", "beam.modes", "solid.modes_short", "solid.modes_open"}),
+        ("piezo.density=7800kg/m^3", set(READS) - MAGNETIC - {"terminations"}),
+        ("bimorph.length=21mm", set(READS) - MAGNETIC - {"terminations"}),
+    ],
+)  # fmt: skip
+def test_keys_change_with_the_inputs_that_a_stage_reads(override, stale):
+    """A changed voltage re-meshes nothing; a changed coil turns no piezo matrix stale."""
+    before, _ = load_scene("paper")
+    after, _ = load_scene("paper", [override])
+    changed = {s for s in READS if stage_key(s, before) != stage_key(s, after)}
+    assert changed == stale
+
+
+def test_results_are_reused_when_their_inputs_are_the_same():
+    """Attaching another load re-uses the ports of every model, to the same numbers."""
+    finger, _ = load_scene("paper", ["frequency=100", "models=lumped,tmm,beam"])
+    free, _ = load_scene("paper", ["frequency=100", "models=lumped,tmm,beam", "load.kind=none"])
+    first = solve(finger, quantities=("tip_displacement",))
+    ran = []
+    again = solve(free, quantities=("tip_displacement",), announce=ran.append, reuse=first)
+    assert ran == ["terminations"]
+    fresh = solve(free, quantities=("tip_displacement",))
+    for a, b in zip(again.quantities, fresh.quantities, strict=True):
+        assert (a.value == b.value).all()
+
+
+def test_every_model_and_quantity_has_a_description():
+    """The catalogue is complete."""
+    assert all(MODELS.values())
+    assert all(q.meaning and q.unit and q.needs for q in QUANTITIES.values())

@@ -1,0 +1,230 @@
+"""Meshes refined for a goal: sizes from errors, slender elements, the loop itself."""
+
+import cadquery as cq
+import numpy as np
+import pytest
+
+from geometry.cad.tessellation import tessellate
+from geometry.errors import MeshError
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.quadratic import smallest_dihedral_angles, tet_volumes, unique_edges
+from geometry.meshing.tensor_tets import box_tetrahedra
+from geometry.meshing.tetwild import run as ftetwild
+from geometry.meshing.tetwild.conform import conform
+from geometry.meshing.tetwild.run import sizing_along_z, sizing_at_points
+from geometry.meshing.tetwild.sizing import limited_growth, sizing_for
+from geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
+from validation.engine.refinement import SAFETY
+from validation.models.bimorph.adaptive_meshes import adapted_pair
+from validation.scene.scene import load_scene
+
+
+def uniform_box(n=6):
+    planes = np.linspace(0.0, 1e-3, n + 1)
+    return box_tetrahedra(planes, planes, planes, np.zeros((n, n, n), dtype=int), ("shim",))
+
+
+def test_uniform_errors_ask_for_uniformly_finer_elements():
+    """Equal shares on equal elements: all edges shrink alike, and more for less error."""
+    mesh = uniform_box()
+    errors = np.full(len(mesh.cells), 1e-3 / len(mesh.cells))
+    last = np.inf
+    for wanted in (0.8e-3, 0.6e-3, 0.4e-3):
+        lengths = sizing_for(mesh, errors, wanted, shortest=0.0, most=1e9).lengths
+        assert np.ptp(np.log(lengths)) < 1e-12
+        assert lengths[0] < last
+        last = lengths[0]
+
+
+def test_elements_to_blame_become_finer_than_the_rest():
+    """An element with a large share gets short edges, one far away with none keeps its own."""
+    mesh = uniform_box(10)
+    centre = mesh.points[mesh.cells].mean(axis=1)
+    errors = np.where(np.linalg.norm(centre, axis=1) < 0.15e-3, 1.0, 1e-9)
+    sizing = sizing_for(mesh, errors, 0.1 * errors.sum(), shortest=0.0, most=1e9)
+    distance = np.linalg.norm(sizing.points, axis=1)
+    assert sizing.lengths[distance.argmin()] < 0.5 * sizing.lengths[distance.argmax()]
+
+
+def test_number_of_elements_is_limited():
+    """What would need more elements than allowed is not asked for."""
+    mesh = uniform_box()
+    errors = np.full(len(mesh.cells), 1.0)
+    free, limited = (
+        sizing_for(mesh, errors, 0.05 * errors.sum(), shortest=0.0, most=most).lengths[0]
+        for most in (1e9, 2.0 * len(mesh.cells))
+    )
+    assert free < limited
+    assert sizing_for(mesh, errors, 1.0, shortest=1e-3, most=1e9).lengths.min() > 0.98e-3
+
+
+def test_rounding_of_a_solution_does_not_make_another_mesh():
+    """Sizes are rounded, so that their name in the cache is the same from run to run."""
+    mesh = uniform_box()
+    errors = np.random.default_rng(1).uniform(1.0, 9.0, len(mesh.cells))
+    noise = 1.0 + 1e-10 * np.random.default_rng(2).uniform(-1.0, 1.0, errors.size)
+    first, second, other = (
+        sizing_for(mesh, e, 0.5 * errors.sum(), shortest=0.0, most=1e9).digest
+        for e in (errors, errors * noise, errors[::-1])
+    )
+    assert first == second
+    assert first != other
+
+
+def test_lengths_grow_no_faster_than_allowed():
+    """No edge sees a steeper change than the limit, and no length is raised."""
+    mesh = uniform_box()
+    edges, _ = unique_edges(mesh.cells)
+    wild = np.random.default_rng(3).uniform(0.01e-3, 1e-3, len(mesh.points))
+    tame = limited_growth(mesh.points, edges, wild, 0.3)
+    assert (tame <= wild).all()
+    span = np.linalg.norm(np.diff(mesh.points[edges], axis=1)[:, 0], axis=1)
+    assert (np.abs(np.diff(tame[edges], axis=1)[:, 0]) <= 0.3 * span * (1.0 + 1e-12)).all()
+
+
+def test_sizing_field_covers_the_box_and_keeps_the_lengths():
+    """Tetrahedra of positive volume fill the whole box; given lengths stay, outside they grow."""
+    points = uniform_box().points * 1e3
+    lengths = np.full(len(points), 0.1)
+    field = sizing_at_points(points, points, lengths)
+    volumes = tet_volumes(field.points[field.tets])
+    assert volumes.min() > 0.0
+    assert volumes.sum() == pytest.approx(np.prod(np.ptp(field.points, axis=0)), rel=1e-6)
+    assert np.array_equal(field.lengths[: len(points)], lengths)
+    assert field.lengths[len(points) :].min() > 0.1
+    low, high = field.points.min(axis=0), field.points.max(axis=0)
+    assert (low < -0.2).all()
+    assert (high > 1.2).all()
+
+
+def test_stretching_is_undone_exactly_and_leaves_the_stops_alone():
+    """There and back is the identity; lengths at the stops are kept, between them divided."""
+    stretching = Stretching(low=0.4, high=20.4, most=3.0, growth=1.3)
+    points = np.random.default_rng(4).uniform(-5.0, 25.0, (500, 3))
+    there = stretching.squeezed(points)
+    assert np.array_equal(there[:, :2], points[:, :2])
+    # both directions interpolate in one table: rounding only
+    assert stretching.restored(there) == pytest.approx(points, abs=1e-13)
+
+    def height(*z):
+        return stretching.squeezed(np.array([[0.0, 0.0, v] for v in z]))[:, 2]
+
+    assert np.diff(height(-1.0, 0.0)) == pytest.approx(1.0)
+    assert np.diff(height(0.4, 0.401)) == pytest.approx(0.001, rel=0.05)
+    assert np.diff(height(10.0, 11.0)) == pytest.approx(1.0 / 3.0)
+    assert UNSTRETCHED.squeezed(points) == pytest.approx(points, abs=1e-15)
+
+
+def split_at(raw, tets, cell, point):
+    """Put a point into a tetrahedron: four take its place."""
+    corners = tets[cell]
+    four = np.repeat(corners[None], 4, axis=0)
+    four[np.arange(4), np.arange(4)] = len(raw)
+    return np.vstack([raw, point]), np.vstack([np.delete(tets, cell, axis=0), four])
+
+
+@pytest.fixture
+def box_in_a_box():
+    """A cube of 2 mm, and a raw mesh around it whose grid planes are its faces."""
+    solids = {"shim": cq.Workplane().box(2.0, 2.0, 2.0).val()}
+    field = sizing_along_z(np.array([[-1.0] * 3, [1.0] * 3]), np.ones_like)
+    planes = np.linspace(-1.5, 1.5, 7)
+    mesh = box_tetrahedra(planes, planes, planes, np.zeros((6, 6, 6), dtype=int), ("any",))
+    assert field.tets.shape[1] == 4
+    return solids, tessellate(solids, deflection=0.02, angle=0.5), mesh.points, mesh.cells
+
+
+def test_flat_tetrahedron_inside_is_cured(box_in_a_box):
+    """The free vertex of a sliver inside is moved to where there is room."""
+    solids, surface, raw, tets = box_in_a_box
+    cell = int(np.linalg.norm(raw[tets].mean(axis=1), axis=1).argmin())
+    corners = raw[tets[cell]]
+    sliver = 0.999 * corners[:3].mean(axis=0) + 0.001 * corners[3]
+    raw, tets = split_at(raw, tets, cell, sliver)
+    assert smallest_dihedral_angles(raw[tets]).min() < 3.0
+    mesh = conform(raw, tets, solids, surface, 0.01, {}, curved=True)
+    assert smallest_dihedral_angles(mesh.points[mesh.cells]).min() > 3.0
+    assert tet_volumes(mesh.points[mesh.cells]).min() > 0.0
+
+
+def test_flat_tetrahedron_that_nothing_can_move_is_refused(box_in_a_box):
+    """Four corners on faces of the solid leave no room: the angle tells, the mesh is not used."""
+    solids, surface, raw, tets = box_in_a_box
+    # a corner of the solid next to the middle of an edge of it: both have to stay
+    raw = raw.copy()
+    moving = np.flatnonzero(np.linalg.norm(raw - [1.0, 1.0, 0.5], axis=1) < 1e-9)
+    raw[moving] = [1.0, 1.0, 0.999]
+    with pytest.raises(MeshError, match=r"elements have angles below 3 degrees"):
+        conform(raw, tets, solids, surface, 0.01, {}, curved=True)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0], ids=["outside", "inside"])
+def test_flat_tetrahedron_on_a_face_is_cured(box_in_a_box, side):
+    """A sliver on a face of the solid is taken out of it or given room: nothing is lost.
+
+    The point is nearer to the face than the mesher's slack, so one of the four tetrahedra
+    around it has no room between it and the face.
+    """
+    solids, surface, raw, tets = box_in_a_box
+    middles = raw[tets].mean(axis=1)
+    on_face = (np.abs(raw[tets][:, :, 0] - 1.0) < 1e-9).sum(axis=1) == 3
+    within = (np.abs(middles[:, 1:]) < 0.9).all(axis=1) & (side * (middles[:, 0] - 1.0) > 0.0)
+    cell = int(np.flatnonzero(on_face & within)[0])
+    corners = raw[tets[cell]]
+    foot = corners[np.abs(corners[:, 0] - 1.0) < 1e-9].mean(axis=0)
+    point = foot + np.array([side * 1e-4, 0.0, 0.0])
+    mesh = conform(*split_at(raw, tets, cell, point), solids, surface, 0.01, {}, curved=True)
+    corners = mesh.points[mesh.cells]
+    assert smallest_dihedral_angles(corners).min() > 3.0
+    assert tet_volumes(corners).sum() == pytest.approx(8e-9, rel=1e-12)
+
+
+@pytest.fixture(scope="module")
+def _own_cache(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("meshes")))
+        yield
+
+
+@pytest.fixture(scope="module")
+def pair(_own_cache):
+    return adapted_pair(load_scene("j1")[0], 6e-3)
+
+
+def bars(pair):
+    """Value and error bar of each goal, as the solid model takes them from the pair."""
+    for name, goal in pair.fine.goals.items():
+        factor = pair.mode_factor if name.startswith("bending") else pair.static_factor
+        yield name, goal.value, factor * abs(goal.value - pair.coarse.goals[name].value)
+
+
+def test_loop_meets_its_accuracy_and_the_bars_hold(pair):
+    """On job J1 the estimate ends within the accuracy, and the bars cover the known answer."""
+    assert SAFETY * pair.fine.error <= 6e-3
+    assert pair.coarse.system.size < pair.fine.system.size < 60_000
+    # four public codes agree on these: to 1e-5, and frequencies to 3e-5
+    known = {"tip_displacement": -6.7582e-7, "bending_1": 1065.96, "bending_2": 6642.85}
+    for name, value, bar in bars(pair):
+        if name in known:
+            assert abs(value - known[name]) <= bar + 3e-5 * abs(value), name
+
+
+def test_stopped_study_goes_on_from_the_cache(pair, monkeypatch):
+    """The same study again needs no mesher and ends on the identical meshes."""
+    monkeypatch.setattr(ftetwild, "_WORKER", "no mesher here")
+    again = adapted_pair(load_scene("j1")[0], 6e-3)
+    assert isinstance(again.fine.mesh, Mesh)
+    assert np.array_equal(again.fine.mesh.points, pair.fine.mesh.points)
+    assert np.array_equal(again.fine.mesh.cells, pair.fine.mesh.cells)
+
+
+@pytest.mark.heavy
+@pytest.mark.usefixtures("_own_cache")
+def test_bars_of_the_generator_cover_finer_meshes():
+    """Bimorph in its rod: bars of two meshes cover the values of a pair four times as exact."""
+    scene, _ = load_scene("generator")
+    loose, tight = (adapted_pair(scene, accuracy) for accuracy in (4e-2, 1e-2))
+    better = {name: (value, bar) for name, value, bar in bars(tight)}
+    for name, value, bar in bars(loose):
+        closer, own = better[name]
+        assert abs(value - closer) <= bar + own, name

@@ -1,0 +1,59 @@
+"""The choices of a full tensor: the reduced set kept, the impossible ones refused with a reason."""
+
+import pytest
+
+from geometry.device.piezo_library import LIBRARY
+from geometry.errors import InputError
+from validation.models.bimorph.material_effects import choices, material_effects
+from validation.scene.scene import load_scene
+
+#: Choices that change the reduced set, as their names say.
+CHANGES = ("eps33", "d31")
+
+
+@pytest.mark.parametrize("name", sorted(LIBRARY))
+def test_choices_keep_the_reduced_set(name):
+    """All that a one-dimensional model knows stays, unless the row says otherwise."""
+    ceramic = LIBRARY[name]
+    rows = list(choices(ceramic))
+    assert len({row[0] for row in rows}) == len(rows) >= 10
+    for label, why, changed in rows:
+        assert why
+        if not label.startswith(CHANGES):
+            assert changed.reduced() == pytest.approx(ceramic.reduced(), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("name", "impossible"),
+    [
+        ("M1876", {"d33 = 0", "d31 x 2"}),
+        ("PZT-5H", {"d33 = 0", "d31 x 2"}),
+        ("PZT-5A", {"d31 x 2"}),
+    ],
+)
+def test_only_extremes_are_impossible(name, impossible):
+    """What soft PZT shows is possible; twice the d31, or for a strong d31 no d33, is not."""
+    refused = set()
+    for label, _, changed in choices(LIBRARY[name]):
+        try:
+            changed.check_admissible()
+        except InputError:
+            refused.add(label)
+    assert refused == impossible
+
+
+def test_rows_have_values_or_a_reason():
+    """With the reduced set kept no choice moves the solid by more than 2.5 percent; eps33 does."""
+    scene = load_scene("paper", ["support.kind=clamped", "load.kind=none"])[0]
+    rows = {row.name: row for row in material_effects(scene, lambda _: None, level=0)}
+    assert "clamped permittivity" in rows["d33 = 0"].refused
+    assert "only d33 between" in rows["d33 = 0"].refused
+    first = rows["as it stands"].values
+    for name, row in rows.items():
+        assert (row.values is None) == bool(row.refused)
+        if row.values and not name.startswith(CHANGES):
+            assert tuple(row.values) == pytest.approx(tuple(first), rel=0.025)
+    # a beam's motion knows none of this, eps33 not even through the field
+    assert len({row.beam[:2] for row in rows.values() if row.beam}) == 1
+    low = rows["eps33 = 3400"].values
+    assert low.deflection < 0.85 * first.deflection

@@ -1,0 +1,60 @@
+"""The models of the normal actuator: fineness by what the bar came to, and what is said of bars."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from validation.engine.limits import accuracy_warnings
+from validation.engine.results import Quantity
+from validation.models.reluctance.field import _fine_enough
+from validation.scene.scene import load_scene
+
+GRIDS = ((2e-3, 1.0), (5e-4, 1.5), (0.0, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "bar", "tried"),
+    [
+        (1e-2, 1e-3, [1.0]),  # enough at once
+        (1e-3, 5e-4, [1.5]),  # the first grid is the one that usually suffices
+        (1e-3, 3e-3, [1.5, 2.0]),  # it did not here: on to the next
+        (1e-2, 1.0, [1.0, 1.5, 2.0]),  # up to the finest, whose bar stands
+        (1e-5, 1.0, [2.0]),
+    ],
+)
+def test_the_grid_is_refined_until_the_bar_is_met(accuracy, bar, tried):
+    """From the usual grid of an accuracy on, by the bar that a grid really has there."""
+    asked = []
+
+    def solve(fineness):
+        asked.append(fineness)
+        return SimpleNamespace(force=-2.0, errors=SimpleNamespace(force=2.0 * bar / fineness**0.5))
+
+    _fine_enough(GRIDS, accuracy, solve)
+    assert asked == tried
+
+
+def quantity(value, bar):
+    return Quantity(
+        "magnetic_force", "axisymmetric", np.asarray(value), "N", np.asarray(bar), "", 0.0
+    )
+
+
+@pytest.mark.parametrize(
+    ("value", "bar", "words"),
+    [
+        (0.1, 2e-4, "magnetic_force (up to 0.2 %); its finest grid was used"),
+        (1e-9, 1e-8, "magnetic_force (zero within its bar)"),
+        (0.0, 1e-8, "magnetic_force (zero within its bar)"),
+        (0.0, 0.0, ""),
+        (0.1, 5e-5, ""),
+        (np.nan, np.nan, ""),
+    ],
+)
+def test_bars_beyond_the_accuracy_are_told(value, bar, words):
+    """How wide it is, or that the value may be zero; nothing of what has no value."""
+    scene, _ = load_scene("reluctance")
+    found = accuracy_warnings(scene, [quantity(value, bar)])
+    assert len(found) == bool(words)
+    assert all(words in text for text in found)

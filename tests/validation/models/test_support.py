@@ -1,0 +1,156 @@
+"""What holds the bimorph: the support's compliance from solids, against beams and limits."""
+
+import numpy as np
+import pytest
+
+from tmm.beam.transfer import transfer_matrix
+from tmm.ports.multiport import Multiport
+from validation.models.bimorph.bridge.beam_values import beam_row, beam_values
+from validation.models.bimorph.bridge.generator import GeneratorChain
+from validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid
+from validation.models.bimorph.support import (
+    SupportCompliance,
+    SupportStudy,
+    fitted_springs,
+    frequency_on,
+    joint_by_beam,
+    support_compliance,
+    support_study,
+    tab_by_beam,
+    tab_by_bricks,
+    tab_for_frequency,
+)
+from validation.scene.scene import load_scene
+
+
+def scene(*overrides):
+    return load_scene("paper", ["load.kind=none", "support.kind=clamped", *overrides])[0]
+
+
+def static(row) -> Multiport:
+    return transfer_matrix.chain(row, np.zeros(1))
+
+
+def test_tab_of_a_beam_is_got_back():
+    """From the ports of two beams, one on a tab, comes the tab's own compliance."""
+    plain, on_tab = scene(), scene("bimorph.tab_length=1.6 mm")
+    found = support_compliance(static(beam_row(on_tab)), static(beam_row(plain)), 20e-3)
+    np.testing.assert_allclose(found.matrix, tab_by_beam(plain, 1.6e-3).matrix, rtol=1e-8)
+    assert found.matrix[0, 1] == pytest.approx(found.matrix[1, 0], rel=1e-8)
+
+
+def test_centre_uncouples():
+    """At its centre, half-way down a tab, force turns nothing; there it is stiffest sideways."""
+    tab = tab_by_beam(scene(), 1.6e-3)
+    assert tab.centre == pytest.approx(0.8e-3, rel=1e-12)
+    there = tab.moved_up(-tab.centre)
+    assert abs(there.matrix[0, 1]) < 1e-12 * np.sqrt(there.matrix[0, 0] * there.matrix[1, 1])
+    assert there.lateral_stiffness == pytest.approx(tab.lateral_stiffness_at_centre, rel=1e-12)
+    assert tab.lateral_stiffness_at_centre > tab.lateral_stiffness
+
+
+@pytest.fixture(scope="module")
+def tabs():
+    lengths = (0.0, 0.8e-3, 1.6e-3, 2.4e-3)
+    return lengths, tab_by_bricks(scene(), lengths, lambda _: None, level=0)
+
+
+def test_solid_tab_grows_as_a_beam(tabs):
+    """Per added length the solid's tab turns as EI says, but for Poisson's effect; its root adds.
+
+    The shim's ν stiffens a strip towards a plate by at most ν² E_y/E = 0.8 %.
+    """
+    lengths, found = tabs
+    rotations = np.array([tab.matrix[1, 1] for tab in found])
+    slope = (rotations[3] - rotations[1]) / (lengths[3] - lengths[1])
+    beam = tab_by_beam(scene(), 1e-3).matrix[1, 1] / 1e-3
+    assert 0.99 * beam < slope < 1.001 * beam
+    root = rotations[1] - slope * lengths[1]
+    assert 0.05 * rotations[2] < root < 0.25 * rotations[2]
+
+
+def test_solid_compliance_is_one(tabs):
+    """Symmetric and positive definite: the difference of two solids is a passive support."""
+    for tab in tabs[1]:
+        m = tab.matrix
+        assert m[0, 1] == pytest.approx(m[1, 0], rel=1e-6)
+        assert np.linalg.eigvalsh(m / np.sqrt(np.outer(np.diag(m), np.diag(m))))[0] > 0.0
+
+
+def test_length_of_the_ceramic_does_not_matter():
+    """The support is a property of the root: seen through 20 mm of ceramic it is the same."""
+    long, short = scene("bimorph.tab_length=1.6 mm"), scene()
+    ports = [solve_solid(SolidCase(s, level=0)).static for s in (long, short)]
+    through = support_compliance(*ports, 20e-3)
+    root = tab_by_bricks(short, (1.6e-3,), lambda _: None, level=0)[0]
+    # differences of compliances hundreds of times larger
+    assert through.rotational_stiffness == pytest.approx(root.rotational_stiffness, rel=2e-3)
+    assert through.centre == pytest.approx(root.centre, rel=5e-3)
+
+
+def test_tab_for_a_stiffness(tabs):
+    """The length for a stiffness has it; a joint below shortens it; or there is none."""
+    lengths, found = tabs
+    joint = SupportCompliance(np.array([[6e-7, -3e-4], [-3e-4, 1.2]]))
+    study = SupportStudy(scene(), np.array(lengths), found, joint, 1.6e-3)
+    alone, in_rod = study.tab_for(0.24), study.tab_for(0.24, joint=1.2)
+    assert in_rod < alone < 1.6e-3  # EI/c_s, what a beam says
+    # interpolated linearly, and by a cubic
+    assert study.at(alone, in_rod=False).rotational_stiffness == pytest.approx(0.24, rel=1e-2)
+    assert study.at(in_rod, in_rod=True).rotational_stiffness == pytest.approx(0.24, rel=1e-2)
+    assert np.isnan(study.tab_for(0.24, joint=5.0))
+
+
+def test_beam_on_a_support_is_the_whole():
+    """A beam on the compliance of a tab vibrates as the beam with that tab, its mass apart."""
+    plain, on_tab = scene(), scene("bimorph.tab_length=1.6 mm")
+    whole = beam_values(on_tab).first_frequency
+    found = frequency_on(plain, tab_by_beam(plain, 1.6e-3))
+    # the tab's mass is 0.8 mg of 190 mg, near the node at the root
+    assert found == pytest.approx(whole, rel=1e-4)
+    coupled = tab_by_beam(plain, 1.6e-3)
+    assert frequency_on(plain, coupled.uncoupled()) > 1.03 * found
+
+
+def test_fitted_springs_are_the_sprung_beam():
+    """The paper's two springs as a compliance give the frequency on its support."""
+    sprung = load_scene("paper", ["load.kind=none"])[0]
+    # the support's inertia is no compliance
+    support = sprung.support.model_copy(update={"rotational_inertia": 0.0})
+    sprung = sprung.model_copy(update={"support": support})
+    found = frequency_on(sprung, fitted_springs(sprung))
+    assert found == pytest.approx(beam_values(sprung).first_frequency, rel=1e-9)
+
+
+def test_softer_glue_turns_more():
+    """The joint's rotation falls with the glue's modulus to what the rod itself gives way."""
+    chain = GeneratorChain(scene(), lambda _: None)
+    turned = [joint_by_beam(chain, e, rod=True).matrix[1, 1] for e in (1e9, 3e9, 1e10)]
+    assert turned[0] > turned[1] > turned[2]
+    rigid_rod = joint_by_beam(chain, 3e9, rod=False)
+    assert 0.0 < turned[1] - rigid_rod.matrix[1, 1] < 0.2 * turned[1]
+
+
+@pytest.mark.heavy
+def test_generator_in_steps():
+    """Bricks, tetrahedra and beams tell one story from the clamp to the elastic rod."""
+    chain = GeneratorChain(scene(), lambda _: None)
+    rungs = {rung.name: rung for rung in chain.rungs()}
+    frequencies = [rung.first_frequency for rung in rungs.values()]
+    assert frequencies == sorted(frequencies, reverse=True)  # every step is softer
+    for name in ("glue", "elastic rod"):
+        rung = rungs[name]
+        # beams have a rigid head and the tab on springs: a third of the step
+        assert rung.step.first_frequency == pytest.approx(rung.predicted.first_frequency, rel=0.35)
+        assert abs(rung.step.deflection) < 1e-3  # nothing there strains under voltage
+    for rung in chain.branches():
+        assert rung.step == pytest.approx(rung.predicted, abs=0.015)
+    study = support_study(scene(), lambda _: None, chain)
+    beam = joint_by_beam(chain, chain.device.glue.youngs_modulus, rod=True)
+    # the beams' founded tab against a field: 0.4 % met, tetrahedra are good for some percent
+    assert study.joint.matrix[1, 1] == pytest.approx(beam.matrix[1, 1], rel=0.05)
+    assert 0.7e-3 < study.tab_for(0.24, joint=study.joint.matrix[1, 1]) < 1.2e-3
+    built = study.at(chain.free_tab, in_rod=True)
+    # the beam bimorph on the solid's support is the solid, as near as on a clamp
+    assert frequency_on(scene(), built) == pytest.approx(frequencies[-1], rel=0.01)
+    assert 0.0 < tab_for_frequency(study, in_rod=True) < 0.9e-3

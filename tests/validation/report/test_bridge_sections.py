@@ -1,0 +1,63 @@
+"""The report's sections on bridge, support and material, in full."""
+
+import re
+from pathlib import Path
+
+import pytest
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+import validation
+from validation.report.sections.bridge import bridge_section, holding_section, material_section
+from validation.report.study import Study
+from validation.scene.scene import load_scene
+from validation.view.formats import filters
+
+SECTIONS = {"bridge": bridge_section, "holding": holding_section, "material": material_section}
+
+
+def texts(scene, *overrides, quick):
+    """Return the text of each section that the scene has."""
+    study = Study(*load_scene(scene, overrides), lambda _: None, quick=quick)
+    folder = Path(validation.__file__).parent / "report" / "templates"
+    pages = Environment(loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined)
+    pages.filters.update(filters())
+    found = {name: made for name, make in SECTIONS.items() if (made := make(study)) is not None}
+    common = {
+        "scene": study.scene,
+        "solution": study.solution,
+        "quick": quick,
+        "number": {name: at for at, name in enumerate(["models", *found], start=1)},
+    }
+    html = {n: pages.get_template(f"{n}.html").render(common | made) for n, made in found.items()}
+    return {name: " ".join(re.sub(r"<[^>]+>", " ", text).split()) for name, text in html.items()}
+
+
+def test_quick_report_has_the_bridge_alone():
+    """What takes tetrahedra or a dozen solids is left to the full report."""
+    shown = texts("j1", "mesh.level=2", "models=tmm,solid", quick=True)
+    assert list(shown) == ["bridge"]
+    assert "For someone who designs with the transfer-matrix model" in shown["bridge"]
+
+
+def test_nothing_to_lead_to():
+    """Without a solid the section says so and the others are left out."""
+    shown = texts("paper", "models=lumped,tmm", quick=False)
+    assert list(shown) == ["bridge"]
+    assert "The solid model was not asked for" in shown["bridge"]
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("scene", ["paper", "generator"])
+def test_full_sections(scene):
+    """Every number is there, both materials, the refused sets with their reason."""
+    shown = texts(scene, "mesh.level=2", "models=tmm,solid", quick=False)
+    assert list(shown) == list(SECTIONS)
+    for text in shown.values():
+        assert not re.search(r"\bnan\b|\bNone\b|Undefined", text)
+    if scene == "paper":
+        assert "PZT-5H" in shown["bridge"]
+        assert "unexplained" in shown["bridge"]
+    else:
+        assert "Not drawn for a bimorph in the rod" in shown["bridge"]
+    assert "elastic rod" in shown["holding"]
+    assert "only d33 between" in shown["material"]

@@ -1,0 +1,377 @@
+"""The report on the normal actuator: complete, honest about assumptions, nothing else run."""
+
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from tmm.reluctance.coenergy.files import read_map
+from validation.checks.bimorph import Outcome
+from validation.checks.reluctance import MAGNETIC_CHECKS
+from validation.command_line.cli import main
+from validation.engine.solve import solve
+from validation.export.export import normal_actuator_solids, scene_solids
+from validation.report.normal_actuator import NormalActuator
+from validation.report.page import write_report
+from validation.report.study import Study
+from validation.scene.scene import load_scene
+
+NORMAL = ["magnetic_models", "magnetic_field", "characteristics"]
+BOTH = "quantities=tip_displacement,magnetic_force"
+
+
+def make(folder, name, *overrides):
+    scene, origins = load_scene(name, overrides)
+    steps = []
+    page = write_report(scene, origins, folder, True, steps.append)
+    return page.read_text(encoding="utf-8"), steps
+
+
+def ids(html):
+    return re.findall(r'<h2 id="(\w+)">', html)
+
+
+def words(html):
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", html[html.index("<main>") :]))
+
+
+@pytest.fixture(scope="module")
+def reluctance(tmp_path_factory):
+    """The quick report of the built-in scene; checks have tests of their own and are not run."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("validation.report.study.run_check", lambda c: Outcome(c, 1.0, 0.0, "pass"))
+        return make(tmp_path_factory.mktemp("reluctance"), "reluctance")
+
+
+@pytest.fixture(scope="module")
+def at_a_point():
+    """The built-in scene without a map of the field."""
+    return actuator("accuracy=1%", quantities=("magnetic_force", "incremental_inductance"))
+
+
+@pytest.fixture
+def without_checks(monkeypatch):
+    """Leave out the suite's checks, which have tests of their own."""
+    monkeypatch.setattr("validation.report.study.CHECKS", ())
+    monkeypatch.setattr("validation.checks.reluctance.MAGNETIC_CHECKS", ())
+
+
+def actuator(*overrides, models=None, quantities=None):
+    scene, _ = load_scene("reluctance", overrides)
+    return NormalActuator(solve(scene, models, quantities), lambda _: None)
+
+
+def test_report_is_complete_and_self_contained(reluctance):
+    """Sections of the normal actuator only, all its light checks, pictures inside the page."""
+    html, _ = reluctance
+    assert ids(html) == ["what", *NORMAL, "checks", "parameters", "plan"]
+    assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
+    assert html.count('<img src="data:image/png;base64,') == 1  # rod, coil and sleeve
+    assert html.count("<figure><svg") == 5  # bridge, field, forces, fluxes, switching
+    assert all(f"<td>{c.id}</td>" in html for c in MAGNETIC_CHECKS if not c.heavy)
+    assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", words(html))
+
+
+def test_report_asks_nothing_of_the_lateral_actuator(reluctance):
+    """No stage, section, check or parameter of the bimorph."""
+    html, steps = reluctance
+    assert not any(step.split(".")[0] in ("lumped", "tmm", "beam", "solid") for step in steps)
+    assert "<td>TMM-1</td>" not in html
+    assert "<code>bimorph.length</code>" not in html
+    assert "<code>rod.density</code>" not in html
+    assert "<code>spring.preload</code>" in html
+
+
+def test_what_is_assumed_is_said_first(reluctance):
+    """Before any section: reconstructed, and agreement with the paper is no confirmation."""
+    html, _ = reluctance
+    head = words(html[: html.index('<h2 id="what">')])
+    assert "The normal actuator is reconstructed" in head
+    assert "turns were chosen so that the field model pulls with the paper's 110 mN" in head
+    assert "confirms nothing" in head
+
+
+def test_all_that_was_asked_for_is_there(reluctance):
+    """Families, switching, finger force, coil, heat, inductance: each with its unit."""
+    text = words(reluctance[0])
+    for wanted in (
+        "pull-in", "drop-out", "holding, at the lower stop", "spring &minus; magnetic pull",
+        "resistance 225.2 Ω", "current density in the wire 424 A/mm&sup2;", "not plausible",
+        "electrical time constant", "Force&ndash;gap and force&ndash;current families",
+    ):  # fmt: skip
+        assert wanted in text, wanted
+
+
+def test_quick_report_solves_no_map_of_the_field(reluctance):
+    """The map is the costly part: left out, said so, and single points shown instead."""
+    html, steps = reluctance
+    assert "axisymmetric.map" not in steps
+    assert "field at single points" in steps
+    assert "not in the quick version" in html
+    assert "network.map" in steps
+    plan = html[html.index('<h2 id="plan">') :]
+    assert re.search(r"<td>network.map</td><td class=\"n\">[\d.]+</td>", plan)
+
+
+def test_network_alone(tmp_path, without_checks):
+    """Without the field there is no picture of it, and the bridge ends at the network."""
+    html, steps = make(tmp_path, "reluctance", "models=network")
+    assert ids(html) == [
+        "what",
+        "magnetic_models",
+        "characteristics",
+        "checks",
+        "parameters",
+        "plan",
+    ]
+    assert "the field was not asked for" in html
+    assert not any("axisymmetric" in step or "field" in step for step in steps)
+
+
+def shown(tmp_path, monkeypatch, *overrides):
+    monkeypatch.setattr("validation.report.study.CHECKS", ())
+    monkeypatch.setattr("validation.checks.reluctance.MAGNETIC_CHECKS", ())
+    text = words(make(tmp_path, "reluctance", "models=network", *overrides)[0])
+    assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", text)
+    return text
+
+
+@pytest.mark.parametrize(
+    ("overrides", "there", "not_there"),
+    [
+        (
+            (),
+            ("stays at the upper stop until", "the preload was set to it",
+             "The turns were chosen so that", "That this number comes out right"),
+            ("floats", "this scene sets another", "this scene has another"),
+        ),
+        (
+            ("spring.stiffness=1000 N/m",),
+            ("leaves the upper stop at", "floats, further down", "snaps down"),
+            ("stays at the upper stop",),
+        ),
+        (
+            ("spring.preload=90 mN", "coil.turns=800"),
+            ("this scene sets another preload", "this scene has another circuit"),
+            ("the preload was set to it", "That this number comes out right", "no confirmation"),
+        ),
+        (("spring.preload=0 N", "spring.stiffness=0 N/m"), ("no spring force",), ("snaps",)),
+    ],
+)  # fmt: skip
+def test_words_follow_the_spring(tmp_path, monkeypatch, overrides, there, not_there):
+    """What is said of switching, turns and preload is true of this scene, not of the usual one."""
+    text = shown(tmp_path, monkeypatch, *overrides)
+    for wanted in there:
+        assert wanted in text, wanted
+    for wrong in not_there:
+        assert wrong not in text, wrong
+
+
+def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
+    """Words instead of a number wherever pull-in is shown, and no picture fails."""
+    small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)
+    monkeypatch.setattr("tmm.reluctance.coenergy.range.map_grid", lambda _: small)
+    text = shown(tmp_path, monkeypatch, "coil.current=40 mA")
+    assert "No current up to 60 mA draws the rod down" in text
+    assert "not reached" in text
+    assert "snaps down" not in text
+
+
+def test_steps_of_the_bridge_add_up(at_a_point):
+    """From nothing to the reference: the steps' sum is zero, each one named and explained."""
+    bridge = at_a_point.bridge
+    assert bridge[-1].name == "the field"
+    assert all(step.meaning for step in bridge)
+    for key in ("force", "flux_linkage"):
+        assert sum(step.step[key] for step in bridge) == pytest.approx(0.0, abs=1e-12)
+        ratio = bridge[0].value[key] / bridge[-1].value[key]
+        assert bridge[0].left[key] == pytest.approx(ratio - 1.0, rel=1e-12)
+
+
+def test_network_is_held_against_the_field(at_a_point):
+    """Differences are those of the two values; the field stands last as the reference."""
+    force = next(row for row in at_a_point.comparison if row.quantity == "magnetic_force")
+    network, field = force.cells
+    assert (field.model, field.verdict) == ("axisymmetric", "reference")
+    assert network.difference == pytest.approx(network.value / field.value - 1.0)
+    assert network.verdict == "model form"
+    assert "tubes of assumed shape" in force.remarks[0]
+
+
+def test_paper_is_judged_by_the_field_where_there_is_one(at_a_point):
+    """The quick version has no map of the field, but what the paper says is asked of the field."""
+    by_field = at_a_point.point_by_reference(0.13, 0.2e-3).force
+    by_network = float(at_a_point.pull.force(0.13, 0.2e-3))
+    assert by_field.value == pytest.approx(0.11, rel=0.005)  # what the turns were chosen for
+    assert by_network > 1.1 * by_field.value
+    # one number everywhere: the one in the table of models
+    shown = at_a_point.solution.get("magnetic_force", "axisymmetric")
+    assert (by_field.value, by_field.bar) == (shown.value, shown.uncertainty)
+
+
+def test_inductances_are_those_of_the_quantities():
+    """The coil's table takes single points: at the scene's state it repeats the model's values."""
+    made = actuator("models=network")
+    found = made.point_by_map_model(made.current, made.gap)
+    for name in ("inductance", "incremental_inductance"):
+        assert getattr(found, name).value == made.solution.get(name, "network").value
+
+
+def test_parts_follow_what_is_asked():
+    """An actuator is shown if a model and a quantity of it are asked for, else left alone."""
+
+    def parts(*overrides):
+        scene, origins = load_scene("paper", ("models=tmm,network", *overrides))
+        study = Study(scene, origins, lambda _: None, quick=True)
+        return study.lateral, study.normal is not None
+
+    assert parts(BOTH) == (True, True)
+    assert parts("quantities=tip_displacement") == (True, False)
+    assert parts("quantities=magnetic_force") == (False, True)
+
+
+def test_a_report_without_current_is_refused(tmp_path):
+    """No pull to compare or bridge: one sentence; `tactgen solve` answers at 0 A all the same."""
+    with pytest.raises(InputError, match=r"coil\.current = 0 mA .* such as coil\.current=130mA"):
+        make(tmp_path, "reluctance", "models=network", "coil.current=0 A")
+
+
+def test_quantity_without_a_model_is_refused(tmp_path):
+    """The same sentence as elsewhere, before anything is solved."""
+    with pytest.raises(InputError, match="computed by network"):
+        make(tmp_path, "paper", "models=tmm", "quantities=magnetic_force")
+
+
+@pytest.mark.heavy
+def test_report_of_both_actuators(tmp_path, without_checks):
+    """All sections, both kinds of cards, parameters of both."""
+    html, _ = make(tmp_path, "paper", "models=lumped,tmm,network,axisymmetric", BOTH)
+    assert ids(html) == [
+        "what", "models", "modes", "bridge", "response", "length", "voltage", "uncertainty",
+        "stress", *NORMAL, "checks", "audit", "parameters", "plan",
+    ]  # fmt: skip
+    text = words(html)
+    assert "For the lateral actuator, in the table of section 2" in text
+    assert "for the normal one, in the table of section 10" in text
+    assert "<code>bimorph.length</code>" in html
+    assert "<code>coil.turns</code>" in html
+    assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", text)
+
+
+LATERAL_ONLY = """
+import sys
+import validation.report.study as study
+from validation.report.sections.all import sections
+from validation.scene.scene import load_scene
+scene, origins = load_scene("prototype", ("models=lumped,tmm",))
+made = study.Study(scene, origins, lambda _: None, quick=True)
+study.CHECKS = ()
+for section in sections(made):
+    if section.id not in ("stress", "uncertainty", "length", "voltage"):  # slow, closed forms
+        section.context(made)
+made.parameters
+print(*sys.modules)
+"""
+NORMAL_ONLY = """
+import sys
+from pathlib import Path
+import validation.checks.reluctance as rows
+from validation.report.page import write_report
+from validation.scene.scene import load_scene
+scene, origins = load_scene("reluctance", ("models=network",))
+rows.MAGNETIC_CHECKS = ()
+write_report(scene, origins, Path(sys.argv[1]), True, lambda _: None)
+print(*sys.modules)
+"""
+
+
+def modules(script, folder):
+    command = [sys.executable, "-c", script, str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return set(done.stdout.split())
+
+
+def test_lateral_report_imports_nothing_magnetic(tmp_path):
+    """A scene that asks for the bimorph alone loads no magnetic model, check or plot."""
+    loaded = modules(LATERAL_ONLY, tmp_path)
+    assert "validation.report.sections.bimorph" in loaded
+    assert not loaded & {
+        "fem.reluctance.axisymmetric.actuator", "fem.reluctance.axisymmetric.field",
+        "tmm.reluctance.network", "validation.checks.reluctance", "validation.view.reluctance",
+        "validation.report.sections.reluctance",
+    }  # fmt: skip
+
+
+def test_normal_report_imports_nothing_piezoelectric(tmp_path):
+    """The other way round: no solid, no beam elements, no lateral sections."""
+    loaded = modules(NORMAL_ONLY, tmp_path)
+    assert "tmm.reluctance.network" in loaded
+    assert not loaded & {
+        "fem.bimorph.solid", "fem.bimorph.modes", "fem.bimorph.ports", "fem.beam.beam",
+        "validation.models.bimorph.bridge", "validation.checks.paper.audit",
+        "validation.report.sections.bimorph",
+    }  # fmt: skip
+
+
+def test_map_is_exported(tmp_path, capsys):
+    """The most detailed model's map that the scene asks for, as netCDF that reads back."""
+    file = tmp_path / "map.nc"
+    assert main(["export", "reluctance", "--set", "models=network", "--map", str(file)]) == 0
+    assert capsys.readouterr().out.split() == [str(file)]
+    found, solved = read_map(file), actuator("models=network").pull
+    assert found.samples.model == "network"
+    # whose map it is can be told from the file alone
+    for value in ("coil.turns = 849", "rod.radius = 0.00062", "sleeve.length = 0.0036",
+                  "steel.curve = team20"):  # fmt: skip
+        assert value in found.samples.device
+    assert float(found.force(0.1, 1e-4)) == pytest.approx(float(solved.force(0.1, 1e-4)), rel=1e-12)
+    assert [p.name for p in tmp_path.iterdir()] == ["map.nc"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("paper", "--map", "map.nc"), "--map needs one of the models network, axisymmetric"),
+        (
+            (
+                "reluctance",
+                "--set",
+                "models=magnetic3d",
+                "--set",
+                "mesh.kind=tetwild",
+                "--map",
+                "map.nc",
+            ),
+            "mesh.kind = tetwild gives magnetic3d single points only",
+        ),
+        (("reluctance", "--map", "map.csv"), "must end in .nc"),
+    ],
+)
+def test_map_that_cannot_be_had_is_refused(tmp_path, monkeypatch, capsys, arguments, sentence):
+    """One sentence, exit code 2, no file."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert sentence in error
+    assert error.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_solids_are_those_of_the_actuator_asked_about():
+    """Rod, coil and sleeve for a magnetic scene; the rod keeps its slot though no tab fits it."""
+    scene, _ = load_scene("reluctance")
+    assert sorted(scene_solids(scene)) == ["coil", "rod", "sleeve"]
+    rod = normal_actuator_solids(scene.device)["rod"]
+    r, slot = scene.rod, scene.glue.thickness
+    full = np.pi * (
+        r.radius**2 * (r.length + 0.2e-3 - r.flange_thickness)
+        + r.flange_radius**2 * r.flange_thickness
+        + r.head_radius**2 * r.head_thickness
+    )
+    cut = (
+        (scene.bimorph.shim_thickness + 2 * slot) * (scene.bimorph.width + 2 * slot) * r.slot_depth
+    )
+    assert rod.Volume() * 1e-9 == pytest.approx(full - cut, rel=1e-6)

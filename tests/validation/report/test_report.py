@@ -1,0 +1,99 @@
+"""The report: complete, self-contained, written in one piece; exports beside it."""
+
+import re
+from functools import cache
+
+import pytest
+
+from geometry.cad import system_libraries
+from geometry.errors import InputError
+from geometry.meshing.mesh_files import read_mesh
+from validation.checks.bimorph import CHECKS, run_check
+from validation.command_line.cli import main
+from validation.report.page import write_report
+from validation.scene.scene import load_scene
+from validation.view.formats import engineering, percent, share, with_bar
+
+
+@pytest.fixture(autouse=True, scope="module")
+def each_check_once():
+    """Run the suite's checks for the first report only: they do not depend on the scene."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("validation.report.study.run_check", cache(run_check))
+        yield
+
+
+def make(tmp_path, name, *overrides):
+    scene, origins = load_scene(name, overrides)
+    steps = []
+    page = write_report(scene, origins, tmp_path / "out", True, steps.append)
+    return page.read_text(encoding="utf-8"), steps
+
+
+def test_report_is_complete_and_self_contained(tmp_path):
+    """All sections, every light check, pictures inside the page, no address to fetch."""
+    html, steps = make(tmp_path, "j1", "mesh.level=2")
+    assert re.findall(r'<h2 id="(\w+)">', html) == [
+        "what", "models", "modes", "bridge", "response", "length", "voltage",
+        "uncertainty", "stress", "checks", "audit", "parameters", "plan",
+    ]  # fmt: skip
+    assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
+    assert "@import" not in html
+    assert html.count('<img src="data:image/png;base64,') == 7  # solids, mesh twice, four modes
+    assert all(f"<td>{c.id}</td>" in html for c in CHECKS if not c.heavy)
+    assert "normal actuator is reconstructed" not in html
+    assert not any("network" in step or "axisymmetric" in step for step in steps)
+    assert "picture of mode 4" in steps
+    text = re.sub(r"<[^>]+>", " ", html[html.index("<main>") :])
+    assert not re.search(r"\bnan\b|\bNone\b|Undefined", text)
+
+
+def test_report_without_the_solid_says_so(tmp_path):
+    """A scene that asks for one-dimensional models gets a report about those."""
+    html, steps = make(tmp_path, "prototype", "models=lumped,tmm")
+    assert "The solid model was not asked for" in html
+    assert not any(step.startswith("solid.") for step in steps if "check" not in step)
+
+
+def test_folder_is_checked_before_any_work(tmp_path):
+    """A file where the folder should be: refused at once, and the file is untouched."""
+    blocker = tmp_path / "report"
+    blocker.write_text("mine", encoding="utf-8")
+    scene, origins = load_scene("paper")
+    with pytest.raises(InputError, match="cannot be written"):
+        write_report(scene, origins, blocker, True, lambda _: pytest.fail("work was done"))
+    assert blocker.read_text(encoding="utf-8") == "mine"
+
+
+def test_exported_files_are_complete(tmp_path, capsys):
+    """STEP, glTF and mesh of the built-in generator and bimorph."""
+    step, glb, mesh = tmp_path / "g.step", tmp_path / "g.glb", tmp_path / "m.vtu"
+    assert main(["export", "generator", "--step", str(step), "--glb", str(glb)]) == 0
+    assert main(["export", "j1", "--set", "mesh.level=2", "--mesh", str(mesh)]) == 0
+    assert capsys.readouterr().out.split() == [str(step), str(glb), str(mesh)]
+    assert step.read_text(encoding="utf-8").startswith("ISO-10303-21")
+    assert glb.read_bytes()[:4] == b"glTF"
+    written = read_mesh(mesh)
+    assert set(written.regions) == {"piezo_top", "piezo_bottom", "shim"}
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["g.glb", "g.step", "m.vtu"]
+
+
+def test_missing_library_is_one_sentence(monkeypatch):
+    """What would crash the renderer is found before it is loaded."""
+    monkeypatch.setitem(system_libraries._PACKAGE, "libnothing.so", "libosmesa6")
+    with pytest.raises(InputError, match="apt-get install --no-install-recommends libosmesa6"):
+        system_libraries.require_library("libnothing.so", "pictures")
+
+
+def test_numbers_for_people():
+    """Engineering prefixes, digits that the bar allows, rounding bars as powers of ten."""
+    assert engineering(4.955e-5, "m") == "49.55 µm"
+    assert engineering(0.0, "m") == "0 m"
+    assert with_bar(4.7087e-5, 2.6e-8, "m") == "47.087 ± 0.026 µm"
+    assert with_bar(-6.7582e-7, 1e-20, "m").startswith("-675.82 nm (±1e-14")
+    assert with_bar(365.1, 10.2, "Hz") == "365 ± 10 Hz"
+    assert percent(0.0524) == "+5.240 %"
+    assert percent(3e-8) == "+3e-06 %"
+    assert percent(3e-14) == "0 %"
+    assert share(0.00822) == "0.82 %"
+    assert with_bar(1.0, float("inf"), "m") == "1 m (no error bar)"

@@ -1,0 +1,378 @@
+"""Scenes: what is accepted, what is refused and in which words."""
+
+import re
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from validation.scene.files import built_in_scenes
+from validation.scene.frequencies import parse_frequencies
+from validation.scene.idle_keys import scene_warnings
+from validation.scene.parameter_list import parameter_rows
+from validation.scene.scene import Scene, load_scene, scene_keys
+from validation.scene.template import template
+
+CONTRACT = [
+    "bimorph.length",
+    "bimorph.width",
+    "bimorph.piezo_thickness",
+    "bimorph.shim_thickness",
+    "bimorph.tab_length",
+    "bimorph.wiring",
+    "piezo.material",
+    "piezo.s11",
+    "piezo.s55",
+    "piezo.d31",
+    "piezo.eps33",
+    "piezo.density",
+    "piezo.quality_factor",
+    "piezo.loss_tangent",
+    "shim.youngs_modulus",
+    "shim.shear_modulus",
+    "shim.poisson_ratio",
+    "shim.density",
+    "beam.shear_correction",
+    "support.kind",
+    "support.rotational_stiffness",
+    "support.lateral_stiffness",
+    "support.rotational_damping",
+    "support.rotational_inertia",
+    "load.kind",
+    "load.mass",
+    "load.stiffness",
+    "load.damping",
+    "drive.voltage",
+    "gap",
+    "mesh.kind",
+    "accuracy",
+    "models",
+    "quantities",
+]
+
+
+def test_contract_of_scene_keys():
+    """Other programs rely on these keys."""
+    assert set(CONTRACT) <= set(scene_keys())
+    assert {k.split(".")[0] for k in scene_keys()} >= {"rod", "coil", "sleeve"}
+
+
+def test_built_in_scenes():
+    """All load, and are what they say."""
+    assert set(built_in_scenes()) == {"paper", "prototype", "j1", "generator", "reluctance"}
+    prototype, _ = load_scene("prototype")
+    assert (prototype.bimorph.length, prototype.load.kind, prototype.drive.voltage) == (
+        0.014,
+        "none",
+        1.0,
+    )
+    assert load_scene("generator")[0].support.kind == "rod"
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("bimorph.length=25", ['bimorph.length = "25"', "has no unit", '"20 mm"']),
+        ("bimorph.length=25kg", ["not a length", '"20 mm"']),
+        ("bimorph.length=25 furlonk", ['unknown unit "furlonk"']),
+        ("bimorph.piezo_thickness=-0.1mm", ["greater than 0 m"]),
+        ("bimorph.shim_thickness=0mm", ["bimorph.shim_thickness", "greater than 0 m"]),
+        ("bimorph.length=inf mm", ["finite"]),
+        ("bimorph.width=3mm", ["bimorph.width = 3 mm", "wider than the rod allows", "2.3 mm"]),
+        ("bimorph.lenght=25mm", ['did you mean "bimorph.length"']),
+        ("bimorf.length=25mm", ['did you mean "bimorph.length"']),
+        ("bimorph=25mm", ["is a group"]),
+        ("length", ["KEY=VALUE"]),
+        ("piezo.material=PZT-9", ['"PZT-9" is not in the library', "PZT-5H"]),
+        ("support.kind=glued", ["support.kind", "'spring', 'clamped' or 'rod'"]),
+        ("load.kind=foot", ["load.kind", "'finger'"]),
+        ("models=tmn", ['model "tmn" is unknown', 'did you mean "tmm"']),
+        ("quantities=tip_speed", ['quantity "tip_speed" is unknown', "did you mean"]),
+        ("piezo.d31=-3850 pC/N", ["piezo.d31", "piezo.eps33", "negative energy"]),
+        ("shim.poisson_ratio=0.5", ["less than 0.5"]),
+        ("accuracy=0", ["accuracy", "greater than 0"]),
+        ("mesh.level=6", ["mesh.level", "5"]),
+        ("frequency=10:20", ["START:STOP:N"]),
+        ("frequency=0:100:5:log", ["logarithmically", "above 0 Hz"]),
+        ("frequency=ten", ["not a frequency"]),
+        ("frequency=-5", ["not negative"]),
+        ("coil.outer_radius=1mm", ["coil.outer_radius", "sleeve.inner_radius"]),
+        ("gap=0 mm", ["gap", "greater than 0 mm", '"0.2 mm"']),
+        ("bimorph.length=1e300 m", ["bimorph.length", "from 0.001 mm to 100000 mm"]),
+        ("bimorph.length=1e-300 m", ["bimorph.length", "from 0.001 mm to 100000 mm"]),
+        ("piezo.s11=1e-30 m^2/N", ["piezo.s11", "from 1e-13 m^2/N"]),
+        ("piezo.eps33=1000", ["piezo.eps33 = 1000", "negative energy", "raise piezo.eps33"]),
+        ("support.kind=sprng", ['did you mean "spring"']),
+        ("modes=21", ['modes = "21"', "whole number from 1 to 20", "write for example 4"]),
+        ("modes=2.5", ["whole number from 1 to 20"]),
+        ("modes=٣", ["whole number from 1 to 20"]),
+        ("mesh.level=-1", ["mesh.level", "whole number from 0 to 5"]),
+        ("name=a\nb", ["name = ", "one line"]),
+        ("bimorph.length=20\n\tfoo", ["bimorph.length", '"20 mm"']),
+        ("models=,", ["model", "unknown"]),
+        (f"bimorph.length={'9' * 9000}", ["bimorph.length", "…", '"20 mm"']),
+    ],
+)
+def test_bad_values_are_refused_in_one_sentence(override, words):
+    """The sentence names the key, the value and the remedy."""
+
+    def use():
+        load_scene("paper", [override])[0].piezo.ceramic().tensors()
+
+    with pytest.raises(InputError) as caught:
+        use()
+    sentence = str(caught.value)
+    assert all(word in sentence for word in words), sentence
+    assert "\n" not in sentence
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (["bimorph.width=2.3mm"], ["wider than the rod allows", "slot"]),
+        (["rod.slot_depth=0.6mm"], ["rod.slot_depth", "rod.head_thickness"]),
+        (["bimorph.tab_length=0.2mm"], ["too short for the rod's slot", "0.4 mm"]),
+        (["mesh.kind=structured"], ["structured", "tetwild"]),
+        (["glue.thickness=0.2mm"], ["wider than the rod allows", "bond line"]),
+        (["rod.length=3mm"], ["rod.length", "flange"]),
+    ],
+)
+def test_parts_that_do_not_fit_are_refused(overrides, words):
+    """A generator that cannot be built is refused before any work."""
+    with pytest.raises(InputError) as caught:
+        load_scene("generator", overrides)
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
+def test_a_wide_bimorph_may_be_studied_alone():
+    """Without a rod to stand on, the rod's diameter is no limit."""
+    assert load_scene("paper", ["bimorph.width=5mm", "support.kind=clamped"])[0]
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"[bimorph\nlength=", ["is not valid TOML"]),
+        (b"\xff\xfe\x00", ["cannot be read", "UTF-8"]),
+        (b"[bimorph]\nlength = 20\n", ["bimorph.length = 20 has no unit"]),
+        (b"bimorph = 3\n", ["is a group"]),
+        (b"[bimorph.length]\nvalue = 3\n", ["bimorph.length.value", "unknown"]),
+        (b"[bimorf]\n", ['"bimorf" is unknown', 'did you mean "bimorph"']),
+        (b"[bimorf]\nlength = '3 mm'\n", ['did you mean "bimorph.length"']),
+        (b"'bimorph.length' = '3 mm'\n", ['did you mean "bimorph.length"']),
+        (b"[piezo]\nmaterial = ['a']\n", ["piezo.material = ['a']", "not in the library"]),
+        (b"models = 3\n", ["models = 3", "not a list of names"]),
+        (b"models = []\n", ["models = []", "names nothing", "lumped"]),
+        (b"models = ['tmm', 3]\n", ["models", "not a list of names"]),
+        (b"quantities = []\n", ["quantities = []", "names nothing"]),
+        (b"frequency = []\n", ["frequency = []", "no frequency"]),
+        (b"frequency = [-10.0]\n", ["frequency = [-10.0]", "not negative"]),
+        (b"frequency = true\n", ["frequency", "not a frequency"]),
+        (b"frequency = [[1.0]]\n", ["frequency", "not a frequency"]),
+        (b"frequency = nan\n", ["frequency", "finite"]),
+        (b"name = 3\n", ["name = 3", "not text", "quotes"]),
+        (b"[name]\n", ["name = {}", "not text"]),
+        (b"modes = true\n", ["modes", "whole number"]),
+        (b'name = """a\nb"""\n', ["name = ", "one line"]),
+        (b"gap = 0x" + b"f" * 9000 + b"\n", ["gap", '"0.2 mm"']),
+        (b"a = " + b"[" * 5000, ["not valid TOML"]),
+        (b"gap = " + b"1" * 5000, ["not valid TOML"]),
+    ],
+)
+def test_bad_files_are_refused_in_one_sentence(tmp_path, content, words):
+    """Unreadable files and files with wrong content."""
+    path = tmp_path / "my.toml"
+    path.write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        load_scene(str(path))
+    assert all(word in str(caught.value) for word in words), caught.value
+    assert "\n" not in str(caught.value)
+
+
+def test_overrides_meet_a_broken_file(tmp_path):
+    """An override of a group that the file misuses is a refusal, too."""
+    path = tmp_path / "my.toml"
+    path.write_text("bimorph = 3\n", encoding="utf-8")
+    with pytest.raises(InputError, match="is a group"):
+        load_scene(str(path), ["bimorph.length=25mm"])
+
+
+def test_byte_order_mark_and_empty_groups_are_accepted(tmp_path):
+    """Files of Windows editors, and groups that say nothing."""
+    path = tmp_path / "my.toml"
+    path.write_bytes(b"\xef\xbb\xbfgap = '0.3 mm'\n[bimorph]\n")
+    scene, origins = load_scene(str(path))
+    assert (scene.gap, list(origins)) == (0.3e-3, ["gap"])
+
+
+@pytest.mark.parametrize("name", ["x" * 5000, "a\0b", "/", ""])
+def test_names_that_are_no_file_are_refused(name):
+    """Too long for the file system, unprintable, or a folder."""
+    with pytest.raises(InputError, match="neither a readable file nor a built-in scene") as caught:
+        load_scene(name)
+    assert len(str(caught.value)) < 300
+    assert str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (["load.stiffness=100 N/m"], ["load.stiffness = 100 N/m", 'kind = "finger"']),
+        (["load.kind=spring_damper", "load.mass=1 mg"], ["load.mass = 1 mg", "free tip"]),
+        (["load.kind=mass"], ["load.mass = 0 mg", "free tip"]),
+        (
+            ["support.kind=clamped", "support.lateral_stiffness=2e6 N/m"],
+            ["support.lateral_stiffness = 2000000 N/m", 'support.kind = "clamped"'],
+        ),
+        (["gap=0.3 mm"], ["gap = 0.3 mm", "--model network"]),
+        (["sleeve.length=4 mm"], ["sleeve.length = 4 mm", "--model network"]),
+        (["mesh.time_limit=60 s"], ["mesh.time_limit = 60 s", '"tetwild"']),
+        (["mesh.level=2", "accuracy=0.01"], ["accuracy = 0.01", "mesh.level = 2"]),
+    ],
+)
+def test_settings_without_effect_are_named(overrides, words):
+    """Each key that conflicts with a kind gets a sentence with the remedy."""
+    warnings = " / ".join(scene_warnings(*load_scene("paper", overrides)))
+    assert all(word in warnings for word in words), warnings
+
+
+@pytest.mark.parametrize("name", built_in_scenes())
+def test_settings_with_effect_are_not_warned_of(name):
+    """The built-in scenes, and keys that go with their kind."""
+    assert scene_warnings(*load_scene(name)) == ()
+    lateral = ["load.kind=mass", "load.mass=1 mg", "mesh.level=2"]
+    normal = ["coil.current=50 mA", "spring.preload=0.1 N", "accuracy=1e-2"]
+    fits = normal if name == "reluctance" else lateral
+    assert scene_warnings(*load_scene(name, fits)) == ()
+
+
+@pytest.mark.parametrize(
+    ("key", "asked", "words"),
+    [
+        ("spring.preload=90 mN", "quantities=magnetic_force", "ask for pull_in_current"),
+        ("spring.preload=90 mN", "quantities=pull_in_current", ""),
+        ("coil.outer_radius=0.87 mm", "models=network", "ask for --model axisymmetric"),
+        ("coil.outer_radius=0.87 mm", "models=network,axisymmetric", ""),
+    ],
+)
+def test_keys_that_the_quantities_do_not_read_are_warned_of(key, asked, words):
+    """What was asked for decides; a report shows everything and is not warned of."""
+    scene, origins = load_scene("reluctance", [key, asked])
+    found = [text for text in scene_warnings(scene, origins) if text.startswith(key[:6])]
+    assert bool(found) is bool(words)
+    assert all(words in text for text in found)
+    assert not [t for t in scene_warnings(scene, origins, report=True) if t.startswith(key[:6])]
+
+
+def test_a_file_may_describe_what_is_not_asked_about():
+    """The scene of the normal actuator with a model of the lateral one: nobody set the turns."""
+    scene, origins = load_scene("reluctance", ["models=tmm", "quantities=magnetic_force"])
+    assert scene_warnings(scene, origins) == ()
+
+
+@pytest.mark.parametrize(
+    ("scene", "override", "words"),
+    [
+        ("paper", "coil.current=50 mA", ("coil.current = 50 mA", "--model network")),
+        ("paper", "steel.curve=linear", ("steel.curve = linear", "normal actuator")),
+        ("reluctance", "bimorph.length=25 mm", ("bimorph.length = 25 mm", "--model tmm")),
+        ("reluctance", "frequency=10,20", ("frequency = 2 values", "lateral actuator")),
+        ("reluctance", "rod.density=7800 kg/m^3", ("rod.density", 'support.kind = "rod"')),
+        ("reluctance", "steel.relative_permeability=500", ('curve = "team20"', '"linear" to use')),
+        ("reluctance", "coil.resistivity=2e-8 ohm*m", ("on any quantity", "tactgen report")),
+    ],
+)  # fmt: skip
+def test_keys_of_the_other_actuator_are_warned_of(scene, override, words):
+    """A key set on the command line that no model asked for reads."""
+    (warning,) = scene_warnings(*load_scene(scene, [override]))
+    assert all(word in warning for word in words), warning
+
+
+def test_missing_scene_suggests_a_name():
+    """A misspelt built-in name."""
+    with pytest.raises(InputError, match='did you mean "paper"'):
+        load_scene("papper")
+
+
+def test_template_is_the_paper_scene(tmp_path):
+    """The commented template is valid as it is, and with every line switched on."""
+    text = template()
+    commented, full = tmp_path / "a.toml", tmp_path / "b.toml"
+    commented.write_text(text, encoding="utf-8")
+    full.write_text(re.sub(r"(?m)^# (\w+ = )", r"\1", text), encoding="utf-8")
+    paper = load_scene("paper")[0].model_dump(exclude={"name", "description"})
+    for path in (commented, full):
+        scene = load_scene(str(path))[0].model_dump(exclude={"name", "description"})
+        scene["shim"]["transverse_modulus"] = None  # shown with its derived value
+        scene["beam"]["shear_correction"] = pytest.approx(paper["beam"]["shear_correction"])
+        assert scene == paper
+
+
+def test_every_parameter_has_a_source():
+    """A report must be able to say where each number comes from."""
+    scene, origins = load_scene("paper", ["bimorph.length=25mm"])
+    rows = {row.key: row for row in parameter_rows(scene, origins)}
+    physical = [r for k, r in rows.items() if "." in k and not k.startswith("mesh.")]
+    assert all(row.source for row in physical)
+    assert rows["bimorph.length"].source == "set on the command line"
+    assert rows["bimorph.width"].source == "paper table 2"
+    assert rows["piezo.eps33"].assumed
+    assert not rows["piezo.d31"].assumed
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("500", [500.0]),
+        ("10,0.5 kHz", [10.0, 500.0]),
+        ("10:30:3", [10.0, 20.0, 30.0]),
+        ("10:1000:3:log", [10.0, 100.0, 1000.0]),
+        ("0", [0.0]),
+        ("10:10:1", [10.0]),
+        (" 1e3 Hz , 5 MHz, 2khz", [1000.0, 5e6, 2000.0]),
+        (100, [100.0]),
+        ([10, 20.5], [10.0, 20.5]),
+        (["100 Hz", "0.5 kHz", 7], [100.0, 500.0, 7.0]),
+    ],
+)
+def test_frequency_lists(text, expected):
+    """Lists and ranges, numbers and text, ends exact."""
+    assert parse_frequencies(text) == pytest.approx(expected, rel=1e-12)
+    assert parse_frequencies(text)[-1] == expected[-1]
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ("10 20", ["not a frequency"]),
+        ("5 mHz", ["millihertz", "MHz"]),
+        ("1_0", ["not a frequency"]),
+        ("١٠", ["not a frequency"]),
+        ("10:20:٣", ["whole number"]),
+        ("10:20:1_0", ["whole number"]),
+        ("10,", ["not a frequency"]),
+        ("", ["no frequency"]),
+        ("5 kkHz", ["not a frequency"]),
+        ("5 KHZ", ["not a frequency"]),
+        ("0:5:1:log", ["above 0 Hz"]),
+        ("1e9999", ["finite"]),
+        ("1 kHz:1e9 Hz:3", ["at most 10 MHz"]),
+        (["10:20:3"], ["not a frequency"]),
+        (10**400, ["finite"]),
+        (None, ["not a frequency"]),
+        ({}, ["not a frequency"]),
+    ],
+)
+def test_frequencies_are_read_strictly(given, words):
+    """Whatever is not a number with Hz, kHz or MHz is refused, never guessed."""
+    with pytest.raises(InputError) as caught:
+        parse_frequencies(given)
+    assert all(word in str(caught.value) for word in ["frequency = ", *words]), caught.value
+
+
+def test_scene_is_frozen():
+    """Nothing changes a scene behind another stage's back."""
+    scene = Scene()
+    with pytest.raises(Exception, match="frozen"):
+        scene.drive = None
+    assert np.isclose(scene.drive.voltage, 50.0)

@@ -1,0 +1,195 @@
+"""The detection threshold as data, and the voltage that reaches it by every model."""
+
+import json
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from validation.catalogue.detection import (
+    DISPLAY_THRESHOLD,
+    HIGHEST_SUBJECT,
+    LITERATURE_BOUND,
+    STATED_VOLTAGES,
+)
+from validation.command_line.cli import main
+from validation.engine.solve import as_json, solve
+from validation.scene.scene import load_scene
+from validation.studies.design.excitation_voltage import CASES, section, voltage_study
+
+
+@pytest.mark.parametrize(("frequency", "amplitude"), [(10, 2e-6), (250, 0.2e-6), (1000, 1e-6)])
+def test_stated_points_are_the_papers(frequency, amplitude):
+    """Sections 6 and 7: starts around 2 um, 0.2 um at 250 Hz, 1 um at 1000 Hz."""
+    assert DISPLAY_THRESHOLD.at(np.array([frequency])) == pytest.approx(amplitude, rel=1e-12)
+
+
+def test_interpolation_is_straight_in_log_log():
+    """Halfway between two points in ln f is the geometric mean of their amplitudes."""
+    middle = np.sqrt([10.0 * 250.0, 250.0 * 1000.0])
+    expected = np.sqrt([2e-6 * 0.2e-6, 0.2e-6 * 1e-6])
+    assert DISPLAY_THRESHOLD.at(middle) == pytest.approx(expected, rel=1e-12)
+
+
+def test_no_value_outside_the_stated_range():
+    """nan below 10 Hz, at 0 Hz and above 1000 Hz; the ends, to rounding, have values."""
+    values = DISPLAY_THRESHOLD.at(np.array([0.0, 9.999, 10.0, 1000.0 * (1 + 1e-15), 1001.0]))
+    assert np.isfinite(values).tolist() == [False, False, True, True, False]
+
+
+def test_interpolation_keeps_the_literature_bound():
+    """Above 100 Hz the paper quotes less than 1 um; its own 1 um at 1000 Hz touches that."""
+    f = np.linspace(LITERATURE_BOUND.frequency, 1000.0, 500)
+    assert (DISPLAY_THRESHOLD.at(f) <= LITERATURE_BOUND.amplitude * (1 + 1e-12)).all()
+
+
+@pytest.mark.parametrize("frequency", [10.0, 33.0, 250.0, 700.0, 1000.0])
+def test_weights_are_the_derivatives(frequency):
+    """d ln threshold / d ln point: exact, since ln threshold is linear in them."""
+    step = 1.7
+    base = DISPLAY_THRESHOLD.at(np.array([frequency]))[0]
+    found = [
+        np.log(DISPLAY_THRESHOLD.scaled(i, step).at(np.array([frequency]))[0] / base) / np.log(step)
+        for i in range(3)
+    ]
+    assert DISPLAY_THRESHOLD.weights(frequency) == pytest.approx(found, abs=1e-12)
+
+
+def test_every_number_carries_its_source():
+    """The experiment (display, not pin) is named with each number."""
+    sources = [p.source for p in DISPLAY_THRESHOLD.points]
+    sources += [v.source for v in (*STATED_VOLTAGES, HIGHEST_SUBJECT)]
+    assert all("Fig 17" in source for source in sources)
+    assert all("10 Hz" in s for s in (sources[0], STATED_VOLTAGES[0].source))  # an assumption
+
+
+@pytest.mark.parametrize("model", ["lumped", "tmm", "beam"])
+@pytest.mark.parametrize("wiring", ["parallel", "series"])
+def test_threshold_voltage_moves_the_tip_by_the_threshold(model, wiring):
+    """Driving each model with its own answer gives the threshold, at any scene voltage."""
+    overrides = [f"bimorph.wiring={wiring}", "frequency=10,100,940", "drive.voltage=3V"]
+    scene, _ = load_scene("paper", overrides)
+    q = solve(scene, (model,), ("threshold_voltage", "tip_displacement"))
+    voltage = q.get("threshold_voltage", model)
+    moved = np.abs(q.get("tip_displacement", model).value) / 3.0 * voltage.value
+    assert moved == pytest.approx(DISPLAY_THRESHOLD.at(np.array([10.0, 100.0, 940.0])), rel=1e-12)
+    assert voltage.unit == "V"
+    assert voltage.value.dtype == float
+    assert (voltage.uncertainty > 0.0).all()
+
+
+def test_error_bar_of_the_solid_is_that_of_the_displacement():
+    """V is a reciprocal of |w|: the same relative error bar, to first order (bars of 0.2 %)."""
+    scene, _ = load_scene("paper", ["frequency=10,100", "mesh.level=1"])
+    q = solve(scene, ("solid",), ("threshold_voltage", "tip_displacement"))
+    voltage, tip = (q.get(n, "solid") for n in ("threshold_voltage", "tip_displacement"))
+    relative = tip.uncertainty / np.abs(tip.value)
+    assert relative.min() > 1e-6
+    threshold = DISPLAY_THRESHOLD.at(np.array([10.0, 100.0]))
+    assert voltage.value * np.abs(tip.value) / 50.0 == pytest.approx(threshold, rel=1e-12)
+    # the phase of w moves too, which adds to its bar but not to V's
+    assert (voltage.uncertainty / voltage.value <= 1.01 * relative).all()
+    assert (voltage.uncertainty / voltage.value >= 0.5 * relative).all()
+
+
+def test_partly_outside_is_null_with_a_warning(capsys):
+    """No value to hold outside: null in strict JSON, and a warning."""
+    code = main(
+        ["solve", "prototype", "--model", "tmm", "--quantity", "threshold_voltage",
+         "--frequency", "0,5,10,1500", "--json"]
+    )  # fmt: skip
+    out, err = capsys.readouterr()
+
+    def refuse(token):
+        raise AssertionError(f"{token} is no JSON")
+
+    (quantity,) = json.loads(out, parse_constant=refuse)["quantities"]
+    assert code == 0
+    assert [v is None for v in quantity["value"]] == [True, True, False, True]
+    assert [v is None for v in quantity["uncertainty"]] == [True, True, False, True]
+    assert "3 of 4 frequencies lie outside the range in which the detection threshold" in err
+
+
+def test_wholly_outside_is_refused_if_nothing_else_is_asked():
+    """Alone it is refused in one sentence; beside other quantities those are answered."""
+    scene, _ = load_scene("prototype", ["frequency=1500,2000"])
+    with pytest.raises(InputError, match=r"1500 Hz is outside .* \(10 to 1000 Hz\); choose"):
+        solve(scene, ("tmm",), ("threshold_voltage",))
+    both = solve(scene, ("tmm",), ("threshold_voltage", "tip_velocity"))
+    assert np.isnan(both.get("threshold_voltage", "tmm").value).all()
+    assert np.isfinite(both.get("tip_velocity", "tmm").value).all()
+
+
+def test_a_tip_that_does_not_respond_has_no_voltage():
+    """Without piezoelectric coupling no voltage reaches the threshold."""
+    scene, _ = load_scene("paper", ["frequency=100,200"])
+    dead = scene.model_copy(update={"piezo": scene.piezo.model_copy(update={"d31": 0.0})})
+    solution = solve(dead, ("tmm", "beam"), ("threshold_voltage",))
+    assert all(q["value"] == [None, None] for q in as_json(solution)["quantities"])
+    assert section(dead, lambda _: None) is None
+
+
+@pytest.fixture(scope="module")
+def study():
+    return voltage_study(load_scene("paper")[0])
+
+
+def test_study_agrees_with_the_quantity(study):
+    """The same voltages as `tactgen solve --quantity threshold_voltage` gives."""
+    picked = study.frequencies[::40]
+    for wiring, load in CASES:
+        kind = "finger" if load == "loaded" else "none"
+        scene, _ = load_scene("paper", [f"bimorph.wiring={wiring}", f"load.kind={kind}"])
+        scene = scene.model_copy(update={"frequency": tuple(picked.tolist())})
+        value = solve(scene, ("tmm",), ("threshold_voltage",)).quantities[0].value
+        # two solvers of the same equations; condition numbers here stay below 1e4
+        assert study.voltages[wiring, load][::40] == pytest.approx(value, rel=1e-11)
+
+
+def test_the_curves_hold_their_extremes(study):
+    """What is drawn has its peaks and dips: no value between its frequencies lies beyond."""
+    for (wiring, load), drawn in study.voltages.items():
+        kind = "finger" if load == "loaded" else "none"
+        f = np.geomspace(20.0, 990.0, 1000)  # the ends of the range, not extremes, left out
+        scene, _ = load_scene("paper", [f"bimorph.wiring={wiring}", f"load.kind={kind}"])
+        scene = scene.model_copy(update={"frequency": tuple(f.tolist())})
+        value = solve(scene, ("tmm",), ("threshold_voltage",)).quantities[0].value
+        assert value.max() <= drawn.max() * (1.0 + 1e-9)
+        assert value.min() >= drawn.min() * (1.0 - 1e-9)
+
+
+def test_load_factor_gives_the_papers_displacement(study):
+    """With the load multiplied by the stated factor, |w| per volt is the paper's."""
+    from tmm.ports.terminations import finger_spring_damper
+
+    for moved in study.moved:
+        c, d = (float(v[0]) for v in finger_spring_damper(np.array([moved.frequency])))
+        for wiring, factor in moved.load_factor.items():
+            if factor is None:
+                continue
+            scene, _ = load_scene(
+                "paper",
+                [f"bimorph.wiring={wiring}", f"frequency={moved.frequency!r}", "drive.voltage=1V",
+                 "load.kind=spring_damper", f"load.stiffness={factor * c!r}N/m",
+                 f"load.damping={factor * d!r}N*s/m"],
+            )  # fmt: skip
+            tip = np.abs(solve(scene, ("tmm",), ("tip_displacement",)).quantities[0].value[0])
+            assert tip == pytest.approx(np.sqrt(np.prod(moved.paper)), rel=1e-9)
+    assert [any(m.load_factor.values()) for m in study.moved] == [True, True, False]
+
+
+def test_no_wiring_reconciles_model_and_paper(study):
+    """Below the paper up to 250 Hz and above it beside the minimum, in either wiring."""
+    single, wide = study.stated[:-1], study.stated[-1]
+    for wiring in ("parallel", "series"):
+        assert all(s.ratio((wiring, "loaded")) < 1.0 for s in single)
+        assert wide.model[wiring, "loaded"][1] > wide.paper.voltages[1]
+
+
+def test_section_of_a_free_scene_uses_the_finger():
+    """The prototype has no load: loaded then means the finger."""
+    scene, _ = load_scene("prototype")
+    found = section(scene, lambda _: None)
+    assert found["loads"]["loaded"] == "under the finger"
+    assert found["plot"].startswith("<svg")
+    assert all("nan" not in sentence for sentence in found["findings"])

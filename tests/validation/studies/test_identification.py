@@ -1,0 +1,416 @@
+"""Support identification: known parameters recovered, and an honest word on those that are not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from validation.engine.solve import solve
+from validation.scene.scene import load_scene
+from validation.studies.identification.curve_fit import Misfit
+from validation.studies.identification.curve_model import curve_model, sensitivities
+from validation.studies.identification.fit_parameters import fit_parameter, with_values
+from validation.studies.identification.identify import identify
+from validation.studies.identification.measured_curve import QUANTITY, MeasuredCurve
+
+PROTOTYPE, ORIGINS = load_scene("prototype")
+TRUTH = {"c_s": 0.24, "d_s": 4.46e-6, "c_sl": 3e6, "theta": 1e-12, "rho_p": 7900.0}
+FREQUENCIES = np.linspace(10.0, 2000.0, 60)
+#: A factor 10 from the truth, to either side.
+FAR = ("c_s=2.4 N*m/rad", "d_s=4.46e-7 N*m*s/rad")
+
+
+def synthetic(
+    seed=0,
+    level=0.02,
+    *,
+    phase=True,
+    noise="relative",
+    scene=PROTOTYPE,
+    kind="velocity",
+    frequencies=FREQUENCIES,
+):
+    """Return a curve of the model with Gaussian noise, `level` of each value or of the largest."""
+    exact = curve_model(scene, QUANTITY[kind], frequencies, ())(np.zeros(0))
+    exact = exact if phase else np.abs(exact)
+    rng = np.random.default_rng(seed)
+    errors = rng.standard_normal(exact.shape)
+    if phase:
+        errors = errors + 1j * rng.standard_normal(exact.shape)
+    size = exact if noise == "relative" else np.abs(exact).max()
+    values = exact + level * size * errors
+    values = values if phase else np.abs(values)
+    return MeasuredCurve("synthetic", kind, frequencies, values, None, np.ones(frequencies.shape))
+
+
+def covered(count, fit=("c_s", "d_s"), **options):
+    """Return how many of `count` seeds have each true parameter in its own interval."""
+    hits = dict.fromkeys(fit, 0)
+    for seed in range(count):
+        found = identify(PROTOTYPE, synthetic(seed, **options), fit)
+        for name in fit:
+            low, high = found.get(name).interval
+            hits[name] += bool(low <= TRUTH[name] <= high)
+    return hits
+
+
+def test_model_is_that_of_solve():
+    """The fit's direct evaluation gives the very numbers of tactgen solve."""
+    for wiring in ("parallel", "series"):
+        scene, _ = load_scene(
+            "prototype", [f"bimorph.wiring={wiring}", "frequency=10,781,2000", "drive.voltage=3V"]
+        )
+        for quantity in QUANTITY.values():
+            expected = solve(scene, ["tmm"], [quantity]).get(quantity, "tmm").value
+            model = curve_model(scene, quantity, np.array(scene.frequency), ())
+            np.testing.assert_allclose(model(np.zeros(0)), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("phase", [True, False])
+@pytest.mark.parametrize("factor", [0.1, 10.0])
+def test_exact_data_are_recovered_from_far_starts(phase, factor):
+    """Noise-free data give the parameters to 1e-6 from starts a factor 10 away, any direction."""
+    for other in (0.1, 10.0):
+        fit = (f"c_s={0.24 * factor} N*m/rad", f"d_s={4.46e-6 * other} N*m*s/rad")
+        found = identify(PROTOTYPE, synthetic(level=0.0, phase=phase), fit)
+        for name in ("c_s", "d_s"):
+            assert found.get(name).value == pytest.approx(TRUTH[name], rel=1e-6)
+        assert not found.warnings
+
+
+def test_exact_data_recover_all_four_support_parameters():
+    """Without noise even what hardly acts is found: the model itself is not degenerate."""
+    fit = (*FAR, "c_sl=3e7 N/m", "theta=1e-11 kg*m^2")
+    found = identify(PROTOTYPE, synthetic(level=0.0), fit)
+    for estimate in found.estimates:
+        # theta moves the curve by 1e-4 at most, so rounding of 1e-13 stays far below this
+        assert estimate.value == pytest.approx(TRUTH[estimate.parameter.symbol], rel=1e-6)
+
+
+@pytest.mark.parametrize("noise", ["relative", "constant"])
+@pytest.mark.parametrize("phase", [True, False])
+def test_noisy_data_from_far_starts(phase, noise):
+    """With 2 % noise of either kind a far start ends where a near one does."""
+    data = synthetic(5, phase=phase, noise=noise)
+    near, far = (identify(PROTOTYPE, data, fit) for fit in (("c_s", "d_s"), FAR))
+    assert near.noise == far.noise == noise
+    for name in ("c_s", "d_s"):
+        # the descent stops when the cost changes by less than 1e-13, quadratic in the values
+        assert far.get(name).value == pytest.approx(near.get(name).value, rel=1e-5)
+
+
+@pytest.mark.parametrize("phase", [True, False], ids=["complex", "magnitude"])
+def test_coverage(phase):
+    """2 % noise: each true value lies in its own interval in >= 90 of 100 seeds.
+
+    At a true coverage of 95 % fewer than 90 has a chance of 1 %; the seeds are fixed.
+    """
+    assert min(covered(100, phase=phase).values()) >= 90
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("phase", [True, False], ids=["complex", "magnitude"])
+def test_coverage_under_constant_noise(phase):
+    """The same for noise that is 2 % of the peak everywhere."""
+    assert min(covered(100, phase=phase, noise="constant").values()) >= 90
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("phase", [True, False])
+@pytest.mark.parametrize(
+    "fit",
+    [("c_s", "d_s", "c_sl", "theta"), ("c_s", "d_s", "c_sl"), ("c_s", "d_s", "rho_p")],
+    ids="-".join,
+)
+def test_coverage_where_the_data_hardly_tell(fit, phase):
+    """Also parameters that the curve hardly determines, and those they are confused with."""
+    assert min(covered(100, fit, phase=phase).values()) >= 90
+
+
+def test_estimated_and_stated_noise():
+    """The estimated level is that of the noise; a stated one gives chi2 near 1 and like bars."""
+    data = synthetic(2)
+    free = identify(PROTOTYPE, data)
+    assert free.freedom == 118
+    # standard deviation of an estimated standard deviation: 1/sqrt(2*118) = 6.5 %; 4 of them
+    assert free.level == pytest.approx(0.02, rel=0.26)
+    stated = identify(PROTOTYPE, replace(data, uncertainty=0.02 * np.abs(data.values)))
+    assert stated.noise == "stated"
+    assert stated.level == pytest.approx(free.level / 0.02, rel=0.02)  # second order in the noise
+    width = free.get("c_s").half_width / free.level / 1.980  # Student's t of 118, two-sided 95 %
+    assert stated.get("c_s").half_width / 0.02 / 1.960 == pytest.approx(width, rel=0.05)
+    assert not stated.warnings
+
+
+def test_constant_noise_level():
+    """Constant noise is recognised and its size given in the curve's unit."""
+    found = identify(PROTOTYPE, synthetic(2, noise="constant"))
+    assert found.noise == "constant"
+    assert found.level == pytest.approx(0.02 * np.abs(found.fitted).max(), rel=0.26)
+
+
+def test_wrongly_stated_uncertainty_is_told():
+    """An uncertainty a quarter of the real one is contradicted by chi2, with the factor."""
+    data = synthetic(2)
+    found = identify(PROTOTYPE, replace(data, uncertainty=0.005 * np.abs(data.values)))
+    (warning,) = found.warnings
+    assert "times the stated uncertainty" in warning
+
+
+def test_weights_leave_points_out():
+    """Points of weight 0 do not count, whatever they hold; equal weights change nothing.
+
+    Neither estimates nor intervals nor the misfit.
+    """
+    data = synthetic(3)
+    spoilt = replace(data, values=np.where(np.arange(60) % 3, data.values, 1.0 + 0j))
+    weight = np.where(np.arange(60) % 3, 2.0, 0.0)
+    kept = data.at(weight > 0.0)
+    one, other = identify(PROTOTYPE, kept), identify(PROTOTYPE, replace(spoilt, weight=weight))
+    assert other.get("c_s").value == pytest.approx(one.get("c_s").value, rel=1e-9)
+    assert other.get("c_s").half_width == pytest.approx(one.get("c_s").half_width, rel=1e-6)
+    assert other.level == pytest.approx(one.level, rel=1e-9)
+
+
+@pytest.mark.parametrize("noise", ["relative", "constant"])
+def test_weights_are_relative(noise):
+    """Only ratios of weights matter, and the misfit is the weighted rms of the residuals."""
+    data, weight = synthetic(3, phase=False), np.linspace(0.5, 2.0, 60)
+    one, many = (
+        identify(PROTOTYPE, replace(data, weight=weight * factor), noise=noise)
+        for factor in (1.0, 1000.0)
+    )
+    for name in ("c_s", "d_s"):
+        assert many.get(name).interval == pytest.approx(one.get(name).interval, rel=1e-9)
+    assert many.level == pytest.approx(one.level, rel=1e-9)
+    size = np.abs(one.fitted)
+    left = np.log(size / data.values) if noise == "relative" else size - data.values
+    expected = np.sqrt(np.average(left**2, weights=weight) * 60 / one.freedom)
+    assert one.level == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("phase", [True, False])
+def test_weights_are_inverse_variances(phase):
+    """Noise four times as large where the weight is 1/16: the level is that at the mean weight.
+
+    Standard deviation of a level estimated from 120 or 60 residuals: 6.5 or 9.3 %; 4 of them.
+    """
+    data, calm = synthetic(3, 0.0, phase=phase), synthetic(3, phase=phase)
+    rough = np.arange(60) % 2 == 1
+    values = data.values + np.where(rough, 4.0, 1.0) * (calm.values - data.values)
+    weight = np.where(rough, 1.0 / 16.0, 1.0)
+    found = identify(PROTOTYPE, replace(data, values=values, weight=weight), noise="relative")
+    # residuals are 2 % at weight 1, and so 2 % / sqrt(mean weight) at weight = mean weight
+    assert found.level * np.sqrt(weight.mean()) == pytest.approx(0.02, rel=0.26 if phase else 0.37)
+
+
+def test_stiffness_and_density_cannot_be_told_apart():
+    """c_s and rho_p both fitted: said so, and the ratio that the curve does fix is named."""
+    found = identify(PROTOTYPE, synthetic(1), ("c_s", "d_s", "rho_p"))
+    assert found.correlation[0, 2] > 0.99
+    sentence = next(text for text in found.findings if "cannot be told apart" in text)
+    assert sentence.startswith("c_s and rho_p")
+    assert "c_s / rho_p^1.0" in sentence
+    alone = identify(PROTOTYPE, synthetic(1))
+    assert not alone.findings
+    # each alone is known much worse than c_s is for a known density
+    assert found.get("c_s").half_width > 10.0 * alone.get("c_s").half_width
+
+
+@pytest.mark.parametrize("level", [0.0, 0.02])
+def test_voltage_and_piezoelectric_constant_cannot_be_told_apart(level):
+    """Only their product acts: said so wherever the fit ends, and no slope is made of rounding."""
+    data = synthetic(1, level)
+    found = identify(PROTOTYPE, data, ("drive.voltage", "piezo.d31"), origins=ORIGINS)
+    assert found.findings[0].startswith("drive.voltage and piezo.d31")
+    assert "drive.voltage * piezo.d31" in found.findings[0]
+    assert not any("where the data push it" in text for text in found.findings)
+    alone = identify(PROTOTYPE, data, ("piezo.d31",), origins=ORIGINS)
+    product = found.get("drive.voltage").value * found.get("piezo.d31").value
+    # both have the optimum of one sum of squares; the drift of d31 to far values leaves some
+    # 1e-3 of the electrical coupling's effect on the stiffness of the shunted ceramic
+    assert product == pytest.approx(alone.get("piezo.d31").value, rel=5e-3)
+    for assumption in found.assumptions:
+        slopes = [s for s in assumption.slopes if not np.isnan(s)]
+        assert max(map(abs, slopes), default=0.0) < 10.0
+
+
+@pytest.mark.parametrize("phase", [True, False])
+def test_lateral_stiffness_and_inertia_are_not_identifiable(phase):
+    """Below 2 kHz c_sl and theta are not determined, and the words say so."""
+    found = identify(PROTOTYPE, synthetic(4, phase=phase), ("c_s", "d_s", "c_sl", "theta"))
+    for name in ("c_sl", "theta"):
+        assert found.get(name).half_width > np.log(2.0)
+        assert any(text.startswith(name) and "not determined" in text for text in found.findings)
+    assert found.get("c_s").half_width < 0.02
+
+
+def test_value_at_a_bound():
+    """A parameter pushed against its bound is reported there, without an end on that side."""
+    found = identify(PROTOTYPE, synthetic(1), ("c_s=1 N*m/rad:0.5..2 N*m/rad",))
+    (estimate,) = found.estimates
+    assert (estimate.edge, estimate.opened, estimate.value) == ("low", ("low",), 0.5)
+    assert np.isnan(found.correlation).all()
+    assert any("ended at its lower bound 0.5 N*m/rad" in text for text in found.findings)
+
+
+def test_assumed_density_shifts_the_stiffness():
+    """The slope to the density is that of fits with the density 1 % up and down."""
+    data = synthetic(1)
+    found = identify(PROTOTYPE, data, origins=ORIGINS)
+    (density,) = (a for a in found.assumptions if a.row.key == "piezo.density")
+    for i, name in enumerate(("c_s", "d_s")):
+        up, down = (
+            identify(with_values(PROTOTYPE, {"piezo.density": 7900.0 * (1.0 + d)}), data)
+            .get(name)
+            .value
+            for d in (0.01, -0.01)
+        )
+        slope = np.log(up / down) / np.log(1.01 / 0.99)
+        # the residuals' second derivatives, left out of the slope, are of the size of the noise
+        assert density.slopes[i] == pytest.approx(slope, abs=0.05)
+    # the frequency fixes c_s/rho_p, so the slope is near 1
+    assert density.slopes[0] == pytest.approx(1.0, abs=0.1)
+    assert "piezo.eps33" not in [a.row.key for a in found.assumptions]  # no effect on velocity
+
+
+def test_jacobian_is_that_of_the_residuals():
+    """For each kind of residual the analytic form agrees with differences of the residuals."""
+    for phase in (True, False):
+        data = synthetic(6, phase=phase)
+        data = replace(data, uncertainty=0.02 * np.abs(data.values), weight=np.linspace(0.5, 2, 60))
+        keys = ("support.rotational_stiffness", "support.rotational_damping")
+        model = curve_model(PROTOTYPE, "tip_velocity", FREQUENCIES, keys)
+        at, step = np.array([0.25, 4e-6]), 1e-5
+        for noise in ("relative", "constant", "stated"):
+            misfit = Misfit(data, noise)
+            jacobian = misfit.jacobian(model(at), sensitivities(model, at))
+            for i in range(2):
+                shift = np.ones(2)
+                shift[i] = np.exp(step)
+                slope = misfit.residuals(model(at * shift)) - misfit.residuals(model(at / shift))
+                # central differences: 1e-4 squared times the third derivative (about Q³ = 1e3)
+                np.testing.assert_allclose(
+                    jacobian[:, i], slope / (2 * step), atol=1e-5 * np.abs(jacobian).max()
+                )
+
+
+@pytest.mark.parametrize("kind", ["displacement", "admittance", "current"])
+def test_other_curves(kind):
+    """Displacement, admittance and current determine the support too."""
+    found = identify(PROTOTYPE, synthetic(1, kind=kind), FAR)
+    for name in ("c_s", "d_s"):
+        # within twice the 95 % interval: one seed may lie just outside it
+        assert abs(np.log(found.get(name).value / TRUTH[name])) < 2.0 * found.get(name).half_width
+
+
+def test_any_scalar_of_the_model_can_be_fitted():
+    """A negative one (d31), a length, and ceramic constants through the admittance."""
+    found = identify(PROTOTYPE, synthetic(1), ("piezo.d31", "bimorph.length:10..20mm"))
+    estimate = found.get("piezo.d31")
+    assert estimate.interval[0] < estimate.value < estimate.interval[1] < 0.0
+    assert estimate.value == pytest.approx(-385e-12, rel=0.02)
+    assert found.get("bimorph.length").value == pytest.approx(14e-3, rel=0.01)
+    found = identify(PROTOTYPE, synthetic(1, kind="admittance"), ("piezo.eps33=3000",))
+    assert found.get("piezo.eps33").value == pytest.approx(6000.0, rel=0.02)
+
+
+def test_wrong_model_is_doubted():
+    """Data of a 15 mm actuator at a 14 mm scene: neighbouring residuals give it away."""
+    other, _ = load_scene("prototype", ["bimorph.length=15mm"])
+    found = identify(PROTOTYPE, synthetic(1, 0.005, scene=other))
+    assert any("neighbouring residuals are alike" in text for text in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"), [(lambda v: -v, "opposite sign"), (np.conj, "opposite sign of the phase")]
+)
+def test_phase_convention_is_doubted(change, words):
+    """Data with another sign convention are recognised."""
+    data = synthetic(1)
+    found = identify(PROTOTYPE, replace(data, values=change(data.values)))
+    assert any(words in text for text in found.warnings)
+
+
+def test_wrong_scale_is_doubted():
+    """Data a thousand times too large: the unexplained part and the ratio are told."""
+    data = synthetic(1, phase=False)
+    found = identify(PROTOTYPE, replace(data, values=1e3 * data.values))
+    assert any("unexplained" in text and "drive.voltage" in text for text in found.warnings)
+
+
+def test_frequencies_outside_the_finger(tmp_path):
+    """With the finger as load: partly outside its range warns, wholly outside is refused."""
+    scene, _ = load_scene("paper")
+    partly = synthetic(1, scene=scene, kind="displacement")
+    assert any("outside the range" in text for text in identify(scene, partly).warnings)
+    outside = synthetic(1, scene=scene, frequencies=np.linspace(1100.0, 2000.0, 20))
+    with pytest.raises(InputError, match="outside the range of the finger"):
+        identify(scene, outside)
+
+
+@pytest.mark.parametrize(
+    ("text", "start", "low", "high"),
+    [
+        ("c_s", 0.24, 0.0024, 24.0),
+        ("support.rotational_stiffness = 0.2 N*m/rad", 0.2, 0.002, 20.0),
+        ("c_s:0.05..2N*m/rad", 0.24, 0.05, 2.0),
+        ("c_s=200 mN*m/rad:50 mN*m/rad..2 N*m/rad", 0.2, 0.05, 2.0),
+        ("piezo.d31:-200..-500pC/N", -385e-12, -200e-12, -500e-12),
+        ("piezo.d31:-500..-200pC/N", -385e-12, -200e-12, -500e-12),
+        ("piezo.quality_factor=50:20..200", 50.0, 20.0, 200.0),
+        ("rho_p", 7900.0, 79.0, 1e5),  # no denser than the scene allows
+    ],
+)
+def test_fit_text(text, start, low, high):
+    """Start and bounds as text with units; LOW takes the unit of HIGH."""
+    parameter = fit_parameter(PROTOTYPE, text)
+    assert (parameter.start, parameter.low, parameter.high) == pytest.approx((start, low, high))
+
+
+@pytest.mark.parametrize(
+    ("fit", "words"),
+    [
+        ("c_x", ['"c_x" is not a scene key', 'did you mean "c_s"']),
+        ("c_s=", ["NAME[=START][:LOW..HIGH]", "--fit c_s="]),
+        ("c_s:1..", ["NAME[=START][:LOW..HIGH]"]),
+        ("=1", ["NAME[=START][:LOW..HIGH]"]),
+        ("c_s=0.2", ['"0.2" has no unit', "rotational stiffness"]),
+        ("c_s=0.2N", ['"0.2N" has the unit', "rotational stiffness"]),
+        ("c_s:0.1..2", ["has no unit"]),
+        ("c_s:1..2N*m/rad", ["starts support.rotational_stiffness at 0.24", "outside its bounds"]),
+        ("c_s:0..1N*m/rad", ["outside its bounds", "not 0"]),
+        ("c_s:0.24..0.24N*m/rad", ["outside its bounds"]),
+        ("bimorph.wiring", ["bimorph.wiring is not a number"]),
+        ("shim.transverse_modulus", ["is not a number"]),
+        ("piezo.eps33", ["has no effect on the velocity"]),
+        ("load.mass=1mg", ["load.mass", "has no effect with load.kind"]),
+        ("coil.length", ["coil.length", "has no effect with models", "--model network"]),
+    ],
+)
+def test_bad_fit_gives_one_sentence(fit, words):
+    """What cannot be fitted is refused with the reason and a remedy."""
+    with pytest.raises(InputError) as refused:
+        identify(PROTOTYPE, synthetic(), (fit,))
+    for word in words:
+        assert word in str(refused.value)
+
+
+def test_requests_that_make_no_sense():
+    """The same parameter twice, none at all, too few points, a start at 0, no voltage."""
+    with pytest.raises(InputError, match="twice"):
+        identify(PROTOTYPE, synthetic(), ("c_s", "support.rotational_stiffness"))
+    with pytest.raises(InputError, match="nothing is to be fitted"):
+        identify(PROTOTYPE, synthetic(), ())
+    few = np.linspace(600.0, 900.0, 4)
+    with pytest.raises(InputError, match=r"holds 4 points.*at least 5"):
+        identify(PROTOTYPE, synthetic(frequencies=few))
+    seven = synthetic(frequencies=np.linspace(600.0, 900.0, 7))
+    with pytest.raises(InputError, match=r"holds 7 points.*4 parameters.*at least 8"):
+        identify(PROTOTYPE, seven, ("c_s", "d_s", "c_sl", "theta"))
+    still, _ = load_scene("prototype", ["support.rotational_inertia=0 kg*m^2", "drive.voltage=0 V"])
+    with pytest.raises(InputError, match="cannot be where a fit starts"):
+        identify(still, synthetic(), ("theta",))
+    with pytest.raises(InputError, match=r"check drive\.voltage"):
+        identify(still, synthetic(), ("c_s",))

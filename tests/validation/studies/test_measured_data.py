@@ -1,0 +1,159 @@
+"""Measured curves: what a CSV file may look like, and what is said of one that cannot be used."""
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from validation.studies.identification.measured_data import read_measured
+
+
+def written(tmp_path, text, encoding="utf-8"):
+    path = tmp_path / "sweep.csv"
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "values"),
+    [
+        ("frequency (Hz),velocity (mm/s)\n10,1\n20,2\n", "velocity", [1e-3, 2e-3]),
+        (
+            "# made by hand\n\nfrequency (Hz);velocity (mm/s)\n10;1\n20;2\n",
+            "velocity",
+            [1e-3, 2e-3],
+        ),
+        (
+            "frequency (Hz),velocity (mm/s) # peak\n10,1  # first, of two\n  # none\n20,2#\n",
+            "velocity",
+            [1e-3, 2e-3],
+        ),
+        ("Frequency [Hz]\tVelocity [m s^-1]\n10\t1e-3\n20\t.002\n", "velocity", [1e-3, 2e-3]),
+        ('"frequency (Hz)","velocity (mm/s)"\r\n10,1\r\n20,2\r\n', "velocity", [1e-3, 2e-3]),
+        ("\ufefffrequency (kHz),velocity (mm/s)\n.01,1\n.02,2\n,\n", "velocity", [1e-3, 2e-3]),
+        (
+            "frequency (Hz),displacement_re (µm),displacement_im (um)\n10,1,-2\n20,0,2e-9\n",
+            "displacement",
+            [1e-6 - 2e-6j, 2e-15j],
+        ),
+        (
+            "admittance_phase (deg),frequency (Hz),admittance (uS)\n90,10,1\n-180,20,2\n",
+            "admittance",
+            [1e-6j, -2e-6],
+        ),
+        (
+            "frequency (Hz),current (uA),current_phase (rad)\n10,1,0\n20,2,0\n",
+            "current",
+            [1e-6, 2e-6],
+        ),
+    ],
+)
+def test_every_form_of_a_curve_is_read_into_si(tmp_path, text, kind, values):
+    """Separators, quotes, comments, byte order mark, brackets, column order, units, phases."""
+    curve = read_measured(written(tmp_path, text))
+    assert curve.kind == kind
+    np.testing.assert_allclose(curve.frequencies, [10.0, 20.0], rtol=1e-14)
+    # rounding of the unit's factor and of cos and sin of the phase
+    np.testing.assert_allclose(curve.values, values, rtol=1e-14, atol=1e-21)
+    assert curve.has_phase == ("_" in text)
+    assert curve.uncertainty is None
+    assert curve.weight.tolist() == [1.0, 1.0]
+
+
+def test_uncertainty_and_weight(tmp_path):
+    """The uncertainty has a unit of its own; weights have none, and 0 leaves a point out."""
+    text = "frequency (Hz),velocity (mm/s),uncertainty (um/s)\n10,1,20\n20,2,40\n"
+    np.testing.assert_allclose(read_measured(written(tmp_path, text)).uncertainty, [2e-5, 4e-5])
+    text = "frequency (Hz),velocity (mm/s),weight\n10,1,0\n20,2,3\n"
+    curve = read_measured(written(tmp_path, text))
+    assert curve.used.tolist() == [False, True]
+    assert curve.at(curve.used).frequencies.tolist() == [20.0]
+
+
+HEAD = "frequency (Hz),velocity (mm/s)\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", ["is empty", "frequency (Hz), velocity (mm/s)"]),
+        ("# only a comment\n\n", ["is empty"]),
+        (HEAD, ["holds 0 measured points"]),
+        ("10,1\n20,2\n", ["line 1", "column names"]),
+        ("10,abc\n20,2\n", ["line 1 holds other text", "frequency (Hz), velocity (mm/s)"]),
+        ("Vibrometer 3\n10,1\n", ["line 1 holds other text", "begin the file with", "with #"]),
+        ("frequency (Hz),speed (mm/s)\n1,2\n", ["line 1", 'column 2 "speed (mm/s)"', "unknown"]),
+        ("frequency (Hz),velocty (mm/s)\n1,2\n", ["unknown", 'did you mean "velocity"']),
+        ("velocity (mm/s)\n1\n2\n", ["no frequency column", '"frequency (Hz)"']),
+        ("frequency (Hz)\n1\n2\n", ["no measured curve", "velocity (mm/s)"]),
+        ("frequency (Hz),velocity (m/s),velocity (mm/s)\n1,2,3\n", ["there twice"]),
+        (
+            "frequency (Hz),velocity (m/s),current (A)\n1,2,3\n",
+            ["velocity and current", "keep one"],
+        ),
+        ("frequency (Hz),velocity_re (m/s)\n1,2\n", ["velocity_re without", "is no curve"]),
+        (
+            "frequency (Hz),velocity_im (m/s),velocity (m/s)\n1,2,3\n",
+            ["velocity and velocity_im without", "is no curve"],
+        ),
+        (
+            "frequency (Hz),velocity_phase (deg)\n1,2\n",
+            ["velocity_phase without", "is no curve; give velocity alone"],
+        ),
+        ("frequency,velocity (mm/s)\n1,2\n", ['column "frequency" has no unit', "frequency (Hz)"]),
+        ("frequency (Hz),velocity\n1,2\n", ['column "velocity" has no unit', "velocity (mm/s)"]),
+        ("frequency (Hz),velocity (mm)\n1,2\n", ['"mm"', "not that of a velocity"]),
+        ("frequency (rad/s),velocity (mm/s)\n1,2\n", ['"rad/s"', "not that of a frequency"]),
+        ("frequency (Hz),velocity (dB)\n1,2\n", ['"dB"', "not that of a velocity"]),
+        ("frequency (Hz),velocity (furlongs/(((x)\n1,2\n", ["furlongs", "not that of a velocity"]),
+        ("frequency (Hz),velocity (m/s),velocity_phase (Hz)\n1,2,3\n", ["not that of a phase"]),
+        ("frequency (Hz),velocity (m/s),weight (Hz)\n1,2,3\n", ['"Hz"', "a weight has none"]),
+        (
+            "frequency (Hz),velocity (m/s),weight,uncertainty (m/s)\n1,2,3,4\n",
+            ["uncertainty and weight", "keep one"],
+        ),
+        (HEAD + "10,nan\n20,2\n", ["line 2", '"velocity (mm/s)"', '"nan"', "not a finite number"]),
+        (HEAD + "10,inf\n20,2\n", ['"inf"', "not a finite number"]),
+        (HEAD + "10,1\n20,n/a\n", ["line 3", '"n/a"', "not a finite number"]),
+        (HEAD + "10,1\n20,1_0\n", ['"1_0"', "not a finite number"]),
+        (HEAD + "10,1\n20,\n", ["line 3", '"velocity (mm/s)"', "empty"]),
+        (HEAD + "10,1\n20,2,3\n", ["line 3 has 3 cells", "2 columns"]),
+        (HEAD + "10,1\n20\n", ["line 3 has 1 cells", "2 columns"]),
+        ("frequency (Hz);velocity (mm/s)\n10;1,5\n20;2\n", ['"1,5"', "decimals with a point"]),
+        (HEAD + "10,1\n30,2\n20,3\n", ["line 4", "20 Hz follows 30 Hz", "sort"]),
+        (HEAD + "10,1\n20,2\n20,3\n", ["line 4", "repeats that of line 3"]),
+        (HEAD + "0,1\n20,2\n", ["line 2", "frequency 0 Hz", "not above 0"]),
+        (HEAD + "-10,1\n20,2\n", ["line 2", "frequency -10 Hz", "not above 0"]),
+        (HEAD + "10,1\n20,-2\n", ["line 3", "velocity -0.002 m/s", "velocity_re"]),
+        (HEAD + "10,1\n20,0\n", ["line 3", "velocity 0 m/s", "not above 0"]),
+        ("frequency (Hz),velocity_re (m/s),velocity_im (m/s)\n1,0,0\n2,1,1\n", ["0 in both parts"]),
+        (HEAD + "10,1e30\n20,2\n", ['"1e30"', "not a possible velocity", "check the value"]),
+        (HEAD + "1e9,1\n2e9,2\n", ['"1e9"', "not a possible frequency"]),
+        (
+            "frequency (Hz),velocity (m/s),uncertainty (m/s)\n1,2,3\n2,3,0\n",
+            ["uncertainty at 2 Hz", "not above 0"],
+        ),
+        ("frequency (Hz),velocity (m/s),weight\n1,2,3\n2,3,-1\n", ["weight at 2 Hz is negative"]),
+        ("frequency (Hz),velocity (m/s),weight\n1,2,0\n2,3,0\n", ["all weights are 0"]),
+        (HEAD + '10,"1\n20,2\n', ["line 2", "is not CSV"]),
+        (HEAD + "10,\x00\n20,2\n", ["line 2"]),
+    ],
+)
+def test_bad_file_gives_one_sentence(tmp_path, text, words):
+    """Each way a file can be wrong names the file, the place, the value and the remedy."""
+    path = written(tmp_path, text)
+    with pytest.raises(InputError) as refused:
+        read_measured(path)
+    message = str(refused.value)
+    assert str(path) in message
+    assert "\n" not in message
+    for word in words:
+        assert word in message
+
+
+def test_unreadable_files(tmp_path):
+    """Another encoding, a folder, no file, and a name that no file can have."""
+    with pytest.raises(InputError, match="is not UTF-8 text"):
+        read_measured(written(tmp_path, HEAD + "10,µ\n", encoding="utf-16"))
+    for name in (tmp_path, tmp_path / "nowhere.csv", "x\0y", "n" * 5000):
+        with pytest.raises(InputError, match="cannot be read"):
+            read_measured(name)

@@ -1,0 +1,348 @@
+"""Ranges of the parameters, what they do to the headline numbers, and how that is shown."""
+
+import argparse
+import json
+
+import numpy as np
+import pytest
+
+from geometry.device import parameters as p
+from geometry.device.materials import PRINTED
+from geometry.device.piezo_library import LIBRARY
+from geometry.errors import InputError
+from geometry.units import Unit
+from validation.command_line.commands import sensitivity
+from validation.engine.solve import solve
+from validation.scene.scene import load_scene
+from validation.studies.uncertainty.headline_numbers import HeadlineNumbers, SampledNumbers, targets
+from validation.studies.uncertainty.propagation import (
+    base_samples,
+    parameter_uncertainty,
+    section,
+    uncertain_parameters,
+)
+from validation.studies.uncertainty.table import sensitivity_columns
+
+GROUPS = [
+    group
+    for group in vars(p).values()
+    if isinstance(group, type)
+    and issubclass(group, p.Parameters)
+    and group not in (p.Parameters, p.Device)
+]
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_every_assumed_number_has_a_range(group):
+    """What nobody vouches for has a range around its value, with a reason.
+
+    Not so: what is assumed to be absent (0) or derived, and words.
+    """
+    made = group()
+    sources, ranges = p.sources(made), p.spreads(made)
+    for name, info in group.model_fields.items():
+        number = any(isinstance(m, Unit) for m in info.metadata) and getattr(made, name)
+        if number and sources[name].startswith("assumed"):
+            assert name in ranges, name
+    for name, spread in ranges.items():
+        assert spread.low <= getattr(made, name) <= spread.high
+        assert spread.low < spread.high
+        assert spread.reason
+
+
+def test_printed_digits_are_half_a_unit():
+    """h_p is printed as 0.26 mm and c_s as 0.24 Nm."""
+    printed = p.spreads(p.Bimorph())["piezo_thickness"]
+    assert printed[:2] == pytest.approx((0.255e-3, 0.265e-3))
+    assert printed[2:] == (PRINTED, True)
+    assert p.spreads(p.Support())["rotational_stiffness"][:2] == pytest.approx((0.235, 0.245))
+
+
+def test_own_values_keep_the_range_as_it_is_meant():
+    """A range from tables goes in proportion; a tolerance or printed digits stay an amount."""
+    usual = p.spreads(p.Piezo())
+    own = p.spreads(p.Piezo(density=3950.0, d31=-770e-12))
+    assert own["density"].low == pytest.approx(usual["density"].low / 2)
+    assert own["d31"][:2] == pytest.approx((-770.5e-12, -769.5e-12))
+    assert own["d31"].low < own["d31"].high
+    assert p.spreads(p.Bimorph(length=14e-3))["length"][:2] == pytest.approx((13.9e-3, 14.1e-3))
+    assert p.spreads(p.Rod(radius=1.24e-3))["radius"][:2] == pytest.approx((1.116e-3, 1.364e-3))
+
+
+def test_an_amount_larger_than_the_value_goes_in_proportion():
+    """Half a unit of 3e6 N/m would make a stiffness of 1e5 N/m negative; the reason says so."""
+    spread = p.spreads(p.Support(lateral_stiffness=1e5))["lateral_stiffness"]
+    assert spread[:2] == pytest.approx((1e5 * 2.5 / 3, 1e5 * 3.5 / 3))
+    assert spread.reason.startswith(PRINTED)
+    assert "in proportion" in spread.reason
+
+
+def test_range_of_the_prototypes_length():
+    """Cut to 0.1 mm, as the reason says, also at 14 mm."""
+    found = {row.key: row for row in uncertain_parameters(load_scene("prototype")[0])}
+    length = found["bimorph.length"]
+    assert length.text_range == "13.9 to 14.1 mm"
+    assert "cut to 0.1 mm" in length.reason
+
+
+def test_published_material_has_no_range():
+    """Only what was assumed or printed in the paper is uncertain here."""
+    assert not p.spreads(p.Piezo(material="PZT-5A"))
+    assert not LIBRARY["PZT-5H"].spreads
+
+
+def test_ranges_of_the_models_parameters_only():
+    """The paper's scene: 19 of 20 parameters, all but the voltage; the rod's with the rod."""
+    found = {row.key: row for row in uncertain_parameters(load_scene("paper")[0])}
+    assert len(found) == 19
+    assert "drive.voltage" not in found
+    assert found["bimorph.width"].text_range == "2.05 to 2.15 mm"
+    assert found["bimorph.width"].printed
+    assert not found["piezo.eps33"].printed
+    with_rod = {row.key for row in uncertain_parameters(load_scene("generator")[0])}
+    assert {"rod.radius", "glue.youngs_modulus"} <= with_rod
+
+
+@pytest.fixture(scope="module")
+def prototype():
+    scene, _ = load_scene("prototype")
+    return {row.target.label: row for row in parameter_uncertainty(scene, evaluations=1400)}
+
+
+def test_headline_numbers(prototype):
+    """A free tip has a peak; a loaded one a warning at 1 kHz; a loose one no statics."""
+    assert "peak tip velocity" in prototype
+    assert not any(row.target.ill_conditioned for row in prototype.values())
+    paper = targets(load_scene("paper")[0])
+    assert [t.frequency for t in paper if t.ill_conditioned] == [1000.0]
+    loose = load_scene("paper", ["support.rotational_stiffness=0 N*m/rad"])[0]
+    assert "static_tip_displacement" not in {t.quantity for t in targets(loose)}
+
+
+def test_first_order_and_samples_agree(prototype):
+    """Within these ranges all headline numbers are close to linear.
+
+    Scatter within 12.5 %: two standard deviations, 2/√(2n), of what is estimated from
+    n = 128 samples.
+    """
+    for label, row in prototype.items():
+        assert abs(row.nonlinearity) < 0.125, label
+        # 95 % of a sum of uniform ranges lie within 1.7 (one range) to 2 (many) deviations
+        assert 1.4 < (row.high - row.low) / (2 * row.standard) < 2.2, label
+        assert row.standard < row.worst
+        assert row.numerical < 1e-9 * row.value
+        assert row.low < row.value < row.high
+
+
+def test_sobol_indices_are_the_shares_of_first_order(prototype):
+    """For a nearly linear number each total index is that parameter's share of the variance."""
+    row = prototype["static tip displacement"]
+    scene, _ = load_scene("prototype")
+    shares = {
+        u.key: (row.slopes[u.key] * (u.high - u.low)) ** 2 / 12 / row.standard**2
+        for u in uncertain_parameters(scene)
+    }
+    assert sum(shares.values()) == pytest.approx(1.0)
+    for key, share in shares.items():
+        index, bar = row.total[key]
+        # the stated 95 % interval of the estimate, and 3 % of interaction at most
+        assert abs(index - share) < bar + 0.03, key
+    assert row.contributors[0][0] == "bimorph.piezo_thickness"
+
+
+def test_the_study_is_repeatable():
+    """Seeded: twice the same numbers, to the last digit."""
+    scene, _ = load_scene("prototype")
+    one, two = (parameter_uncertainty(scene, evaluations=60) for _ in range(2))
+    assert [(r.low, r.high, r.total) for r in one] == [(r.low, r.high, r.total) for r in two]
+
+
+def test_sampled_numbers_are_those_of_solve():
+    """At one changed point the samples equal what any other answer would say."""
+    scene, _ = load_scene("paper", ["piezo.density=7700kg/m^3", "bimorph.width=2.05mm"])
+    usual = HeadlineNumbers(load_scene("paper")[0])
+    points = {"piezo.density": np.full(2, 7700.0), "bimorph.width": np.full(2, 2.05e-3)}
+    sampled = SampledNumbers(usual.actuator, points)
+    other = HeadlineNumbers(scene)
+    for target in targets(scene):
+        value, _ = other.value_and_slopes(target, ())
+        # the coupling factor takes the difference of two nearly equal frequencies
+        assert sampled.of(target, usual)[1] == pytest.approx(value, rel=1e-9), target
+
+
+def test_slopes_of_the_peak():
+    """Height and frequency of the peak move as their derivatives say."""
+    scene, _ = load_scene("prototype")
+    key, step = "support.rotational_stiffness", 1e-4
+    for target in targets(scene):
+        if not target.quantity.startswith("peak"):
+            continue
+        _, slopes = HeadlineNumbers(scene).value_and_slopes(target, (key,))
+        ends = []
+        for sign in (1, -1):
+            support = scene.support.model_copy(
+                update={"rotational_stiffness": 0.24 * (1 + sign * step)}
+            )
+            moved = HeadlineNumbers(scene.model_copy(update={"support": support}))
+            ends.append(moved.value_and_slopes(target, ())[0])
+        # the peak's frequency is found to some 1e-10, over a step of 1e-4
+        slope = (ends[0] - ends[1]) / (2 * step * 0.24)
+        assert slopes[key] == pytest.approx(slope, rel=1e-3), target
+
+
+def test_base_samples():
+    """The largest power of two within the budget, two at least."""
+    assert base_samples(19, 6000) == 256
+    assert base_samples(26, 6000) == 128
+    assert base_samples(30, 1) == 2
+
+
+def test_section_of_the_report():
+    """Rows, ranges, a plot, and the most detailed model's numbers beside the model's own."""
+    scene, _ = load_scene("prototype", ["support.kind=clamped"])
+    said = []
+    found = section(scene, solve(scene, ("tmm", "beam"), ("capacitance_free",)), said.append)
+    assert found["detailed_model"] == "beam"
+    for row in found["uncertainties"]:
+        if row.target.quantity.startswith("peak"):
+            assert row.target.label not in found["detailed"]
+        elif row.target.frequency is not None or row.target.quantity == "capacitance_free":
+            value, bar = found["detailed"][row.target.label]
+            # two solutions of one theory, and rounding of the elimination in one of them
+            assert value == pytest.approx(row.value, rel=1e-8)
+            assert bar < 1e-8 * value
+    assert found["left_out"] == ""
+    assert found["contributors_plot"].startswith("<svg")
+    assert len(said) == len(found["uncertainties"])
+
+
+#: Width that falls along the ceramic.
+TAPER = ("--set", "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm")
+
+
+def call(*arguments):
+    parser = argparse.ArgumentParser()
+    sensitivity.add(parser.add_subparsers())
+    options = parser.parse_args(["sensitivity", *arguments])
+    return options.run(options)
+
+
+def test_command_json(capsys):
+    """One entry per quantity and frequency, derivatives in SI beside the logarithmic ones."""
+    assert call("prototype", "--quantity", "tip_velocity", "--frequency", "100,781.609", "--key",
+                "support.rotational_damping", "--json") == 0  # fmt: skip
+    found = json.loads(capsys.readouterr().out)
+    first, peak = found["sensitivities"]
+    assert (first["frequency"], peak["frequency"]) == (100.0, 781.609)
+    key = "support.rotational_damping"
+    assert peak["logarithmic"][key] == pytest.approx(-0.96, abs=0.005)
+    assert peak["derivatives"][key] * 4.46e-6 / peak["value"] == pytest.approx(
+        peak["logarithmic"][key]
+    )
+    assert found["uncertainty"] == []
+
+
+def test_command_tables(capsys):
+    """Both tables for people, no digit cut off however narrow the terminal."""
+    assert call("paper", "--quantity", "capacitance_free", "--sobol") == 0
+    out = capsys.readouterr().out
+    assert "…" not in out.replace(" … ", "")
+    assert "piezo.eps33" in out
+    assert "16.719 nF" in out
+    assert "ill-conditioned" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--key", "coil.turns"], "coil.turns.*is no parameter of the transfer-matrix model"),
+        (["--key", "frequency"], "is no parameter"),
+        (["--key", "bimorph.lenght"], 'not a scene key .did you mean "bimorph.length"'),
+        (["--key", "c_s"], 'did you mean "support.rotational_stiffness"'),
+        (["--key", "bimorph.wiring"], "is a choice, not a number"),
+        (["--key", "bimorph.tab_length"], "is 0, and there is no percentage of 0"),
+        (["--key", "shim.transverse_modulus"], "follows from others"),
+        (["--key", "shim.poisson_ratio"], "is not read by the transfer-matrix model with"),
+        (["--key", "load.mass"], 'has no effect with load.kind = "finger"'),
+        (["--key", "bimorph.width", *TAPER], "with bimorph.width_profile, which gives it"),
+        (["--key", "bimorph.length", *TAPER], "cannot be varied: bimorph.width_profile"),
+        (["--key", "bimorph.width_profile", *TAPER], "is a profile, whose points"),
+        (["--quantity", "magnetic_force"], "magnetic_force belongs to the normal actuator"),
+        (["--quantity", "threshold_voltage", "--set", "piezo.d31=0 pC/N"], "no voltage moves"),
+        (["--quantity", "threshold_voltage", "--frequency", "5"], "detection threshold|finger"),
+        (["--quantity", "dynamic_stiffness"], "is a matrix"),
+        (["--quantity", "tip_velocity", "--frequency", "5000"], "10 to 1000 Hz"),
+        (["--quantity", "tip_velocity", "--frequency", "0", "--set", "load.kind=none"], "is 0"),
+        (["--set", "support.rotational_stiffness=0 N*m/rad"], "no value at 0 Hz"),
+    ],
+)
+def test_command_refuses(arguments, words):
+    """One sentence, before any work."""
+    with pytest.raises(InputError, match=words):
+        call(*arguments)
+
+
+def test_left_out_parameters_are_told(capsys):
+    """One note names what acts but is not in the table, with the reason; else there is none."""
+    assert call("paper", "--quantity", "capacitance_free", *TAPER) == 0
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1
+    assert "bimorph.length (bimorph.width_profile would not end at the ceramic's edge" in err
+    assert "bimorph.width (bimorph.width_profile gives it)" in err
+    assert "bimorph.width_profile (its points are not varied)" in err
+    assert call("generator", "--quantity", "capacitance_free") == 0
+    assert "rod.length (a piece of the row" in capsys.readouterr().err
+    assert call("paper", "--quantity", "capacitance_free") == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_many_columns_are_thinned_for_people_only(capsys):
+    """At most eight columns, of each quantity first and last frequency, and the note says so."""
+    arguments = ("paper", "--frequency", "10:1000:200", "--key", "piezo.density",
+                 "--quantity", "tip_displacement", "--quantity", "capacitance_free")  # fmt: skip
+    assert call(*arguments) == 0
+    out, err = capsys.readouterr()
+    assert max(map(len, out.splitlines())) < 160
+    assert "10 Hz" in out
+    assert "1000 Hz" in out
+    assert "8 of 201 columns are shown" in err
+    assert call(*arguments, "--json") == 0
+    out, err = capsys.readouterr()
+    assert len(json.loads(out)["sensitivities"]) == 201
+    assert err == ""
+
+
+@pytest.mark.parametrize("voltage", ["50 V", "0 V"])
+def test_threshold_voltage(voltage, capsys):
+    """Minus the tip displacement's, 0 for the drive voltage, which it does not know."""
+    wanted = "quantities=threshold_voltage"
+    at = "frequency=10,100,2000"
+    scene, _ = load_scene("paper", [wanted, at, f"drive.voltage={voltage}"])
+    found = sensitivity_columns(scene)
+    values = solve(scene, ("tmm",)).get("threshold_voltage", "tmm").value
+    usual, _ = load_scene("paper", ["quantities=tip_displacement", "frequency=10,100"])
+    assert [c.frequency for c in found] == [10.0, 100.0]  # stated up to 1 kHz
+    for column, value, moved in zip(found, values, sensitivity_columns(usual), strict=False):
+        assert column.value == pytest.approx(value, rel=1e-12)
+        assert column.unit == "V"
+        for key, slope in moved.logarithmic.items():
+            if key == "drive.voltage":
+                assert column.logarithmic.get(key, 0.0) == 0.0
+            else:
+                assert column.logarithmic[key] == pytest.approx(-slope, abs=1e-12)
+                usual_value = load_scene("paper")[0]
+                for name in key.split("."):
+                    usual_value = getattr(usual_value, name)
+                expected = column.logarithmic[key] * value / usual_value
+                assert column.derivatives[key] == pytest.approx(expected, rel=1e-12)
+    assert call("paper", "--quantity", "threshold_voltage", "--frequency", "10,1500") == 0
+    assert "threshold_voltage has no value there" in capsys.readouterr().err
+
+
+def test_columns_of_one_scene():
+    """By default all keys; natural frequencies by the first mode."""
+    scene, _ = load_scene("paper", ["quantities=short_circuit_frequencies,tip_displacement",
+                                    "frequency=10,100"])  # fmt: skip
+    columns = sensitivity_columns(scene)
+    assert [c.frequency for c in columns] == [None, 10.0, 100.0]
+    assert len(columns[0].logarithmic) == 20

@@ -1,0 +1,209 @@
+"""Speed and memory of the transfer-matrix model, and what accuracy they come with."""
+
+from __future__ import annotations
+
+import math
+import platform
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from geometry.arrays import Complex, Floats
+from geometry.bimorph.pieces import Piece
+from geometry.device.parameters import Beam, Device, Load, Support
+from tmm.beam.section.section import section
+from tmm.beam.sweep import design_map, tip_response
+from tmm.beam.transfer.blocks import BLOCK
+from tmm.beam.transfer.transfer_matrix import chain
+from tmm.ports.multiport import Termination, respond
+from tmm.ports.terminations import termination
+from validation.bench.one_core import on_one_core, peak_memory
+from validation.bench.result import Bench, Target
+from validation.checks.cases import reference_beam as reference
+from validation.checks.cases import textbook_beam
+
+#: Ranges of frequency (Hz): the paper's, and one that asks for more.
+CASES = {"10 Hz to 2 kHz": (10.0, 2e3), "1 mHz to 1 MHz": (1e-3, 1e6)}
+_CHUNKS = (256, 1024, BLOCK, 16384, 262144)
+_PATHS = {f"closed form, chunk {n}": n for n in _CHUNKS}
+_CLOSED = f"closed form, chunk {BLOCK}"
+_CASCADE, _NAIVE = "dynamic stiffness and LU", "matrix A (naive)"
+
+_LENGTH = 20e-3
+_BEAM = section(Piece("bimorph", _LENGTH), Device(), Beam(), lossy=True)
+_SUPPORT, _LOAD = Support(), Load()
+#: Frequencies per case at which errors are taken.
+_SAMPLES = 15
+
+
+@dataclass(frozen=True)
+class BeamTiming:
+    """One way of computing, over one range of frequencies.
+
+    Attributes
+    ----------
+    path : str
+        The way.
+    case : str
+        The range.
+    points : int
+        Frequency points timed.
+    seconds : float
+        Least of several runs.
+    error : float
+        Worst relative error of the tip velocity on a sample; infinite where it overflows.
+    """
+
+    path: str
+    case: str
+    points: int
+    seconds: float
+    error: float
+
+    columns: ClassVar[tuple[str, ...]] = (
+        "way",
+        "range",
+        "points",
+        "points per second",
+        "ns per point",
+        "worst error",
+    )
+    fields: ClassVar[tuple[str, ...]] = (
+        "way",
+        "range",
+        "points",
+        "seconds",
+        "points_per_second",
+        "error",
+    )
+    cost_label: ClassVar[str] = "time per point (ns)"
+    #: Error asked for.
+    wanted: ClassVar[float] = 1e-12
+
+    @property
+    def rate(self) -> float:
+        """Points per second."""
+        return self.points / self.seconds
+
+    @property
+    def cost(self) -> float:
+        """What is plotted along x."""
+        return 1e9 / self.rate
+
+    @property
+    def curves(self) -> dict[str, float]:
+        """Errors to plot, one panel each."""
+        return {self.case: self.error}
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The row of the table, as `columns`."""
+        return (
+            self.path, self.case, f"{self.points:,}", f"{self.rate:,.0f}", f"{self.cost:.0f}",
+            f"{self.error:.1e}",
+        )  # fmt: skip
+
+    @property
+    def values(self) -> tuple[str | float, ...]:
+        """The row of the file, as `fields`."""
+        return self.path, self.case, self.points, self.seconds, self.rate, self.error
+
+
+def run(quick: bool, announce: Callable[[str], None]) -> Bench:
+    """Measure everything on one core; a minute, or a third of it if `quick`."""
+    started = time.perf_counter()
+    timings = []
+    for case in CASES:
+        for path in (*_PATHS, _CASCADE, _NAIVE):
+            announce(f"tmm: {path}, {case}")
+            points = (100_000 if quick else 1_000_000) // (1 if path in _PATHS else 20)
+            seconds = on_one_core(__name__, "seconds_of", path, case, points)
+            timings.append(BeamTiming(path, case, points, seconds, error_of(path, case)))
+    announce("tmm: design map")
+    shape = [200, 2000, 3]
+    map_seconds = on_one_core(__name__, "map_seconds", *shape)
+    announce("tmm: memory")
+    points = 1_000_000 if quick else 10_000_000
+    memory = on_one_core(__name__, "memory_of", points)
+    rate = next(t.rate for t in timings if t.path == _CLOSED)
+    targets = (
+        Target("terminated points per second", 1.5e6, rate, "points/s", False, _CLOSED),
+        Target(
+            "design map, 200 lengths x 2000 frequencies x 3 loads", 2.0, map_seconds, "s", True,
+            "tmm.beam.sweep.design_map",
+        ),
+        Target(
+            f"peak memory of {points:.0e} points", 1e9, memory, "B", True,
+            "largest resident size of a process that does only this",
+        ),
+    )  # fmt: skip
+    conditions = (
+        "20 mm bimorph on the paper's springs under the finger, 1 V; one process per row with one "
+        "thread (OMP_NUM_THREADS=1 and its like), processor time, best of three runs; "
+        f"numpy {np.__version__}, {platform.machine()}"
+    )
+    return Bench("tmm", conditions, tuple(timings), targets, time.perf_counter() - started)
+
+
+def seconds_of(path: str, case: str, points: int) -> float:
+    """Return the least of three processor times (s) of one path; attachments are given."""
+    f = _spaced(case, points)
+    end = termination(_SUPPORT, _LOAD, f)
+    return min(_timed(lambda: _velocity(path, f, end)) for _ in range(3))
+
+
+def map_seconds(lengths: int, frequencies: int, loads: int) -> float:
+    """Return the least of three processor times (s) of a design map, attachments included."""
+    kinds = [Load(kind="none"), Load(), Load(kind="mass", mass=1e-3)][:loads]
+    l, f = np.linspace(5e-3, 40e-3, lengths), np.linspace(10.0, 2e3, frequencies)
+    return min(_timed(lambda: design_map(_BEAM, l, f, _SUPPORT, kinds)) for _ in range(3))
+
+
+def memory_of(points: int) -> int:
+    """Return the peak memory (bytes) of this process after one long sweep."""
+    f = np.linspace(10.0, 2e3, points)
+    design_map(_BEAM, np.array([_LENGTH]), f, _SUPPORT, [_LOAD])
+    return peak_memory()
+
+
+def error_of(path: str, case: str) -> float:
+    """Return the worst relative error of the tip velocity against 80-digit arithmetic."""
+    f = _spaced(case, _SAMPLES)
+    end = termination(_SUPPORT, _LOAD, f)
+    assert end.base is not None
+    velocity, worst = _velocity(path, f, end), 0.0
+    for i, frequency in enumerate(f):
+        omega = 2.0 * np.pi * float(frequency)
+        exact = reference.dynamic_stiffness(reference.constants(_BEAM), _LENGTH, omega)
+        base = (complex(end.base[0][i]), complex(end.base[1][i]))
+        w_tip, _ = reference.tip_motion(exact, base, complex(end.tip[i]))
+        error = reference.relative_error(velocity[i] / (1j * omega), w_tip)
+        worst = max(worst, math.inf if math.isnan(error) else error)
+    return worst
+
+
+def _velocity(path: str, f: Floats, end: Termination) -> Complex:
+    omega = 2.0 * np.pi * f
+    if path == _NAIVE:
+        return textbook_beam.tip_velocity(_BEAM, _LENGTH, f, end)
+    if path == _CASCADE:
+        w_tip = respond(chain([(_BEAM, _LENGTH)], f), end, 1.0).w_tip
+    else:
+        w_tip = tip_response(
+            _BEAM, _LENGTH, omega, base=end.base, tip=end.tip, chunk=_PATHS[path]
+        ).w_tip
+    return np.asarray(1j * omega * w_tip)
+
+
+def _spaced(case: str, points: int) -> Floats:
+    low, high = CASES[case]
+    return (np.geomspace if high > 1e3 * low else np.linspace)(low, high, points)
+
+
+def _timed(work: Callable[[], Any]) -> float:
+    started = time.process_time()
+    work()
+    return time.process_time() - started

@@ -1,0 +1,170 @@
+"""Our own solution of the benchmark's jobs, phase by phase, and the job as plain numbers.
+
+Each function here runs alone in a process; what it brings back is a peer's answer.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from geometry.arrays import Numbers
+from geometry.bimorph.bricks import Bricks
+from geometry.device.parameters import Device
+from geometry.meshing.mesh import Mesh
+from validation.bench.bimorph import meshes as piezo_meshes
+from validation.bench.bimorph.peers.job import Answer, Clock, Job, Material, answer
+from validation.scene.scene import Scene, load_scene
+
+#: Natural frequencies that are compared.
+MODES = 4
+#: Error asked of the reduction to ports, relative; far below the meshes' errors.
+_REDUCTION = 1e-6
+
+Kind = Literal["brick", "tetra"]
+
+#: The solid model's own family.
+BRICKS = "bricks of high order"
+
+
+def j1() -> Scene:
+    """Return the scene of the job."""
+    return load_scene("j1", [])[0]
+
+
+def job(
+    frequencies: Sequence[float] = (),
+    *,
+    kind: Kind = "brick",
+    order: int = 2,
+    through_piezo: int = 1,
+    through_shim: int = 1,
+    across: int = 2,
+    longest: float,
+    first: float,
+    growth: float = 4.0,
+) -> Job:
+    """Return job J1 as plain numbers; with frequencies, its damped sweep."""
+    from fem.bimorph.system import materials
+
+    device = j1().device
+    regions = ("piezo_top", "shim")
+    exact, lossy = (
+        materials(device, regions, device.piezo.ceramic(), lossy=loss) for loss in (False, True)
+    )
+    bimorph = device.bimorph
+    return Job(
+        piezo_thickness=bimorph.piezo_thickness,
+        shim_thickness=bimorph.shim_thickness,
+        width=bimorph.width,
+        length=bimorph.length,
+        ceramic=_plain(exact["piezo_top"], lossy["piezo_top"]),
+        shim=_plain(exact["shim"], lossy["shim"]),
+        modes=MODES,
+        frequencies=list(frequencies),
+        kind=kind,
+        order=order,
+        through_piezo=through_piezo,
+        through_shim=through_shim,
+        across=across,
+        longest=longest,
+        first=first,
+        growth=growth,
+    )
+
+
+def _plain(exact: Any, lossy: Any) -> Material:
+    """Return a region's tensors as lists: the lossy ones hold the imaginary parts."""
+
+    def rows(values: Numbers) -> list[list[float]]:
+        return [[float(v) for v in row] for row in values]
+
+    empty: list[list[float]] = []
+    piezo, damped = exact.piezo, lossy.piezo
+    return Material(
+        stiffness=rows(lossy.c.real),
+        stiffness_loss=rows(lossy.c.imag),
+        coupling=rows(damped.e.real) if piezo else empty,
+        coupling_loss=rows(damped.e.imag) if piezo else empty,
+        permittivity=rows(damped.eps.real) if piezo else empty,
+        permittivity_loss=rows(damped.eps.imag) if piezo else empty,
+        density=exact.density,
+    )
+
+
+def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
+    """Solve the job (or, with frequencies, its sweep) on a mesh of one of our families."""
+    # imported before the clock starts: their time is the process's, not the mesh's
+    import fem.bimorph.reduction.krylov
+    import fem.bimorph.solid
+    from fem.solvers.linear_solver import available_solver
+
+    for later in ("scipy.sparse.linalg", "validation.models.bimorph.shapes"):
+        importlib.import_module(later)
+    device, make = j1().device, FAMILIES[family]
+
+    clock = Clock()
+    mesh = make(device, fineness)
+    clock.stop("mesh")
+    system = fem.bimorph.solid.assemble(device, mesh, lossy=bool(frequencies))
+    clock.stop("assembly")
+    if frequencies:
+        values = _sweep(system, frequencies)
+        clock.stop("sweep")
+        return answer(clock, system.size, available_solver(), sweep=values)
+    _ = system.held_factor
+    clock.stop("factor")
+    static = _static(system)
+    clock.stop("solve")
+    natural = _natural(device, mesh, system)
+    clock.stop("eigen")
+    return answer(clock, system.size, available_solver(), static=static, natural=natural)
+
+
+def _static(system: Any) -> tuple[float, float]:
+    """Return deflection and capacitance of the clamped, free bimorph."""
+    from fem.bimorph.ports import static_multiport
+
+    d = static_multiport(system).stiffness[0].real
+    tip, volt = [2, 3], 4
+    moved = np.linalg.solve(d[np.ix_(tip, tip)], -d[tip, volt])
+    return float(moved[0]), float(d[volt, volt] + d[volt, tip] @ moved)
+
+
+def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
+    """Return the natural frequencies; a coarse mesh says which classes of motion they are in."""
+    from fem.bimorph.modes import Attachment, natural_modes
+    from fem.bimorph.solid import assemble
+    from validation.models.bimorph.shapes import ShapeSearch
+
+    clamped = Attachment(None)
+    if not isinstance(mesh, Bricks):
+        return [mode.frequency for mode in natural_modes(system, clamped, MODES)]
+    scout = piezo_meshes.scout(device)
+    systems = (system, assemble(device, scout, lossy=False))
+    found, _ = ShapeSearch(systems, clamped, {}).lowest(MODES, open_circuit=False)
+    return [mode.frequency for mode in found][:MODES]
+
+
+def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
+    """Return the complex deflection by reduction to ports."""
+    from fem.bimorph.reduction.krylov import reduce_to_ports
+    from tmm.ports.multiport import Termination, respond
+
+    f = np.array(frequencies)
+    port = reduce_to_ports(system, f, tolerance=_REDUCTION).multiport(f)
+    free = Termination(None, np.zeros(f.size, dtype=complex))
+    return [complex(w) for w in respond(port, free, 1.0).w_tip]
+
+
+#: Mesh of each of our families from a device and a fineness.  Another one is one line.
+FAMILIES: dict[str, Callable[[Device, Any], Mesh | Bricks]] = {
+    BRICKS: piezo_meshes.high_order,
+    "hexahedra of 27 nodes": lambda device, sizes: piezo_meshes.second_order(device, *sizes),
+    "hexahedra of 20 nodes": lambda _, fineness: piezo_meshes.hexahedra(fineness),
+    "structured P2 tetrahedra": lambda _, fineness: piezo_meshes.structured_tetrahedra(fineness),
+    "tetwild P2 tetrahedra": lambda device, edges: piezo_meshes.free_tetrahedra(device, *edges),
+}

@@ -1,0 +1,49 @@
+"""Public finite-element programs that solve the same job in the same run.
+
+Each adapter is a module with ``run(job: Job) -> Answer``, called in a process of its own
+with one thread.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from typing import cast
+
+from validation.bench.bimorph.peers.job import Answer, Job
+from validation.bench.one_core import on_one_core
+
+#: Name of each peer, the package it needs and the adapter.
+PEERS = {
+    "NGSolve": ("ngsolve", "validation.bench.bimorph.peers.ngsolve"),
+    "SfePy": ("sfepy", "validation.bench.bimorph.peers.sfepy"),
+}
+#: Environment variable that names the Python with the peers, if that is another one.
+PYTHON = "TACTGEN_PEERS"
+
+
+def missing(peer: str) -> str:
+    """Return a sentence if a peer is not installed, else nothing."""
+    package, _ = PEERS[peer]
+    look = f"import importlib.util as u, sys; sys.exit(u.find_spec({package!r}) is None)"
+    try:
+        done = subprocess.run([_python(), "-c", look], capture_output=True, check=False)
+    except OSError:
+        return f"{PYTHON} = {_python()} cannot be run; name the Python that has {package}"
+    return f"{package} is not installed; pip install 'tactgen[peers]'" if done.returncode else ""
+
+
+def solve(peer: str, job: Job) -> Answer:
+    """Let a peer solve a job, alone in a process.
+
+    Raises
+    ------
+    InputError
+        If the peer's process ends badly, with the last line that it wrote.
+    """
+    return cast(Answer, on_one_core(PEERS[peer][1], "run", job, python=_python()))
+
+
+def _python() -> str:
+    return os.environ.get(PYTHON, sys.executable)

@@ -1,6 +1,0 @@
-"""From the transfer-matrix model to the solid, and from a clamp to the generator, in steps."""
-
-from validation.bridge.assumptions import bridge
-from validation.bridge.rung import Rung, Steps
-
-__all__ = ["Rung", "Steps", "bridge"]

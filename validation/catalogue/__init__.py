@@ -1,0 +1,1 @@
+"""What can be asked for: quantities and models by name."""

@@ -1,0 +1,1 @@
+"""The suite's own checks as declarative rows, and what they measure."""

@@ -1,0 +1,194 @@
+"""What the rows of :mod:`validation.checks.bimorph` measure, on the built-in scenes."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tmm.ports.terminations import finger_spring_damper
+from validation.engine.solve import Solution, solve
+from validation.scene.scene import Scene, load_scene
+
+if TYPE_CHECKING:
+    from validation.models.bimorph.bridge import Rung, Steps
+
+
+def _scene(name: str, *overrides: str) -> Scene:
+    return load_scene(name, overrides)[0]
+
+
+@cache
+def _solved(name: str, models: str, quantities: str, *overrides: str) -> Solution:
+    return solve(_scene(name, *overrides), models.split(","), quantities.split(","))
+
+
+def _value(name: str, model: str, quantity: str, *overrides: str) -> NDArray[Any]:
+    return _solved(name, model, quantity, *overrides).get(quantity, model).value
+
+
+@cache
+def _prototype_peak() -> tuple[float, float]:
+    """Locate the velocity peak by repeated narrowing around the largest of a sweep."""
+    low, high = 600.0, 1000.0
+    while True:
+        sweep = f"frequency={low!r}:{high!r}:101"
+        speed = np.abs(_value("prototype", "tmm", "tip_velocity", sweep))
+        at = int(np.clip(np.argmax(speed), 1, 99))
+        step = (high - low) / 100.0
+        centre = low + at * step
+        if step < 1e-2:
+            # vertex of the parabola through the three highest points
+            left, middle, right = speed[at - 1 : at + 2]
+            shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
+            return centre + shift * step, float(middle - 0.25 * (left - right) * shift)
+        low, high = centre - step, centre + step
+
+
+def prototype_peak_frequency() -> float:
+    """Frequency of the prototype's velocity peak (Hz)."""
+    return _prototype_peak()[0]
+
+
+def prototype_peak_velocity() -> float:
+    """Height of that peak (m/s)."""
+    return _prototype_peak()[1]
+
+
+_CLAMPED = ("support.kind=clamped", "load.kind=none", "drive.voltage=1V")
+
+
+def clamped_short_circuit() -> float:
+    """First short-circuit frequency of the clamped paper bimorph by TMM (Hz)."""
+    return float(_value("paper", "tmm", "short_circuit_frequencies", *_CLAMPED)[0])
+
+
+def clamped_open_circuit() -> float:
+    """First open-circuit frequency (Hz)."""
+    return float(_value("paper", "tmm", "open_circuit_frequencies", *_CLAMPED)[0])
+
+
+def clamped_static() -> float:
+    """Return the static tip displacement at 1 V (m)."""
+    return float(_value("paper", "tmm", "static_tip_displacement", *_CLAMPED))
+
+
+def beam_first_frequency() -> float:
+    """First short-circuit frequency by beam elements (Hz)."""
+    return float(_value("paper", "beam", "short_circuit_frequencies", *_CLAMPED)[0])
+
+
+def finger_stiffness_maximum() -> float:
+    """Largest stiffness of the finger between 10 and 1000 Hz (N/m)."""
+    return float(finger_spring_damper(np.linspace(10.0, 1000.0, 9901))[0].max())
+
+
+def finger_damping_start() -> float:
+    """Damping of the finger at 10 Hz (N s/m)."""
+    return float(finger_spring_damper(np.array([10.0]))[1][0])
+
+
+def j1_default_deflection() -> float:
+    """Return the static tip displacement of job J1 on the default mesh (m)."""
+    return float(_value("j1", "solid", "static_tip_displacement"))
+
+
+def j1_default_first_frequency() -> float:
+    """First frequency of job J1 on the default mesh (Hz)."""
+    return float(_value("j1", "solid", "short_circuit_frequencies")[0])
+
+
+def _j1_fine() -> Solution:
+    quantities = "static_tip_displacement,short_circuit_frequencies"
+    return _solved("j1", "solid", quantities, "mesh.level=4")
+
+
+def j1_fine_deflection() -> float:
+    """Return the static tip displacement of job J1 on the fine mesh (m)."""
+    return float(_j1_fine().get("static_tip_displacement", "solid").value)
+
+
+def j1_fine_frequency(number: int) -> float:
+    """Natural frequency `number` (from 0) of job J1 on the fine mesh (Hz)."""
+    return float(_j1_fine().get("short_circuit_frequencies", "solid").value[number])
+
+
+def lumped_over_tmm_static() -> float:
+    """Ratio of the two static tip displacements."""
+    lumped, tmm = (_value("paper", m, "static_tip_displacement") for m in ("lumped", "tmm"))
+    return float(lumped / tmm)
+
+
+def lumped_over_tmm_frequency() -> float:
+    """Ratio of the two first short-circuit frequencies on the paper's support."""
+    lumped, tmm = (_value("paper", m, "short_circuit_frequencies")[0] for m in ("lumped", "tmm"))
+    return float(lumped / tmm)
+
+
+@cache
+def _clamped_bridge() -> list[Rung]:
+    """Rungs of the paper's bimorph on a rigid clamp, where f1 is the bimorph's own."""
+    from validation.models.bimorph.bridge import bridge
+
+    return bridge(_scene("paper", "support.kind=clamped"), lambda _: None, sections=False)
+
+
+def beam_like_solid_over_tmm(quantity: str) -> float:
+    """Return the solid with a beam's constants and a linear potential over TMM."""
+    beam, solid = _clamped_bridge()[1:3]
+    return float(getattr(solid, quantity) / getattr(beam, quantity))
+
+
+def field_variation(quantity: str) -> float:
+    """Return the measured change by the field's variation over the predicted one, both plus 1."""
+    rung = _clamped_bridge()[3]
+    return float((1.0 + getattr(rung.step, quantity)) / (1.0 + getattr(rung.predicted, quantity)))
+
+
+@cache
+def _ends_rest() -> Steps:
+    from validation.models.bimorph.bridge.ends import ends
+
+    return ends(_scene("paper")).rest
+
+
+def bridge_rest(quantity: str) -> float:
+    """Return 1 plus what neither the solid's section nor its ends explain."""
+    return 1.0 + float(getattr(_ends_rest(), quantity))
+
+
+def _deflection(frequency: float, *overrides: str) -> float:
+    sweep = f"frequency={frequency!r}"
+    return float(np.abs(_value("paper", "tmm", "tip_displacement", sweep, *overrides)[0]))
+
+
+def paper_start_deflection() -> float:
+    """Return the loaded deflection at 10 Hz and 50 V, parallel wiring (m)."""
+    return _deflection(10.0)
+
+
+def paper_end_deflection() -> float:
+    """Return the loaded deflection at 1000 Hz and 50 V (m)."""
+    return _deflection(1000.0)
+
+
+def paper_slope() -> float:
+    """Slope of the line fitted to the loaded deflection from 10 to 1000 Hz (m/Hz)."""
+    values = np.abs(_value("paper", "tmm", "tip_displacement", "frequency=10:1000:496"))
+    return float(np.polyfit(np.linspace(10.0, 1000.0, 496), values, 1)[0])
+
+
+def _threshold_voltage(frequency: float) -> float:
+    return float(_value("paper", "tmm", "threshold_voltage", f"frequency={frequency!r}")[0])
+
+
+def threshold_voltage_start() -> float:
+    """Voltage for 2 um at 10 Hz under the finger (V)."""
+    return _threshold_voltage(10.0)
+
+
+def threshold_voltage_250() -> float:
+    """Voltage for 0.2 um at 250 Hz under the finger (V)."""
+    return _threshold_voltage(250.0)

@@ -1,0 +1,1 @@
+"""The paper's printed formulas and figures, audited."""

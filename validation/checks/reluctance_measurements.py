@@ -1,0 +1,224 @@
+"""What the rows of :mod:`validation.checks.reluctance` measure: known cases, and the device."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache, partial
+
+import numpy as np
+
+from fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
+from geometry.arrays import Floats
+from geometry.device.parameters import Device, Steel
+from geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
+from geometry.reluctance.team20 import MEASURED_FORCE
+from tmm.reluctance.coenergy.fit import fit
+from tmm.reluctance.coenergy.map import CoenergyMap, Samples, closed_loop_work
+from tmm.reluctance.coenergy.range import map_grid
+from tmm.reluctance.network import network_samples
+from tmm.reluctance.switching import spring_force
+from validation.checks.cases.magnetics import coaxial_coils, infinite_solenoid, square_law
+from validation.checks.cases.magnetics.long_conductors import conductors
+from validation.checks.cases.magnetics.sphere_in_field import Potential, ball_error
+from validation.checks.cases.magnetics.team20 import PoleForce, pole_forces
+
+#: Currents (A) and gaps (m) of the device at which force and flux linkage are compared: the
+#: paper's point, half closed with less current, nearly closed, and beyond both in saturation.
+STATES = ((0.13, 0.2e-3), (0.05, 0.1e-3), (0.02, 0.02e-3), (0.195, 0.25e-3))
+
+
+def _potential(name: str) -> Potential:
+    from fem.reluctance.three_d.scalar_potential import ScalarPotential
+    from fem.reluctance.three_d.vector_potential import VectorPotential
+
+    return VectorPotential if name == "A" else ScalarPotential
+
+
+def coils_mutual_inductance() -> float:
+    """Mutual inductance of the two coaxial coils (H)."""
+    return float(coaxial_coils.solved().incremental_inductance[0, 1])
+
+
+def coils_force() -> float:
+    """Force between them by virtual work (N)."""
+    from fem.reluctance.axisymmetric.force import virtual_work_force
+
+    return virtual_work_force(coaxial_coils.solved())
+
+
+def coils_force_by_stress() -> float:
+    """Force between them by the stress in the air (N)."""
+    from fem.reluctance.axisymmetric.force import eggshell_force, eggshell_weight
+
+    field = coaxial_coils.solved()
+    return eggshell_force(field, eggshell_weight(field.discretisation))
+
+
+def solenoid_bore() -> float:
+    """Flux density inside the thick solenoid at 1 A/mm² (T): the mean over the bore's points."""
+    field = infinite_solenoid.infinite_solenoid(1e6)
+    inside = field.discretisation.radii < infinite_solenoid.INNER
+    return float(field.flux_density[1][inside].mean())
+
+
+def solenoid_profile_error() -> float:
+    """Largest deviation from µ0 J (r2 − r) anywhere, over the bore's flux density."""
+    field = infinite_solenoid.infinite_solenoid(1e6)
+    exact = infinite_solenoid.exact_profile(1e6, field.discretisation.radii)
+    return float(np.abs(field.flux_density[1] - exact).max() / exact.max())
+
+
+def _core(curve: MagnetisationCurve, field_strength: float) -> float:
+    thickness = infinite_solenoid.OUTER - infinite_solenoid.INNER
+    field = infinite_solenoid.infinite_solenoid(field_strength / thickness, curve)
+    return float(infinite_solenoid.flux_density_in_core(field).mean())
+
+
+def linear_core() -> float:
+    """Flux density in a core of µr = 1000 at 100 A/m (T)."""
+    return _core(linear(1000.0), 100.0)
+
+
+def saturating_core(field_strength: float) -> float:
+    """Flux density in a core of TEAM problem 20's steel (T)."""
+    return _core(TEAM20, field_strength)
+
+
+def ladder_coenergy() -> float:
+    """Co-energy of the square-law transformer by the circuit's solver (J)."""
+    return float(square_law.by_ladder().coenergy[0, 0])
+
+
+def ladder_energy() -> float:
+    """Return its stored energy iλ − W' (J)."""
+    linkage = float(square_law.by_ladder().flux_linkage[0, 0])
+    return square_law.CURRENT * linkage - ladder_coenergy()
+
+
+@cache
+def _square_law_map() -> CoenergyMap:
+    return square_law.by_map()
+
+
+def map_coenergy() -> float:
+    """Co-energy of the same transformer read off a co-energy map (J)."""
+    return float(_square_law_map().coenergy(square_law.CURRENT, square_law.GAP))
+
+
+def map_energy() -> float:
+    """Return its stored energy by the map (J)."""
+    return float(_square_law_map().energy(square_law.CURRENT, square_law.GAP))
+
+
+def ball_mean(potential: str) -> float:
+    """Mean flux density in the ball over the exact one, three intervals along each edge."""
+    return 1.0 + ball_error(_potential(potential), 3)[0]
+
+
+def conductor_force(potential: str) -> float:
+    """Force per length between the long strips by the stress in the air (N/m)."""
+    return conductors(_potential(potential), 0.7)[0]
+
+
+@cache
+def _team20(potential: str) -> dict[float, PoleForce]:
+    found = pole_forces(_potential(potential), 1.0, tuple(MEASURED_FORCE))
+    return {at.current: at for at in found}
+
+
+def team20_force(current: float) -> float:
+    """Force on the pole by the vector potential (N)."""
+    return _team20("A")[current].force
+
+
+def team20_best_force(current: float) -> float:
+    """Return the mean of both potentials' forces on one mesh (N)."""
+    return 0.5 * sum(_team20(potential)[current].force for potential in ("A", "phi"))
+
+
+@cache
+def _point(state: int) -> FieldPoint:
+    return solve_point(Device(), *STATES[state])
+
+
+@cache
+def _network(state: int) -> Samples:
+    current, gap = STATES[state]
+    return network_samples(Device(), np.array([current]), np.array([gap]))
+
+
+def routes_ratio(state: int) -> float:
+    """Force by the stress in the air over force by virtual work."""
+    return _point(state).force_eggshell / _point(state).force
+
+
+def difference_quotient_ratio(state: int) -> float:
+    """−ΔW'/Δg between two separately meshed gaps, over the force by virtual work."""
+    current, gap = STATES[state]
+    step = gap / 40.0
+    wide, narrow = (solve_point(Device(), current, gap + s).coenergy for s in (step, -step))
+    return (narrow - wide) / (2.0 * step) / _point(state).force
+
+
+def network_over_field_force(state: int) -> float:
+    """Force of the network over the field's."""
+    return float(_network(state).force[0, 0]) / _point(state).force
+
+
+def network_over_field_straight_iron() -> float:
+    """Return the same at the paper's point with straight iron, µr = 1000."""
+    device = Device(steel=Steel(curve="linear", relative_permeability=1000.0))
+    current, gap = STATES[0]
+    network = network_samples(device, np.array([current]), np.array([gap]))
+    return float(network.force[0, 0]) / solve_point(device, current, gap).force
+
+
+def network_over_field_linkage(state: int) -> float:
+    """Flux linkage of the network over the field's."""
+    return float(_network(state).flux_linkage[0, 0]) / _point(state).flux_linkage
+
+
+def paper_force() -> float:
+    """Pull of the reconstructed device at 130 mA and 0.2 mm by the axisymmetric field (N)."""
+    return _point(0).force
+
+
+def spring_over_pull_held() -> float:
+    """Force of the spring over the pull with 50 mA at the lower stop."""
+    device = Device()
+    gap = device.spring.stop_gap
+    return float(spring_force(device, gap)) / solve_point(device, 50e-3, gap).force
+
+
+def spring_over_pull_at_upper_stop() -> float:
+    """Force of the spring over the pull with 120 mA at the upper stop."""
+    device = Device()
+    return float(spring_force(device, device.gap)) / solve_point(device, 120e-3).force
+
+
+def _loop(model: Callable[[Floats, Floats], Samples], panels: int) -> float:
+    net, side = closed_loop_work(model, (0.02, 0.15), (0.03e-3, 0.2e-3), panels)
+    return abs(net) / side
+
+
+def network_loop_work() -> float:
+    """Net work of the network itself around a loop, over that of one side."""
+    return _loop(partial(network_samples, Device()), 8)
+
+
+def network_map_loop_work() -> float:
+    """Return the same of the map made from the network."""
+    device = Device()
+    return _loop(fit(network_samples(device, *map_grid(device))).sampled, 64)
+
+
+def field_map_loop_work() -> float:
+    """Return the same of the map made from the axisymmetric field."""
+    device = Device()
+    currents, gaps = map_grid(device, 8, 8)
+    rows = solve_map(device, gaps.tolist(), currents.tolist(), order=3)
+    linkage, force = (
+        np.array([[getattr(point, name) for point in row] for row in rows]).T
+        for name in ("flux_linkage", "force")
+    )
+    return _loop(CoenergyMap.from_samples(currents, gaps, linkage, force).sampled, 64)

@@ -1,0 +1,303 @@
+"""Do the solid model's error bars hold?  Varied bimorphs against much finer divisions.
+
+A list of cases, each a set of overrides of one scene, and what is found on each: value,
+error bar and reference of every quantity.  The error bar is what a user is shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+
+from fem.bimorph.bricks.assembly import assemble_bricks
+from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.ports import ports_from_blocks
+from fem.bimorph.system import Motion, SolidSystem
+from fem.solvers.linear_solver import factorise
+from geometry.arrays import Numbers
+from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.bimorph.bricks import Bricks, Held
+from geometry.device.checks import beyond_plain_layers
+from tmm.ports.multiport import Multiport, Termination, respond
+from tmm.ports.terminations import conservative_load, static_termination, termination
+from validation.engine.plan import make_plan
+from validation.engine.solve import evaluate, solve
+from validation.engine.stages import Stages
+from validation.models.bimorph.meshes import BrickPair
+from validation.models.bimorph.solid import SolidModel
+from validation.scene.scene import Scene, load_scene
+
+_STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
+_MODES = ("short_circuit_frequencies", "coupling_factor")
+_HARMONIC = ("tip_displacement", "admittance")
+
+#: References are solved so many levels of the family above the one judged.
+_ABOVE = 2
+#: On tetrahedra, whose bars are tens of times wider, this one will do.
+_FOR_TETRAHEDRA = LEVELS[2]
+#: Largest quarter (nodes of its reference) that is affordable.
+_MOST_NODES = 14_000
+
+
+#: Numbers by quantity and class of motion, ascending.
+Known: TypeAlias = dict[tuple[str, str], list[complex]]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One bimorph, the level it is judged at, and what is judged.
+
+    Attributes
+    ----------
+    overrides : tuple of str
+        Of the scene ``prototype``.
+    level : int
+        Level of the family (2 or 3).
+    held : {"layers", "shim"}
+        What the base is.
+    tetrahedra : bool
+        Solve on adapted tetrahedra of the bimorph's solid, not on bricks.
+    all_motions : bool
+        Judge the frequencies of all classes of motion; else those that bend in x.
+    harmonic : bool
+        Judge the response at nine tenths of the first resonance as well.
+    """
+
+    overrides: tuple[str, ...]
+    level: int = 2
+    held: Held = "layers"
+    tetrahedra: bool = False
+    all_motions: bool = False
+    harmonic: bool = False
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What is judged."""
+        return (*_STATIC, *_MODES, *(_HARMONIC if self.harmonic else ()))
+
+    def scene(self) -> Scene:
+        """Return what is solved."""
+        more = [f"mesh.level={self.level}", *(["mesh.kind=tetwild"] if self.tetrahedra else [])]
+        if self.harmonic:
+            scene, _ = load_scene("prototype", list(self.overrides))
+            first = solve(scene, ["tmm"], ["short_circuit_frequencies"]).quantities[0].value[0]
+            more.append(f"frequency={0.9 * first:.6g} Hz")
+        return load_scene("prototype", [*self.overrides, *more])[0]
+
+    @property
+    def reference(self) -> BrickMeshing:
+        """The division that its reference is solved on."""
+        return _FOR_TETRAHEDRA if self.tetrahedra else LEVELS[self.level - 1 + _ABOVE]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One number with its error bar; of a mode with its class and which of its class it is."""
+
+    quantity: str
+    value: complex
+    bar: float
+    kind: str = ""
+    number: int = 0
+
+
+class _ShimHeldModel(SolidModel):
+    """The solid model on a base that is the shim alone."""
+
+    @cached_property
+    def mesh_pair(self) -> BrickPair:
+        """Bricks of the scene's level and of the next coarser one, so held."""
+        level, device = self.scene.mesh.level, self.scene.device
+        fine, coarse = (bimorph_bricks(device, LEVELS[i], "shim") for i in (level - 1, level - 2))
+        return BrickPair(device, (fine, coarse))
+
+
+def answers(case: Case) -> list[Answer]:
+    """Return what the solid model says, as a user would be told."""
+    scene = case.scene()
+    stages = Stages(make_plan(scene, ("solid",), case.quantities).keys)
+    model: SolidModel = SolidModel(scene, stages)
+    if case.held == "shim":
+        model = _ShimHeldModel(scene, stages)
+    found = []
+    for name in case.quantities:
+        quantity = evaluate(name, model)
+        values, bars = np.ravel(quantity.value), np.ravel(quantity.uncertainty)
+        kinds = quantity.classes or ("",) * values.size
+        found += [
+            Answer(name, complex(v), float(b), k, kinds[:i].count(k))
+            for i, (v, b, k) in enumerate(zip(values, bars, kinds, strict=True))
+            if case.all_motions or k in ("", "bending_x")
+        ]
+    return found
+
+
+def reference(case: Case, kinds: Iterable[str]) -> Known:
+    """Return the quantities on the reference division; frequencies of the motions in `kinds`."""
+    scene = case.scene()
+    bricks = bimorph_bricks(scene.device, case.reference, case.held)
+    system = assemble_bricks(scene.device, bricks, lossy=False)
+    port, end = _ports(system, 0.0), static_termination(scene.support, scene.load)
+    response = respond(port, end, scene.drive.voltage)
+    found: Known = {
+        ("static_tip_displacement", ""): [complex(response.w_tip[0])],
+        ("capacitance_free", ""): [complex(response.charge[0]) / scene.drive.voltage],
+        ("capacitance_blocked", ""): [complex(port.stiffness[0, 4, 4])],
+    }
+    attachment = _attachment(scene)
+    modes = natural_modes(system, attachment, scene.modes)
+    opened = natural_modes(system, attachment, 1, open_circuit=True)[0]
+    coupling = np.sqrt(1.0 - (modes[0].frequency / opened.frequency) ** 2)
+    found["coupling_factor", ""] = [complex(coupling)]
+    others: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
+    for motion in others:
+        if motion in kinds or "mixed" in kinds:
+            system = assemble_bricks(scene.device, bricks, lossy=False, motion=motion)
+            modes += natural_modes(system, attachment, scene.modes)
+    for mode in sorted(modes, key=lambda mode: mode.frequency):
+        found.setdefault(("short_circuit_frequencies", mode.kind), []).append(mode.frequency)
+    if case.harmonic:
+        found |= _harmonic(scene, bricks)
+    return found
+
+
+def _harmonic(scene: Scene, bricks: Bricks) -> Known:
+    frequency = float(np.asarray(scene.frequency)[0])
+    system = assemble_bricks(scene.device, bricks, lossy=True)
+    port = _ports(system, frequency)
+    end: Termination = termination(scene.support, scene.load, np.array([frequency]))
+    response = respond(port, end, scene.drive.voltage)
+    current = 2j * np.pi * frequency * response.charge[0] / scene.drive.voltage
+    return {
+        ("tip_displacement", ""): [complex(response.w_tip[0])],
+        ("admittance", ""): [complex(current)],
+    }
+
+
+def _attachment(scene: Scene) -> Attachment:
+    support = scene.support
+    springs = (
+        support.lateral_stiffness, support.rotational_stiffness, support.rotational_inertia
+    )  # fmt: skip
+    base = springs if support.kind == "spring" else None
+    return Attachment(base, *conservative_load(scene.load))
+
+
+def _ports(system: SolidSystem, frequency: float) -> Multiport:
+    """Return D at one frequency to some seven digits, with no residual in long double."""
+    n, omega2 = system.inner, (2.0 * np.pi * frequency) ** 2
+    stiffness, mass = system.stiffness, system.mass
+    factor = factorise(stiffness.inner - omega2 * mass.inner, order=system.elimination)
+    x: Numbers = np.zeros((n + 3, 5), dtype=stiffness.border.dtype)
+    x[n:, :3] = np.eye(3)
+    x[:n] = factor.solve(np.hstack([omega2 * mass.border - stiffness.border, system.tip[:n]]))
+    force, seen = stiffness @ x - omega2 * (mass @ x), system.tip.T @ x
+    blocks = (force[n:, :3], force[n:, 3:], seen[:, :3], seen[:, 3:])
+    stacked = (np.array([part], dtype=complex) for part in blocks)
+    return Multiport(np.array([frequency]), ports_from_blocks(*stacked))
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """An answer of a case held against its reference, both relative to the reference."""
+
+    case: Case
+    answer: Answer
+    error: float
+    bar: float
+
+
+def judged(case: Case) -> list[Outcome]:
+    """Return every answer of a case with its error; modes by their order in their class."""
+    found = answers(case)
+    known = reference(case, {answer.kind for answer in found})
+    outcomes = []
+    for answer in found:
+        right = known[answer.quantity, answer.kind][answer.number]
+        error = abs(answer.value - right) / abs(right)
+        outcomes.append(Outcome(case, answer, error, answer.bar / abs(right)))
+    return outcomes
+
+
+def coverage(outcomes: Sequence[Outcome]) -> tuple[float, float]:
+    """Return the share of errors within their bars, and the median of bar over error."""
+    within = np.mean([o.error <= o.bar for o in outcomes])
+    width = np.median([o.bar / max(o.error, 1e-15) for o in outcomes])
+    return float(within), float(width)
+
+
+def varied_cases(seed: int, count: int = 44, finer: int = 6, tetrahedra: int = 6) -> list[Case]:
+    """Return bimorphs drawn at random from all that could be built, and more.
+
+    Lengths 3 to 60 mm, widths 0.3 to 10 mm, layers 20 µm to 1 mm, even on a logarithmic
+    scale; three ceramics, two shims; tabs, bare ends, glue; masses and springs at the tip;
+    springs and clamps at the base, of all layers or of the shim alone.  The first `finer` that
+    are small enough come at level 3 as well, the first so many that have plain layers on
+    `tetrahedra` as well.
+    """
+    rng = np.random.default_rng(seed)
+    cases: list[Case] = []
+    while len(cases) < count:
+        case = _drawn(rng, len(cases))
+        if case is None or _nodes(case) > _MOST_NODES:
+            continue
+        cases.append(case)
+        again = replace(case, level=3, all_motions=False, harmonic=False)
+        if finer and _nodes(again) < _MOST_NODES:
+            finer -= 1
+            cases.append(again)
+        plain = case.held == "layers" and not beyond_plain_layers(case.scene().device.bimorph)
+        if tetrahedra and plain:
+            tetrahedra -= 1
+            cases.append(replace(again, level=1, tetrahedra=True))
+    return cases[:count]
+
+
+def _nodes(case: Case) -> int:
+    return int(bimorph_bricks(case.scene().device, case.reference, case.held).used().sum())
+
+
+def _drawn(rng: np.random.Generator, number: int) -> Case | None:
+    """Return a random case, None if it is too stout, too slender or too wide to be one."""
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    piezo, shim, length, width = (
+        between(*limits) for limits in ((0.02, 1.0), (0.02, 1.0), (3.0, 60.0), (0.3, 10.0))
+    )
+    chance = rng.random(7)
+    tab, below, above = rng.uniform(0.5, 3.0), rng.uniform(0.05, 0.15), rng.uniform(0.02, 0.1)
+    glue = min(between(0.005, 0.05), 0.3 * min(piezo, shim))
+    mass, stiffness = between(0.1, 100.0), between(10.0, 1e4)
+    material = rng.choice(["M1876", "PZT-5H", "PZT-5A"])
+    thickness = 2.0 * piezo + shim
+    if not 4.0 * thickness <= length <= 120.0 * thickness or width > 40.0 * thickness:
+        return None
+    held: Held = "shim" if 0.3 <= chance[0] < 0.5 else "layers"
+    overrides = [
+        f"bimorph.length={length:.4g}mm",
+        f"bimorph.width={width:.4g}mm",
+        f"bimorph.piezo_thickness={piezo:.4g}mm",
+        f"bimorph.shim_thickness={shim:.4g}mm",
+        f"piezo.material={material}",
+    ]
+    options = {
+        f"bimorph.tab_length={tab:.3g}mm": chance[0] < 0.3,
+        f"bimorph.bare_below={below * length:.3g}mm": chance[1] < 0.2,
+        f"bimorph.bare_above={above * length:.3g}mm": chance[2] < 0.2,
+        f"bimorph.glue_thickness={glue:.3g}mm": chance[3] < 0.25,
+        # the rod that the springs stand for is no wider
+        "support.kind=clamped": chance[4] < 0.5 or width > 2.0,
+        "shim.shear_modulus=53.846GPa": chance[5] < 0.4,
+        "load.kind=mass": chance[6] < 0.2,
+        f"load.mass={mass:.3g}mg": chance[6] < 0.2,
+        "load.kind=spring_damper": 0.2 <= chance[6] < 0.4,
+        f"load.stiffness={stiffness:.3g}N/m": 0.2 <= chance[6] < 0.4,
+    }
+    overrides += [key for key, wanted in options.items() if wanted]
+    return Case(tuple(overrides), held=held, all_motions=number % 3 == 0, harmonic=number % 4 == 3)

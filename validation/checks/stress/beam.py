@@ -1,0 +1,257 @@
+"""The transfer-matrix model against 80-digit arithmetic, far beyond any use.
+
+Compared are all entries of the 5 x 5 dynamic stiffness of one beam, and tip displacement
+(hence velocity) and charge with the ends attached.  Inputs are the double-precision section
+constants, length and Ω, taken as exact on both sides.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from itertools import product
+
+import mpmath as mp
+import numpy as np
+
+from geometry.arrays import Floats
+from geometry.bimorph.pieces import Piece
+from geometry.device.materials import EPS0
+from geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Support
+from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.section.section import Section, section
+from tmm.beam.transfer.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
+from tmm.beam.transfer.span import Span, span
+from tmm.beam.transfer.transfer_matrix import chain
+from validation.checks.cases import reference_beam as reference
+from validation.checks.stress.beam_point import CONDITION_LIMIT, Ends, entry_error, point
+from validation.checks.stress.result import WANTED, Approach, ErrorMap, Point, Row, Stress, judged
+from validation.view.formats import engineering
+
+_LENGTH = 20e-3
+_PAPER = Ends(Support(), Load())
+_COLUMNS = ("family", "points", "worst", "condition", "matrix A", "verdict", "worst at")
+_CLAMPED_FREE = Ends(Support(kind="clamped"), Load(kind="none"))
+
+
+def run(quick: bool, announce: Callable[[str], None]) -> Stress:
+    """Run all families; some 400 points if `quick`, else some 1300."""
+    started = time.perf_counter()
+    maps, rows, approaches = [], [], []
+    for lossy in (True, False):
+        announce(f"tmm: frequency against length, {'lossy' if lossy else 'lossless'}")
+        table, row = _grid(lossy, quick)
+        maps.append(table)
+        rows.append(row)
+    for family in (_static, _cut_off, _ratios, _constants, _quality, _chains):
+        announce(f"tmm: {family.__name__.strip('_').replace('_', ' ')}")
+        rows.append(family(quick))
+    for approach in (_held_resonance, _mounted_resonance):
+        announce("tmm: into a resonance")
+        line, row = approach(quick)
+        approaches.append(line)
+        rows.append(row)
+    return Stress(
+        "tmm", _COLUMNS, _statement(), tuple(rows), tuple(maps), tuple(approaches),
+        time.perf_counter() - started,
+    )  # fmt: skip
+
+
+def _statement() -> str:
+    return (
+        f"Relative error of every entry, of tip velocity and of charge at most {WANTED:.0e} "
+        "wherever the condition number (size of the terms over size of their sum; 1/distance in "
+        f"radians of phase to the next pole or zero) is below {CONDITION_LIMIT:.0e}; beyond, at "
+        f"most {EXTENDED_ROUNDINGS:g} x {EXTENDED_EPS:.1e} x condition, {EXTENDED_EPS:.1e} being "
+        "the rounding unit of this machine's long double. Exactly at a resonance of a lossless "
+        "beam the condition number, like the value, has no bound."
+    )
+
+
+def device_of(ratio: float | None = None, quality: float | None = None) -> Device:
+    """Return the paper's device with another shim/piezo thickness ratio or quality factor."""
+    bimorph, piezo = Bimorph(), Piezo()
+    if ratio is not None:
+        layer = float(bimorph.thickness / (2.0 + ratio))
+        bimorph = Bimorph(piezo_thickness=layer, shim_thickness=float(layer * ratio))
+    if quality is not None:
+        piezo = Piezo(quality_factor=quality)
+    return Device(bimorph=bimorph, piezo=piezo)
+
+
+def beam_of(device: Device | None = None, *, lossy: bool = True) -> Section:
+    """Return the section constants of a device's bimorph."""
+    return section(Piece("bimorph", _LENGTH), device or Device(), Beam(), lossy=lossy)
+
+
+def _grid(lossy: bool, quick: bool) -> tuple[ErrorMap, Row]:
+    n_f, n_l = (12, 8) if quick else (25, 13)
+    frequencies = np.array([0.0, *np.geomspace(1e-6, 1e6, n_f)])
+    lengths = np.geomspace(1e-4, 10.0, n_l)
+    beam, ends = beam_of(lossy=lossy), _PAPER if lossy else _CLAMPED_FREE
+    name = "lossy, on the paper's springs under the finger" if lossy else "lossless cantilever"
+    points = [
+        point(beam, float(l), float(f), ends, f"{_si(l, 'm')}, {_si(f, 'Hz')}")
+        for l, f in product(lengths, frequencies)
+    ]
+
+    def table(attribute: str) -> Floats:
+        values = [getattr(p, attribute) for p in points]
+        return np.array(values).reshape(lengths.size, frequencies.size)
+
+    grids = (table(name) for name in ("error", "naive", "condition"))
+    what = f"0 Hz and 1 µHz to 1 MHz, 0.1 mm to 10 m, {name}"
+    row = judged(f"frequency x length, {'lossy' if lossy else 'lossless'}", what, points)
+    return ErrorMap(name, frequencies, lengths, *grids), row
+
+
+def _static(_: bool) -> Row:
+    """Go to the static limit."""
+    frequencies = (0.0, 1e-9, 1e-6, 1e-3, 1.0)
+    lengths = (1e-4, 1e-2, 1.0, 10.0)
+    points = _points(beam_of(), _PAPER, lengths, frequencies)
+    return judged("static limit", "0 Hz and just above, 0.1 mm to 10 m, lossy", list(points))
+
+
+def _cut_off(quick: bool) -> Row:
+    """Go through the cut-off of the second spectrum."""
+    steps = (0.0, 1e-14, 1e-10, 1e-6, 1e-3) if quick else (0.0, *10.0 ** -np.arange(2.0, 16.0))
+    points = []
+    for lossy in (True, False):
+        beam = beam_of(lossy=lossy)
+        cut = math.sqrt(beam.GA / beam.rhoI) / (2.0 * math.pi)
+        for length, step, side in product((1e-3, _LENGTH, 1.0, 10.0), steps, (-1.0, 1.0)):
+            where = f"{_si(length, 'm')}, cut-off (1 {'+' if side > 0 else '-'} {step:.0e})"
+            frequency = cut * (1.0 + side * step)
+            points.append(point(beam, length, frequency, _CLAMPED_FREE, where))
+    what = "ρI Ω² = GA to the last bit and around it, 1 mm to 10 m, lossy and lossless"
+    return judged("cut-off", what, points)
+
+
+def _ratios(quick: bool) -> Row:
+    """Vary the layer thicknesses."""
+    points: list[Point] = []
+    for ratio in 10.0 ** np.arange(-3.0, 3.5, 2.0 if quick else 1.0):
+        beam = beam_of(device_of(ratio=ratio))
+        points += _points(beam, _PAPER, (1e-3, _LENGTH), (1.0, 1e3, 1e5, 1e6), f"ratio {ratio:g}, ")
+    what = "shim over piezo thickness 1e-3 to 1e3, 1 and 20 mm, 1 Hz to 1 MHz"
+    return judged("thickness ratio", what, points)
+
+
+def _constants(_: bool) -> Row:
+    """Compare the section constants with integrals over the layers."""
+    points = []
+    for ratio, quality in product(10.0 ** np.arange(-3.0, 3.5, 1.0), (1.0, 60.0, 1e9)):
+        device = device_of(ratio, quality)
+        got, exact = beam_of(device), reference.bimorph_constants(_layers(device))
+        error = max(
+            reference.relative_error(getattr(got, name), getattr(exact, name))
+            for name in ("EI", "GA", "m", "rhoI", "K", "C")
+        )
+        points.append(
+            Point(f"ratio {ratio:g}, Q {quality:g}", error, 1.0, error_bound(1.0), math.nan)
+        )
+    what = "EI, GA, m, ρI, K, C against integrals over the layers, ratios 1e-3 to 1e3, Q 1 to 1e9"
+    return judged("section constants", what, points)
+
+
+def _layers(device: Device) -> reference.Layers:
+    bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
+    with mp.workdps(reference.DIGITS):
+        permittivity = mp.mpf(piezo.eps33) * mp.mpf(EPS0)
+    return reference.Layers(
+        width=bimorph.width,
+        piezo_thickness=bimorph.piezo_thickness,
+        shim_thickness=bimorph.shim_thickness,
+        piezo_density=piezo.density,
+        shim_density=shim.density,
+        shim_modulus=shim.youngs_modulus,
+        shim_shear_modulus=shim.shear_modulus,
+        s11=piezo.s11,
+        s55=piezo.s55,
+        d31=piezo.d31,
+        permittivity=permittivity,
+        shear_correction=Beam().shear_correction,
+        quality_factor=piezo.quality_factor,
+        loss_tangent=piezo.loss_tangent,
+    )
+
+
+def _quality(quick: bool) -> Row:
+    """Vary the quality factor."""
+    points: list[Point] = []
+    for quality in (1.0, 1e3, 1e9) if quick else (1.0, 3.0, 10.0, 1e2, 1e3, 1e5, 1e7, 1e9):
+        beam = beam_of(device_of(quality=quality))
+        points += _points(
+            beam, _PAPER, (_LENGTH, 1.0), (1e2, 1044.0, 1e4, 1e5, 1e6), f"Q {quality:g}, "
+        )
+    return judged("quality factor", "Q 1 to 1e9, 20 mm and 1 m, 100 Hz to 1 MHz", points)
+
+
+def _chains(quick: bool) -> Row:
+    """Cut the beam and join it again."""
+    beam, points = beam_of(), []
+    for pieces, frequency in product((2, 8, 32) if quick else (2, 8, 32, 128), (10.0, 1e3, 1e5)):
+        length = _LENGTH / pieces
+        got = chain([(beam, length)] * pieces, np.array([frequency])).stiffness[0]
+        exact = reference.dynamic_stiffness(
+            reference.constants(beam), mp.mpf(length) * pieces, 2.0 * np.pi * frequency
+        )
+        # a piece is n³ times stiffer than the row, and each joint is a difference of two
+        limit = error_bound(1.0) + 4.0 * EPS * pieces**3
+        where = f"{pieces} pieces, {_si(frequency, 'Hz')}"
+        points.append(Point(where, entry_error(got, exact), float(pieces) ** 3, limit, math.nan))
+    what = "20 mm cut in equal pieces and joined by their matrices; the condition is pieces³"
+    return judged("long chain", what, points)
+
+
+def _held_resonance(quick: bool) -> tuple[Approach, Row]:
+    """Approach a pole of D, a resonance with both ends held."""
+    beam = beam_of(lossy=False)
+    # E, whose zeros these poles are
+    pole = _root(
+        lambda f: float(span(beam, _LENGTH, 2.0 * np.pi * f, Span)[0].even[0].real), 4e3, 9e3
+    )
+    return _approach("resonance, both ends held", beam, pole, quick)
+
+
+def _mounted_resonance(quick: bool) -> tuple[Approach, Row]:
+    """Approach a resonance of the cantilever."""
+    beam = beam_of(lossy=False)
+    first = bending_frequencies([(beam, _LENGTH)], Fixture(clamped=True), 1, open_circuit=False)
+    return _approach("resonance, cantilever", beam, float(first[0]), quick)
+
+
+def _approach(name: str, beam: Section, pole: float, quick: bool) -> tuple[Approach, Row]:
+    steps = 10.0 ** -np.arange(1.0, 16.0, 2.0 if quick else 0.5)
+    points = [
+        point(beam, _LENGTH, pole * (1.0 + s), _CLAMPED_FREE, f"{_si(pole, 'Hz')} (1 + {s:.0e})")
+        for s in (*steps, 0.0)
+    ]
+    columns = (np.array([getattr(p, n) for p in points]) for n in ("condition", "error", "bound"))
+    what = f"lossless 20 mm, {pole:.6g} Hz, from 10 % away to the last bit"
+    return Approach(name, *columns), judged(name, what, points)
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Return where a function changes sign, to the last bit."""
+    positive = function(low) > 0.0
+    while True:
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            return middle
+        low, high = (middle, high) if (function(middle) > 0.0) == positive else (low, middle)
+
+
+def _points(
+    beam: Section, ends: Ends, lengths: Sequence[float], frequencies: Sequence[float],
+    label: str = "",
+) -> Iterator[Point]:  # fmt: skip
+    for length, frequency in product(lengths, frequencies):
+        where = f"{label}{_si(length, 'm')}, {_si(frequency, 'Hz')}"
+        yield point(beam, length, frequency, ends, where)
+
+
+def _si(value: float, unit: str) -> str:
+    return engineering(float(value), unit, 3)

@@ -1,0 +1,54 @@
+"""The normal actuator's models far beyond the device: they converge, or say why not.
+
+Held against exact limits where there are any, else an answer's own error bar against a
+finer solution.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from validation.checks.stress.magnetics_circuit import network_rows, refused_row
+from validation.checks.stress.magnetics_device import (
+    as_built_row,
+    device_rows,
+    graded_row,
+    narrow_gap_row,
+    solenoid_row,
+)
+from validation.checks.stress.magnetics_solid import ball_row, sliver_row, team20_rows
+from validation.checks.stress.result import Row, Stress
+
+_COLUMNS = ("family", "points", "refused", "worst", "promised", "verdict", "worst at")
+_FAMILIES: dict[str, Callable[[bool], Row | list[Row]]] = {
+    "device, permeability, gap and current": device_rows,
+    "device, coarse to fine": as_built_row,
+    "narrow gap": narrow_gap_row,
+    "long core": solenoid_row,
+    "badly graded grids": graded_row,
+    "3D slivers": sliver_row,
+    "3D ball": ball_row,
+    "3D, TEAM problem 20": team20_rows,
+    "network": network_rows,
+    "no answer exists": refused_row,
+}
+_STATEMENT = (
+    "Each answer is within what was promised of it: its own error bar (with the finer solution's) "
+    "or, where the exact answer is known, the bound that follows from the method.  A point counts "
+    "as refused if the model says in one sentence why it has no answer: the grid may be too "
+    "coarse for one."
+)
+
+
+def run(quick: bool, announce: Callable[[str], None]) -> Stress:
+    """Run all families; half a minute if `quick`, else about two."""
+    started = time.perf_counter()
+    rows: list[Row] = []
+    for name, family in _FAMILIES.items():
+        announce(f"magnetics: {name}")
+        found = family(quick)
+        rows += found if isinstance(found, list) else [found]
+    return Stress(
+        "magnetics", _COLUMNS, _STATEMENT, tuple(rows), (), (), time.perf_counter() - started
+    )

@@ -1,0 +1,169 @@
+"""The solid's own error bars where no exact answer is known: against a finer division."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.ports import direct_multiport
+from fem.bimorph.reduction.krylov import port_error, reduce_to_ports
+from fem.bimorph.solid import assemble
+from geometry.arrays import Floats
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.bimorph.bricks import Bricks
+from geometry.device.parameters import Bimorph, Device, Glue
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.tensor_tets import box_tetrahedra
+from validation.checks.stress.answers import REFUSALS, Family
+from validation.checks.stress.result import Row, answered
+from validation.checks.stress.solid_exact import named_faces, static_values
+from validation.engine.refinement import BRICK_FACTOR, least_difference, two_mesh_factor
+
+_NAMES = ("tip", "capacitance", "f1")
+#: Levels of the division that is judged, of the one that judges it, and of the reference.
+_COARSE, _FINE, _REFERENCE = 0, 1, 2
+
+
+def thickness_row(quick: bool) -> Row:
+    """Share one thickness between shim and ceramic in any proportion."""
+    devices = []
+    for power in (-3, 3) if quick else range(-3, 4):
+        ratio = 10.0**power
+        piezo = 0.77e-3 / (2.0 + ratio)
+        bimorph = Bimorph(length=5e-3, piezo_thickness=piezo, shim_thickness=ratio * piezo)
+        devices.append((f"shim/piezo 1e{power}", Device(bimorph=bimorph)))
+    what = "shim/piezo 1e-3 to 1e3 at one total thickness, M1876 as it is"
+    return _own_bars("solid: thickness ratios", what, devices)
+
+
+def short_electrode_row(quick: bool) -> Row:
+    """Leave all but a sliver of the ceramic bare."""
+    devices = []
+    for share in (1e-2,) if quick else (0.5, 1e-1, 1e-2, 1e-3):
+        bare = 0.5 * (1.0 - share) * 6e-3
+        bimorph = Bimorph(length=6e-3, bare_below=bare, bare_above=bare)
+        devices.append((f"electrode {share:g} of the length", Device(bimorph=bimorph)))
+    what = "electrode on 1 to 1/1000 of the length, in the middle"
+    return _own_bars("solid: short electrodes", what, devices)
+
+
+def glue_row(quick: bool) -> Row:
+    """Glue the layers with anything between jelly and steel, and nearly incompressible.
+
+    Jelly is refused.  Tetrahedra are beside the point where scenes with glue between layers
+    are solved on bricks, but they should agree where the glue is an adhesive.
+    """
+    devices = []
+    pairs = [(3e9, 0.4999), (1e3, 0.3)]
+    if not quick:
+        pairs += [(3e9, 0.3), (3e9, 0.49), (3e9, 0.49999), (1e6, 0.4999), (1e7, 0.3), (1e12, 0.3)]
+    for modulus, ratio in pairs:
+        device = Device(
+            bimorph=Bimorph(length=5e-3, glue_thickness=20e-6),
+            glue=Glue(youngs_modulus=modulus, poisson_ratio=ratio),
+        )
+        devices.append((f"glue of {modulus:g} Pa, ν {ratio:g}", device))
+    family = _collected(devices)
+    firm = [pair for pair in devices if pair[1].glue.youngs_modulus == 3e9]
+    for where, device in firm[:1] if quick else firm:
+        _tetrahedra(family, f"{where}, tetrahedra", device)
+    what = "20 µm of 1 kPa to 1 TPa, ν up to 0.49999; bricks and tetrahedra"
+    return answered("solid: glue", what, family.points, family.refusals)
+
+
+def _own_bars(name: str, what: str, devices: Iterable[tuple[str, Device]]) -> Row:
+    family = _collected(devices)
+    return answered(name, what, family.points, family.refusals)
+
+
+def _collected(devices: Iterable[tuple[str, Device]]) -> Family:
+    family = Family()
+    for where, device in devices:
+        try:
+            coarse, fine, known = (
+                _answers(device, bimorph_bricks(device, LEVELS[level]))[0]
+                for level in (_COARSE, _FINE, _REFERENCE)
+            )
+        except REFUSALS as error:
+            family.refuse(error)
+            continue
+        apart = np.abs(fine - coarse)
+        apart[2] += fine[2] * least_difference(fine[2:], coarse[2:])
+        for i, name in enumerate(_NAMES):
+            bar = BRICK_FACTOR * apart[i]
+            family.compare(f"{where}, {name}", fine[i], known[i], bar)
+    return family
+
+
+def _answers(device: Device, mesh: Mesh | Bricks) -> tuple[Floats, int]:
+    """Return tip displacement per volt, capacitance, first bending frequencies; and the size."""
+    system = assemble(device, mesh, lossy=False)
+    modes = natural_modes(system, Attachment(None), 2 if isinstance(mesh, Bricks) else 4)
+    bending = [m.frequency for m in modes if m.kind in ("bending_x", "mixed")]
+    return np.array([*static_values(system), *bending[:2]]), system.size
+
+
+def _tetrahedra(family: Family, where: str, device: Device) -> None:
+    """Hold a mesh of tetrahedra, judged by a coarser one, against bricks."""
+    known, _ = _answers(device, bimorph_bricks(device, LEVELS[_REFERENCE]))
+    meshes = [_layered_tetrahedra(device, n) for n in (2, 3)]
+    try:
+        (coarse, few), (fine, more) = (_answers(device, mesh) for mesh in meshes)
+    except REFUSALS as error:
+        family.refuse(error)
+        return
+    factor = two_mesh_factor((more / few) ** (1.0 / 3.0))
+    for i, name in enumerate(_NAMES):
+        family.compare(f"{where}, {name}", fine[i], known[i], factor * abs(fine[i] - coarse[i]))
+
+
+def _layered_tetrahedra(device: Device, fineness: int) -> Mesh:
+    b = device.bimorph
+    half, outer = 0.5 * b.shim_thickness, 0.5 * b.thickness
+    inner = half + b.glue_thickness
+    side = [np.linspace(0.0, half, fineness)[1:], [inner], np.linspace(inner, outer, fineness)[1:]]
+    x = np.concatenate([[0.0], *side])
+    x = np.concatenate([-x[:0:-1], x])
+    y = np.linspace(-0.5, 0.5, 2 * fineness) * b.width
+    z = b.length * np.linspace(0.0, 1.0, 4 * fineness) ** 1.5
+    middle = 0.5 * (x[1:] + x[:-1])
+    layer = np.select([np.abs(middle) < half, np.abs(middle) < inner, middle > 0.0], [2, 3, 0], 1)
+    region = np.broadcast_to(layer[:, None, None], (layer.size, y.size - 1, z.size - 1))
+    mesh = box_tetrahedra(x, y, z, region, ("piezo_top", "piezo_bottom", "shim", "glue"))
+    return named_faces(mesh, inner, outer)
+
+
+def resonance_row(quick: bool) -> Row:
+    """Go into a lossless resonance, and as far as a peak of a Q of 1e8, by reduction."""
+    family = Family()
+    device = Device()
+    bricks = bimorph_bricks(device, LEVELS[0])
+    lossless = assemble(device, bricks, lossy=False)
+    peak = natural_modes(lossless, Attachment(None), 1)[0].frequency
+    sharp = device.model_copy(
+        update={
+            "piezo": device.piezo.model_copy(update={"quality_factor": 1e8, "loss_tangent": 1e-8})
+        }
+    )
+    systems = {"lossless": lossless}
+    if not quick:
+        systems["Q 1e8"] = assemble(sharp, bricks, lossy=True)
+    for name, system in systems.items():
+        offsets = 10.0 ** -np.arange(1.0, 7.0 if quick else 13.0, 2.0 if quick else 1.0)
+        frequencies = peak * (1.0 + offsets)
+        reduced = reduce_to_ports(system, frequencies)
+        # D(Ω) has no pole here, but what it is made of has one, which magnifies rounding twice;
+        # the estimate, a distance of two reductions, is as much rounding: right to its size
+        promised = 10.0 * reduced.error_estimate(frequencies) + 1e-9
+        for offset, frequency, bound in zip(offsets, frequencies, promised, strict=True):
+            try:
+                exact = direct_multiport(system, frequency)
+            except REFUSALS as error:
+                family.refuse(error)
+                continue
+            miss = port_error(reduced.multiport(np.atleast_1d(frequency)), exact)[0]
+            family.add(f"{name}, {offset:.0e} beside the peak", float(miss), float(bound))
+    what = "D(Ω) by reduction against direct solution, 1e-1 to 1e-12 beside a resonance"
+    return answered("solid: resonance", what, family.points, family.refusals)

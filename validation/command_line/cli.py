@@ -1,0 +1,145 @@
+"""The command line: what other programs and people call.
+
+Words and progress go to stderr, results to stdout; bad input ends with one sentence and
+exit code 2.  Heavy libraries are imported by the commands that need them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from fem.solvers.threads import thread_count
+from geometry.errors import InputError
+from validation.command_line.commands import (
+    bench,
+    design,
+    export,
+    identify,
+    init,
+    plan,
+    report,
+    scenes,
+    sensitivity,
+    solve,
+    stress,
+)
+from validation.command_line.commands.common import say
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """Report a usage error the way all bad input is reported."""
+        raise InputError(f"{message}; see {self.prog} --help")
+
+
+class _Ended(BaseException):
+    """SIGTERM arrived: like KeyboardInterrupt, no error that code may handle."""
+
+
+@contextlib.contextmanager
+def _tidy_when_told_to_end() -> Iterator[None]:
+    """Let SIGTERM unwind the stack, so that half-written files are taken away."""
+
+    def end(*_: object) -> NoReturn:
+        raise _Ended
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code."""
+    scene, code = "", 0
+    if sys.stderr is None:  # closed: words and progress go nowhere, not to stdout
+        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
+    try:
+        if sys.stdout is None:
+            raise InputError("standard output is closed; leave it open or send it to a file")
+        with _tidy_when_told_to_end(), contextlib.suppress(SystemExit):  # --help
+            options = _parser().parse_args(arguments)
+            scene = getattr(options, "scene", "")
+            thread_count()  # a bad setting is refused now, not after meshing
+            code = options.run(options)
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        say("interrupted; nothing half-written was kept")
+        return 130
+    except _Ended:
+        say("told to end; nothing half-written was kept")
+        return 143
+    except BrokenPipeError:
+        _drop_output()
+        return 141
+    except Exception as error:
+        text = _explained(error, scene)
+        if text is None:
+            raise
+        say(text)
+        return 2
+    return code
+
+
+def _explained(error: Exception, scene: str) -> str | None:
+    """Return the sentence for an error that a user can act on, None for a mistake of ours."""
+    if isinstance(error, InputError):
+        return str(error)
+    if isinstance(error, OSError):
+        reason = (error.strerror or str(error)).lower()
+        if error.filename is not None:
+            return f"{error.filename} cannot be used ({reason}); make room or choose another place"
+        _drop_output()
+        return f"standard output cannot be written ({reason}); send it somewhere else"
+    # by name: importing the solvers costs more than most answers
+    names = {kind.__name__ for kind in type(error).__mro__}
+    if names & {"LinAlgError", "SolverError", "ArpackError", "ArithmeticError", "MemoryError"}:
+        reason = str(error) or type(error).__name__
+        return (
+            f'scene "{scene}" cannot be solved ({reason}); bring the values that it sets closer to '
+            "those of the built-in scenes paper and reluctance, or ask for another model with "
+            "--model"
+        )
+    return None
+
+
+def _drop_output() -> None:
+    """Send what is left of stdout nowhere, so that Python does not complain at exit."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="tactgen",
+        description="Verification suite for a tactile generator: a piezo bimorph on a "
+        "reluctance actuator, by lumped, transfer-matrix, beam and solid models.",
+    )
+    parser.set_defaults(run=lambda _: _help(parser))
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND")
+    for command in (
+        report, solve, design, sensitivity, identify, plan, export, stress, bench, scenes, init,
+    ):  # fmt: skip
+        command.add(commands)
+    return parser
+
+
+def _help(parser: argparse.ArgumentParser) -> int:
+    print(parser.format_help(), end="")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,26 @@
+"""``tactgen bench``: what the models cost, and what accuracy comes with it."""
+
+from __future__ import annotations
+
+import argparse
+
+from validation.command_line.commands.common import Commands
+from validation.command_line.commands.part_runs import add_part_command, run_and_show
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    words = "measure speed, memory and accuracy on one core"
+    add_part_command(commands, "bench", words, "fewer points", run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command; a slow machine is no error, so the exit code is 0."""
+    from validation.bench import PARTS, run_parts
+    from validation.bench.output import print_bench, write_bench
+
+    run_and_show(
+        options, PARTS, run_parts, print_bench, write_bench,
+        lambda parts: {"met": {p.part: [target.met for target in p.targets] for p in parts}},
+    )  # fmt: skip
+    return 0

@@ -1,0 +1,69 @@
+"""What the commands share: the scene's options, and warnings on stderr."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import sys
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from validation.scene.scene import Scene
+
+#: What argparse hands out for adding commands (its type is private).
+Commands = Any
+
+
+def scene_options(parser: argparse.ArgumentParser, default: str = "paper") -> None:
+    """Add the scene and its overrides."""
+    parser.add_argument(
+        "scene", nargs="?", default=default, help=f"file or built-in name (default {default})"
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        dest="overrides",
+        help="change a scene key, for example bimorph.length=25mm",
+    )
+
+
+def lateral_scene(
+    name: str, overrides: Sequence[str], command: str
+) -> tuple[Scene, dict[str, str]]:
+    """Load the scene of a command that is about the lateral actuator, and where values come from.
+
+    Raises
+    ------
+    InputError
+        As :func:`validation.scene.scene.load_scene`; or if no model of the lateral actuator is
+        asked for.
+    """
+    from geometry.errors import InputError
+    from validation.catalogue.quantities import LATERAL_MODELS
+    from validation.scene.scene import load_scene
+
+    scene, origins = load_scene(name, list(overrides))
+    if not set(scene.models) & set(LATERAL_MODELS):
+        raise InputError(
+            f"models = {', '.join(scene.models)} in scene {scene.name} are all of the normal "
+            f"actuator, and {command} is about the lateral one; take the scene paper or --set "
+            "models=tmm"
+        )
+    return scene, origins
+
+
+def say(text: str) -> None:
+    """Print one line to stderr, if that can be written."""
+    from validation.scene.wording import one_line
+
+    with contextlib.suppress(OSError):
+        print(f"tactgen: {one_line(text)}", file=sys.stderr)
+
+
+def warn(warnings: Iterable[str]) -> None:
+    """Print warnings to stderr."""
+    for warning in warnings:
+        say(f"warning: {warning}")

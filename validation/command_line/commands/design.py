@@ -1,0 +1,220 @@
+"""``tactgen design``: the length of the lateral actuator for a stated aim."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geometry.errors import InputError
+from validation.command_line.commands.common import Commands, lateral_scene, scene_options, warn
+
+if TYPE_CHECKING:
+    from validation.scene.scene import Scene
+    from validation.studies.design.aim import Aim
+    from validation.studies.design.length_dependence import Dependence
+    from validation.studies.design.length_design import Design
+    from validation.studies.design.length_map import LengthMap
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "design", help="find the actuator's length that keeps it above the detection threshold"
+    )
+    scene_options(parser)
+    parser.add_argument(
+        "--aim", choices=("shortest", "margin"), default="shortest",
+        help="the shortest length that keeps the margin (default), or that of the largest margin",
+    )  # fmt: skip
+    parser.add_argument(
+        "--margin", default="1", metavar="FACTOR",
+        help="deflection over detection threshold to keep (default 1)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--band", default="10:1000", metavar="LOW:HIGH", help="in Hz (default 10:1000)"
+    )
+    parser.add_argument(
+        "--lengths", default="20mm:40mm", metavar="LOW:HIGH",
+        help="search these (default 20mm:40mm, the paper's)",
+    )  # fmt: skip
+    parser.add_argument("--plot", metavar="FILE.svg", help="draw it")
+    parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command and return its exit code."""
+    import numpy as np
+
+    from validation.command_line.progress import announcer
+    from validation.scene.idle_keys import scene_warnings
+    from validation.studies.design.length_dependence import dependences
+    from validation.studies.design.length_design import design
+    from validation.studies.design.length_map import length_map
+    from validation.studies.design.length_section import CURVES
+
+    scene, origins = lateral_scene(options.scene, options.overrides, "design")
+    aim = _aim(options)
+    if options.plot and not options.plot.endswith(".svg"):
+        raise InputError(
+            f'--plot "{options.plot}" is not an SVG file; write for example --plot length.svg'
+        )
+    warn(scene_warnings(scene, origins))
+    with announcer() as announce:
+        announce("length design")
+        found = design(scene, aim)
+        study = length_map(scene, np.linspace(*aim.lengths, CURVES), aim.band)
+        announce("what the length depends on")
+        rows = dependences(found, origins)
+        if options.plot:
+            _draw(Path(options.plot), study, found)
+    warn(found.warnings)
+    if options.json:
+        json.dump(_as_json(scene, study, found, rows), sys.stdout, allow_nan=False)
+        print()
+    else:
+        _print(scene, study, found, rows)
+    return 0
+
+
+def _aim(options: argparse.Namespace) -> Aim:
+    from validation.scene.frequencies import parse_frequencies
+    from validation.studies.design.aim import Aim
+
+    try:
+        margin = float(options.margin)
+    except ValueError:
+        margin = math.nan
+    if not math.isfinite(margin):
+        raise InputError(
+            f'--margin "{options.margin}" is not a number; write for example --margin 1.5'
+        )
+    low, high = _two(options.band, "--band", "10:1000")
+    first, last = parse_frequencies([low, high])
+    short, long = _two(options.lengths, "--lengths", "20mm:40mm")
+    return Aim(options.aim, margin, (first, last), (_length(short), _length(long)))
+
+
+def _two(text: str, option: str, example: str) -> tuple[str, str]:
+    low, colon, high = (part.strip() for part in text.partition(":"))
+    if not (low and colon and high) or ":" in high:
+        raise InputError(f'{option} "{text}" is not LOW:HIGH; write for example {option} {example}')
+    return low, high
+
+
+def _length(text: str) -> float:
+    from pydantic import TypeAdapter, ValidationError
+
+    from geometry.units import Length, quoted
+    from validation.scene.wording import one_line
+
+    reader: TypeAdapter[float] = TypeAdapter(Length)
+    try:
+        return reader.validate_python(text, context={"units_required": True})
+    except ValidationError as error:
+        reason = error.errors()[0]["ctx"]["error"]
+        raise InputError(one_line(f"--lengths: {quoted(text)} {reason}")) from None
+
+
+def _draw(file: Path, study: LengthMap, found: Design) -> None:
+    from geometry.files import written_whole
+    from validation.studies.design.plots import length_plot
+
+    picture = length_plot(study, found)
+    with written_whole(file) as temporary:
+        temporary.write_text(picture, encoding="utf-8")
+
+
+def _print(scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence, ...]) -> None:
+    from validation.studies.design.length_dependence import decided_lengths
+    from validation.studies.design.length_section import NEGLIGIBLE, table_rows
+    from validation.studies.design.wording import sentences, signed
+
+    for sentence in sentences(found):
+        print(sentence)
+    print(f"\n{'length':>10} {'|w| at start':>13} {'minimum':>11} {'at':>9} "
+          f"{'|w|/threshold':>14} {'at':>9}")  # fmt: skip
+    for row in table_rows(scene, study, found.aim):
+        dip = row["minimum"]
+        lowest = (
+            (f"{1e6 * dip.displacement:.4g} µm", f"{dip.frequency:.4g} Hz") if dip else ("none", "")
+        )
+        print(f"{1e3 * row['length']:>7.4g} mm {1e6 * row['start']:>10.4g} µm {lowest[0]:>11} "
+              f"{lowest[1]:>9} {row['margin']:>14.4g} {row['margin_at']:>6.4g} Hz")  # fmt: skip
+    columns = decided_lengths(found)
+    if not columns:
+        print("\nThe length is an end of the range and depends on no parameter.")
+        return
+    print("\npercent by which a length changes per percent of a parameter")
+    heads = " ".join(f"{1e3 * length:>9.5g} mm" for length, _ in columns)
+    print(f"{'parameter':32} {'value':>22} {heads}  source")
+    for line in rows:
+        if line.largest >= NEGLIGIBLE:
+            slopes = " ".join(f"{signed(slope):>12}" for slope in line.slopes)
+            print(f"{line.key:32} {line.text:>22} {slopes}  {line.source}")
+    idle = [line.key for line in rows if line.largest < NEGLIGIBLE]
+    if idle:
+        print(f"less than {NEGLIGIBLE:g}: {', '.join(idle)}")
+
+
+def _as_json(
+    scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence, ...]
+) -> dict[str, Any]:
+    """Return the design as plain JSON values, SI units."""
+    from validation.studies.design.length_dependence import decided_lengths
+    from validation.studies.design.length_section import table_rows
+    from validation.studies.design.wording import sentences
+
+    aim = found.aim
+    return {
+        "scene": scene.name,
+        "setting": {
+            "voltage": scene.drive.voltage, "wiring": scene.bimorph.wiring,
+            "load": scene.load.kind,
+        },
+        "aim": {
+            "kind": aim.kind, "margin": aim.margin,
+            "band": list(aim.band), "lengths": list(aim.lengths),
+            "threshold": [
+                {"frequency": p.frequency, "amplitude": p.amplitude, "source": p.source}
+                for p in aim.threshold.points
+            ],
+        },
+        "length": found.length,
+        "margin": found.margin,
+        "frequency": found.frequency,
+        "limit": found.limit,
+        "feasible": [
+            {"lengths": [i.shortest, i.longest], "frequencies": [i.at_shortest, i.at_longest]}
+            for i in found.intervals
+        ],
+        "present": {
+            "length": scene.bimorph.length,
+            "margin": found.present[0], "frequency": found.present[1],
+        },
+        "map": [
+            {
+                "length": row["length"], "start": row["start"],
+                "minimum": row["minimum"]
+                and {"displacement": row["minimum"].displacement,
+                     "frequency": row["minimum"].frequency},
+                "margin": row["margin"], "frequency": row["margin_at"],
+            }
+            for row in table_rows(scene, study, aim)
+        ],
+        "sensitivity": {
+            "lengths": [length for length, _ in decided_lengths(found)],
+            "frequencies": [at for _, at in decided_lengths(found)],
+            "parameters": [
+                {"key": row.key, "value": row.text, "source": row.source, "assumed": row.assumed,
+                 "slopes": list(row.slopes)}
+                for row in rows
+            ],
+        },
+        "statements": list(sentences(found)),
+        "warnings": list(found.warnings),
+    }  # fmt: skip

@@ -1,0 +1,51 @@
+"""``tactgen export``: write CAD, mesh, map or reduced solid files."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from geometry.errors import InputError
+from validation.command_line.commands.common import Commands, scene_options
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser("export", help="write CAD, mesh, map or reduced solid files")
+    scene_options(parser)
+    parser.add_argument("--step", metavar="FILE", help="solids as STEP (mm)")
+    parser.add_argument("--glb", metavar="FILE", help="solids as binary glTF")
+    parser.add_argument("--mesh", metavar="FILE.vtu", help="the solid model's mesh (m)")
+    parser.add_argument(
+        "--map", metavar="FILE.nc", help="the normal actuator's co-energy map as netCDF (SI)"
+    )
+    parser.add_argument(
+        "--ports", metavar="FILE.npz", help="the solid reduced to its ports, free at both ends (SI)"
+    )
+    parser.add_argument(
+        "--state-space",
+        metavar="FILE.npz",
+        help="the solid on its support as x' = A x + B u for time simulation (SI)",
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command and return its exit code."""
+    from validation.command_line.progress import announcer
+    from validation.export.export import export
+    from validation.scene.scene import load_scene
+
+    scene, _ = load_scene(options.scene, options.overrides)
+    kinds = ("step", "glb", "mesh", "map", "ports", "state_space")
+    targets = {kind: getattr(options, kind) for kind in kinds}
+    wanted = {kind: Path(file) for kind, file in targets.items() if file}
+    if not wanted:
+        raise InputError(
+            "export needs at least one of --step FILE, --glb FILE, --mesh FILE.vtu, --map FILE.nc, "
+            "--ports FILE.npz, --state-space FILE.npz"
+        )
+    with announcer() as announce:
+        for path in export(scene, wanted, announce):
+            print(path)
+    return 0

@@ -1,0 +1,105 @@
+"""``tactgen identify``: fit a scene's parameters to a measured curve."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+
+from geometry.errors import InputError
+from validation.command_line.commands.common import Commands, lateral_scene, scene_options, warn
+
+_ABOUT = """\
+Fit parameters of a scene to a measured frequency response with the transfer-matrix model,
+as the paper did by hand for its support (Fig 8).
+
+MEASURED.csv has a header that names each column with its unit:
+  frequency (Hz)               ascending, above 0
+  velocity (mm/s)              a magnitude; or with velocity_phase (deg);
+                               or velocity_re (mm/s) and velocity_im (mm/s)
+  uncertainty (mm/s)           optional: one standard deviation of each point, or
+  weight                       optional: how much a point counts; only ratios matter, the
+                               variance of its noise goes as 1/weight, 0 leaves it out
+Instead of velocity: displacement (um), admittance (S) or current (A).  Comma, semicolon or tab
+between columns, a decimal point, comments from # to the end of a line.  Amplitudes are peak
+values, the phase is that against the voltage, with the time factor exp(+j omega t).  Velocity,
+displacement and current are those at the scene's drive.voltage (1 V in prototype): set another
+with --set drive.voltage=5V.
+"""
+_EXAMPLES = """\
+NAME is c_s, c_sl, d_s, theta, rho_p or a scene key such as piezo.quality_factor.  START is the
+scene's value unless given; bounds are a factor 100 either side of it.  By default c_s and d_s
+are fitted: c_sl and theta hardly act below 2 kHz.  Intervals are 95 %, linear in the logarithm
+where that is safe, else by profile likelihood; an end that no data set is called open.
+
+  tactgen identify sweep.csv
+  tactgen identify sweep.csv --fit c_s=0.2N*m/rad:0.05..2N*m/rad --fit d_s --fit c_sl
+  tactgen identify sweep.csv mine.toml --set bimorph.length=14.2mm --plot fit.svg --json
+"""
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "identify",
+        help="fit support or other parameters to a measured curve",
+        description=_ABOUT,
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("measured", metavar="MEASURED.csv", help="the measured curve")
+    scene_options(parser, default="prototype")
+    parser.add_argument(
+        "--fit",
+        action="append",
+        metavar="NAME[=START][:LOW..HIGH]",
+        help="a parameter to fit; may be repeated (default: c_s and d_s)",
+    )
+    parser.add_argument(
+        "--noise",
+        choices=("relative", "constant"),
+        help="what the noise is proportional to where no uncertainty is stated: the value, or "
+        "nothing (default: what makes the data likelier)",
+    )
+    parser.add_argument("--plot", metavar="FILE.svg", help="picture of data and fit (.svg, .png)")
+    parser.add_argument("--write", metavar="FILE.toml", help="scene with the fitted values")
+    parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command and return its exit code."""
+    from validation.scene.idle_keys import scene_warnings
+    from validation.studies.identification.fit_parameters import DEFAULT_FIT
+    from validation.studies.identification.identify import identify
+    from validation.studies.identification.measured_data import read_measured
+    from validation.studies.identification.output import (
+        as_json,
+        as_text,
+        checked_scene_name,
+        write_scene,
+    )
+    from validation.studies.identification.plot import checked_plot_name, write_plot
+
+    # what is wrong with the names is said before any work is done
+    plot = None if options.plot is None else checked_plot_name(options.plot)
+    target = None if options.write is None else checked_scene_name(options.write)
+    scene, origins = lateral_scene(options.scene, options.overrides, "identify")
+    data = read_measured(options.measured)
+    if options.noise and data.uncertainty is not None:
+        raise InputError(
+            f"--noise {options.noise} has no effect, for {data.source} states its uncertainty; "
+            "leave one of them out"
+        )
+    found = identify(scene, data, options.fit or DEFAULT_FIT, options.noise, origins)
+    warn((*scene_warnings(scene, origins), *found.warnings))
+    if plot:
+        write_plot(found, plot)
+    if target:
+        write_scene(found, origins, target)
+    if options.json:
+        json.dump(as_json(found), sys.stdout)
+        print()
+    else:
+        print(as_text(found))
+    return 0

@@ -1,0 +1,60 @@
+"""What ``tactgen bench`` and ``tactgen stress`` have in common: parts to run, a table, files."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+from validation.command_line.commands.common import Commands
+
+Part = TypeVar("Part")
+
+#: Runs the parts of these names.
+Runner = Callable[[Sequence[str], bool, Callable[[str], None]], list[Part]]
+
+
+def add_part_command(
+    commands: Commands, name: str, words: str, quick: str, run: Callable[[argparse.Namespace], int]
+) -> None:
+    """Declare a command that runs parts; `words` and `quick` are its help."""
+    parser = commands.add_parser(name, help=words)
+    only = f"one of the parts that README.md names for {name}; may be repeated, all by default"
+    parser.add_argument("--only", action="append", metavar="PART", help=only)
+    parser.add_argument("--quick", action="store_true", help=quick)
+    parser.add_argument("--out", metavar="DIR", help="also write tables (CSV) and plots (SVG)")
+    parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
+    parser.set_defaults(run=run)
+
+
+def run_and_show(
+    options: argparse.Namespace,
+    known: Collection[str],
+    run_parts: Runner[Part],
+    show: Callable[[list[Part]], None],
+    write: Callable[[list[Part], Path], Sequence[Path]],
+    verdicts: Callable[[list[Part]], dict[str, Any]],
+) -> list[Part]:
+    """Run the chosen parts, print them as tables or as JSON, write files; return the parts."""
+    from validation.command_line.files import writable_folder
+    from validation.command_line.progress import announcer
+    from validation.scene.wording import choices
+
+    names = choices(",".join(options.only or known), tuple(known), "part", "--only")
+    out = writable_folder(Path(options.out)) if options.out is not None else None
+    with announcer() as announce:
+        parts = run_parts(names, options.quick, announce)
+    if options.json:
+        from validation.command_line.plain_values import plain
+
+        json.dump({"parts": plain(parts), **verdicts(parts)}, sys.stdout)
+        print()
+    else:
+        show(parts)
+    if out is not None:
+        for path in write(parts, out):
+            print(path, file=sys.stderr if options.json else sys.stdout)
+    return parts

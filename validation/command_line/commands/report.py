@@ -1,0 +1,36 @@
+"""``tactgen report``: write the verification report."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from validation.command_line.commands.common import Commands, scene_options, warn
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser("report", help="write the verification report (HTML)")
+    scene_options(parser)
+    parser.add_argument("--out", default="report", metavar="DIR", help="folder (default report)")
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help="coarser meshes, one mesh family, no heavy checks, no map of the magnetic field",
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command and return its exit code."""
+    from validation.command_line.progress import announcer
+    from validation.report.page import write_report
+    from validation.scene.idle_keys import scene_warnings
+    from validation.scene.scene import load_scene
+
+    scene, origins = load_scene(options.scene, options.overrides)
+    warn(scene_warnings(scene, origins, report=True))
+    with announcer() as announce:
+        page = write_report(scene, origins, Path(options.out), options.quick, announce)
+    print(page)
+    return 0

@@ -1,0 +1,182 @@
+"""``tactgen sensitivity``: what each parameter does to a quantity, and what is not known."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from validation.command_line.commands.common import (
+    Commands,
+    lateral_scene,
+    say,
+    scene_options,
+    warn,
+)
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from validation.studies.uncertainty.propagation import Uncertainty
+    from validation.studies.uncertainty.table import SensitivityColumn
+
+#: Asked for unless --quantity says otherwise.
+_DEFAULT = (
+    "static_tip_displacement",
+    "short_circuit_frequencies",
+    "coupling_factor",
+    "capacitance_free",
+    "tip_displacement",
+)
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "sensitivity", help="what each parameter does to a quantity, by exact derivatives"
+    )
+    scene_options(parser)
+    parser.add_argument(
+        "--quantity", action="append", metavar="NAME", help="may be repeated; of modes, the first"
+    )
+    parser.add_argument(
+        "--frequency",
+        metavar="LIST|START:STOP:N[:log]",
+        default="10,100,250",
+        help="in Hz (default 10,100,250)",
+    )
+    parser.add_argument(
+        "--key", action="append", metavar="KEY", help="scene key; all that are read if not given"
+    )
+    parser.add_argument(
+        "--sobol",
+        action="store_true",
+        help="also the uncertainty of the headline numbers from the parameters' ranges",
+    )
+    parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command and return its exit code."""
+    from validation.command_line.progress import announcer
+    from validation.engine.limits import load_warnings, threshold_warnings
+    from validation.scene.idle_keys import scene_warnings
+    from validation.studies.uncertainty.headline_numbers import actuator
+    from validation.studies.uncertainty.propagation import parameter_uncertainty
+    from validation.studies.uncertainty.table import sensitivity_columns, thinned
+    from validation.studies.uncertainty.varied_keys import left_out
+
+    names = ",".join(options.quantity or _DEFAULT)
+    wanted = (f"frequency={options.frequency}", f"quantities={names}")
+    scene, origins = lateral_scene(options.scene, [*options.overrides, *wanted], "sensitivity")
+    warn(scene_warnings(scene, origins))
+    columns = sensitivity_columns(scene, options.key)
+    warn(load_warnings(scene, scene.quantities) + threshold_warnings(scene, scene.quantities))
+    omitted = left_out(scene, actuator(scene)) if options.sobol or not options.key else ""
+    if omitted:
+        say(f"note: {omitted}")
+    uncertain: list[Uncertainty] = []
+    if options.sobol:
+        with announcer() as announce:
+            uncertain = parameter_uncertainty(scene, announce=announce)
+    if options.json:
+        json.dump(_as_json(scene.name, columns, uncertain), sys.stdout)
+        print()
+    else:
+        shown = thinned(columns)
+        if len(shown) < len(columns):
+            say(f"note: {len(shown)} of {len(columns)} columns are shown; --json gives all")
+        _print_sensitivities(shown)
+        if uncertain:
+            _print_uncertainty(uncertain)
+    return 0
+
+
+def _as_json(
+    scene: str, columns: Sequence[SensitivityColumn], uncertain: Sequence[Uncertainty]
+) -> dict[str, Any]:
+    return {
+        "scene": scene,
+        "sensitivities": [
+            {
+                "quantity": column.quantity,
+                "unit": column.unit,
+                "frequency": column.frequency,
+                "value": column.value,
+                "derivatives": column.derivatives,
+                "logarithmic": column.logarithmic,
+            }
+            for column in columns
+        ],
+        "uncertainty": [
+            {
+                "name": row.target.label,
+                "unit": row.target.unit,
+                "value": row.value,
+                "numerical": row.numerical,
+                "interval_95": [row.low, row.high],
+                "standard_first_order": row.standard,
+                "standard_sampled": row.sampled,
+                "worst_first_order": row.worst,
+                "sobol_first": {key: index for key, (index, _) in row.first.items()},
+                "sobol_total": {key: index for key, (index, _) in row.total.items()},
+                "ill_conditioned": row.target.ill_conditioned,
+            }
+            for row in uncertain
+        ],
+    }
+
+
+def _print(title: str, table: Table) -> None:
+    """Print a table as wide as it has to be: digits are not to be cut off."""
+    from rich.console import Console
+
+    console = Console()
+    needed = console.measure(table, options=console.options.update(width=1000)).maximum
+    console.width = max(console.width, needed)
+    print(title)  # a table's own title is broken to the table's width
+    console.print(table)
+
+
+def _print_sensitivities(columns: Sequence[SensitivityColumn]) -> None:
+    from rich.table import Table
+
+    table = Table()
+    table.add_column("parameter", no_wrap=True)
+    for column in columns:
+        table.add_column(column.label, justify="right")
+    table.add_row("value", *(column.text for column in columns), end_section=True)
+    for key in columns[0].logarithmic:
+        table.add_row(key, *(_signed(column.logarithmic[key]) for column in columns))
+    _print("change in percent per percent of parameter", table)
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.3f}" if abs(value) >= 5e-4 else "0"
+
+
+def _print_uncertainty(uncertain: Sequence[Uncertainty]) -> None:
+    from rich.table import Table
+
+    from validation.view.formats import engineering, share
+
+    table = Table()
+    for name in ("number", "value", "numerical", "95 % of samples", "main contributors"):
+        table.add_column(
+            name, justify="left" if name in ("number", "main contributors") else "right"
+        )
+    for row in uncertain:
+        unit = row.target.unit
+        low, high = (100.0 * (end / row.value - 1.0) for end in (row.low, row.high))
+        contributors = (f"{key} {100 * index:.0f} %" for key, index, _ in row.contributors[:3])
+        table.add_row(
+            row.target.label + (" (ill-conditioned)" if row.target.ill_conditioned else ""),
+            engineering(row.value, unit),
+            f"±{share(row.numerical / row.value)}",
+            f"{low:+.1f} … {high:+.1f} %",
+            ", ".join(contributors),
+        )
+    _print("uncertainty from the ranges of the parameters", table)

@@ -1,0 +1,64 @@
+"""``tactgen solve``: compute quantities."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+
+from geometry.errors import InputError
+from validation.command_line.commands.common import Commands, scene_options, warn
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser("solve", help="compute quantities")
+    scene_options(parser)
+    parser.add_argument(
+        "--model", action="append", metavar="NAME", help="lumped, tmm, beam, solid or all"
+    )
+    parser.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated")
+    parser.add_argument(
+        "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz, for example 10:2000:200"
+    )
+    parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command and return its exit code."""
+    from validation.command_line.progress import announcer
+    from validation.engine.solve import as_json, solve
+    from validation.scene.idle_keys import scene_warnings
+    from validation.scene.scene import load_scene
+
+    scene, origins = load_scene(options.scene, [*options.overrides, *_wanted(options)])
+    warn(scene_warnings(scene, origins))
+    with announcer() as announce:
+        solution = solve(scene, announce=announce)
+    warn(solution.warnings)
+    if options.json:
+        json.dump(as_json(solution), sys.stdout)
+        print()
+    else:
+        from validation.command_line.tables import print_quantities
+
+        print_quantities(solution)
+    return 0
+
+
+def _wanted(options: argparse.Namespace) -> Iterator[str]:
+    """Yield the overrides that --frequency, --model and --quantity stand for."""
+    stated = (
+        ("frequency", "frequency", options.frequency, "10:2000:200"),
+        ("model", "models", options.model, "tmm"),
+        ("quantity", "quantities", options.quantity, "tip_velocity"),
+    )
+    for name, key, given, example in stated:
+        if given is None:
+            continue
+        text = given if isinstance(given, str) else ",".join(given)
+        if not text.strip():
+            raise InputError(f"--{name} is empty; write for example --{name} {example}")
+        yield f"{key}={text}"

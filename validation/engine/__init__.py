@@ -1,0 +1,1 @@
+"""Plan, stages, solution, error bars: how a question is answered."""

@@ -1,0 +1,167 @@
+"""What a request may ask for, and what the reader of its answer must be told."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from geometry.errors import InputError
+from tmm.ports.terminations import FINGER_RANGE, conservative_load, outside_finger_range
+from validation.catalogue.detection import DISPLAY_THRESHOLD
+from validation.catalogue.quantities import QUANTITIES
+from validation.engine.results import Quantity
+from validation.scene.scene import Scene
+
+#: Models whose mesh follows the accuracy wanted, with what to do when that is not enough.
+_JUDGED = {
+    "solid": "raise mesh.level (at most 5) or accept the bar",
+    "axisymmetric": "its finest grid was used, so accept the bar",
+    "magnetic3d": "its finest mesh was used, so accept the bar",
+}
+
+#: Largest displacement (share of the length) that linear theory of bending is about.
+_SMALL_DEFLECTION = 0.1
+
+
+def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
+    """Return warnings that name the quantities whose error bar exceeds what was asked for."""
+    warnings = []
+    for model, remedy in _JUDGED.items():
+        missed = [
+            text
+            for q in found
+            if q.model == model and q.name != "dynamic_stiffness"
+            if (text := _excess(q, scene.accuracy))
+        ]
+        if missed:
+            warnings.append(
+                f"the {model} model's error bar exceeds the {100.0 * scene.accuracy:g} % asked "
+                f"for in {', '.join(missed)}; {remedy}"
+            )
+    return tuple(warnings)
+
+
+def deflection_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
+    """Return a warning if a displacement is beyond what linear theory is about."""
+    if scene.bimorph.length <= 0.0:
+        return ()
+    largest = max(
+        (
+            float(np.nanmax(np.abs(q.value)))
+            for q in found
+            if q.name in ("tip_displacement", "static_tip_displacement")
+        ),
+        default=0.0,
+    )
+    share = largest / scene.bimorph.length
+    if not share > _SMALL_DEFLECTION:
+        return ()
+    sentence = (
+        f"the tip moves by up to {1e3 * largest:.3g} mm, {100.0 * share:.2g} % of the length: all "
+        "models are linear, so this says no more than that there is a resonance or too much voltage"
+    )
+    return (sentence,)
+
+
+def _excess(q: Quantity, accuracy: float) -> str:
+    """Return the quantity's name and how wide its bar is, or nothing if it is narrow enough."""
+    size = np.abs(q.value)
+    beyond = q.uncertainty > accuracy * size
+    if not beyond.any():
+        return ""
+    if beyond.ndim == 0 and q.uncertainty >= size:
+        return f"{q.name} (zero within its bar)"
+    # no value, no bar: a threshold voltage outside the threshold's range
+    worst = float(np.nanmax(q.uncertainty / np.where(size > 0.0, size, np.inf)))
+    where = f" at {int(beyond.sum())} of {beyond.size} values" if beyond.ndim else ""
+    return f"{q.name} (up to {100.0 * worst:.2g} %{where})"
+
+
+def check_held(scene: Scene, quantities: Sequence[str]) -> None:
+    """Refuse a static question about an actuator that its springs do not hold.
+
+    Raises
+    ------
+    InputError
+        If a rigid-body motion is free and a value at 0 Hz is asked for.
+    """
+    if scene.support.kind != "spring":
+        return
+    loose = [
+        name
+        for name in ("rotational_stiffness", "lateral_stiffness")
+        if getattr(scene.support, name) == 0.0
+    ]
+    at_rest = [
+        name
+        for name in quantities
+        if name in ("static_tip_displacement", "capacitance_free")
+        or (
+            QUANTITIES[name].by_frequency and name != "dynamic_stiffness" and 0.0 in scene.frequency
+        )
+    ]
+    # of the two rigid motions each spring stops one, that of the load too
+    resisted = 2 - len(loose) + (conservative_load(scene.load)[0] > 0.0)
+    if resisted < 2 and at_rest:
+        raise InputError(
+            f"support.{loose[0]} = 0 leaves the actuator free to move as a rigid body, so "
+            f"{at_rest[0]} has no value at 0 Hz; give the support a stiffness or ask for "
+            "frequencies above 0 Hz"
+        )
+
+
+def load_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
+    """Check the frequencies against the range of the finger's load model.
+
+    Returns a warning if some lie outside.
+
+    Raises
+    ------
+    InputError
+        If all of them do.
+    """
+    loaded = [name for name in quantities if QUANTITIES[name].loaded]
+    outside = outside_finger_range(scene.load, np.asarray(scene.frequency))
+    if not loaded or not outside.any():
+        return ()
+    low, high = FINGER_RANGE
+    if outside.all():
+        first = scene.frequency[0]
+        raise InputError(
+            f"frequency = {first:g} Hz is outside the range of the finger's load model "
+            f"({low:g} to {high:g} Hz); choose frequencies inside it, or another load.kind"
+        )
+    warning = (
+        f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which the "
+        f"finger was measured ({low:g} to {high:g} Hz); there its stiffness and damping are held "
+        "at the nearer end of that range"
+    )
+    return (warning,)
+
+
+def threshold_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
+    """Check the frequencies against the range of the detection threshold.
+
+    Returns a warning if some lie outside, where the threshold voltage has no value.
+
+    Raises
+    ------
+    InputError
+        If all of them do and nothing else was asked for.
+    """
+    outside = DISPLAY_THRESHOLD.outside(np.asarray(scene.frequency))
+    if "threshold_voltage" not in quantities or not outside.any():
+        return ()
+    low, high = DISPLAY_THRESHOLD.range
+    if outside.all() and set(quantities) == {"threshold_voltage"}:
+        raise InputError(
+            f"frequency = {scene.frequency[0]:g} Hz is outside the range of the detection "
+            f"threshold ({low:g} to {high:g} Hz); choose frequencies inside it"
+        )
+    warning = (
+        f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which the "
+        f"detection threshold is stated ({low:g} to {high:g} Hz); threshold_voltage has no value "
+        "there"
+    )
+    return (warning,)

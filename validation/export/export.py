@@ -1,0 +1,177 @@
+"""CAD, mesh, co-energy map and reduced solid files of a scene."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geometry.device.parameters import Device
+from geometry.errors import InputError
+from geometry.files import written_whole
+from validation.catalogue.quantities import MAGNETIC_MODELS, gives
+from validation.export.ports import check_state_space, write_port_files
+from validation.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from tmm.reluctance.coenergy.map import CoenergyMap
+
+#: Endings that each kind of file may have.
+_SUFFIXES = {
+    "step": (".step", ".stp"), "glb": (".glb",), "mesh": (".vtu", ".msh"), "map": (".nc",),
+    "ports": (".npz",), "state_space": (".npz",),
+}  # fmt: skip
+
+
+def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> list[Path]:
+    """Write the wanted files, all or none, and return their paths.
+
+    Parameters
+    ----------
+    targets : dict of {"step", "glb", "mesh", "map", "ports", "state_space"} to Path
+        What to write where.
+
+    Raises
+    ------
+    InputError
+        If a place cannot be written, has the wrong ending or is named twice, or a map is
+        wanted of a scene without a model of the normal actuator, or the solid model cannot
+        take the scene.
+    """
+    _check_targets(targets)
+    if "map" in targets and _magnetic_model(scene) == "magnetic3d":
+        from validation.models.reluctance.field import check_solid_map
+
+        check_solid_map(scene)
+    if {"ports", "state_space"} & set(targets):
+        _refuse_without_lateral(scene)
+    if "state_space" in targets:
+        check_state_space(scene)
+    with ExitStack() as stack:
+        # the files take their names together, when all of them have been written
+        drafts = {kind: stack.enter_context(written_whole(p)) for kind, p in targets.items()}
+        try:
+            _write(scene, drafts, announce)
+        except InputError as error:
+            text = str(error)
+            for kind, draft in drafts.items():
+                text = text.replace(str(draft), str(targets[kind]))
+            raise InputError(text) from error
+    return list(targets.values())
+
+
+def _refuse_without_lateral(scene: Scene) -> None:
+    """Refuse ports of a scene that is about the normal actuator alone."""
+    if set(scene.models) <= set(MAGNETIC_MODELS):
+        raise InputError(
+            f"models = {','.join(scene.models)} have no bimorph to reduce to its ports; "
+            'name another scene, such as "paper", or set models=solid'
+        )
+
+
+def _check_targets(targets: dict[str, Path]) -> None:
+    """Refuse what would fail only after minutes of work."""
+    taken: dict[Path, str] = {}
+    for kind, path in targets.items():
+        option = "--" + kind.replace("_", "-")
+        if path.suffix not in _SUFFIXES[kind]:
+            raise InputError(
+                f"{option} {path} must end in {' or '.join(_SUFFIXES[kind])}; name the file so"
+            )
+        reason = _obstacle(path)
+        if reason:
+            raise InputError(f"{option} {path} cannot be written ({reason}); choose another place")
+        place = path.resolve()
+        if place in taken:
+            raise InputError(
+                f"{option} {path} is also the file of {taken[place]}; give each its own name"
+            )
+        taken[place] = option
+
+
+def _obstacle(path: Path) -> str:
+    try:
+        if path.is_dir():
+            return "it is a folder"
+        if not path.parent.is_dir():
+            return "its folder does not exist"
+    except OSError as error:  # such as a name that is too long
+        return (error.strerror or str(error)).lower()
+    return "" if os.access(path.parent, os.W_OK | os.X_OK) else "its folder is read-only"
+
+
+def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]) -> None:
+    if "step" in files or "glb" in files:
+        _export_solids(scene, files, announce)
+    if "mesh" in files:
+        from geometry.meshing.mesh_files import write_mesh
+        from validation.models.bimorph.meshes import cells_of, mesh_pair
+
+        announce("mesh")
+        write_mesh(cells_of(mesh_pair(scene).meshes[0]), files["mesh"])
+    reductions = {kind: file for kind, file in files.items() if kind in ("ports", "state_space")}
+    if reductions:
+        announce("ports of the solid")
+        write_port_files(scene, reductions)
+    if "map" in files:
+        from tmm.reluctance.coenergy.files import write_map
+
+        write_map(files["map"], _map(scene, announce))
+
+
+def _magnetic_model(scene: Scene) -> str:
+    """Return the scene's most detailed model that has a co-energy map."""
+    able = [name for name in MAGNETIC_MODELS if gives(name, "holding_current")]
+    found = [name for name in able if name in scene.models]
+    if not found:
+        raise InputError(
+            f"--map needs one of the models {', '.join(able)}, and the scene asks for "
+            f"{', '.join(scene.models)}; add --set models={able[0]}"
+        )
+    return found[-1]
+
+
+def _map(scene: Scene, announce: Callable[[str], None]) -> CoenergyMap:
+    from validation.engine.plan import make_plan
+    from validation.engine.stages import Stages
+    from validation.models.reluctance.registry import make_magnetic_model
+
+    name = _magnetic_model(scene)
+    plan = make_plan(scene, (name,), ("holding_current",))
+    return make_magnetic_model(name, scene, Stages(plan.keys, announce)).map()
+
+
+def scene_solids(scene: Scene) -> dict[str, Any]:
+    """Return the CAD solids of a scene (mm): the whole generator, or the actuator asked about."""
+    from geometry.cad.solids import build_solids
+    from geometry.device.layout import BIMORPH
+
+    if scene.support.kind == "rod":
+        return build_solids(scene.device, None, "rod")
+    if set(scene.models) <= set(MAGNETIC_MODELS):
+        return normal_actuator_solids(scene.device)
+    return build_solids(scene.device, BIMORPH, "alone")
+
+
+def normal_actuator_solids(device: Device) -> dict[str, Any]:
+    """Return the CAD solids of rod, coil and sleeve (mm), the rod with its slot.
+
+    The bimorph matters by its cross-section only; the tab that goes into the slot fits.
+    """
+    from geometry.cad.solids import build_solids
+    from geometry.reluctance.tets import with_fitting_tab
+
+    return build_solids(with_fitting_tab(device, device.gap), ("rod", "coil", "sleeve"), "rod")
+
+
+def _export_solids(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> None:
+    from geometry.cad.solids import export_glb, export_step
+
+    announce("CAD solids")
+    solids = scene_solids(scene)
+    if "step" in targets:
+        export_step(solids, targets["step"])
+    if "glb" in targets:
+        export_glb(solids, targets["glb"])

@@ -1,0 +1,89 @@
+"""The solid model reduced to its ports, and its state space, as files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.errors import InputError
+from validation.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from fem.bimorph.reduction.port_model import PortModel
+    from fem.bimorph.reduction.state_space import BaseSupport
+
+
+def check_state_space(scene: Scene) -> None:
+    """Refuse a state space without a range of frequencies to be true in, or of a loose body.
+
+    Raises
+    ------
+    InputError
+        If the scene has no frequency above 0 Hz, or a spring of its support is zero.
+    """
+    if scene.support.kind == "spring":
+        for name, unit in (("rotational_stiffness", "N m/rad"), ("lateral_stiffness", "N/m")):
+            if getattr(scene.support, name) == 0.0:
+                raise InputError(
+                    f"support.{name} = 0 {unit} does not hold the base, which a state space for "
+                    'time simulation needs; give it a stiffness or set support.kind = "clamped"'
+                )
+    if max(scene.frequency) <= 0.0:
+        raise InputError(
+            "frequency = 0 Hz alone gives a state space no range; "
+            'write for example --set frequency="10:20000:200:log"'
+        )
+
+
+def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
+    """Write the scene's solid on its finer mesh: kinds "ports" and "state_space".
+
+    Raises
+    ------
+    InputError
+        If the solid model cannot take the scene or a file cannot be written.
+    """
+    from fem.bimorph.reduction.files import write_ports
+    from fem.bimorph.reduction.kept import made_from, reduced_solid
+    from fem.bimorph.reduction.state_space_file import write_state_space
+    from validation.models.bimorph.meshes import check_meshable, mesh_pair
+
+    check_meshable(scene)
+    mesh = mesh_pair(scene).meshes[0]
+    frequencies = np.asarray(scene.frequency, dtype=float)
+    # the tolerance of `tactgen solve`, so that one reduction serves both
+    reduced = reduced_solid(scene.device, mesh, frequencies, tolerance=1e-3 * scene.accuracy)
+    if "ports" in files:
+        write_ports(files["ports"], reduced, made_from=made_from(scene.device, mesh))
+    if "state_space" in files:
+        top = float(frequencies.max())
+        bounds = max(float(frequencies.min()), 1e-3 * top), top
+        model = _wired(scene, reduced.fine)
+        write_state_space(files["state_space"], model, _support(scene), bounds)
+
+
+def _wired(scene: Scene, model: PortModel) -> PortModel:
+    """Return the port seen in the scene's wiring: in series each layer takes half of U."""
+    if scene.bimorph.wiring == "parallel":
+        return model
+    stiffness = model.stiffness.copy()
+    stiffness[-1] *= 0.5
+    stiffness[:, -1] *= 0.5
+    return replace(model, stiffness=stiffness)
+
+
+def _support(scene: Scene) -> BaseSupport | None:
+    from fem.bimorph.reduction.state_space import BaseSupport
+
+    support = scene.support
+    if support.kind != "spring":
+        return None
+    return BaseSupport(
+        support.lateral_stiffness,
+        support.rotational_stiffness,
+        support.rotational_damping,
+        support.rotational_inertia,
+    )

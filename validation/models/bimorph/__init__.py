@@ -1,0 +1,1 @@
+"""The models of the lateral actuator, and the bridge between them."""

@@ -1,0 +1,79 @@
+"""The beam-element model."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from geometry.arrays import Floats
+from tmm.ports.multiport import Multiport
+from tmm.ports.terminations import conservative_load
+from validation.engine.model import Model, Modes, Refined
+
+
+class BeamModel(Model):
+    """Timoshenko beam elements of order five."""
+
+    name = "beam"
+    _METHOD = (
+        "difference from half as many elements (it bounds that mesh's error), and rounding of "
+        "the elimination of inner unknowns"
+    )
+    #: Rounding of the elimination: machine epsilon times the condition number, about 1e5,
+    #: of the scaled element matrices.
+    _ROUNDING = 2e-11
+
+    def ports(self) -> Refined[Multiport]:
+        """Return D(Ω) with losses over the scene's frequencies."""
+        return self.stages.run("beam.ports", lambda: self._refined(self.frequencies, lossy=True))
+
+    def static(self) -> Refined[Multiport]:
+        """Return the lossless D(0)."""
+        return self.stages.run("beam.static", lambda: self._refined(np.zeros(1), lossy=False))
+
+    def _refined(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
+        from fem.beam import beam
+
+        s = self.scene
+        n = beam.elements_for(s.device, float(frequencies.max()))
+        fine, coarse = (
+            beam.multiport(s.device, s.support, s.beam, frequencies, elements=e, lossy=lossy)
+            for e in (n, n // 2)
+        )
+        return Refined(fine, ((coarse, 1.0),), self._METHOD, self._ROUNDING)
+
+    def modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        """Return the lossless modes."""
+        short, opened = self.stages.run("beam.modes", self._both_modes)
+        return opened if open_circuit else short
+
+    def _both_modes(self) -> tuple[Refined[Modes], ...]:
+        from fem.beam import beam
+
+        s = self.scene
+        n = 12 + 2 * s.modes
+        levels = [
+            beam.assemble(s.device, s.support, s.beam, elements=e, lossy=False) for e in (n, n // 2)
+        ]
+        out = []
+        for circuit in (False, True):
+            fine, coarse = (
+                beam.bending_frequencies(
+                    matrices,
+                    clamped=self._clamped,
+                    base=self._base(),
+                    tip=conservative_load(s.load),
+                    count=s.modes,
+                    open_circuit=circuit,
+                )
+                for matrices in levels
+            )
+            classes = ("bending_x",) * fine.size
+            out.append(
+                Refined(
+                    Modes(fine, classes),
+                    ((Modes(coarse, classes), 1.0),),
+                    self._METHOD,
+                    self._ROUNDING,
+                )
+            )
+        return tuple(out)

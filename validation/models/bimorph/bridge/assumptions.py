@@ -1,0 +1,205 @@
+"""The bridge from the transfer-matrix model to the solid: one assumption given up at a time.
+
+Each rung changes one thing.  Beside what it changes stands what a closed form predicts for
+it (tmm.beam.section.laminate), and what the beam model does with the section that the solid itself
+has far from its ends; what neither explains is the work of the ends, see :mod:`.ends`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geometry.device.materials import Piezoceramic
+from geometry.errors import InputError
+from tmm.beam.section.laminate import laminate_section
+from tmm.beam.section.section import Section
+from tmm.beam.section.shear_correction import energy_shear_correction
+from validation.models.bimorph.bridge.beam_values import beam_values
+from validation.models.bimorph.bridge.rung import Rung, Values
+from validation.models.bimorph.bridge.solid_values import SolidCase, far_section, solve_solid
+from validation.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Assumptions:
+    """What of the beam theories' assumptions has been given up."""
+
+    varying_field: bool = False
+    poling_constants: bool = False
+    d32: bool = False
+    poisson: bool = False
+
+    def ceramic(self, whole: Piezoceramic) -> Piezoceramic:
+        """Return the ceramic with what is assumed away set to nought."""
+        s = whole.s if self.poisson else np.diag(np.diag(whole.s))
+        d = np.zeros((3, 6))
+        d[2, 0] = whole.d[2, 0]
+        if self.d32:
+            d[2, 1] = whole.d[2, 1]
+        if self.poling_constants:
+            d[2, 2], d[0, 4], d[1, 3] = whole.d[2, 2], whole.d[0, 4], whole.d[1, 3]
+        return replace(whole, s=s, d=d)
+
+    def scene(self, scene: Scene) -> Scene:
+        """Return the scene with the shim's Poisson effect on or off, its moduli unchanged."""
+        if self.poisson:
+            return scene
+        shim = scene.shim
+        across = shim.transverse_modulus or 2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus
+        plain = shim.model_copy(update={"poisson_ratio": 0.0, "transverse_modulus": across})
+        return scene.model_copy(update={"shim": plain})
+
+    def laminate(self, scene: Scene) -> Section | None:
+        """Return the constants of laminate theory, None where it has none."""
+        if scene.bimorph.glue_thickness > 0.0:
+            return None
+        return laminate_section(
+            scene.device,
+            scene.beam,
+            poisson=self.poisson,
+            d32=self.d32,
+            varying_field=self.varying_field,
+        )
+
+
+@dataclass(frozen=True)
+class _Change:
+    name: str
+    what: str
+    theory: str
+    gives_up: Assumptions
+
+
+#: In this order every set of constants on the way is one that a material could have.
+_CHANGES = (
+    _Change(
+        "three dimensions",
+        "a solid whose constants couple only along the beam (no Poisson effect, no d32, d33, d15), "
+        "its field uniform through each layer: all that a beam assumes, but for the ends",
+        "beam theory with the energy-consistent shear factor: no change",
+        Assumptions(),
+    ),
+    _Change(
+        "field varies",
+        "the potential is free through each layer, so that the field follows the strain",
+        "layers stiffened about their own middle by 1/(1 - k31^2)",
+        Assumptions(varying_field=True),
+    ),
+    _Change(
+        "d33 and d15",
+        "the piezoelectric constants that act through the thickness and in shear",
+        "no change, as a thin layer has no stress through its thickness",
+        Assumptions(varying_field=True, poling_constants=True),
+    ),
+    _Change(
+        "d32",
+        "the piezoelectric effect across the width",
+        "laminate theory of a wide plate",
+        Assumptions(varying_field=True, poling_constants=True, d32=True),
+    ),
+    _Change(
+        "Poisson's effect",
+        "ceramic and shim contract across, which the free side edges allow in part: now the "
+        "tensors are the scene's",
+        "laminate theory of a wide plate, without side edges",
+        Assumptions(varying_field=True, poling_constants=True, d32=True, poisson=True),
+    ),
+)
+
+
+def bridge(
+    scene: Scene, announce: Callable[[str], None], *, level: int = 1, sections: bool = True
+) -> list[Rung]:
+    """Return the rungs from TMM to the solid, on the scene's support.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a bimorph whose lower end is the base (no rod).
+    level : int
+        Index of the division into bricks, one for all rungs.
+    sections : bool
+        Also work out each solid's own section far from its ends (doubles the work).
+
+    Notes
+    -----
+    A set of constants that no material could have is passed over, its change made with the
+    next.
+    """
+    consistent = _with_energy_shear(scene)
+    rungs = _beam_rungs(scene, consistent)
+    theory, own = (beam_values(consistent),) * 2
+    passed: list[_Change] = []
+    for change in _CHANGES:
+        passed.append(change)
+        ceramic = change.gives_up.ceramic(scene.piezo.ceramic())
+        if not _admissible(ceramic):
+            continue
+        announce(f"bridge: {change.name}")
+        case = SolidCase(
+            change.gives_up.scene(consistent),
+            ceramic,
+            uniform_field=not change.gives_up.varying_field,
+            level=level,
+        )
+        found = solve_solid(case)
+        laminate = change.gives_up.laminate(consistent)
+        predicted = beam_values(consistent, laminate) if laminate else _unknown()
+        far = beam_values(consistent, far_section(case, found)) if sections else _unknown()
+        rungs.append(
+            Rung(
+                name=" and ".join(c.name for c in passed),
+                what="; ".join(c.what for c in passed),
+                values=found.values,
+                step=found.values.step_from(rungs[-1].values),
+                predicted=predicted.step_from(theory),
+                theory=passed[-1].theory,
+                section=far.step_from(own),
+            )
+        )
+        theory, own, passed = predicted, far, []
+    return rungs
+
+
+def _beam_rungs(scene: Scene, consistent: Scene) -> list[Rung]:
+    start = Rung(
+        "TMM",
+        "exact Timoshenko beam, uniform field in each layer, shear correction "
+        f"{scene.beam.shear_correction:.3f}",
+        beam_values(scene),
+    )
+    values = beam_values(consistent)
+    step = values.step_from(start.values)
+    shear = Rung(
+        "shear factor",
+        f"the beam's shear correction by the shear energy of its layers, "
+        f"{consistent.beam.shear_correction:.3f}",
+        values,
+        step,
+        predicted=step,
+        theory="the same formulas, evaluated",
+        section=step,
+    )
+    return [start, shear]
+
+
+def _with_energy_shear(scene: Scene) -> Scene:
+    factor = energy_shear_correction(scene.device)
+    return scene.model_copy(
+        update={"beam": scene.beam.model_copy(update={"shear_correction": factor})}
+    )
+
+
+def _admissible(ceramic: Piezoceramic) -> bool:
+    try:
+        ceramic.check_admissible()
+    except InputError:
+        return False
+    return True
+
+
+def _unknown() -> Values:
+    return Values(np.nan, np.nan, np.nan)

@@ -1,0 +1,143 @@
+"""What a bridge follows, by the solid on bricks or on a given mesh; and its section and ends.
+
+Far from its ends every section of a uniform bimorph does the same.  Two lengths of it give
+these constants without the ends, which both have in common: from one length to the other
+the rotation of the tip grows by κ ΔL per volt and by ΔL/EI per moment, the charge by what
+the added length takes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.ports import static_multiport
+from fem.bimorph.solid import assemble
+from geometry.arrays import Floats
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.bimorph.bricks import Bricks, Held
+from geometry.device.materials import Piezoceramic
+from geometry.meshing.mesh import Mesh
+from tmm.beam.section.section import Section, section
+from tmm.ports.multiport import Multiport, respond
+from tmm.ports.terminations import conservative_load, static_termination
+from validation.models.bimorph.bridge.beam_values import base_springs, bimorph_piece
+from validation.models.bimorph.bridge.rung import Values
+from validation.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class SolidCase:
+    """A solid to be solved: a scene, and what differs from its device.
+
+    Attributes
+    ----------
+    scene : Scene
+        Device, support and load.
+    ceramic : Piezoceramic or None
+        Full material in place of the scene's.
+    uniform_field : bool
+        Potential linear through each layer.
+    held : {"layers", "shim"}
+        Part of the lowest section that the base is.
+    level : int
+        Index of the division into bricks.
+    mesh : Mesh or None
+        To be solved on in place of bricks.
+    """
+
+    scene: Scene
+    ceramic: Piezoceramic | None = None
+    uniform_field: bool = False
+    held: Held = "layers"
+    level: int = 1
+    mesh: Mesh | None = None
+
+    def bricks(self) -> Mesh | Bricks:
+        """Return what it is solved on."""
+        return self.mesh or bimorph_bricks(self.scene.device, LEVELS[self.level], self.held)
+
+    def shortened(self, share: float) -> SolidCase:
+        """Return the same with the ceramic's length times `share`."""
+        bimorph = self.scene.bimorph
+        shorter = bimorph.model_copy(update={"length": share * bimorph.length})
+        return replace(self, scene=self.scene.model_copy(update={"bimorph": shorter}))
+
+
+@dataclass(frozen=True)
+class SolvedSolid:
+    """Values on the scene's support, and the static ports."""
+
+    values: Values
+    static: Multiport
+
+
+def solve_solid(case: SolidCase) -> SolvedSolid:
+    """Solve a solid: statics and the first bending mode from one factorisation."""
+    scene = case.scene
+    system = assemble(
+        scene.device,
+        case.bricks(),
+        lossy=False,
+        ceramic=case.ceramic,
+        uniform_field=case.uniform_field,
+    )
+    static = static_multiport(system)
+    response = respond(static, static_termination(scene.support, scene.load), 1.0)
+    attachment = Attachment(base_springs(scene), *conservative_load(scene.load))
+    # a whole body also bends the other way, twists and stretches
+    count = 1 if system.motion == "bending_x" else 4
+    modes = natural_modes(system, attachment, count)
+    first = next(mode.frequency for mode in modes if mode.kind == "bending_x")
+    values = Values(float(response.w_tip[0].real), first, float(response.charge[0].real))
+    return SolvedSolid(values, static)
+
+
+def tip_compliance(static: Multiport) -> Floats:
+    """Return [w, ψ] of the tip (2, 2) per force (N) and moment (N m), base held."""
+    return np.linalg.inv(static.stiffness[0, 2:4, 2:4].real)
+
+
+def far_section(case: SolidCase, longer: SolvedSolid) -> Section:
+    """Return the section constants of a solid far from its ends.
+
+    `longer` is `case` solved; half its length is solved here.  Shear stiffness, mass and
+    rotary inertia stay the beam model's.
+    """
+    shorter = solve_static(case.shortened(0.5))
+    added = 0.5 * case.scene.bimorph.length
+    turned, charge = (
+        a - b for a, b in zip(_per_volt(longer.static), _per_volt(shorter), strict=True)
+    )
+    bent = tip_compliance(longer.static)[1, 1] - tip_compliance(shorter)[1, 1]
+    stiffness = float(added / bent)
+    moment = float(turned / added * stiffness)
+    scene = case.scene
+    return replace(
+        section(bimorph_piece(scene), scene.device, scene.beam, lossy=False),
+        EI=stiffness,
+        K=moment,
+        C=float(charge / added - moment**2 / stiffness),
+    )
+
+
+def solve_static(case: SolidCase) -> Multiport:
+    """Return D(0) of a solid."""
+    return static_multiport(
+        assemble(
+            case.scene.device,
+            case.bricks(),
+            lossy=False,
+            ceramic=case.ceramic,
+            uniform_field=case.uniform_field,
+        )
+    )
+
+
+def _per_volt(static: Multiport) -> tuple[float, float]:
+    """Return the tip's rotation (rad/V) and the charge (C/V), base held, tip free."""
+    d = static.stiffness[0].real
+    tip = np.linalg.solve(d[2:4, 2:4], -d[2:4, 4])
+    return float(tip[1]), float(d[4, 4] + d[4, 2:4] @ tip)

@@ -1,0 +1,175 @@
+"""The closed-form models of a row of beams: lumped and transfer-matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import astuple
+from functools import partial
+from typing import TypeVar
+
+import numpy as np
+
+from geometry.bimorph.pieces import beam_pieces
+from tmm.beam import lumped
+from tmm.beam.modes import NaturalFrequencies, natural_frequencies
+from tmm.beam.transfer import transfer_matrix
+from tmm.ports.multiport import Multiport
+from validation.engine.model import Model, Modes, Refined
+from validation.engine.refinement import SAFETY
+
+#: Ratio of a size at both ends of a segment from which on its order is not that of a smooth
+#: taper: (ratio − 1)⁴ is then no longer small.
+_STEEP = 1.5
+
+T = TypeVar("T")
+
+
+class RowModel(Model):
+    """Closed forms for a row of beams, in which tapers are divided into segments."""
+
+    _METHOD: str
+    #: Order in which a taper's error falls with its segments' length.
+    _ORDER: int
+
+    def _judged(self, read: Callable[[int], T], method: str = "") -> Refined[T]:
+        """Return what `read` gives for a number of segments, judged by half as many."""
+        method = method or self._METHOD
+        fine = read(transfer_matrix.SEGMENTS)
+        if not transfer_matrix.is_tapered(self.scene.device, self.scene.support):
+            return Refined(fine, (), method)
+        coarse = read(transfer_matrix.SEGMENTS // 2)
+        order = 1 if self._steep else self._ORDER
+        taper = f"half as many segments of the taper, order {order}, safety factor {SAFETY}"
+        factor = SAFETY / (2.0**order - 1.0)
+        return Refined(fine, ((coarse, factor),), f"{method}; {taper}")
+
+    @property
+    def _steep(self) -> bool:
+        """Whether some coarse segment ends much thinner or narrower than it begins.
+
+        Where a taper runs out, what goes with 1/thickness is resolved by ever shorter parts
+        of the last segment, and the error falls only with its length.
+        """
+        pieces = beam_pieces(self.scene.device, self.scene.support)
+        sizes = [np.array([astuple(end) for end in p.ends]) for p in pieces if p.ends]
+        share = 1.0 / (transfer_matrix.SEGMENTS // 2)
+        ratios = (both.max(axis=0) / both.min(axis=0) for both in sizes)
+        return any((1.0 + share * (ratio - 1.0) > _STEEP).any() for ratio in ratios)
+
+
+class LumpedModel(RowModel):
+    """Closed-form statics with a consistent mass matrix."""
+
+    name = "lumped"
+    _METHOD = "rounding of closed forms; the model's own error is not included"
+    _ORDER = 2  # the mass of a segment's cubic shapes; the statics are of order 4
+
+    def ports(self) -> Refined[Multiport]:
+        """Return D(Ω) with losses over the scene's frequencies."""
+
+        def work() -> Refined[Multiport]:
+            s = self.scene
+            return self._judged(
+                lambda n: lumped.multiport(
+                    s.device, s.support, s.beam, self.frequencies, segments=n
+                )
+            )
+
+        return self.stages.run("lumped.ports", work)
+
+    def static(self) -> Refined[Multiport]:
+        """Return the lossless D(0)."""
+
+        def work() -> Refined[Multiport]:
+            s = self.scene
+            return self._judged(
+                lambda n: lumped.multiport(
+                    s.device, s.support, s.beam, np.zeros(1), lossy=False, segments=n
+                )
+            )
+
+        return self.stages.run("lumped.static", work)
+
+    def modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        """Return the lossless modes."""
+        short, opened = self.stages.run("lumped.modes", self._both_modes)
+        return opened if open_circuit else short
+
+    def circuit(self, *, open_circuit: bool = False) -> lumped.EquivalentCircuit:
+        """Return the first mode as a one-mode circuit (parallel wiring)."""
+        return self._circuit(transfer_matrix.SEGMENTS, open_circuit=open_circuit)
+
+    def _circuit(self, segments: int, *, open_circuit: bool) -> lumped.EquivalentCircuit:
+        s = self.scene
+        row = transfer_matrix.sections(s.device, s.support, s.beam, lossy=False, segments=segments)
+        return lumped.equivalent_circuit(row, self._fixture(), open_circuit=open_circuit)
+
+    def _both_modes(self) -> tuple[Refined[Modes], Refined[Modes]]:
+        def mode(segments: int, *, open_circuit: bool) -> Modes:
+            circuit = self._circuit(segments, open_circuit=open_circuit)
+            return Modes(np.array([circuit.short_circuit_frequency]), ("bending_x",))
+
+        short, opened = (
+            self._judged(partial(mode, open_circuit=circuit)) for circuit in (False, True)
+        )
+        return short, opened
+
+
+class TmmModel(RowModel):
+    """Exact Timoshenko beams in a row."""
+
+    name = "tmm"
+    _METHOD = "rounding: machine epsilon times the condition number of the port equations"
+    _ORDER = 4
+
+    def ports(self) -> Refined[Multiport]:
+        """Return D(Ω) with losses over the scene's frequencies."""
+
+        def work() -> Refined[Multiport]:
+            s = self.scene
+            return self._judged(
+                lambda n: transfer_matrix.multiport(
+                    s.device, s.support, s.beam, self.frequencies, segments=n
+                )
+            )
+
+        return self.stages.run("tmm.ports", work)
+
+    def static(self) -> Refined[Multiport]:
+        """Return the lossless D(0)."""
+
+        def work() -> Refined[Multiport]:
+            s = self.scene
+            return self._judged(
+                lambda n: transfer_matrix.multiport(
+                    s.device, s.support, s.beam, np.zeros(1), lossy=False, segments=n
+                )
+            )
+
+        return self.stages.run("tmm.static", work)
+
+    def modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        """Return the lossless modes."""
+        short, opened = self.stages.run("tmm.beam.modes", self._both_modes)
+        return opened if open_circuit else short
+
+    def _both_modes(self) -> tuple[Refined[Modes], ...]:
+        s = self.scene
+
+        def found(segments: int, *, open_circuit: bool) -> NaturalFrequencies:
+            row = transfer_matrix.sections(
+                s.device, s.support, s.beam, lossy=False, segments=segments
+            )
+            return natural_frequencies(row, self._fixture(), s.modes, open_circuit=open_circuit)
+
+        def modes(of: NaturalFrequencies) -> Modes:
+            return Modes(of.frequencies, ("bending_x",) * of.frequencies.size)
+
+        method = "counted (Wittrick-Williams), rounding from a second evaluation in other units"
+        both = []
+        for circuit in (False, True):
+            judged = self._judged(partial(found, open_circuit=circuit), method)
+            coarser = tuple((modes(of), factor) for of, factor in judged.coarser)
+            rounding = float(judged.fine.rounding.max())
+            both.append(Refined(modes(judged.fine), coarser, judged.method, rounding))
+        return tuple(both)

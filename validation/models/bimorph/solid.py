@@ -1,0 +1,150 @@
+"""The piezoelectric solid: two meshes, so that its error shows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from geometry.arrays import Floats
+from tmm.ports.multiport import Multiport
+from tmm.ports.terminations import conservative_load
+from validation.engine.model import Model, Modes, Refined
+from validation.engine.refinement import SAFETY, least_difference
+
+if TYPE_CHECKING:
+    from fem.bimorph.system import SolidSystem
+    from geometry.bimorph.bricks import Bricks
+    from geometry.meshing.mesh import Mesh
+    from validation.models.bimorph.adaptive_meshes import AdaptedPair
+    from validation.models.bimorph.meshes import BrickPair
+    from validation.models.bimorph.shapes import Shapes, ShapeSearch
+
+T = TypeVar("T")
+
+
+class SolidModel(Model):
+    """The piezoelectric solid on two meshes, so that its error shows."""
+
+    name = "solid"
+
+    @property
+    def mesh_pair(self) -> BrickPair | AdaptedPair:
+        """The finer mesh, and a coarser one to judge it by."""
+        from validation.models.bimorph.meshes import mesh_pair
+
+        return self.stages.run("solid.mesh", lambda: mesh_pair(self.scene))
+
+    def meshes(self) -> tuple[Mesh | Bricks, Mesh | Bricks]:
+        """Return the finer and the coarser mesh."""
+        return self.mesh_pair.meshes
+
+    def systems(self) -> tuple[SolidSystem, SolidSystem]:
+        """Return the lossless systems on the finer and the coarser mesh."""
+        pair = self.mesh_pair
+        return self.stages.run("solid.assembly", lambda: pair.systems)
+
+    def static(self) -> Refined[Multiport]:
+        """Return the lossless D(0)."""
+
+        def work() -> Refined[Multiport]:
+            from fem.bimorph.ports import static_multiport
+
+            fine, coarse = (static_multiport(system) for system in self.systems())
+            return self._two_meshes(fine, coarse, self._rounding(fine))
+
+        return self.stages.run("solid.static", work)
+
+    def ports(self) -> Refined[Multiport]:
+        """Return D(Ω) with losses over the scene's frequencies."""
+        return self.stages.run("solid.ports", self._reduced)
+
+    def _reduced(self) -> Refined[Multiport]:
+        from fem.bimorph.reduction.kept import reduced_solid
+
+        ports = []
+        extra: tuple[tuple[Multiport, float], ...] = ()
+        for mesh in self.meshes():
+            reduced = reduced_solid(
+                self.scene.device, mesh, self.frequencies, tolerance=1e-3 * self.scene.accuracy
+            )
+            ports.append(reduced.multiport(self.frequencies))
+            if not extra:
+                extra = ((reduced.coarser_multiport(self.frequencies), SAFETY),)
+                at_rest = reduced.multiport(np.zeros(1))
+        # a peak magnifies what the stiffness is off by Q
+        peak = self.scene.piezo.quality_factor
+        two = self._two_meshes(ports[0], ports[1], peak * self._rounding(at_rest))
+        method = f"{two.method}; plus the last Krylov block of the port reduction"
+        return Refined(two.fine, two.coarser + extra, method, two.rounding)
+
+    def modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        """Return the lossless modes."""
+        fine, coarse = (
+            Modes(np.array([m.frequency for m in found]), tuple(m.kind for m in found))
+            for found in self.shapes(open_circuit=open_circuit)
+        )
+        system = self.systems()[0]
+        # a cantilever's modes have a quarter of the mass; frequencies go as the root
+        stiffness = (2.0 * np.pi * fine.frequencies) ** 2 * system.node_mass.sum() / 4.0
+        rounding = 0.5 * system.spurious_stiffness / stiffness
+        factor = self.mesh_pair.mode_factor
+        if open_circuit:  # the charge, a static goal, has its part in it
+            factor = max(factor, self.mesh_pair.static_factor)
+        coarse = _matched(fine, coarse)
+        two = self._two_meshes(fine, coarse, rounding, factor)
+        return replace(two, coarser=(*two.coarser, (_moved(fine, coarse), factor)))
+
+    def shapes(self, *, open_circuit: bool = False) -> Shapes:
+        """Return the modes with their shapes, on the finer and the coarser mesh."""
+        return self.stages.run(
+            "solid.modes_open" if open_circuit else "solid.modes_short",
+            lambda: self._search.lowest(self.scene.modes, open_circuit=open_circuit),
+        )
+
+    @cached_property
+    def _search(self) -> ShapeSearch:
+        from fem.bimorph.modes import Attachment
+        from validation.models.bimorph.shapes import ShapeSearch
+
+        stiffness, mass = conservative_load(self.scene.load)
+        attachment = Attachment(None if self._clamped else self._base(), stiffness, mass)
+        return ShapeSearch(self.systems(), attachment, {})
+
+    def _rounding(self, port: Multiport) -> float:
+        """Return what rounding of the stiffness matrix does to the tip's static compliance."""
+        compliance = np.linalg.inv(port.stiffness[0, 2:4, 2:4])[0, 0]
+        return float(abs(compliance) * self.systems()[0].spurious_stiffness)
+
+    def _two_meshes(
+        self, fine: T, coarse: T, rounding: Floats | float, factor: float | None = None
+    ) -> Refined[T]:
+        pair = self.mesh_pair
+        factor = pair.static_factor if factor is None else factor
+        return Refined(fine, ((coarse, factor),), pair.method, rounding)
+
+
+def _moved(fine: Modes, coarse: Modes) -> Modes:
+    """Return the modes moved by what each of its class counts with at least."""
+    kinds, frequencies = np.array(fine.classes), fine.frequencies.copy()
+    for kind in set(fine.classes):
+        of = kinds == kind
+        frequencies[of] *= 1.0 + least_difference(fine.frequencies[of], coarse.frequencies[of])
+    return Modes(frequencies, fine.classes)
+
+
+def _matched(fine: Modes, coarse: Modes) -> Modes:
+    """Pair coarse modes with fine ones by class and order, so that like meets like."""
+    left = list(zip(coarse.classes, coarse.frequencies, strict=True))
+    paired = []
+    for kind, frequency in zip(fine.classes, fine.frequencies, strict=True):
+        if not left:
+            paired.append(np.nan)
+            continue
+        same = [entry for entry in left if entry[0] == kind] or left
+        nearest = min(same, key=lambda entry: abs(entry[1] - frequency))
+        left.remove(nearest)
+        paired.append(nearest[1])
+    return Modes(np.array(paired), fine.classes)

@@ -1,0 +1,228 @@
+"""The models of the normal actuator that solve the field: in the half section, and in 3D."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from geometry.arrays import Floats
+from geometry.errors import InputError
+from geometry.meshing.mesh_cache import cache_folder
+from tmm.reluctance.coenergy.files import read_map, write_map
+from tmm.reluctance.coenergy.map import CoenergyMap
+from validation.models.reluctance.model import MagneticModel
+from validation.models.reluctance.point import MagneticPoint, Measured
+from validation.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from fem.reluctance.axisymmetric.actuator import FieldPoint
+    from fem.reluctance.three_d.actuator import SolidPoint
+
+_Found = TypeVar("_Found", "FieldPoint", "SolidPoint")
+
+#: Accuracy in force that a fineness of the grid reaches with its error bar, coarsest first.
+_REFINEMENTS = ((2e-3, 1.0), (5e-4, 1.5), (0.0, 2.0))
+#: The same of the 3D model's sector.
+_SECTOR_REFINEMENTS = ((2.5e-2, 0.7), (1.3e-2, 1.0), (0.0, 1.4))
+#: Polynomial order of a field map's samples: their error is then below that of interpolating them.
+_MAP_ORDER = 3
+#: Currents and gaps of a map in 3D, where each costs a second or more, and its fineness.
+_SOLID_MAP = (8, 6)
+_SOLID_MAP_REFINEMENT = 0.7
+
+
+class _FieldModel(MagneticModel):
+    """A model that solves the field: its map is kept on disk between runs."""
+
+    def map(self) -> CoenergyMap:
+        """Return the co-energy map over the stroke, kept on disk between runs."""
+
+        def work() -> CoenergyMap:
+            file = cache_folder() / f"coenergy-{self.stages.keys[f'{self.name}.map']}.nc"
+            with contextlib.suppress(InputError):
+                return read_map(file)
+            found = self._map()
+            with contextlib.suppress(InputError, OSError):
+                file.parent.mkdir(parents=True, exist_ok=True)
+                write_map(file, found)
+            return found
+
+        return self.stages.run(f"{self.name}.map", work)
+
+    def _fitted(
+        self,
+        currents: Floats,
+        gaps: Floats,
+        rows: Sequence[Sequence[FieldPoint]] | Sequence[Sequence[SolidPoint]],
+    ) -> CoenergyMap:
+        """Return the map of rows of points, one row for each gap."""
+
+        def table(read: Callable[[FieldPoint | SolidPoint], float]) -> Floats:
+            return np.array([[read(point) for point in row] for row in rows]).T
+
+        return CoenergyMap.from_samples(
+            currents,
+            gaps,
+            flux_linkage=table(lambda p: p.flux_linkage),
+            force=table(lambda p: p.force),
+            coenergy=table(lambda p: p.coenergy),
+            incremental_inductance=table(lambda p: p.incremental_inductance),
+            force_error=table(lambda p: p.errors.force),
+            model=self.name,
+            device=self._described(),
+        )
+
+
+class AxisymmetricModel(_FieldModel):
+    """The nonlinear field in the half section."""
+
+    name = "axisymmetric"
+    _METHOD = (
+        "change from the lower polynomial order, truncation of the air, and for the force the "
+        "difference between virtual work and the stress in the air"
+    )
+
+    def field(self) -> FieldPoint:
+        """Return the field at the scene's current and gap."""
+        scene = self.scene
+        return self.stages.run(
+            "axisymmetric.point", lambda: self._solved(scene.coil.current, scene.gap)
+        )
+
+    def point(self) -> MagneticPoint:
+        """Return the values at the scene's current and gap."""
+        return _judged(self.field(), self._METHOD)
+
+    def at(self, current: float, gap: float) -> MagneticPoint:
+        """Return the values at a current (A) and gap (m)."""
+        return _judged(self._solved(current, gap), self._METHOD)
+
+    def _solved(self, current: float, gap: float) -> FieldPoint:
+        from fem.reluctance.axisymmetric.actuator import solve_point
+
+        device, accuracy = self.scene.device, self.scene.accuracy
+        return _fine_enough(
+            _REFINEMENTS,
+            accuracy,
+            lambda fineness: solve_point(device, current, gap, refinement=fineness),
+        )
+
+    def _map(self) -> CoenergyMap:
+        from fem.reluctance.axisymmetric.actuator import solve_map
+        from tmm.reluctance.coenergy.range import map_grid
+
+        device = self.scene.device
+        currents, gaps = map_grid(device)
+        rows = solve_map(device, gaps.tolist(), currents.tolist(), order=_MAP_ORDER)
+        return self._fitted(currents, gaps, rows)
+
+
+class Magnetic3dModel(_FieldModel):
+    """The nonlinear field by both potentials in 3D.
+
+    In a sector of the turned device, or, with mesh.kind = "tetwild", in a quarter of the CAD
+    solids, which have the slot for the tab if the bimorph stands on the rod.
+    """
+
+    name = "magnetic3d"
+    _METHOD = (
+        "half the difference of vector and scalar potential; for the force also what two shells "
+        "in the air differ by"
+    )
+
+    def field(self) -> SolidPoint:
+        """Return the field at the scene's current and gap."""
+        scene = self.scene
+        return self.stages.run(
+            "magnetic3d.point", lambda: self._solved(scene.coil.current, scene.gap)
+        )
+
+    def point(self) -> MagneticPoint:
+        """Return the values at the scene's current and gap."""
+        return _judged(self.field(), self._METHOD)
+
+    def at(self, current: float, gap: float) -> MagneticPoint:
+        """Return the values at a current (A) and gap (m)."""
+        return _judged(self._solved(current, gap), self._METHOD)
+
+    def _solved(self, current: float, gap: float) -> SolidPoint:
+        from fem.reluctance.three_d.actuator import solve_cad, solve_solid
+        from geometry.reluctance.sector_tets import Sector
+        from geometry.reluctance.tets import ActuatorMeshing
+
+        scene = self.scene
+        if scene.mesh.kind == "tetwild":
+            slot = scene.support.kind == "rod"
+            meshing = ActuatorMeshing(slot=slot, time_limit=scene.mesh.time_limit)
+            return solve_cad(scene.device, current, gap, meshing)
+        return _fine_enough(
+            _SECTOR_REFINEMENTS,
+            scene.accuracy,
+            lambda fineness: solve_solid(scene.device, current, gap, Sector(fineness)),
+        )
+
+    def _map(self) -> CoenergyMap:
+        from geometry.reluctance.sector_tets import Sector
+        from tmm.reluctance.coenergy.range import map_grid
+        from validation.models.reluctance.map_rows import kept_row
+
+        check_solid_map(self.scene)
+        device, key = self.scene.device, self.stages.keys["magnetic3d.map"]
+        currents, gaps = map_grid(device, *_SOLID_MAP)
+        rows = []
+        for number, gap in enumerate(gaps.tolist(), start=1):
+            self.stages.announce(f"magnetic3d.map, gap {number} of {gaps.size}")
+            rows.append(kept_row(key, device, gap, currents, Sector(_SOLID_MAP_REFINEMENT)))
+        return self._fitted(currents, gaps, rows)
+
+
+def check_solid_map(scene: Scene) -> None:
+    """Refuse a map in 3D on a mesh of which each gap needs its own, at minutes apiece.
+
+    Raises
+    ------
+    InputError
+        With what to use instead.
+    """
+    if scene.mesh.kind == "tetwild":
+        raise InputError(
+            "mesh.kind = tetwild gives magnetic3d single points only, since each of a map's "
+            "takes minutes; leave mesh.kind out to map the swept sector"
+        )
+
+
+def _judged(found: FieldPoint | SolidPoint, method: str) -> MagneticPoint:
+    def judged(name: str) -> Measured:
+        return Measured(getattr(found, name), getattr(found.errors, name))
+
+    return MagneticPoint(
+        current=found.current,
+        gap=found.gap,
+        force=judged("force"),
+        flux_linkage=judged("flux_linkage"),
+        coenergy=judged("coenergy"),
+        incremental_inductance=judged("incremental_inductance"),
+        method=method,
+        beyond_table=found.beyond_table,
+    )
+
+
+def _fine_enough(
+    refinements: tuple[tuple[float, float], ...],
+    accuracy: float,
+    solve: Callable[[float], _Found],
+) -> _Found:
+    """Return the point of the coarsest grid whose force bar is within the accuracy wanted.
+
+    The first grid is the one that was found to be enough at the paper's point; where it is
+    not, the next is tried, up to the finest.
+    """
+    first = next(n for n, (bar, _) in enumerate(refinements) if accuracy >= bar)
+    for _, fineness in refinements[first:]:
+        found = solve(fineness)
+        if found.errors.force <= accuracy * abs(found.force):
+            break
+    return found

@@ -1,0 +1,148 @@
+"""The currents at which the rod moves: looked up in the co-energy map, then solved for.
+
+The map says where the rod gets stuck and at about which current.  There the model itself is
+asked: the secant method finds the current at which its pull balances the spring, and its
+error bar in force over the slope of the force with the current is that of the current.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.device.parameters import Device
+from tmm.reluctance.coenergy.map import CoenergyMap
+from tmm.reluctance.switching import Switching, spring_force, switching
+from validation.models.reluctance.point import MagneticPoint, Measured
+
+#: Solves one current (A) at one gap (m).
+Solver = Callable[[float, float], MagneticPoint]
+
+#: Most points that one balance may take; two or three are usual.
+_MOST_POINTS = 6
+#: A balance has settled when the force is off by no more than this share of its error bar, or
+#: this share of the spring's force, whichever is more.
+_OF_BAR, _OF_FORCE = 0.1, 1e-9
+#: Distance of the points on both sides of a floating place, as a share of the stroke: the map
+#: finds that place to a few percent.
+_ASIDE = 0.05
+
+_NONE = Measured(math.nan, math.nan)
+
+
+@dataclass(frozen=True)
+class SwitchingCurrents:
+    """Currents at which the rod moves (A), see :class:`tmm.reluctance.switching.Switching`.
+
+    Attributes
+    ----------
+    lift_off, pull_in, holding, drop_out : Measured
+        nan where no current of the map does it.
+    floats : bool
+        Whether the rod comes to rest between the stops before it pulls in.
+    beyond_table : float
+        The largest of the points that were solved, see :class:`MagneticPoint`.
+    limit : float
+        The largest current that was looked at.
+    """
+
+    lift_off: Measured
+    pull_in: Measured
+    holding: Measured
+    drop_out: Measured
+    floats: bool
+    beyond_table: float
+    limit: float
+    method: str = (
+        "error bar of the force there, over the force's slope with current; on a floating place "
+        "also what the place is uncertain by"
+    )
+
+
+def switching_currents(device: Device, pull: CoenergyMap, at: Solver) -> SwitchingCurrents:
+    """Return the switching currents of a model by its map and by points of it.
+
+    Raises
+    ------
+    InputError
+        If the stops do not fit the gap or the map.
+    """
+    found = switching(device, pull)
+    balance = _Balance(device, pull, at)
+    return SwitchingCurrents(
+        lift_off=balance.at_gap(device.gap, found.lift_off),
+        pull_in=balance.extreme(found.pull_in_gap, found.pull_in),
+        holding=balance.at_gap(device.spring.stop_gap, found.holding),
+        drop_out=balance.extreme(found.drop_out_gap, found.drop_out),
+        floats=_floats(found),
+        beyond_table=balance.beyond_table,
+        limit=pull.current_limit,
+    )
+
+
+def _floats(found: Switching) -> bool:
+    """Return whether the rod leaves the upper stop for a place between the stops."""
+    return found.pull_in > found.lift_off * (1.0 + 1e-9)
+
+
+class _Balance:
+    """Currents at which pull and spring balance, by points; each gap is solved once."""
+
+    def __init__(self, device: Device, pull: CoenergyMap, at: Solver) -> None:
+        self._device, self._pull, self._at = device, pull, at
+        self._found: dict[float, Measured] = {}
+        self.beyond_table = 0.0
+
+    def at_gap(self, gap: float, start: float) -> Measured:
+        """Return the balance at `gap` near the map's current `start` (A), inf for none."""
+        if not math.isfinite(start):
+            return _NONE
+        if gap not in self._found:
+            self._found[gap] = self._secant(gap, start)
+        return self._found[gap]
+
+    def extreme(self, gap: float, start: float) -> Measured:
+        """Return the balance where it is largest or smallest, which the map says is at `gap`.
+
+        At a stop it is the balance there.  Between them it is the vertex of the parabola
+        through three balances around, whose distance from the nearest is added to the bar.
+        """
+        low, high = self._device.spring.stop_gap, self._device.gap
+        if gap in (low, high) or not math.isfinite(start):
+            return self.at_gap(gap, start)
+        step = _ASIDE * (high - low)
+        middle = min(max(gap, low + step), high - step)
+        gaps = middle + step * np.array([-1.0, 0.0, 1.0])
+        around = [self.at_gap(float(g), start) for g in gaps]
+        left, centre, right = (found.value for found in around)
+        bend = left - 2.0 * centre + right
+        shift = float(np.clip(0.5 * (left - right) / bend, -1.0, 1.0)) if bend else 0.0
+        value = centre + 0.5 * shift * (right - left) + 0.5 * shift**2 * bend
+        nearest = around[1 + round(shift)]
+        return Measured(value, nearest.bar + abs(value - nearest.value))
+
+    def _secant(self, gap: float, start: float) -> Measured:
+        against = float(spring_force(self._device, gap))
+        if against == 0.0:  # no pull without current
+            return Measured(0.0, 0.0)
+        current = start
+        slope = -float(self._pull.motional_coefficient(start, gap))
+        before: tuple[float, float] | None = None
+        for _ in range(_MOST_POINTS):
+            point = self._at(current, gap)
+            self.beyond_table = max(self.beyond_table, point.beyond_table)
+            miss = point.force.value - against
+            if before is not None and current != before[0]:
+                slope = (miss - before[1]) / (current - before[0])
+            if not slope > 0.0:
+                return _NONE
+            step = -miss / slope
+            if before and abs(miss) <= max(_OF_BAR * point.force.bar, _OF_FORCE * against):
+                return Measured(current + step, point.force.bar / slope + abs(step))
+            before = current, miss
+            # a slope that is far off must not turn the current round
+            current = max(current + step, 0.5 * current)
+        return _NONE

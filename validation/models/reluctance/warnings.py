@@ -1,0 +1,56 @@
+"""What the reader of the normal actuator's numbers must be told: no value, or a curve too short."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from validation.catalogue.quantities import QUANTITIES
+from validation.models.reluctance.model import MagneticModel
+from validation.models.reluctance.registry import SWITCHING
+from validation.models.reluctance.switching import SwitchingCurrents
+from validation.scene.scene import Scene
+
+#: Share of the iron beyond the end of its curve that is worth a word: less is a corner or two.
+_WORTH_A_WORD = 0.01
+
+
+def magnetic_warnings(
+    models: Iterable[MagneticModel], quantities: Sequence[str]
+) -> tuple[str, ...]:
+    """Return what the answers of these models to these quantities leave to say."""
+    found: list[str] = []
+    for model in models:
+        beyond = 0.0
+        moves = [name for name in quantities if name in SWITCHING]
+        if moves:
+            currents = model.switching()
+            beyond = currents.beyond_table
+            missing = [n for n in moves if np.isnan(getattr(currents, SWITCHING[n]).value)]
+            if missing:
+                found.append(_unreached(model, missing, currents))
+        if any("magnetic_point" in QUANTITIES[name].needs for name in quantities):
+            beyond = max(beyond, model.point().beyond_table)
+        if beyond > _WORTH_A_WORD:
+            found.append(_too_short(model.scene, model.name, beyond))
+    return tuple(found)
+
+
+def _unreached(model: MagneticModel, missing: Sequence[str], found: SwitchingCurrents) -> str:
+    spring = model.scene.spring
+    have = "have" if len(missing) > 1 else "has"
+    return (
+        f"{' and '.join(missing)} {have} no value in the model {model.name}: with up to "
+        f"{found.limit * 1e3:.3g} mA the pull does not reach the spring's force everywhere "
+        f"(spring.preload = {spring.preload * 1e3:g} mN, spring.stiffness = "
+        f"{spring.stiffness:g} N/m); use a softer spring, a smaller gap or more coil.turns"
+    )
+
+
+def _too_short(scene: Scene, model: str, share: float) -> str:
+    return (
+        f"{100.0 * share:.2g} % of the iron is magnetised beyond the end of steel.curve = "
+        f"{scene.steel.curve} (model {model}), which stops before the steel is saturated: beyond "
+        "it the iron is taken for saturated; measure or continue the curve to higher B"
+    )

@@ -1,0 +1,74 @@
+"""The sections of the report, in order; those of an actuator only if the scene asks for it."""
+
+from __future__ import annotations
+
+import platform
+from importlib import metadata
+
+from validation.report.sections import gallery
+from validation.report.sections.section import Context, Section
+from validation.report.study import INVARIANT_TOLERANCE, Study
+
+
+def sections(study: Study) -> tuple[Section, ...]:
+    """Return the sections of a study; what is not asked for is not even imported."""
+    found = [Section("what", "What was studied", _what)]
+    after: list[Section] = []
+    if study.lateral:
+        from validation.report.sections.bimorph import LATERAL, PRINTED_FORMULAS
+
+        found += LATERAL
+        after = [PRINTED_FORMULAS]
+    if study.normal:
+        from validation.report.sections.reluctance import NORMAL
+
+        found += NORMAL
+    return (
+        *found,
+        Section("checks", "Checks in four tiers", _checks),
+        *after,
+        Section("parameters", "Parameters and assumptions", _parameters),
+        Section("plan", "What ran, what was skipped, what it cost", _plan),
+    )
+
+
+def _what(study: Study) -> Context:
+    return {"pictures": gallery.pictures(study)}
+
+
+def _checks(study: Study) -> Context:
+    return {
+        "comparison": study.compared,
+        "outcomes": study.outcomes,
+        "invariants": study.invariants,
+        "invariant_tolerance": INVARIANT_TOLERANCE,
+    }
+
+
+def _parameters(study: Study) -> Context:
+    return {"parameters": study.parameters}
+
+
+def _plan(study: Study) -> Context:
+    machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
+    return {
+        "plan": study.plan,
+        "stage_seconds": study.seconds,
+        "versions": _versions(),
+        "machine": machine,
+    }
+
+
+_PACKAGES = ("numpy", "scipy", "scikit-fem", "cadquery", "pytetwild", "pyvista", "mkl")
+
+
+def _versions() -> dict[str, str]:
+    from fem.solvers.linear_solver import available_solver
+
+    found = {"tactgen": metadata.version("tactgen"), "linear solver": available_solver()}
+    for package in _PACKAGES:
+        try:
+            found[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            found[package] = "not installed"
+    return found

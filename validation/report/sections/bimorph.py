@@ -1,0 +1,96 @@
+"""The report's sections about the lateral actuator, in order."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from validation.checks.paper import audit
+from validation.view import plots
+from validation.report.comparison import UNEXPLAINED, compare
+from validation.studies.design import excitation_voltage, length_section
+from validation.report.sections import gallery
+from validation.report.sections.bridge import bridge_section, holding_section, material_section
+from validation.report.sections.section import Context, Section
+from validation.report.study import Study
+from validation.models.bimorph.rows import LumpedModel
+from validation.models.bimorph.solid import SolidModel
+from validation.engine.solve import solve
+from validation.checks.stress import output as stress_output
+from validation.studies.uncertainty import propagation
+
+
+def _models(study: Study) -> Context:
+    return {"comparison": study.comparison, "unexplained": UNEXPLAINED, "tet": _tetrahedra(study)}
+
+
+def _tetrahedra(study: Study) -> Context | None:
+    """Return the solid on a tetwild mesh beside the structured one."""
+    from validation.models.bimorph.meshes import cells_of, uses_tetrahedra
+
+    scene = study.scene
+    if study.quick or study.solid is None or uses_tetrahedra(scene):
+        return None
+    study.announce("solid on a tetwild mesh")
+    mesh = scene.mesh.model_copy(update={"kind": "tetwild"})
+    names = ("static_tip_displacement", "short_circuit_frequencies", "capacitance_free")
+    other = solve(scene.model_copy(update={"mesh": mesh}), ("solid",), names, study.announce)
+    model = other.models["solid"]
+    assert isinstance(model, SolidModel)
+    shown = cells_of(model.meshes()[0])
+    return {
+        "rows": compare(other),
+        "reference": {row.quantity: row.cells[-1] for row in compare(study.solution)},
+        "cells": shown.cells.shape[0],
+        "png": gallery.close_up(shown),
+    }
+
+
+def _modes(study: Study) -> Context:
+    lumped = study.solution.models.get("lumped")
+    circuit = lumped.circuit() if isinstance(lumped, LumpedModel) else None
+    return {"modes": gallery.modes(study), "circuit": circuit}
+
+
+def _response(study: Study) -> Context:
+    cases = study.cases
+    curves = {case.name: {m: case.curve(m) for m in case.solution.models} for case in cases}
+    titles = {case.name: case.title for case in cases}
+    frequency = np.asarray(study.scene.frequency)
+    return {"cases": cases, "response": plots.response_plot(frequency, curves, titles)}
+
+
+def _stress(study: Study) -> Context:
+    return stress_output.section(study.quick, study.announce)
+
+
+def _length(study: Study) -> Context | None:
+    return length_section.section(study.scene, study.origins, study.announce)
+
+
+def _voltage(study: Study) -> Context | None:
+    return excitation_voltage.section(study.scene, study.announce)
+
+
+def _uncertainty(study: Study) -> Context:
+    return propagation.section(study.scene, study.solution, study.announce)
+
+
+def _audit(study: Study) -> Context:
+    return audit.section(study.scene, study.announce)
+
+
+#: Shown before the checks.
+LATERAL: tuple[Section, ...] = (
+    Section("models", "Models side by side", _models),
+    Section("modes", "Natural modes", _modes),
+    Section("bridge", "From the beam to the solid", bridge_section),
+    Section("holding", "What holds the bimorph", holding_section),
+    Section("material", "What the assumed constants are worth", material_section),
+    Section("response", "Frequency response", _response),
+    Section("length", "Length design", _length),
+    Section("voltage", "Voltage at the detection threshold", _voltage),
+    Section("uncertainty", "Numerical and parameter uncertainty", _uncertainty),
+    Section("stress", "Numerical limits of the beam model", _stress),
+)
+#: Shown after the checks.
+PRINTED_FORMULAS = Section("audit", "The printed formulas", _audit)

@@ -1,0 +1,181 @@
+"""The report's sections on why a solid differs from a beam, what holds it, what it is made of."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geometry.errors import InputError
+from geometry.device.parameters import Piezo
+from validation.view import plots
+from validation.report.sections.section import Context
+from validation.report.study import Study
+
+if TYPE_CHECKING:
+    from validation.models.bimorph.bridge import Rung
+    from validation.models.bimorph.bridge.generator import GeneratorChain
+    from validation.models.bimorph.bridge.width import WidthPoint
+    from validation.scene.scene import Scene
+    from validation.models.bimorph.support import SupportCompliance, SupportStudy
+
+#: The material beside the scene's own: one whose whole tensor is published, or the paper's.
+_OTHER = {"M1876": "PZT-5H"}
+
+
+def bridge_section(study: Study) -> Context:
+    """Return the bridge for the scene's material and, unless quick, for another."""
+    rungs = study.rungs
+    if not rungs:
+        return {"bridge": None}
+    found = [_one_material(study, study.scene.piezo.material, rungs)]
+    if not study.quick:
+        from validation.models.bimorph.bridge import bridge
+
+        name = _OTHER.get(study.scene.piezo.material, "M1876")
+        study.announce(f"bridge for {name}")
+        found.append(_one_material(study, name, bridge(_of(study, name), study.announce)))
+    return {"bridge": found, "widths": [] if study.quick else _widths(study)}
+
+
+def _widths(study: Study) -> list[WidthPoint]:
+    """Return where the section stands between strip and plate; glue is in neither theory."""
+    if study.scene.bimorph.glue_thickness > 0.0:
+        return []
+    from validation.models.bimorph.bridge.width import width_study
+
+    study.announce("bridge: sections of other widths")
+    return width_study(study.scene)
+
+
+def _of(study: Study, material: str) -> Scene:
+    if material == study.scene.piezo.material:
+        return study.scene
+    return study.scene.model_copy(update={"piezo": Piezo(material=material)})
+
+
+def _one_material(study: Study, name: str, rungs: list[Rung]) -> dict[str, Any]:
+    from validation.models.bimorph.bridge.ends import ends
+
+    study.announce(f"bridge: ends, {name}")
+    return {
+        "material": name,
+        "rungs": rungs,
+        "plot": plots.bridge_plot(rungs, "solid against TMM"),
+        "ends": None if study.quick else ends(_of(study, name)),
+    }
+
+
+def holding_section(study: Study) -> Context | None:
+    """Return the way from a clamp to the rod, and the support's stiffness."""
+    if study.quick or study.solid is None or study.scene.piezo.d31 == 0.0:
+        return None
+    from geometry.device.checks import check_fit
+    from validation.models.bimorph.bridge.generator import GeneratorChain
+
+    chain = GeneratorChain(study.scene, study.announce)
+    try:
+        check_fit(chain.device.device, chain.device.support)
+    except InputError as error:
+        return {"refused": str(error)}
+    rungs = chain.rungs()
+    return {
+        "refused": "",
+        "chain": rungs,
+        "beam_to_rod": chain.beam_values,
+        "branches": chain.branches(),
+        "plot": plots.bridge_plot(rungs, "generator against clamp"),
+        "free_tab": chain.free_tab,
+        **_support(study, chain),
+    }
+
+
+def _support(study: Study, chain: GeneratorChain) -> dict[str, Any]:
+    from validation.models.bimorph.support import GLUE_MODULI, fitted_springs, frequency_on, joint_by_beam, support_study, tab_for_frequency
+
+    scene = study.scene
+    found = support_study(scene, study.announce, chain)
+    assert found.joint is not None
+    target = found.target
+    joint = found.joint.matrix[1, 1]
+    built = found.at(found.free_tab, in_rod=True)
+    in_rod = found.tab_for(target, joint=joint)
+    return {
+        "support": found,
+        "tabs": [
+            (at, found.at(at, in_rod=False), _beam(scene, at), whole, frequency_on(scene, whole))
+            for at in found.lengths
+            for whole in [found.at(at, in_rod=True)]
+        ],
+        "on_springs": frequency_on(scene, fitted_springs(scene)),
+        "on_whole": frequency_on(scene, built),
+        "uncoupled": frequency_on(scene, built.uncoupled()),
+        "same_frequency": tab_for_frequency(found, in_rod=True),
+        "in_rod": in_rod,
+        "at_in_rod": found.at(in_rod, in_rod=True) if np.isfinite(in_rod) else None,
+        "alone": found.tab_for(target),
+        "by_beam": _bending_stiffness(scene) / target,
+        "glue": [
+            (modulus, b.matrix[1, 1], found.tab_for(target, joint=b.matrix[1, 1]))
+            for modulus in GLUE_MODULI
+            for b in [joint_by_beam(chain, modulus, rod=True)]
+        ],
+        "support_plot": _support_plot(found, joint),
+        "soft_lateral": _lateral_effect(study),
+    }
+
+
+def _beam(scene: Scene, length: float) -> SupportCompliance | None:
+    from validation.models.bimorph.support import tab_by_beam
+
+    return tab_by_beam(scene, length) if length > 0.0 else None
+
+
+def _bending_stiffness(scene: Scene) -> float:
+    """Return EI of the tab (N m²)."""
+    from validation.models.bimorph.support import tab_by_beam
+
+    return tab_by_beam(scene, 1.0).rotational_stiffness
+
+
+def _support_plot(found: SupportStudy, joint: float) -> str:
+    tabs = np.array([tab.matrix[1, 1] for tab in found.tabs])
+    bending = _bending_stiffness(found.scene)
+    curves = {
+        "beam, tab alone": found.lengths / bending,
+        "solid, tab alone": tabs,
+        "solid, tab, glue and rod": tabs + joint,
+    }
+    best = {
+        "beam, tab alone": bending / found.target,
+        "solid, tab alone": found.tab_for(found.target),
+        "solid, tab, glue and rod": found.tab_for(found.target, joint=joint),
+    }
+    return plots.support_plot(found.lengths, curves, 1.0 / found.target, best)
+
+
+def _lateral_effect(study: Study) -> float:
+    """Return what a lateral spring ten times softer does to the sprung beam's frequency."""
+    from validation.models.bimorph.bridge.beam_values import beam_values
+
+    scene, support = study.scene, study.scene.support.model_copy(update={"kind": "spring"})
+    softer = support.model_copy(update={"lateral_stiffness": 0.1 * support.lateral_stiffness})
+    stiff, soft = (
+        beam_values(scene.model_copy(update={"support": kind})) for kind in (support, softer)
+    )
+    return soft.first_frequency / stiff.first_frequency - 1.0
+
+
+def material_section(study: Study) -> Context | None:
+    """Return what the assumed constants of the full tensor are worth."""
+    if study.quick or study.solid is None or study.scene.piezo.d31 == 0.0:
+        return None
+    from validation.models.bimorph.material_effects import material_effects
+
+    scene = study.scene
+    if scene.support.kind == "rod":
+        support = scene.support.model_copy(update={"kind": "clamped"})
+        scene = scene.model_copy(update={"support": support})
+    rows = material_effects(scene, study.announce)
+    solved = [row for row in rows if row.values is not None]
+    return {"rows": rows, "first": solved[0].values, "solved": solved}

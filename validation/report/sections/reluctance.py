@@ -1,0 +1,225 @@
+"""The report's sections about the normal actuator, in order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geometry.device.parameters import Device
+from geometry.device.winding import winding
+from tmm.reluctance.coil_heat import thermal_statement
+from tmm.reluctance.switching import Equilibrium, equilibria, finger_force, spring_force
+from validation.models.reluctance.field import AxisymmetricModel
+from validation.models.reluctance.model import NetworkModel
+from validation.models.reluctance.point import Measured
+from validation.models.reluctance.switching import SwitchingCurrents
+from validation.report.normal_actuator import NormalActuator
+from validation.report.sections.section import Context, Section
+
+if TYPE_CHECKING:
+    from fem.reluctance.axisymmetric.actuator import FieldPoint
+    from validation.report.study import Study
+
+#: Order and fineness of pictures: many lines for smooth contours.
+_PICTURE: dict[str, Any] = {"order": 2, "refinement": 3.0}
+
+
+def _models(actuator: NormalActuator) -> Context:
+    """Return the models side by side and the bridge between them."""
+    from validation.view.reluctance import bridge_plot
+
+    field = actuator.field_model
+    titles = {"force": "pull", "flux_linkage": "flux linkage"}
+    reference = "the field" if actuator.has_field else "the full network"
+    methods: dict[str, dict[str, None]] = {model: {} for model in actuator.models}
+    for q in actuator.quantities:
+        methods.setdefault(q.model, {})[q.uncertainty_method] = None
+    return {
+        "actuator": actuator,
+        "models": actuator.models,
+        "rows": actuator.comparison,
+        "remarks": list(dict.fromkeys(r for row in actuator.comparison for r in row.remarks)),
+        "methods": {model: list(found) for model, found in methods.items()},
+        "routes": field.field() if field else None,
+        "steps": actuator.bridge,
+        "waterfall": bridge_plot(actuator.bridge, titles, reference),
+        "deviations": _deviations(actuator),
+    }
+
+
+def _deviations(actuator: NormalActuator) -> Context | None:
+    """Return the network's force against the field's over the map, if both have one."""
+    names = (NetworkModel.name, AxisymmetricModel.name)
+    if not set(names) <= set(actuator.maps):
+        return None
+    network, field = (actuator.maps[name] for name in names)
+    currents, gaps = actuator.currents, actuator.gaps
+    table = network.force(currents[:, None], gaps) / field.force(currents[:, None], gaps) - 1.0
+    return {"currents": currents, "gaps": gaps, "table": table}
+
+
+def _field(actuator: NormalActuator) -> Context | None:
+    """Return pictures of the field at both stops, if it was asked for."""
+    if actuator.field_model is None:
+        return None
+    from fem.reluctance.axisymmetric.actuator import solve_point
+    from validation.view.magnetic_field import field_plot
+
+    device, current = actuator.device, actuator.current
+    stop = device.spring.stop_gap
+    actuator.announce("pictures of the field")
+    points = {
+        f"{name}: {gap * 1e6:.3g} µm, {current * 1e3:.4g} mA": solve_point(
+            device, current, gap, **_PICTURE
+        )
+        for name, gap in (("upper stop", device.gap), ("lower stop", stop))
+    }
+    return {
+        "field_picture": field_plot(device, points),
+        "saturated": [p.incremental_inductance < 0.5 * p.inductance for p in points.values()],
+        "shaft": [_shaft_density(point, device.rod.radius) for point in points.values()],
+    }
+
+
+def _shaft_density(point: FieldPoint, radius: float) -> float:
+    """Return the largest mean flux density in the shaft (T): flux 2π r A_φ over its section."""
+    assert point.solution is not None
+    grid = point.solution.discretisation.grid
+    at = int(np.argmin(np.abs(grid.r - radius)))
+    flux = 2.0 * np.pi * np.abs(point.solution.flux_function[at]).max()
+    return float(flux / (np.pi * radius**2))
+
+
+@dataclass(frozen=True)
+class ElectricalRow:
+    """The coil's inductances (H) and time constant (s) at one state."""
+
+    state: str
+    current: float
+    gap: float
+    apparent: Measured
+    incremental: Measured
+    time_constant: float
+
+
+def _characteristics(actuator: NormalActuator) -> Context:
+    """Return families, switching, finger force and the coil's electrical and thermal values."""
+    from validation.view.reluctance import Families, flux_families, force_families, switching_plot
+
+    device, current = actuator.device, actuator.current
+    shown = Families(device, actuator.maps, actuator.currents, actuator.gaps, actuator.points)
+    chosen = actuator.switching[actuator.pull_model]
+    wound = winding(device.coil)
+    heat = {
+        "At the scene's current": thermal_statement(device, current),
+        "At the paper's direct current for holding": thermal_statement(device, PAPER_HELD),
+    }
+    if np.isfinite(chosen.holding.value):
+        held = thermal_statement(device, chosen.holding.value)
+        heat["At this device's holding current"] = held
+    return {
+        "actuator": actuator,
+        "forces": force_families(shown),
+        "fluxes": flux_families(shown),
+        "switching_picture": switching_plot(shown, actuator.pull, chosen),
+        "switching": actuator.switching,
+        "chosen": chosen,
+        "finger": _finger(actuator),
+        "paper": _beside_the_paper(actuator),
+        "winding": wound,
+        "power": wound.power(current),
+        "current_density": wound.current_density(current),
+        "heating_rate": wound.heating_rate(current),
+        "electrical_rows": _electrical_rows(actuator, chosen),
+        "heat": heat,
+    }
+
+
+def _finger(actuator: NormalActuator) -> list[dict[str, Any]]:
+    """Return spring, pull and what is left for the finger at both stops."""
+    device, pull = actuator.device, actuator.pull
+    rows = []
+    for stop, gap in (("upper stop", device.gap), ("lower stop", device.spring.stop_gap)):
+        spring = float(spring_force(device, gap))
+        for current in (0.0, *actuator.currents[[0, 1, 3]]):
+            left = float(finger_force(device, pull, current, gap))
+            rows.append(
+                {"stop": stop, "current": current, "spring": spring, "pull": spring - left,
+                 "left": left}
+            )  # fmt: skip
+    return rows
+
+
+def _electrical_rows(actuator: NormalActuator, found: SwitchingCurrents) -> list[ElectricalRow]:
+    device = actuator.device
+    resistance = winding(device.coil).resistance
+    top, stop = device.gap, device.spring.stop_gap
+    states = (
+        ("upper stop, no current", 0.0, top),
+        ("upper stop", actuator.current, top),
+        ("lower stop, holding current", found.holding.value, stop),
+        ("lower stop", actuator.current, stop),
+    )
+    rows = []
+    for state, current, gap in states:
+        if np.isfinite(current):
+            point = actuator.point_by_map_model(current, gap)
+            slope = point.incremental_inductance
+            rows.append(
+                ElectricalRow(
+                    state, current, gap, point.inductance, slope, slope.value / resistance
+                )
+            )
+    return rows
+
+
+#: What the paper says of the normal actuator: gap (m), currents (A), force (N); sections 5.1
+#: and 2, Fig 3.
+PAPER_GAP, PAPER_FORCE = 0.2e-3, 0.11
+PAPER_PULL_IN, PAPER_HELD, PAPER_DRIVEN = 0.13, 0.05, 0.12
+
+
+def _beside_the_paper(actuator: NormalActuator) -> Context | None:
+    """Return the model's answers to what the paper states, None outside the map."""
+    device, pull = actuator.device, actuator.pull
+    low, high = pull.gap_limits
+    if not low <= PAPER_GAP <= high or pull.current_limit < PAPER_PULL_IN:
+        return None
+    places = equilibria(device, pull, PAPER_HELD)
+    return {
+        "force": actuator.point_by_reference(PAPER_PULL_IN, PAPER_GAP).force,
+        "driven": actuator.point_by_reference(PAPER_DRIVEN, PAPER_GAP).force,
+        "model": actuator.reference,
+        "preload_is_set": device.spring.preload == Device().spring.preload,
+        "turns_are_set": actuator.turns_are_set,
+        "held": any(place.kind == "lower stop" for place in places),
+        "held_up_to": _unstable(places),
+        "found": actuator.switching[actuator.pull_model],
+        "stated": {
+            "gap": PAPER_GAP,
+            "force": PAPER_FORCE,
+            "pull_in": PAPER_PULL_IN,
+            "held": PAPER_HELD,
+            "driven": PAPER_DRIVEN,
+        },
+    }
+
+
+def _unstable(places: Sequence[Equilibrium]) -> float | None:
+    """Return the smallest gap (m) from which the spring takes over, None if there is none."""
+    return min((p.gap for p in places if p.kind == "unstable"), default=None)
+
+
+def _of(show: Callable[[NormalActuator], Context | None]) -> Callable[[Study], Context | None]:
+    """Return the contents of a section by what it shows of the normal actuator."""
+    return lambda study: show(study.normal) if study.normal else None
+
+
+NORMAL: tuple[Section, ...] = (
+    Section("magnetic_models", "Normal actuator: models side by side", _of(_models)),
+    Section("magnetic_field", "Normal actuator: the field", _of(_field)),
+    Section("characteristics", "Normal actuator: force, switching, coil", _of(_characteristics)),
+)

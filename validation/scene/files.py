@@ -1,0 +1,130 @@
+"""Scene files and ``KEY=VALUE`` overrides as plain nested values, before any is checked."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from geometry.errors import InputError
+from geometry.units import quoted
+from validation.scene.wording import nearest
+
+#: Longest name that a scene may have.
+_LONGEST_NAME = 100
+
+
+def built_in_scenes() -> dict[str, str]:
+    """Return the names of the built-in scenes with their descriptions."""
+    folder = resources.files("validation.scene") / "scenes"
+    found = {}
+    for entry in sorted(folder.iterdir(), key=lambda e: e.name):
+        if entry.name.endswith(".toml"):
+            text = tomllib.loads(entry.read_text(encoding="utf-8"))
+            found[entry.name.removesuffix(".toml")] = str(text.get("description", ""))
+    return found
+
+
+def read_scene(name: str) -> tuple[dict[str, Any], str]:
+    """Return the values of a file or built-in scene, and words for where they come from.
+
+    Raises
+    ------
+    InputError
+        If there is no such scene or it is not TOML.
+    """
+    known = built_in_scenes()
+    if name in known:
+        text = (resources.files("validation.scene") / "scenes" / f"{name}.toml").read_text("utf-8")
+        return tomllib.loads(text), f"scene {name}"
+    path = Path(name)
+    if not _is_file(path):
+        raise InputError(
+            f"scene {quoted(name)} is neither a readable file nor a built-in scene"
+            f"{nearest(name, known)}; built in are {', '.join(known)}"
+        )
+    try:
+        # editors on Windows begin a file with a byte order mark
+        return tomllib.loads(path.read_text("utf-8-sig")), f"scene file {scene_name(path.name)}"
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
+        raise InputError(
+            f"scene file {quoted(name)} cannot be read ({reason}); give a readable TOML file"
+        ) from None
+    except (ValueError, RecursionError) as error:
+        # besides its own error, tomllib lets those of too long numbers and too deep lists pass
+        reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise InputError(
+            f"scene file {quoted(name)} is not valid TOML ({reason}); correct that place, or "
+            "start from the file that tactgen init writes"
+        ) from None
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name too long, or with a zero byte
+        return False
+
+
+def scene_name(text: str) -> str:
+    """Return a text such as a file's name as a scene's name: printable and not too long."""
+    return "".join(c if c.isprintable() else "?" for c in text)[:_LONGEST_NAME]
+
+
+def checked_name(value: Any) -> Any:
+    """Refuse a scene's name that is more than one short line.
+
+    Raises
+    ------
+    InputError
+        With the remedy.
+    """
+    if isinstance(value, str) and scene_name(value) != value:
+        raise InputError(
+            f"name = {quoted(value)} is not one line of at most {_LONGEST_NAME} printable "
+            "characters; shorten it, and use description for more"
+        )
+    return value
+
+
+def split_override(text: str) -> tuple[str, str]:
+    """Return key and value of ``KEY=VALUE``.
+
+    Raises
+    ------
+    InputError
+        If one of them is missing.
+    """
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip() or not value.strip():
+        unset = (
+            f"; to take the profile away write --set {key.strip()}=uniform"
+            if equals and key.strip().endswith("_profile")
+            else ""
+        )
+        raise InputError(
+            f"--set {quoted(text)} is not of the form KEY=VALUE; write for example "
+            f"--set bimorph.length=25mm{unset}"
+        )
+    return key.strip(), value.strip()
+
+
+def assign(values: dict[str, Any], key: str, value: str) -> None:
+    """Set the value of a dotted key in nested values."""
+    *groups, last = key.split(".")
+    for group in groups:
+        values = values.setdefault(group, {})
+    values[last] = value
+
+
+def leaves(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield every dotted key with its value; an empty table inside counts as a value."""
+    for key, value in values.items():
+        name = f'{prefix}"{key}"' if "." in key else f"{prefix}{key}"
+        if isinstance(value, dict) and value:
+            yield from leaves(value, f"{name}.")
+        else:
+            yield name, value

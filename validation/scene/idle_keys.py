@@ -1,0 +1,148 @@
+"""Keys that a scene sets although nothing in it reads them: said once, with the remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from geometry import units as u
+from geometry.device import parameters as p
+from validation.catalogue.quantities import LATERAL_MODELS, MAGNETIC_MODELS, QUANTITIES
+from validation.scene.scene import ON_COMMAND_LINE, Scene
+
+#: Groups that only the models of the lateral actuator read.
+_LATERAL = (
+    "bimorph", "piezo", "shim", "glue", "support", "load", "drive", "beam", "mesh", "frequency",
+    "modes",
+)  # fmt: skip
+#: Groups and keys that only the models of the normal actuator read.
+_MAGNETIC = (
+    "steel", "spring", "coil.turns", "coil.current", "coil.fill_factor", "coil.resistivity",
+    "coil.temperature",
+)  # fmt: skip
+#: Of those, what only the report shows: the coil's resistance and heat.
+_HEAT = ("coil.fill_factor", "coil.resistivity", "coil.temperature")
+#: Dimensions that no formula of the reluctance network contains.
+_FIELD_ONLY = ("coil.inner_radius", "coil.outer_radius")
+#: Keys of the rod that the magnetic field does not read.
+_MECHANICAL = ("rod.slot_depth", "rod.youngs_modulus", "rod.poisson_ratio", "rod.density")
+
+
+def scene_warnings(
+    scene: Scene, origins: Mapping[str, str], *, report: bool = False
+) -> tuple[str, ...]:
+    """Return one sentence for each key that was set but has no effect with the chosen kinds.
+
+    Parameters
+    ----------
+    origins : mapping of str to str
+        Where each key was set; "" for a key that is only asked about.
+    report : bool
+        Whether all is shown that the models know, not the scene's quantities only.
+    """
+    found = []
+    for key, origin in origins.items():
+        because = ""
+        if origin in (ON_COMMAND_LINE, ""):
+            # a file may describe both actuators, whichever is asked about today
+            because = _not_asked(scene, key) or ("" if report else _not_shown(scene, key))
+        because = because or _idle(scene, key)
+        if because:
+            found.append(f"{key} = {_text(scene, key)} has no effect {because}")
+    return (*found, *_weightless(scene.load))
+
+
+def _not_asked(scene: Scene, key: str) -> str:
+    """Return why a key has no effect on the models asked for."""
+    group, models = key.split(".", 1)[0], f"with models = {', '.join(scene.models)}"
+    if group == "mesh" and "magnetic3d" in scene.models:
+        return ""
+    if group in _LATERAL and not set(scene.models) & set(LATERAL_MODELS):
+        return f"{models}; ask for one of the lateral actuator, such as --model tmm, to use it"
+    magnetic = set(scene.models) & set(MAGNETIC_MODELS)
+    around = group in ("coil", "sleeve", "gap") and scene.support.kind != "rod"
+    if (group in _MAGNETIC or key in _MAGNETIC or around) and not magnetic:
+        return f"{models}; ask for one of the normal actuator, such as --model network, to use it"
+    return ""
+
+
+def _not_shown(scene: Scene, key: str) -> str:
+    """Return why a key of the normal actuator has no effect on the quantities asked for."""
+    magnetic = set(scene.models) & set(MAGNETIC_MODELS)
+    if not magnetic:
+        return ""
+    asked = f"with quantities = {', '.join(scene.quantities)}"
+    moves = any("magnetic_map" in QUANTITIES[name].needs for name in scene.quantities)
+    if key.startswith("spring.") and not moves:
+        return f"{asked}; ask for pull_in_current, holding_current or drop_out_current to use it"
+    if key in _HEAT:
+        return "on any quantity; tactgen report shows the coil's resistance and heat"
+    if key in _FIELD_ONLY and magnetic == {"network"}:
+        return "with models = network; ask for --model axisymmetric to use it"
+    return ""
+
+
+def _idle(scene: Scene, key: str) -> str:
+    """Return why a key has no effect with the chosen kinds, or nothing if it has one."""
+    group = key.split(".", 1)[0]
+    needed = {
+        **dict.fromkeys(("load.stiffness", "load.damping"), "spring_damper"),
+        "load.mass": "mass",
+    }.get(key)
+    if needed and scene.load.kind != needed:
+        return f'with load.kind = "{scene.load.kind}"; set load.kind = "{needed}" to use it'
+    profile = f"{key}_profile"
+    if profile.removeprefix("bimorph.") in scene.bimorph.profiles and not _has_tab(scene, key):
+        return f"with {profile}, which gives it along the ceramic; leave one of the two out"
+    support = scene.support.kind
+    if key == "steel.relative_permeability" and scene.steel.curve != "linear":
+        curve = scene.steel.curve
+        return f'with steel.curve = "{curve}"; set steel.curve = "linear" to use it'
+    if group == "support" and key != "support.kind" and support != "spring":
+        return f'with support.kind = "{support}"; set support.kind = "spring" to use it'
+    if _only_on_rod(scene, key):
+        return f'with support.kind = "{support}"; set support.kind = "rod" to use it'
+    tetrahedra = scene.mesh.kind == "tetwild" or support == "rod"
+    if key == "mesh.time_limit" and not tetrahedra:
+        return f'with mesh.kind = "{scene.mesh.kind}"; set mesh.kind = "tetwild" to use it'
+    graded = {"axisymmetric", "magnetic3d"} & set(scene.models)
+    if key == "accuracy" and scene.mesh.level and not graded:
+        return f"with mesh.level = {scene.mesh.level}; leave mesh.level out to use it"
+    return ""
+
+
+def _only_on_rod(scene: Scene, key: str) -> bool:
+    """Return whether a key describes the rod's surroundings, which nothing here looks at."""
+    group = key.split(".", 1)[0]
+    if group not in ("glue", "rod") or scene.support.kind == "rod":
+        return False
+    if set(scene.models) & set(MAGNETIC_MODELS) and group == "rod" and key not in _MECHANICAL:
+        return False
+    limit = key == "rod.head_radius" and scene.support.kind == "spring"  # of the bimorph's width
+    layers = group == "glue" and scene.bimorph.glue_thickness and key != "glue.thickness"
+    return not limit and not layers
+
+
+def _has_tab(scene: Scene, key: str) -> bool:
+    """Return whether a dimension of the ceramic is also that of the tab below it."""
+    return key != "bimorph.piezo_thickness" and scene.bimorph.tab_length > 0.0
+
+
+def _weightless(load: p.Load) -> list[str]:
+    if load.kind == "mass" and load.mass == 0.0:
+        return ['load.kind = "mass" with load.mass = 0 mg is a free tip; set load.mass']
+    if load.kind == "spring_damper" and load.stiffness == load.damping == 0.0:
+        both = "load.stiffness = 0 N/m and load.damping = 0 N*s/m"
+        return [f'load.kind = "spring_damper" with {both} is a free tip; set one of them']
+    return []
+
+
+def _text(scene: Scene, key: str) -> str:
+    value: Any = scene
+    info: Any = None
+    for name in key.split("."):
+        info, value = type(value).model_fields[name], getattr(value, name)
+    if isinstance(value, tuple):
+        return f"{len(value)} value{'s' if len(value) > 1 else ''}"
+    unit = next((m for m in info.metadata if isinstance(m, u.Unit)), None)
+    return unit.show(value) if unit else str(value)

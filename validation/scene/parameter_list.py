@@ -1,0 +1,64 @@
+"""Every scalar of a scene with its unit, source and meaning, for people to read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic.fields import FieldInfo
+
+from geometry.device.parameters import Parameters, sources
+from geometry.units import Unit
+from validation.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class ParameterRow:
+    """One scene key as shown in a report or a template.
+
+    `source` starts with "assumed" where the paper does not give the value.
+    """
+
+    key: str
+    text: str
+    meaning: str
+    source: str
+
+    @property
+    def assumed(self) -> bool:
+        """Whether nobody but this project vouches for the value."""
+        return self.source.startswith("assumed")
+
+
+def parameter_rows(scene: Scene, origins: dict[str, str]) -> list[ParameterRow]:
+    """Return all scalar keys of a scene in order; `origins` names what the scene sets itself.
+
+    A value that a built-in scene repeats from the paper keeps the paper as its source.
+    """
+    return list(_rows(scene, "", origins))
+
+
+def _rows(group: Parameters, prefix: str, origins: dict[str, str]) -> Iterator[ParameterRow]:
+    default = type(group)() if prefix else None
+    source_of = sources(group)
+    for name, info in type(group).model_fields.items():
+        value, key = getattr(group, name), f"{prefix}{name}"
+        if isinstance(value, Parameters):
+            yield from _rows(value, f"{key}.", origins)
+            continue
+        source = source_of.get(name, "")
+        changed = default is None or getattr(default, name) != value
+        if key in origins and (changed or not source):
+            source = origins[key]
+        yield ParameterRow(key, show(value, info), info.description or "", source)
+
+
+def show(value: Any, info: FieldInfo) -> str:
+    """Return a value as a scene would write it, without quotes."""
+    unit = next((m for m in info.metadata if isinstance(m, Unit)), None)
+    if value is None:
+        return "derived"
+    if unit is not None:
+        return unit.show(float(value))
+    return str(value)

@@ -1,0 +1,221 @@
+"""A scene: what is studied, how it is held, loaded and driven, and what is wanted.
+
+A small TOML file states only what differs from the paper's device.  Units are written
+there and nowhere else; unknown keys are refused with the nearest valid name.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, field_validator
+
+from geometry import units as u
+from geometry.device import parameters as p
+from geometry.device.checks import check_actuator, check_bimorph
+from geometry.errors import InputError
+from geometry.units import quoted
+from validation.catalogue.quantities import (
+    LATERAL_MODELS,
+    LATERAL_QUANTITIES,
+    MODELS,
+    QUANTITIES,
+    gives,
+)
+from validation.scene.files import (
+    assign,
+    checked_name,
+    leaves,
+    read_scene,
+    scene_name,
+    split_override,
+)
+from validation.scene.frequencies import parse_frequencies
+from validation.scene.wording import choices, nearest, sentence
+
+
+@dataclass(frozen=True)
+class WholeNumber:
+    """A validator of whole numbers in a range, with a remedy in its refusal."""
+
+    least: int
+    most: int
+    example: str
+
+    def __call__(self, value: Any) -> int:
+        """Return `value` as an integer.
+
+        Raises
+        ------
+        ValueError
+            With a sentence that names the range.
+        """
+        text = str(value).strip() if isinstance(value, str | int | float) else ""
+        # 3.0 is what some programs write for 3
+        found = re.fullmatch(r"([+-]?[0-9]{1,9})(\.0*)?", text)
+        number = int(found[1]) if found else self.least - 1
+        if not self.least <= number <= self.most:
+            raise ValueError(
+                f"is not a whole number from {self.least} to {self.most}; "
+                f"write for example {self.example}"
+            )
+        return number
+
+
+#: Origin of what ``--set`` and its shorthands say.
+ON_COMMAND_LINE = "set on the command line"
+
+
+class MeshSettings(p.Parameters):
+    """How the solid model is meshed."""
+
+    kind: Literal["auto", "structured", "tetwild"] = Field(
+        default="auto",
+        description="structured: bricks, for the bimorph alone; tetwild: tetrahedra, for anything",
+    )
+    level: Annotated[int, BeforeValidator(WholeNumber(0, 5, "3"))] = Field(
+        default=0,
+        description=("1 (coarse) to 5 (finest), bricks from 2; 0 follows from the accuracy wanted"),
+    )
+    time_limit: u.Duration = Field(
+        default=u.SI(600.0), description="time that one tetwild mesh may take"
+    )
+
+
+class Scene(p.Device):
+    """A complete, checked scene in SI units."""
+
+    name: str = ""
+    description: str = ""
+    support: p.Support = p.Support()
+    load: p.Load = p.Load()
+    drive: p.Drive = p.Drive()
+    beam: p.Beam = p.Beam()
+    mesh: MeshSettings = MeshSettings()
+    accuracy: u.RelativeError = Field(
+        default=1e-3, description="relative numerical error wanted of the solid model"
+    )
+    modes: Annotated[int, BeforeValidator(WholeNumber(1, 20, "4"))] = Field(
+        default=4, description="how many natural modes"
+    )
+    frequency: tuple[float, ...] = Field(
+        default="10 Hz:1000 Hz:100:log",
+        validate_default=True,
+        description="list of frequencies, or START:STOP:N[:log]",
+    )
+    models: tuple[str, ...] = Field(default=tuple(LATERAL_MODELS), description="models asked for")
+    quantities: tuple[str, ...] = Field(
+        default=LATERAL_QUANTITIES, description="quantities asked for"
+    )
+
+    @property
+    def device(self) -> p.Device:
+        """The device alone."""
+        return p.Device(**{name: getattr(self, name) for name in p.Device.model_fields})
+
+    @field_validator("name", mode="before")
+    @classmethod
+    def _name(cls, value: Any) -> Any:
+        return checked_name(value)
+
+    @field_validator("frequency", mode="before")
+    @classmethod
+    def _frequencies(cls, value: Any) -> Any:
+        return parse_frequencies(value)
+
+    @field_validator("models", mode="before")
+    @classmethod
+    def _models(cls, value: Any) -> Any:
+        return choices(value, tuple(MODELS), "model", "models")
+
+    @field_validator("quantities", mode="before")
+    @classmethod
+    def _quantities(cls, value: Any, info: ValidationInfo) -> Any:
+        named = choices(value, tuple(QUANTITIES), "quantity", "quantities")
+        if set(named) != set(QUANTITIES):
+            return named
+        models = info.data.get("models", ())  # "all" is what the models can give
+        return tuple(name for name in named if any(gives(model, name) for model in models))
+
+
+def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scene, dict[str, str]]:
+    """Read a scene by file or built-in name and apply ``KEY=VALUE`` overrides.
+
+    Returns
+    -------
+    scene : Scene
+        Checked and in SI units.
+    origins : dict of str to str
+        For each key that the scene or an override sets, where it was set.
+
+    Raises
+    ------
+    InputError
+        In one sentence, for anything that cannot be used.
+    """
+    values, where = read_scene(name)
+    origins = {key: where for key, value in leaves(values) if value != {}}
+    for key, value in leaves(values):
+        if value != {} or key not in _groups():  # an empty group says nothing
+            _check_key(key)
+    for override in overrides:
+        key, text = split_override(override)
+        _check_key(key)
+        assign(values, key, text)
+        origins[key] = ON_COMMAND_LINE
+    values.setdefault("name", scene_name(Path(name).stem))
+    try:
+        scene = Scene.model_validate(values, context={"units_required": True})
+    except ValidationError as error:
+        raise InputError(sentence(error)) from None
+    scene.piezo.ceramic().check_admissible()
+    if set(scene.models) & set(LATERAL_MODELS) or scene.support.kind == "rod":
+        check_bimorph(scene.device, scene.support)
+    check_actuator(scene.device)
+    _check_mesh(scene)
+    return scene, origins
+
+
+def scene_keys() -> list[str]:
+    """Return every key that a scene may set."""
+    keys = []
+    for name, info in Scene.model_fields.items():
+        group = info.annotation
+        if isinstance(group, type) and issubclass(group, p.Parameters):
+            keys += [f"{name}.{inner}" for inner in group.model_fields]
+        else:
+            keys.append(name)
+    return keys
+
+
+def _groups() -> set[str]:
+    return {key.split(".", 1)[0] for key in scene_keys() if "." in key}
+
+
+def _check_key(key: str) -> None:
+    known = scene_keys()
+    if key in known:
+        return
+    group = key.split(".", maxsplit=1)[0]
+    inside = [k for k in known if k.startswith(f"{group}.")]
+    if "." not in key and inside:
+        raise InputError(
+            f'scene key "{key}" is a group, not a value; set one of {", ".join(inside)}'
+        )
+    plain = key.replace('"', "")
+    raise InputError(
+        f"scene key {quoted(plain)} is unknown{nearest(plain, (*known, *sorted(_groups())))}; "
+        "tactgen init FILE.toml writes a scene with every key"
+    )
+
+
+def _check_mesh(scene: Scene) -> None:
+    if scene.mesh.kind == "structured" and scene.support.kind == "rod":
+        raise InputError(
+            'mesh.kind = "structured" cannot mesh the round rod of support.kind = "rod"; '
+            'use mesh.kind = "tetwild" or "auto"'
+        )

@@ -1,0 +1,74 @@
+"""A commented scene file with every key, to start from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from geometry.errors import InputError
+from geometry.files import written_whole
+from validation.scene.parameter_list import ParameterRow, parameter_rows
+from validation.scene.scene import load_scene
+
+_HEAD = """\
+# A tactgen scene.  Every key is shown with the paper's value, commented out; take the
+# leading "# " away from what you change.  Quantities with a unit must be written with it.
+# Run:  tactgen solve THIS_FILE      tactgen report THIS_FILE      tactgen plan THIS_FILE
+
+description = "my what-if"
+"""
+#: Keys whose TOML value is a bare number, a list or text of another form.
+_WRITTEN = {
+    "frequency": '"10 Hz:1000 Hz:100:log"',
+    "models": '["lumped", "tmm", "beam", "solid"]',
+    "quantities": '["all"]',
+}
+_SKIPPED = ("name", "description")
+
+
+def write_template(path: Path) -> Path:
+    """Write the template.
+
+    Raises
+    ------
+    InputError
+        If the file exists already or cannot be written.
+    """
+    if path.exists():
+        raise InputError(f"{path} exists already; choose another file name or remove it first")
+    with written_whole(path) as temporary:
+        temporary.write_text(template(), encoding="utf-8")
+    return path
+
+
+def template() -> str:
+    """Return the template's text: valid TOML, equal to the paper's scene."""
+    scene, _ = load_scene("paper")
+    rows = [row for row in parameter_rows(scene, {}) if row.key not in _SKIPPED]
+    lines = [_HEAD]
+    lines += [_line(row, row.key) for row in rows if "." not in row.key]
+    group = ""
+    for row in rows:
+        head, _, name = row.key.rpartition(".")
+        if not head:
+            continue
+        if head != group:
+            lines += ["", f"[{head}]"]
+            group = head
+        lines.append(_line(row, name))
+    return "\n".join(lines) + "\n"
+
+
+def _line(row: ParameterRow, name: str) -> str:
+    value = _WRITTEN.get(row.key) or (row.text if _is_number(row.text) else f'"{row.text}"')
+    if row.text == "derived":
+        value = '"13 GPa"'
+    source = f"  [{row.source}]" if row.source else ""
+    return f"# {name} = {value}    # {row.meaning}{source}"
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

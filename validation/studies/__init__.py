@@ -1,0 +1,1 @@
+"""Questions of many solutions: design, identification, uncertainty."""

@@ -1,0 +1,285 @@
+"""The excitation voltage at the detection threshold, beside what the paper reports (Fig 17).
+
+V(f) = threshold(f) / |w(f) per volt|, by the transfer-matrix model, for both wirings and
+for the loaded and the free tip.  The paper states neither the wiring nor the finger's
+impedance at the 50 g of that experiment, so agreement is not expected; the point is to see
+by how much, and what would have to be different.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from geometry.arrays import Complex, Floats, Ints
+from tmm.beam.parametric import terminated
+from tmm.beam.port_quantities import free_ports, port_motion
+from tmm.ports.multiport import W_TIP
+from validation.catalogue.detection import (
+    DISPLAY_THRESHOLD,
+    HIGHEST_SUBJECT,
+    LITERATURE_BOUND,
+    STATED_VOLTAGES,
+    StatedVoltage,
+)
+from validation.scene.scene import Scene
+from validation.studies.design.length_map import (
+    actuator,
+    band_points,
+    local_minima,
+    with_surroundings,
+)
+from validation.studies.design.wording import LOADS
+
+#: Wiring, and whether the tip is loaded.
+Wiring = Literal["parallel", "series"]
+Case = tuple[Wiring, Literal["loaded", "free"]]
+WIRINGS: tuple[Wiring, ...] = ("parallel", "series")
+CASES: tuple[Case, ...] = tuple((wiring, load) for wiring in WIRINGS for load in ("loaded", "free"))
+
+
+@dataclass(frozen=True)
+class Stated:
+    """A stated voltage and, for each case, what the model gives there: lowest, highest (V)."""
+
+    paper: StatedVoltage
+    model: dict[Case, tuple[float, float]]
+
+    def ratio(self, case: Case) -> float | None:
+        """Model over paper; None where the text states a range."""
+        low, high = self.paper.voltages
+        return self.model[case][0] / low if low == high else None
+
+
+@dataclass(frozen=True)
+class PerVolt:
+    """Tip displacement per volt (m/V) where the text states threshold and voltage.
+
+    Attributes
+    ----------
+    frequency : float
+        Hz.
+    paper : (float, float)
+        Threshold over highest and lowest stated voltage.
+    model : dict of Case to float
+        By the transfer-matrix model.
+    load_factor : dict of wiring to float or None
+        Factor on the load's impedance that would give the paper's value (the middle of
+        its range); None if no factor does, since the free tip already moves less.
+    """
+
+    frequency: float
+    paper: tuple[float, float]
+    model: dict[Case, float]
+    load_factor: dict[str, float | None]
+
+
+@dataclass(frozen=True)
+class VoltageStudy:
+    """Voltages at the detection threshold: over frequency, and where the text states them.
+
+    `implied` is the threshold (m) at the frequency `implied_at` (Hz) that follows from the
+    stated voltage there and the paper's own displacement per volt, interpolated.
+    """
+
+    frequencies: Floats
+    voltages: dict[Case, Floats]
+    stated: tuple[Stated, ...]
+    moved: tuple[PerVolt, ...]
+    implied_at: float
+    implied: float
+
+
+def voltage_study(scene: Scene) -> VoltageStudy:
+    """Return the voltages at the threshold of a scene's actuator.
+
+    Loaded is the scene's load, or the finger if the scene has none.
+    """
+    grid = _grid(scene)
+    per_volt = {case: _per_volt(scene, case, grid) for case in CASES}
+    threshold = DISPLAY_THRESHOLD.at(grid)
+    voltages: dict[Case, Floats] = {case: threshold / np.abs(w) for case, w in per_volt.items()}
+    moved = tuple(_stated_per_volt(grid, per_volt))
+    implied_at = 100.0
+    return VoltageStudy(
+        frequencies=grid,
+        voltages=voltages,
+        stated=tuple(_stated(s, grid, voltages) for s in STATED_VOLTAGES),
+        moved=moved,
+        implied_at=implied_at,
+        implied=_implied(moved, implied_at),
+    )
+
+
+def _grid(scene: Scene) -> Floats:
+    """Return the frequencies (Hz): the stated ones, and close by every extreme of a voltage."""
+    own = [f for s in STATED_VOLTAGES for f in s.frequencies]
+    grid = np.unique([*band_points(DISPLAY_THRESHOLD.range), *own])
+    extremes = [_extremes(scene, case, grid, sign) for case in CASES for sign in (1.0, -1.0)]
+    return with_surroundings(grid, np.concatenate(extremes))
+
+
+def _extremes(scene: Scene, case: Case, grid: Floats, sign: float) -> Floats:
+    """Return where (Hz) the voltage has its minima (sign 1) or maxima (−1)."""
+
+    def voltage(_: Ints, f: Floats) -> Floats:
+        moved = np.abs(_per_volt(scene, case, f.ravel())).reshape(f.shape)
+        return np.asarray(sign * DISPLAY_THRESHOLD.at(f) / moved)
+
+    return local_minima(grid, voltage(np.zeros(1, int), grid)[None], voltage)[1]
+
+
+def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any] | None:
+    """Return what the report shows of it; None for an actuator that does not move."""
+    if scene.piezo.d31 == 0.0:
+        return None
+    from validation.studies.design.plots import voltage_plot
+
+    announce("excitation voltage")
+    study = voltage_study(scene)
+    kind = _loaded(scene).load.kind
+    loads = {"loaded": LOADS[kind], "free": "free tip"}
+    return {
+        "study": study,
+        "findings": findings(study),
+        "cases": CASES,
+        "loads": loads,
+        "finger": kind == "finger",
+        "threshold": DISPLAY_THRESHOLD,
+        "bound": LITERATURE_BOUND,
+        "highest": HIGHEST_SUBJECT,
+        "plot": voltage_plot(study.frequencies, study.voltages, loads),
+    }
+
+
+def findings(study: VoltageStudy) -> tuple[str, ...]:
+    """Return what the comparison says, in sentences made from its numbers."""
+    found = []
+    wide = study.stated[-1]
+    lowest, most = wide.paper.voltages
+    for wiring in WIRINGS:
+        ratios = [r for s in study.stated if (r := s.ratio((wiring, "loaded"))) is not None]
+        highest = wide.model[wiring, "loaded"][1]
+        found.append(
+            f"Loaded and wired in {wiring}, the model needs {min(ratios):.2g} to {max(ratios):.2g} "
+            f"times the single voltages stated up to 250 Hz, and up to {highest:.3g} V between "
+            f"250 and 1000 Hz, where {lowest:g} to {most:g} V were enough."
+        )
+        if max(ratios) < 1.0 < highest / most:
+            found.append(
+                f"In {wiring} wiring it thus moves too much per volt at low frequency and too "
+                "little towards 1000 Hz: no constant factor, be it wiring, amplifier, d31 or a "
+                "threshold higher throughout, mends both."
+            )
+    found += [_of_load(moved) for moved in study.moved]
+    between = DISPLAY_THRESHOLD.at(np.array([study.implied_at]))[0]
+    found.append(
+        f"Between the stated points the threshold is itself in doubt. At {study.implied_at:g} Hz "
+        f"it is interpolated as {1e6 * between:.2g} µm; the stated voltage there, times the "
+        "paper's own displacement per volt interpolated in the same way, is "
+        f"{1e6 * study.implied:.2g} µm."
+    )
+    return tuple(found)
+
+
+def _of_load(moved: PerVolt) -> str:
+    """Return what load would reconcile model and paper at one frequency."""
+    at = f"At {moved.frequency:g} Hz"
+    parts = [
+        f"{_as_large(factor)} ({wiring})"
+        for wiring, factor in moved.load_factor.items()
+        if factor is not None
+    ]
+    if not parts:
+        return f"{at} no load of that phase would: even the free tip moves less than the paper's."
+    return f"{at} a load {' or '.join(parts)} would give the paper's displacement per volt."
+
+
+def _as_large(factor: float) -> str:
+    times = f"{factor:.2g}"
+    return "just as large" if times == "1" else f"{times} times as large"
+
+
+def _loaded(scene: Scene) -> Scene:
+    if scene.load.kind != "none":
+        return scene
+    return scene.model_copy(update={"load": scene.load.model_copy(update={"kind": "finger"})})
+
+
+def _per_volt(scene: Scene, case: Case, frequencies: Floats) -> Complex:
+    """Return the tip displacement per volt (n,) in m/V."""
+    wiring, load = case
+    changed = _loaded(scene)
+    if load == "free":
+        changed = scene.model_copy(update={"load": scene.load.model_copy(update={"kind": "none"})})
+    bimorph = scene.bimorph.model_copy(update={"wiring": wiring})
+    device = actuator(changed.model_copy(update={"bimorph": bimorph}))
+    motion = port_motion(terminated(device, {}, frequencies), 1.0, free_ports(device))
+    return np.asarray(motion[:, W_TIP])
+
+
+def _stated(paper: StatedVoltage, grid: Floats, voltages: dict[Case, Floats]) -> Stated:
+    low, high = paper.frequencies
+    inside = (grid >= low) & (grid <= high)
+    return Stated(
+        paper,
+        {case: (float(v[inside].min()), float(v[inside].max())) for case, v in voltages.items()},
+    )
+
+
+def _stated_per_volt(grid: Floats, per_volt: dict[Case, Complex]) -> list[PerVolt]:
+    """Return displacement per volt at the frequencies of which the text states both."""
+    found = []
+    for point in DISPLAY_THRESHOLD.points:
+        holding = [s for s in STATED_VOLTAGES if s.frequencies[0] <= point.frequency]
+        # the narrowest statement that covers this frequency
+        here = min(
+            (s for s in holding if point.frequency <= s.frequencies[1]),
+            key=lambda s: s.frequencies[1] - s.frequencies[0],
+        )
+        low, high = here.voltages
+        at = int(np.flatnonzero(grid == point.frequency)[0])
+        paper = point.amplitude / high, point.amplitude / low
+        target = math.sqrt(paper[0] * paper[1])
+        found.append(
+            PerVolt(
+                point.frequency,
+                paper,
+                {case: float(abs(w[at])) for case, w in per_volt.items()},
+                {
+                    wiring: _load_factor(
+                        complex(per_volt[wiring, "free"][at]),
+                        complex(per_volt[wiring, "loaded"][at]),
+                        target,
+                    )
+                    for wiring in WIRINGS
+                },
+            )
+        )
+    return found
+
+
+def _load_factor(free: complex, loaded: complex, target: float) -> float | None:
+    """Return the factor k > 0 on the load's impedance with which |w| equals the target.
+
+    With the tip's own dynamic stiffness D and the load's Z, w(k) = w_free / (1 + k Z/D) and
+    Z/D = w_free / w_loaded − 1, hence |1 + k Z/D| = |w_free| / target, a quadratic.
+    """
+    z = free / loaded - 1.0
+    excess = (abs(free) / target) ** 2 - 1.0
+    if excess <= 0.0 or z == 0.0:
+        return None
+    half = z.real / abs(z) ** 2
+    return -half + math.sqrt(half**2 + excess / abs(z) ** 2)
+
+
+def _implied(moved: tuple[PerVolt, ...], frequency: float) -> float:
+    """Return the threshold (m) that the paper's own voltage and displacement per volt imply."""
+    (here,) = (s for s in STATED_VOLTAGES if s.frequencies == (frequency, frequency))
+    own = [(m.frequency, math.sqrt(m.paper[0] * m.paper[1])) for m in moved]
+    f, per_volt = np.log(own).T
+    return here.voltages[0] * math.exp(float(np.interp(math.log(frequency), f, per_volt)))

@@ -1,0 +1,210 @@
+"""Tip displacement against frequency and length of the actuator: the paper's Fig 9.
+
+By the transfer-matrix model, for any support, load and row of pieces that it can hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Floats, Ints
+from geometry.errors import InputError
+from tmm.beam.parametric import Actuator, check_length_free, terminated
+from tmm.beam.port_quantities import free_ports, port_motion
+from tmm.ports.multiport import W_TIP
+from validation.scene.scene import Scene
+
+#: Frequencies of the map over the band; minima between them are located by narrowing.
+_POINTS = 120
+#: Points per round of narrowing, and rounds: the bracket, 8 % of a frequency, shrinks to 2e-7
+#: of it, where rounding hides what is left of a smooth minimum.
+_PROBES, _ROUNDS = 17, 6
+#: Points of a curve beside each of its extremes, at these shares of its frequency: from a
+#: sharp minimum's own width up to the spacing of the other points.
+_BESIDE = 4e-4 * 2.0 ** np.arange(8)
+#: Frequencies that a power law misses by more than this (relative) do not follow one.
+_LAWFUL = 0.1
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """A minimum over frequency: where (Hz) and how low (m)."""
+
+    frequency: float
+    displacement: float
+
+
+@dataclass(frozen=True)
+class LengthMap:
+    """Tip displacement of one actuator in several lengths.
+
+    Attributes
+    ----------
+    lengths : (m,) array
+        Ceramic length (m).
+    frequencies : (n,) array
+        Hz: evenly in ln f, and around every minimum and maximum of a curve.
+    displacement : (m, n) array
+        Amplitudes (m).
+    minima : tuple of Minimum or None
+        Deepest minimum inside the band for each length; None where there is none.
+    """
+
+    lengths: Floats
+    frequencies: Floats
+    displacement: Floats
+    minima: tuple[Minimum | None, ...]
+
+    @property
+    def minimum_law(self) -> tuple[float, float] | None:
+        """Exponent n and worst relative misfit of f_min = C length^n.
+
+        None below three minima, or where another of them becomes the deepest in between.
+        """
+        found = [(l, m.frequency) for l, m in zip(self.lengths, self.minima, strict=True) if m]
+        if len(found) < 3:
+            return None
+        l, f = np.log(np.array(found)).T
+        slope, offset = np.polyfit(l, f, 1)
+        misfit = float(np.abs(np.expm1(offset + slope * l - f)).max())
+        return (float(slope), misfit) if misfit < _LAWFUL else None
+
+
+def actuator(scene: Scene) -> Actuator:
+    """Return the scene's lateral actuator with what holds, loads and drives it."""
+    return Actuator(scene.device, scene.support, scene.load, scene.beam, scene.drive)
+
+
+def tip_amplitude(device: Actuator, lengths: Floats, frequencies: Floats) -> Floats:
+    """Return |w_tip| (m); lengths (m) and frequencies (Hz) broadcast against each other."""
+    l, f = np.broadcast_arrays(np.asarray(lengths, float), np.asarray(frequencies, float))
+    matrix = terminated(device, {"bimorph.length": l.ravel()}, f.ravel())
+    motion = port_motion(matrix, device.drive.voltage, free_ports(device))
+    return np.asarray(np.abs(motion[:, W_TIP]).reshape(l.shape))
+
+
+def band_points(band: tuple[float, float], points: int = _POINTS) -> Floats:
+    """Return log-spaced frequencies (points,) with exact ends."""
+    low, high = band
+    return np.array([low, *np.geomspace(low, high, points)[1:-1], high])
+
+
+def length_map(scene: Scene, lengths: Floats, band: tuple[float, float]) -> LengthMap:
+    """Return the map of a scene's actuator over lengths (m,) in m and a band in Hz.
+
+    Raises
+    ------
+    InputError
+        If the tip does not move at all, or a length cannot be had.
+    """
+    device, f = actuator(scene), band_points(band)
+    lengths = np.asarray(lengths, dtype=float)
+    check_lengths(device, lengths)
+    displacement = tip_amplitude(device, lengths[:, None], f)
+    check_moves(displacement)
+
+    def at(which: Ints, frequencies: Floats) -> Floats:
+        return tip_amplitude(device, lengths[which][:, None], frequencies)
+
+    which, where, values = local_minima(f, displacement, at)
+    inside = (where > band[0]) & (where < band[1])
+    minima: list[Minimum | None] = []
+    for number in range(lengths.size):
+        own = inside & (which == number)
+        if own.any():
+            deepest = int(np.argmin(values[own]))
+            minima.append(Minimum(float(where[own][deepest]), float(values[own][deepest])))
+        else:
+            minima.append(None)
+    peaks = local_minima(f, -displacement, lambda row, x: -at(row, x))[1]
+    f = with_surroundings(f, np.concatenate([where, peaks]))
+    displacement = tip_amplitude(device, lengths[:, None], f)
+    return LengthMap(lengths, f, displacement, tuple(minima))
+
+
+def check_lengths(device: Actuator, lengths: Floats) -> None:
+    """Refuse lengths (n,) in m of which the scene's ceramic cannot be cut.
+
+    Raises
+    ------
+    InputError
+        If a profile is stated for another length, or no electrode is left.
+    """
+    bimorph, mm = device.device.bimorph, 1e3
+    check_length_free(bimorph)
+    bare, shortest = bimorph.bare_below + bimorph.bare_above, float(lengths.min())
+    if shortest <= bare:
+        raise InputError(
+            f"lengths from {mm * shortest:g} mm leave no electrode beside bimorph.bare_below = "
+            f"{mm * bimorph.bare_below:g} mm and bimorph.bare_above = "
+            f"{mm * bimorph.bare_above:g} mm; start above {mm * bare:g} mm"
+        )
+
+
+def with_surroundings(frequencies: Floats, extremes: Floats) -> Floats:
+    """Return the grid (n,) with extremes (k,) and some points around each, ascending (Hz)."""
+    near = np.outer(extremes, [*(1.0 - _BESIDE), 1.0, *(1.0 + _BESIDE)])
+    inside = near[(near > frequencies[0]) & (near < frequencies[-1])]
+    return np.unique([*frequencies, *inside])
+
+
+def check_moves(displacement: Floats) -> None:
+    """Refuse an actuator that does nothing.
+
+    Raises
+    ------
+    InputError
+        If all displacements are zero.
+    """
+    if not displacement.any():
+        raise InputError(
+            "drive.voltage or piezo.d31 is 0, so that the tip does not move at any length; "
+            "give both a value"
+        )
+
+
+def local_minima(
+    frequencies: Floats, values: Floats, evaluate: Callable[[Ints, Floats], Floats]
+) -> tuple[Ints, Floats, Floats]:
+    """Locate every minimum over the band, its ends included, by narrowing a bracket in ln f.
+
+    Parameters
+    ----------
+    frequencies : (n,) array
+        Grid (Hz), ascending.
+    values : (m, n) array
+        One function per row, on the grid.
+    evaluate : callable
+        Given row numbers (k,) and frequencies (k, p), returns the functions' values (k, p).
+
+    Returns
+    -------
+    rows : (k,) array of int
+        Which function each minimum belongs to.
+    where : (k,) array
+        Frequency (Hz).
+    lowest : (k,) array
+        Value.
+    """
+    # an end lower than its neighbour may hide a dip between the two
+    walled = np.pad(values, ((0, 0), (1, 1)), constant_values=np.inf)
+    rows, columns = np.nonzero((values < walled[:, :-2]) & (values <= walled[:, 2:]))
+    last = frequencies.size - 1
+    low, high = frequencies[np.maximum(columns - 1, 0)], frequencies[np.minimum(columns + 1, last)]
+    where, lowest = frequencies[columns], values[rows, columns]
+    each = np.arange(rows.size)
+    steps = np.linspace(0.0, 1.0, _PROBES)
+    for _ in range(_ROUNDS if rows.size else 0):
+        probes = low[:, None] * (high / low)[:, None] ** steps
+        probes[:, -1] = high  # rounding must not step over the band's end
+        found = evaluate(rows, probes)
+        best = np.argmin(found, axis=1)
+        better = found[each, best] < lowest
+        where = np.where(better, probes[each, best], where)
+        lowest = np.where(better, found[each, best], lowest)
+        low = probes[each, np.maximum(best - 1, 0)]
+        high = probes[each, np.minimum(best + 1, _PROBES - 1)]
+    return rows, where, lowest

@@ -1,0 +1,99 @@
+"""A modelled curve as a function of a scene's parameters: direct, fast, differentiable.
+
+By the transfer-matrix model, with everything attached to its ports, past the machinery of
+stages and error bars that a single answer goes through.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geometry.arrays import Complex, Floats, Ints
+from tmm.beam.transfer.transfer_matrix import multiport
+from tmm.ports.multiport import Multiport, in_series, respond
+from tmm.ports.terminations import termination
+from validation.scene.scene import Scene
+from validation.studies.identification.fit_parameters import with_values
+
+#: Groups that act through the ports' terminations only: D(Ω) does not depend on them.
+_ATTACHED = ("support.", "load.", "drive.")
+#: Step in ln p for sensitivities: truncation and rounding are then both below 1e-6.
+_STEP = 1e-4
+
+
+@dataclass(frozen=True)
+class CurveModel:
+    """The modelled curve as a function of some parameters' values.
+
+    Attributes
+    ----------
+    scene : Scene
+        Everything that is not varied.
+    quantity : str
+        ``tip_velocity``, ``tip_displacement``, ``admittance`` or ``input_current``.
+    frequencies : (n,) array
+        Hz.
+    keys : tuple of str
+        Scene keys of the varied parameters.
+    port : Multiport or None
+        D(Ω), if none of the keys changes it.
+    """
+
+    scene: Scene
+    quantity: str
+    frequencies: Floats
+    keys: tuple[str, ...]
+    port: Multiport | None
+
+    def __call__(self, values: Floats) -> Complex:
+        """Return the curve (n,) for values (p,) in SI units."""
+        scene = with_values(self.scene, dict(zip(self.keys, map(float, values), strict=True)))
+        f = self.frequencies
+        port = self.port if self.port is not None else _wired_port(scene, f)
+        end = termination(scene.support, scene.load, f)
+        voltage = 1.0 if self.quantity == "admittance" else scene.drive.voltage
+        response = respond(port, end, voltage)
+        if self.quantity == "tip_displacement":
+            return response.w_tip
+        moving = response.w_tip if self.quantity == "tip_velocity" else response.charge
+        return np.asarray(2j * np.pi * f * moving)
+
+    def thinned(self, most: int) -> tuple[CurveModel, Ints]:
+        """Return the model at no more than `most` of its frequencies, and their positions."""
+        n = self.frequencies.size
+        at = np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(int))
+        f = self.frequencies[at]
+        port = None if self.port is None else Multiport(f, self.port.stiffness[at])
+        return replace(self, frequencies=f, port=port), at
+
+
+def curve_model(
+    scene: Scene, quantity: str, frequencies: Floats, keys: Sequence[str]
+) -> CurveModel:
+    """Return the model of a curve; D(Ω) is computed once if the keys leave it as it is."""
+    fixed = all(key.startswith(_ATTACHED) for key in keys)
+    port = _wired_port(scene, frequencies) if fixed else None
+    return CurveModel(scene, quantity, frequencies, tuple(keys), port)
+
+
+def _wired_port(scene: Scene, frequencies: Floats) -> Multiport:
+    port = multiport(scene.device, scene.support, scene.beam, frequencies)
+    return in_series(port) if scene.bimorph.wiring == "series" else port
+
+
+def sensitivities(model: CurveModel, values: Floats) -> Complex:
+    """Return ∂ ln(curve) / ∂ ln(parameter), shape (n, p), by central differences."""
+    columns = []
+    for i in range(values.size):
+        up, down = values.copy(), values.copy()
+        up[i] *= np.exp(_STEP)
+        down[i] *= np.exp(-_STEP)
+        above, below = model(up), model(down)
+        if np.array_equal(above, below):  # no effect at all: no rounding of the logarithm either
+            columns.append(np.zeros(above.shape, dtype=complex))
+        else:
+            columns.append(np.log(above / below) / (2.0 * _STEP))
+    return np.stack(columns, axis=1)

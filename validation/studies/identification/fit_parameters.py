@@ -1,0 +1,168 @@
+"""What ``--fit NAME[=START][:LOW..HIGH]`` names: a scene's number, where to start, how far to go.
+
+Values are read by the scene's own units.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, TypeAdapter, ValidationError
+
+from geometry.errors import InputError
+from geometry.units import Unit, quoted
+from tmm.beam.parametric import check_length_free
+from validation.scene.idle_keys import scene_warnings
+from validation.scene.scene import Scene, scene_keys
+from validation.scene.wording import nearest, one_line
+
+#: Symbols of the paper that stand for scene keys.
+SYMBOLS = {
+    "c_s": "support.rotational_stiffness",
+    "c_sl": "support.lateral_stiffness",
+    "d_s": "support.rotational_damping",
+    "theta": "support.rotational_inertia",
+    "rho_p": "piezo.density",
+}
+#: What a velocity curve over the first resonance determines.
+DEFAULT_FIT = ("c_s", "d_s")
+#: Bounds where none are given: this factor below and above the start.
+REACH = 100.0
+
+_REMEDY = "write for example --fit c_s=0.2N*m/rad:0.05..2N*m/rad, --fit c_s:0.05..2N*m/rad or "
+_REMEDY += "--fit c_s"
+_LEADING_NUMBER = re.compile(r"[+-]?[\d.]+(?:e[+-]?\d+)?", re.IGNORECASE | re.ASCII)
+
+
+@dataclass(frozen=True)
+class FitParameter:
+    """One number of a scene that is fitted, SI units.
+
+    `start`, `low` and `high` have one sign and none is 0, for the fit runs over the
+    logarithm of the magnitude; ``|low| < |high|``.
+    """
+
+    key: str
+    unit: Unit
+    start: float
+    low: float
+    high: float
+
+    @property
+    def symbol(self) -> str:
+        """Short name for tables: the paper's symbol, or the key."""
+        return next((s for s, key in SYMBOLS.items() if key == self.key), self.key)
+
+
+def fit_parameter(scene: Scene, text: str) -> FitParameter:
+    """Read ``NAME[=START][:LOW..HIGH]``; NAME is a scene key or a symbol of the paper.
+
+    The start is the scene's value unless given, the bounds a factor :data:`REACH` either
+    side of it.  A LOW without a unit has that of HIGH.
+
+    Raises
+    ------
+    InputError
+        If the name, a value or its unit cannot be used.
+    """
+    head, colon, bounds = text.partition(":")
+    name, equals, start_text = (part.strip() for part in head.partition("="))
+    low_text, dots, high_text = (part.strip() for part in bounds.partition(".."))
+    if not name or (equals and not start_text) or (colon and not (low_text and high_text and dots)):
+        raise InputError(
+            f"--fit {quoted(text)} is not of the form NAME[=START][:LOW..HIGH]; {_REMEDY}"
+        )
+    key = SYMBOLS.get(name, name)
+    unit = _unit(scene, key, name)
+    if key == "bimorph.length":
+        check_length_free(scene.bimorph)
+    start = _read(key, start_text, unit) if equals else float(value_of(scene, key))
+    if start == 0.0:
+        raise InputError(
+            f"{key} = {unit.show(0.0)} cannot be where a fit starts; give a value that is not 0, "
+            f'for example --fit "{name}={unit.example}"'
+        )
+    if colon:
+        low, high = _bounds(key, low_text, high_text, unit)
+    else:
+        low, high = start / REACH, start * REACH
+        if unit.limits:
+            low, high = (math.copysign(_clip(v, unit.limits), start) for v in (low, high))
+    if low * start <= 0.0 or not abs(low) <= abs(start) <= abs(high) or abs(low) == abs(high):
+        raise InputError(
+            f"--fit {quoted(text)} starts {key} at {unit.show(start)}, outside its bounds "
+            f"{unit.show(low)} to {unit.show(high)}; give LOW and HIGH of one sign, not 0, with "
+            "the start between them"
+        )
+    return FitParameter(key, unit, start, low, high)
+
+
+def _clip(value: float, limits: tuple[float, float]) -> float:
+    return min(max(abs(value), limits[0]), limits[1])
+
+
+def _bounds(key: str, low_text: str, high_text: str, unit: Unit) -> tuple[float, float]:
+    if _LEADING_NUMBER.fullmatch(low_text):
+        low_text += _LEADING_NUMBER.sub("", high_text, count=1)
+    low, high = (_read(key, text, unit) for text in (low_text, high_text))
+    return (low, high) if abs(low) <= abs(high) else (high, low)
+
+
+def _read(key: str, text: str, unit: Unit) -> float:
+    """Return an SI value as the scene would read it."""
+    reader: TypeAdapter[float] = TypeAdapter(Annotated[float, BeforeValidator(unit)])
+    try:
+        return reader.validate_python(text, context={"units_required": True})
+    except ValidationError as error:
+        reason = error.errors()[0]["ctx"]["error"]
+        raise InputError(one_line(f"--fit: {key} = {quoted(text)} {reason}")) from None
+
+
+def _unit(scene: Scene, key: str, name: str) -> Unit:
+    if key not in scene_keys():
+        raise InputError(
+            f"--fit {quoted(name)} is not a scene key{nearest(name, (*SYMBOLS, *scene_keys()))}; "
+            f"use {', '.join(SYMBOLS)} or a key that tactgen init FILE.toml writes"
+        )
+    holder: Any = scene
+    *groups, last = key.split(".")
+    for group in groups:
+        holder = getattr(holder, group)
+    metadata = type(holder).model_fields[last].metadata
+    unit = next((m for m in metadata if isinstance(m, Unit)), None)
+    if unit is None or getattr(holder, last) is None:
+        raise InputError(
+            f"--fit {key} is not a number that can be fitted; use for example {', '.join(SYMBOLS)}"
+        )
+    return unit
+
+
+def value_of(scene: Scene, key: str) -> Any:
+    """Return the value of a dotted key."""
+    value: Any = scene
+    for name in key.split("."):
+        value = getattr(value, name)
+    return value
+
+
+def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """Return the scene with other values (SI) at some dotted keys, without checking them."""
+    update: dict[str, Any] = {}
+    for key, value in values.items():
+        group, _, last = key.rpartition(".")
+        if group:
+            inner = update.get(group, getattr(scene, group))
+            update[group] = inner.model_copy(update={last: value})
+        else:
+            update[last] = value
+    return scene.model_copy(update=update)
+
+
+def idle(scene: Scene, key: str) -> str:
+    """Return why a key has no effect with the scene's kinds, or nothing if it may have one."""
+    found = scene_warnings(scene, {key: ""})
+    return next((sentence for sentence in found if sentence.startswith(f"{key} = ")), "")

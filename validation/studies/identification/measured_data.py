@@ -1,0 +1,305 @@
+"""A measured frequency response as a CSV file: read, converted to SI, and refused if unclear.
+
+The header names each column with its unit, such as ``frequency (Hz), velocity (mm/s)``.
+Nothing is repaired or guessed; a file that cannot be used gives one sentence.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+import numpy as np
+from pydantic import BeforeValidator, TypeAdapter, ValidationError
+
+from geometry.arrays import Floats, Numbers
+from geometry.errors import InputError
+from geometry.units import Unit, quoted
+from validation.scene.wording import nearest
+from validation.studies.identification.measured_curve import CURVES, LARGEST, MeasuredCurve
+
+_FREQUENCY = Unit("Hz", "frequency", "500 Hz", limits=(1e-6, 1e7))
+_PHASE = Unit("rad", "phase", "30 deg", limits=(0.0, 1e4))
+_WEIGHT = Unit("", "weight", "1", limits=(1e-12, 1e12))
+_PARTS = ("", "_re", "_im", "_phase")
+_KNOWN = ("frequency", *(c + p for c in CURVES for p in _PARTS), "uncertainty", "weight")
+_EXAMPLE = "frequency (Hz), velocity (mm/s)"
+_HEADING = re.compile(r"(?P<name>[^()\[\]]*)(?:[(\[](?P<unit>.*)[)\]])?\s*")
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,4})?", re.IGNORECASE | re.ASCII)
+#: Most points that a curve may have: a sweep of a laboratory analyser has a few thousand.
+_MOST = 100_000
+
+#: Line number in the file, and the cells of that line.
+_Row: TypeAlias = tuple[int, list[str]]
+
+
+def read_measured(path: str | Path) -> MeasuredCurve:
+    """Read a measured curve.
+
+    Columns, each with its unit in the header: ``frequency``; one of ``velocity``,
+    ``displacement``, ``admittance``, ``current`` as a magnitude, as a magnitude with
+    ``…_phase``, or as ``…_re`` with ``…_im``; optionally ``uncertainty`` (one standard
+    deviation, same unit) or ``weight`` (no unit).  Separated by comma, semicolon or tab;
+    decimal point; comments from ``#`` to the end of the line.
+
+    Raises
+    ------
+    InputError
+        In one sentence with file, line, column, value and remedy.
+    """
+    source = _printable(str(path))
+    (number, names), rows = _table(_text(path, source), source)
+    columns = _columns(names, f"{source} line {number}")
+    if len(rows) < 2:
+        raise InputError(f"{source} holds {len(rows)} measured points; a curve needs at least 5")
+    if len(rows) > _MOST:
+        raise InputError(f"{source} holds {len(rows)} points; thin it to at most {_MOST}")
+    data = {
+        name: np.array([_cell(row, at, names, scale, unit, source) for row in rows])
+        for name, (at, scale, unit) in columns.items()
+    }
+    lines = [line for line, _ in rows]
+    _check_ascending(data["frequency"], lines, source)
+    kind = next(c for c in CURVES if c in data or f"{c}_re" in data)
+    return MeasuredCurve(
+        source=source,
+        kind=kind,
+        frequencies=data["frequency"],
+        values=_values(kind, data, lines, source),
+        uncertainty=data.get("uncertainty"),
+        weight=_weight(data, source),
+    )
+
+
+def _printable(text: str) -> str:
+    return "".join(c if c.isprintable() else "?" for c in text)
+
+
+def _text(path: str | Path, source: str) -> str:
+    try:
+        # spreadsheets begin a file with a byte order mark
+        return Path(path).read_text("utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError(
+            f"{source} is not UTF-8 text; save the table as CSV with UTF-8 encoding"
+        ) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(
+            f"{source} cannot be read ({reason.lower()}); give a CSV file with columns such as "
+            f"{_EXAMPLE}"
+        ) from None
+
+
+def _table(text: str, source: str) -> tuple[_Row, list[_Row]]:
+    """Return the header and the rows of measured points, each as wide as the header."""
+    lines = [
+        (number, line)
+        for number, line in enumerate(map(_without_comment, text.split("\n")), start=1)
+        if line.strip(" \t\r,;")
+    ]
+    if not lines:
+        raise InputError(f"{source} is empty; give a CSV file with columns such as {_EXAMPLE}")
+    counts = Counter(c for c in lines[0][1] if c in ",;\t")
+    separator = counts.most_common(1)[0][0] if counts else ","
+    (number, header), *rows = [(at, _cells(line, separator, at, source)) for at, line in lines]
+    if not any(_plain_name(cell) in _KNOWN for cell in header):
+        what = "numbers" if all(_NUMBER.fullmatch(cell) for cell in header) else "other text"
+        raise InputError(
+            f"{source} line {number} holds {what} where the column names should be; begin the "
+            f"file with a header such as {_EXAMPLE}, and lines of remarks with #"
+        )
+    for at, cells in rows:
+        if len(cells) != len(header):
+            raise InputError(
+                f"{source} line {at} has {len(cells)} cells where the header has {len(header)} "
+                "columns; fill or remove that line, and write decimals with a point"
+            )
+    return (number, header), rows
+
+
+def _without_comment(line: str) -> str:
+    """Return a line up to the first ``#`` outside quotes."""
+    for at, character in enumerate(line):
+        if character == "#" and line.count('"', 0, at) % 2 == 0:
+            return line[:at]
+    return line
+
+
+def _cells(line: str, separator: str, number: int, source: str) -> list[str]:
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, strict=True))]
+    except csv.Error as error:
+        raise InputError(
+            f"{source} line {number} is not CSV ({error}); save the table as plain CSV"
+        ) from None
+
+
+def _plain_name(heading: str) -> str:
+    """Return a column's name without its unit, or nothing if it cannot be read."""
+    parts = _HEADING.fullmatch(heading)
+    return parts["name"].strip().lower().replace(" ", "_") if parts else ""
+
+
+def _columns(names: list[str], where: str) -> dict[str, tuple[int, float, Unit]]:
+    """Return position, factor to SI and kind of unit of each column, by its plain name."""
+    found: dict[str, tuple[int, float, Unit]] = {}
+    units: dict[str, str] = {}
+    for at, text in enumerate(names):
+        parts, name = _HEADING.fullmatch(text), _plain_name(text)
+        if name not in _KNOWN or parts is None:
+            raise InputError(
+                f"{where}: column {at + 1} {quoted(text)} is unknown{nearest(name, _KNOWN)}; "
+                f"name the columns like {_EXAMPLE} and remove those that are not needed"
+            )
+        if name in found:
+            raise InputError(f"{where}: column {quoted(text)} is there twice; keep one of them")
+        units[name] = (parts["unit"] or "").strip()
+        found[name] = (at, 1.0, _WEIGHT)
+    curve = _the_curve(found, where)
+    for name, (at, _, _) in found.items():
+        unit = _unit_of(name, curve)
+        found[name] = (at, _scale(name, units[name], unit, where), unit)
+    return found
+
+
+def _the_curve(names: dict[str, tuple[int, float, Unit]], where: str) -> str:
+    """Return which curve the columns hold; there must be one, completely."""
+    if "frequency" not in names:
+        raise InputError(f'{where}: there is no frequency column; add one named "frequency (Hz)"')
+    kinds = [c for c in CURVES if any(c + part in names for part in _PARTS)]
+    if not kinds:
+        raise InputError(
+            f"{where}: there is no measured curve; add a column such as "
+            f'"velocity (mm/s)"; known are {", ".join(CURVES)}'
+        )
+    if len(kinds) > 1:
+        raise InputError(
+            f"{where}: {' and '.join(kinds)} are both there; keep one measured curve per file"
+        )
+    kind = kinds[0]
+    have = {part for part in _PARTS if kind + part in names}
+    if have not in ({""}, {"", "_phase"}, {"_re", "_im"}):
+        alone = " and ".join(kind + part for part in _PARTS if part in have)
+        raise InputError(
+            f"{where}: {alone} without what belongs to it is no curve; give {kind} "
+            f"alone, {kind} with {kind}_phase, or {kind}_re with {kind}_im"
+        )
+    if "uncertainty" in names and "weight" in names:
+        raise InputError(f"{where}: uncertainty and weight are both there; keep one of them")
+    return kind
+
+
+def _unit_of(name: str, curve: str) -> Unit:
+    if name == "frequency":
+        return _FREQUENCY
+    if name == "weight":
+        return _WEIGHT
+    if name.endswith("_phase"):
+        return _PHASE
+    # one part of a complex number may be as small as it likes
+    return CURVES[curve] if name == curve else replace(CURVES[curve], limits=(0.0, LARGEST))
+
+
+def _scale(name: str, text: str, unit: Unit, where: str) -> float:
+    """Return the factor from the column's unit to SI."""
+    example = unit.example.split(" ", 1)[-1]
+    if not unit.si:
+        if text not in ("", "1", "-"):
+            raise InputError(
+                f'{where}: column "{name}" has the unit {quoted(text)}; a weight has none, '
+                f'so name the column "{name}"'
+            )
+        return 1.0
+    if not text:
+        raise InputError(
+            f'{where}: column "{name}" has no unit; write for example "{name} ({example})"'
+        )
+    try:
+        return float(
+            TypeAdapter(Annotated[float, BeforeValidator(unit)]).validate_python(f"1 {text}")
+        )
+    except ValidationError:
+        raise InputError(
+            f'{where}: column "{name}" has the unit {quoted(text)}, which is not that of a '
+            f'{unit.kind}; write for example "{name} ({example})"'
+        ) from None
+
+
+def _cell(row: _Row, at: int, names: list[str], scale: float, unit: Unit, source: str) -> float:
+    """Return one number in SI units."""
+    line, cells = row
+    text, where = cells[at], f"{source} line {line}, column {quoted(names[at])}:"
+    if not text:
+        raise InputError(f"{where} the cell is empty; fill it or remove the line")
+    if not _NUMBER.fullmatch(text):
+        remedy = "write decimals with a point" if "," in text else "correct it or remove the line"
+        raise InputError(f"{where} {quoted(text)} is not a finite number; {remedy}")
+    value = float(text) * scale
+    low, high = unit.limits or (0.0, np.inf)
+    if value and not low <= abs(value) <= high:
+        raise InputError(
+            f"{where} {quoted(text)} is not a possible {unit.kind} (magnitude {unit.show(low)} to "
+            f"{unit.show(high)}); check the value and the unit in the header"
+        )
+    return value
+
+
+def _check_ascending(frequencies: Floats, lines: list[int], source: str) -> None:
+    for i, f in enumerate(frequencies):
+        if f <= 0.0:
+            raise InputError(
+                f"{source} line {lines[i]}: frequency {f:g} Hz is not above 0; remove the line"
+            )
+        if i and f == frequencies[i - 1]:
+            raise InputError(
+                f"{source} line {lines[i]}: frequency {f:g} Hz repeats that of line {lines[i - 1]};"
+                " keep one of the two, or their mean"
+            )
+        if i and f < frequencies[i - 1]:
+            raise InputError(
+                f"{source} line {lines[i]}: frequency {f:g} Hz follows {frequencies[i - 1]:g} Hz; "
+                "sort the lines by frequency"
+            )
+
+
+def _values(kind: str, data: dict[str, Floats], lines: list[int], source: str) -> Numbers:
+    """Return the curve, complex if its phase is known; no value may vanish."""
+    if kind in data:
+        for line, value in zip(lines, data[kind], strict=True):
+            if value <= 0.0:
+                raise InputError(
+                    f"{source} line {line}: {kind} {value:g} {CURVES[kind].si} is not above 0 as a "
+                    f"magnitude must be; remove the line, or give {kind}_re and {kind}_im"
+                )
+        if f"{kind}_phase" not in data:
+            return data[kind]
+        return np.asarray(data[kind] * np.exp(1j * data[f"{kind}_phase"]))
+    values = data[f"{kind}_re"] + 1j * data[f"{kind}_im"]
+    for line, value in zip(lines, values, strict=True):
+        if value == 0.0:
+            raise InputError(f"{source} line {line}: {kind} is 0 in both parts; remove the line")
+    return np.asarray(values)
+
+
+def _weight(data: dict[str, Floats], source: str) -> Floats:
+    n = data["frequency"].size
+    if "uncertainty" in data and (data["uncertainty"] <= 0.0).any():
+        first = float(data["frequency"][np.argmax(data["uncertainty"] <= 0.0)])
+        raise InputError(
+            f"{source}: the uncertainty at {first:g} Hz is not above 0; give one standard "
+            "deviation for every point, or leave the column out"
+        )
+    weight = data.get("weight", np.ones(n))
+    if (weight < 0.0).any():
+        first = float(data["frequency"][np.argmax(weight < 0.0)])
+        raise InputError(
+            f"{source}: the weight at {first:g} Hz is negative; give 0 to leave a point out"
+        )
+    if not weight.any():
+        raise InputError(f"{source}: all weights are 0; give the points that count a weight of 1")
+    return weight

@@ -1,0 +1,45 @@
+"""The main contributors to the parameter uncertainty of each headline number, as inline SVG."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from validation.studies.uncertainty.propagation import Uncertainty
+from validation.view.plots import svg
+
+#: Contributors shown per number, and panels per row.
+_SHOWN, _COLUMNS = 5, 3
+
+
+def contributors_plot(rows: Sequence[Uncertainty]) -> str:
+    """Plot Sobol's total index of the largest contributors, one panel per headline number.
+
+    The thin line is the 95 % confidence interval of the estimate.
+    """
+    from matplotlib.figure import Figure
+
+    lines = math.ceil(len(rows) / _COLUMNS)
+    figure = Figure(figsize=(10.0, 1.75 * lines), layout="constrained")
+    axes = figure.subplots(lines, _COLUMNS, squeeze=False, sharex=True).ravel()
+    for axis, row in zip(axes, rows, strict=False):
+        largest = row.contributors[:_SHOWN]
+        names = [key.replace("_", " ").replace(".", ": ", 1) for key, _, _ in largest]
+        axis.barh(
+            names,
+            [100.0 * index for _, index, _ in largest],
+            xerr=[100.0 * bar for _, _, bar in largest],
+            color="#999999" if row.target.ill_conditioned else "#56B4E9",
+            error_kw={"elinewidth": 1.0},
+        )
+        axis.invert_yaxis()
+        axis.set_title(row.target.label, fontsize=10)
+        axis.tick_params(labelsize=8)
+        axis.grid(visible=True, axis="x", alpha=0.3)
+    for axis in axes[len(rows) :]:
+        axis.set_visible(False)
+    for axis in axes[max(0, len(rows) - _COLUMNS) : len(rows)]:
+        axis.set_xlabel("share of variance (%)")
+        axis.tick_params(labelbottom=True)
+    axes[0].set_xlim(0.0, 100.0)
+    return svg(figure)

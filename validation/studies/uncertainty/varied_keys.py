@@ -1,0 +1,104 @@
+"""Which parameters a sensitivity is given for, and why it is not given for others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from geometry.device.profile import Profile
+from geometry.errors import InputError
+from geometry.units import quoted
+from tmm.beam.parametric import Actuator, check_keys, parameter_keys
+from validation.scene.scene import Scene, scene_keys
+from validation.scene.wording import nearest
+from validation.studies.identification.fit_parameters import SYMBOLS, idle, value_of
+
+#: Groups that no one-dimensional model of the lateral actuator reads.
+_ELSEWHERE = ("coil", "sleeve", "spring", "steel", "mesh")
+
+
+def chosen_keys(scene: Scene, device: Actuator, asked: Iterable[str]) -> tuple[str, ...]:
+    """Return the keys asked for, each once.
+
+    Raises
+    ------
+    InputError
+        For one that has no sensitivity, with the reason.
+    """
+    chosen = tuple(dict.fromkeys(asked))
+    for key in chosen:
+        reason = _refusal(scene, device, key)
+        if reason:
+            raise InputError(f"--key {quoted(key)} {reason}")
+    return chosen
+
+
+def left_out(scene: Scene, device: Actuator) -> str:
+    """Return which parameters that act have no sensitivity, and why, or nothing if all have one."""
+    reasons: dict[str, list[str]] = {}
+    for key in scene_keys():
+        group, _, name = key.partition(".")
+        if not name or group in _ELSEWHERE:
+            continue
+        reason = _omission(scene, device, key)
+        if reason:
+            reasons.setdefault(reason, []).append(key)
+    listed = "; ".join(f"{', '.join(keys)} ({reason})" for reason, keys in reasons.items())
+    return f"left out of the parameters: {listed}" if listed else ""
+
+
+def _omission(scene: Scene, device: Actuator, key: str) -> str:
+    group, _, name = key.partition(".")
+    value = value_of(scene, key)
+    profile = f"{name}_profile"
+    if group == "bimorph" and profile in scene.bimorph.profiles and idle(scene, key):
+        return f"bimorph.{profile} gives it"
+    if isinstance(value, Profile) and value:
+        return "its points are not varied"
+    if isinstance(value, float) and value and not idle(scene, key) and _has_kink(device, key):
+        return _kink(scene, key)
+    return ""
+
+
+def _refusal(scene: Scene, device: Actuator, key: str) -> str:
+    """Return why a key has no sensitivity, and the remedy, or nothing if it has one."""
+    if key not in scene_keys():
+        symbol = f' (did you mean "{SYMBOLS[key]}"?)' if key in SYMBOLS else ""
+        close = symbol or nearest(key, scene_keys())
+        return f"is not a scene key{close}; tactgen init FILE.toml writes a scene with every key"
+    value, out = value_of(scene, key), "leave the key out"
+    if isinstance(value, Profile):
+        return f"is a profile, whose points are not varied; {out}, or compare two tactgen solve"
+    if "." not in key or key.partition(".")[0] in _ELSEWHERE:
+        return f"is no parameter of the transfer-matrix model; {out}"
+    if isinstance(value, str):
+        return f"is a choice, not a number, and has no sensitivity; {out}"
+    if value is None:
+        return f"has no value of its own in this scene, but follows from others; {out}"
+    if idle(scene, key):
+        return "has no sensitivity: " + idle(scene, key)
+    if value == 0.0:
+        return f"is 0, and there is no percentage of 0; set another value, or {out}"
+    if _has_kink(device, key):
+        return f"cannot be varied: {_kink(scene, key)}; {out}"
+    if key not in parameter_keys(device):
+        return (
+            f'is not read by the transfer-matrix model with support.kind = "{scene.support.kind}" '
+            f'and load.kind = "{scene.load.kind}"; {out}'
+        )
+    return ""
+
+
+def _has_kink(device: Actuator, key: str) -> bool:
+    """Whether the model does not depend smoothly on a number that is not 0."""
+    try:
+        check_keys(device, [key])
+    except InputError:
+        return True
+    return False
+
+
+def _kink(scene: Scene, key: str) -> str:
+    profiles = [f"bimorph.{name}" for name in scene.bimorph.profiles]
+    if key == "bimorph.length" and profiles:
+        return f"{' and '.join(profiles)} would not end at the ceramic's edge any more"
+    return "a piece of the row of beams appears or vanishes at its value"

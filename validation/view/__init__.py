@@ -1,0 +1,1 @@
+"""Pictures, figures and numbers as people see them."""

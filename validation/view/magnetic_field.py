@@ -1,0 +1,175 @@
+"""The normal actuator's field in the half section: |B| as shading, flux lines, named parts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geometry.arrays import Floats
+from geometry.device.parameters import NOMINAL_GAP, Device
+from validation.view.plots import svg
+
+if TYPE_CHECKING:
+    from fem.reluctance.axisymmetric.actuator import FieldPoint
+    from fem.reluctance.axisymmetric.field import MagneticField
+    from geometry.reluctance.section_grid import Region
+
+#: Flux lines per picture.
+_LINES = 16
+#: Where |B| is cut off in the shading (T): beyond, the steel is saturated altogether.
+_TOP = 2.2
+_MM = 1e3
+
+
+def field_plot(device: Device, points: Mapping[str, FieldPoint]) -> str:
+    """Plot the field of several points side by side.
+
+    Parameters
+    ----------
+    points : mapping of str to FieldPoint
+        By the title of their picture; their `solution` is drawn.
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    mpl.rcParams["svg.hashsalt"] = "tactgen"  # the same picture has the same ids every time
+    figure = Figure(figsize=(4.3 * len(points) + 0.7, 8.0), layout="constrained", dpi=170)
+    axes = figure.subplots(ncols=len(points), sharey=True, squeeze=False)[0]
+    shading: Any = None
+    for axis, (title, point) in zip(axes, points.items(), strict=True):
+        assert point.solution is not None
+        shading = _shade(axis, point.solution)
+        _flux_lines(axis, point.solution)
+        _outline(axis, point.solution.discretisation.grid.regions)
+        _names(axis, device, point.gap)
+        axis.set(title=title, xlabel="r (mm)", xlim=(0.0, 2.05), ylim=_heights(device))
+        axis.set_aspect("equal")
+    axes[0].set_ylabel("z (mm), 0 at the sleeve's top face")
+    figure.colorbar(shading, ax=list(axes), label="|B| (T)", shrink=0.6, extend="max")
+    return svg(figure)
+
+
+def _heights(device: Device) -> tuple[float, float]:
+    low = -max(device.sleeve.length, device.rod.length + 0.1e-3)
+    return _MM * low - 0.3, _MM * (device.gap + device.rod.head_thickness) + 0.35
+
+
+def _shade(axis: Any, solution: MagneticField) -> Any:
+    """Shade |B|: one patch around each quadrature point, so that jumps stay sharp."""
+    d = solution.discretisation
+    magnitude = np.hypot(*solution.flux_density)
+    across = round(np.sqrt(magnitude.shape[1]))
+    # in each cell along z first; rounding must not tell points of one column apart
+    order = np.lexsort((d.elevations, np.round(d.radii, 12)))
+    sorted_by_place = np.take_along_axis(magnitude, order, axis=1)
+    nr, nz = d.grid.r.size - 1, d.grid.z.size - 1
+    values = sorted_by_place.reshape(nr, nz, across, across).transpose(0, 2, 1, 3)
+    near = d.grid.r < 3.0e-3
+    r, z = (_patches(x, across) for x in (d.grid.r[near], d.grid.z))
+    table = values.reshape(nr * across, nz * across)[: r.size - 1]
+    inside = (z[1:] > -6.0e-3) & (z[:-1] < 3.0e-3)
+    first, last = np.flatnonzero(inside)[[0, -1]]
+    return axis.pcolormesh(
+        r * _MM,
+        z[first : last + 2] * _MM,
+        table[:, first : last + 1].T,
+        cmap="YlOrRd",
+        vmin=0.0,
+        vmax=_TOP,
+        rasterized=True,
+    )
+
+
+def _patches(lines: Floats, across: int) -> Floats:
+    """Return edges around `across` Gauss points between every two lines."""
+    points = np.polynomial.legendre.leggauss(across)[0]
+    edges = np.concatenate([[-1.0], 0.5 * (points[1:] + points[:-1])])
+    inner = [0.5 * (a + b) + 0.5 * (b - a) * edges for a, b in pairwise(lines)]
+    return np.concatenate([*inner, lines[-1:]])
+
+
+def _flux_lines(axis: Any, solution: MagneticField) -> None:
+    """Draw lines between which the same flux runs."""
+    grid, psi = solution.discretisation.grid, solution.flux_function
+    levels = (np.arange(_LINES) + 0.5) / _LINES * float(np.max(np.abs(psi))) * _sign(psi)
+    axis.contour(
+        grid.r * _MM,
+        grid.z * _MM,
+        psi.T,
+        levels=np.sort(levels),
+        colors="black",
+        linewidths=0.7,
+        linestyles="solid",
+    )
+
+
+def _sign(psi: Floats) -> float:
+    return float(np.sign(psi.flat[np.argmax(np.abs(psi))]))
+
+
+def _outline(axis: Any, regions: tuple[Region, ...]) -> None:
+    """Draw the outline of iron and winding; edges inside one piece of iron are left out."""
+    for iron in (True, False):
+        edges = np.unique([x for p in regions for x in p.radii]) * _MM
+        levels = np.unique([x for p in regions for x in p.heights]) * _MM
+        r, z = (np.concatenate([[x[0] - 1.0], x, [x[-1] + 1.0]]) for x in (edges, levels))
+        middle_r, middle_z = (0.5 * (x[1:] + x[:-1]) for x in (r, z))
+        filled = np.zeros((middle_r.size, middle_z.size), dtype=bool)
+        for part in regions:
+            if (part.curve is not None) == iron:
+                (a, b), (low, high) = (np.array(x) * _MM for x in (part.radii, part.heights))
+                filled |= np.outer(
+                    (middle_r > a) & (middle_r < b), (middle_z > low) & (middle_z < high)
+                )
+        colour = "#1d2733" if iron else "#0072B2"
+        for i, j in np.argwhere(filled[1:] != filled[:-1]):
+            axis.plot([r[i + 1]] * 2, z[j : j + 2], color=colour, linewidth=1.6)
+        for i, j in np.argwhere(filled[:, 1:] != filled[:, :-1]):
+            axis.plot(r[i : i + 2], [z[j + 1]] * 2, color=colour, linewidth=1.6)
+
+
+def _names(axis: Any, device: Device, gap: float) -> None:
+    """Name the parts and both gaps beside the section."""
+    rod, coil, sleeve = device.rod, device.coil, device.sleeve
+    shift = gap - NOMINAL_GAP  # of what moves with the rod
+    wall = 0.5 * (sleeve.collar_radius + sleeve.outer_radius)
+    flange = shift - rod.flange_position
+    named = {
+        "head": (0.85 * rod.head_radius, gap + 0.5 * rod.head_thickness),
+        "working gap": (wall, 0.5 * gap),
+        "collar": (wall, -0.7 * sleeve.collar_thickness),
+        "coil": (
+            0.5 * (coil.inner_radius + coil.outer_radius),
+            shift - coil.position - 0.3 * coil.length,
+        ),
+        "shaft": (0.6 * rod.radius, shift - coil.position - 0.55 * coil.length),
+        "sleeve": (0.5 * (sleeve.inner_radius + sleeve.outer_radius), -0.55 * sleeve.length),
+        "flange": (0.85 * rod.flange_radius, flange - 0.4 * rod.flange_thickness),
+        "parasitic gap": (
+            0.5 * (rod.flange_radius + sleeve.inner_radius),
+            flange - 0.7 * rod.flange_thickness,
+        ),
+    }
+    places = np.array([z for _, z in named.values()])
+    spread = _apart(places, 0.24e-3)
+    for (name, (r, z)), level in zip(named.items(), spread, strict=True):
+        axis.annotate(
+            name,
+            xy=(r * _MM, z * _MM),
+            xytext=(1.42, level * _MM),
+            va="center",
+            fontsize=9,
+            bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 1.0},
+            arrowprops={"arrowstyle": "-|>", "linewidth": 0.8, "color": "#1d2733", "shrinkB": 0},
+        )
+
+
+def _apart(levels: Floats, least: float) -> Floats:
+    """Return falling levels at least `least` apart, as near to the wanted ones as from the top."""
+    found = np.array(levels)
+    for k in range(1, found.size):
+        found[k] = min(found[k], found[k - 1] - least)
+    return found

@@ -1,0 +1,185 @@
+"""Line plots of the report, as inline SVG (matplotlib, no display, no global state)."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from validation.models.bimorph.bridge import Rung
+
+Array = NDArray[Any]
+
+#: One colour and line style per model, used in every plot (Okabe-Ito palette).
+MODEL_STYLE: dict[str, dict[str, Any]] = {
+    "lumped": {"color": "#999999", "linestyle": ":", "linewidth": 2.2},
+    "tmm": {"color": "#0072B2", "linestyle": "-", "linewidth": 2.0},
+    "beam": {"color": "#E69F00", "linestyle": (0, (4, 4)), "linewidth": 2.0},
+    "solid": {"color": "#D55E00", "linestyle": "-.", "linewidth": 2.0},
+}
+
+
+def svg(figure: Figure) -> str:
+    """Return a figure as an SVG element that can stand inside a page."""
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", bbox_inches="tight", metadata={"Date": None})
+    text = buffer.getvalue()
+    return text[text.index("<svg") :]
+
+
+def _figure(width: float, height: float, **grid: Any) -> tuple[Figure, Any]:
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as NewFigure
+
+    mpl.rcParams["svg.hashsalt"] = "tactgen"  # the same picture has the same ids every time
+    figure = NewFigure(figsize=(width, height), layout="constrained")
+    return figure, figure.subplots(**grid)
+
+
+def response_plot(
+    frequencies: Array, curves: dict[str, dict[str, Array]], labels: dict[str, str]
+) -> str:
+    """Plot tip displacement per model, one column per load case.
+
+    Magnitude, phase, and the magnitude's difference from the last model's in percent.
+
+    Parameters
+    ----------
+    frequencies : (n,) array
+        Hz.
+    curves : dict of str to dict of str to (n,) complex array
+        Load case to model to tip displacement (m).
+    labels : dict
+        Title of each load case.
+    """
+    figure, axes = _figure(10.0, 7.6, nrows=3, ncols=len(curves), sharex=True, squeeze=False)
+    first_phase = {
+        case: np.rad2deg(np.angle(list(models.values())[-1][0])) for case, models in curves.items()
+    }
+    for column, (case, models) in enumerate(curves.items()):
+        top, bottom, ratio = (axes[row][column] for row in range(3))
+        reference = np.abs(models[list(models)[-1]])
+        for model, values in models.items():
+            top.plot(frequencies, np.abs(values) * 1e6, label=model, **MODEL_STYLE[model])
+            phase = np.rad2deg(np.unwrap(np.angle(values)))
+            # ±180° at the start is a matter of rounding
+            phase += 360.0 * np.round((first_phase[case] - phase[0]) / 360.0)
+            bottom.plot(frequencies, phase, **MODEL_STYLE[model])
+            with np.errstate(invalid="ignore"):  # 0/0 where nothing moves
+                difference = 100.0 * (np.abs(values) / reference - 1.0)
+            ratio.plot(frequencies, difference, **MODEL_STYLE[model])
+        ratio.set_ylim(-25.0, 25.0)
+        if any(np.nanmax(np.abs(v)) > 0.0 for v in models.values()):
+            top.set_yscale("log")
+        top.set_title(labels[case])
+        ratio.set_xlabel("frequency (Hz)")
+    axes[2][0].set_ylabel(f"|w| against {list(next(iter(curves.values())))[-1]} (%)")
+    axes[0][0].set_ylabel("tip displacement |w| (µm)")
+    axes[1][0].set_ylabel("phase (°)")
+    axes[0][0].legend(frameon=False)
+    _finish(axes, log_x=_spans_decades(frequencies))
+    return svg(figure)
+
+
+def bridge_plot(rungs: Sequence[Rung], whole: str) -> str:
+    """Plot a bridge as a waterfall per quantity: what each step adds, in percent of the start.
+
+    A mark stands where a closed form says that the step ends, a ring where the beam model
+    with the solid's own section does.
+
+    Parameters
+    ----------
+    rungs : sequence of Rung
+        The start and the steps.
+    whole : str
+        What the sum of all steps is called.
+    """
+    quantities = {
+        "deflection": "static deflection",
+        "first_frequency": "first frequency",
+        "capacitance": "capacitance",
+    }
+    figure, axes = _figure(11.0, 0.42 * len(rungs) + 1.3, ncols=3, sharey=True, squeeze=False)
+    names = [*(rung.name for rung in rungs[1:]), whole]
+    for axis, (quantity, title) in zip(axes[0], quantities.items(), strict=True):
+        values = np.array([getattr(rung, quantity) for rung in rungs])
+        ends = 100.0 * (values / values[0] - 1.0)
+        starts, widths = np.append(ends[:-1], 0.0), np.append(np.diff(ends), ends[-1])
+        colours = [*np.where(np.diff(ends) > 0.0, "#D55E00", "#0072B2"), "#999999"]
+        axis.barh(names, widths, left=starts, color=colours, height=0.62)
+        marks = []
+        for attribute, marker in (("predicted", "|"), ("section", "o")):
+            steps = np.array([getattr(getattr(rung, attribute), quantity) for rung in rungs[1:]])
+            at = (100.0 + ends[:-1]) * (1.0 + steps) - 100.0
+            axis.plot(at, names[:-1], marker, color="black", fillstyle="none", markersize=9)
+            marks += at[np.isfinite(at)].tolist()
+        axis.axvline(0.0, color="black", linewidth=0.9)
+        low, high = min(0.0, *ends, *marks), max(0.0, *ends, *marks)
+        span = max(high - low, 0.1)
+        axis.set_xlim(low - 0.25 * span, high + 0.6 * span)
+        shown = [*(getattr(rung.step, quantity) for rung in rungs[1:]), 0.01 * ends[-1]]
+        for place, value in enumerate(shown):
+            text = f"{round(100.0 * value, 2) + 0.0:+.2f} % "
+            axis.text(high + 0.6 * span, place, text, ha="right", va="center", fontsize=9)
+        axis.set(title=title, xlabel=f"difference from {rungs[0].name} (%)")
+        axis.grid(visible=True, axis="x", alpha=0.3)
+    axes[0][0].invert_yaxis()
+    return svg(figure)
+
+
+def support_plot(
+    lengths: Array, rotations: Mapping[str, Array], target: float, best: Mapping[str, float]
+) -> str:
+    """Plot rotation per moment of a support over its tab's free length.
+
+    Parameters
+    ----------
+    lengths : (n,) array
+        Free length of the tab (m).
+    rotations : mapping of str to (n,) array
+        Rotation per moment (rad/(N m)) by what holds the tab.
+    target : float
+        The fitted one.
+    best : mapping of str to float
+        Length (m) at which each reaches it; nan where none does.
+    """
+    figure, axes = _figure(10.0, 3.8, squeeze=False)
+    axis = axes[0][0]
+    styles = (("#999999", ":"), ("#0072B2", "-"), ("#D55E00", "-."))
+    for (name, values), (colour, line) in zip(rotations.items(), styles, strict=False):
+        axis.plot(1e3 * lengths, values, color=colour, linestyle=line, linewidth=2.0, label=name)
+        if np.isfinite(best[name]):
+            axis.plot(1e3 * best[name], target, "o", color=colour)
+            axis.annotate(
+                f"{1e3 * best[name]:.2f} mm",
+                (1e3 * best[name], target),
+                xytext=(-3, 6),
+                ha="right",
+                textcoords="offset points",
+                color=colour,
+            )
+    axis.axhline(target, color="black", linewidth=0.9)
+    axis.text(0.99e3 * lengths[-1], target, "fitted, 1/c_s", ha="right", va="bottom")
+    axis.set(xlabel="free length of the tab (mm)", ylabel="rotation per moment (rad/(N m))")
+    axis.set(xlim=(0.0, 1e3 * lengths[-1]), ylim=(0.0, None))
+    axis.legend(frameon=False)
+    axis.grid(visible=True, alpha=0.3)
+    return svg(figure)
+
+
+def _spans_decades(frequencies: Array) -> bool:
+    positive = frequencies[frequencies > 0.0]
+    return bool(positive.size and positive.max() / positive.min() > 30.0)
+
+
+def _finish(axes: Any, *, log_x: bool) -> None:
+    for axis in np.ravel(axes):
+        if log_x:
+            axis.set_xscale("log")
+        axis.grid(visible=True, which="both", alpha=0.25)
