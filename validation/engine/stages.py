@@ -46,7 +46,7 @@ READS: dict[str, tuple[str, ...]] = {
     "lumped.modes": (*_PIECES, *_FIXED),
     "tmm.ports": (*_PIECES, "frequency"),
     "tmm.static": _PIECES,
-    "tmm.beam.modes": (*_PIECES, *_FIXED, "modes"),
+    "tmm.modes": (*_PIECES, *_FIXED, "modes"),
     "beam.ports": (*_PIECES, "frequency"),
     "beam.static": _PIECES,
     "beam.modes": (*_PIECES, *_FIXED, "modes"),

@@ -45,7 +45,7 @@ devices = st.builds(
 
 
 def paper(frequencies=FREQUENCIES, *, lossy=True, **bimorph):
-    return tmm.ports.multiport(
+    return tmm.multiport(
         Device(bimorph=Bimorph(**bimorph)), SPRING, Beam(), frequencies, lossy=lossy
     )
 

@@ -13,7 +13,7 @@ FREQUENCIES = np.array([0.0, 10.0, 300.0, 1000.0])
 
 
 def tip(support, load, frequencies=FREQUENCIES):
-    port = tmm.ports.multiport(Device(), support, Beam(), frequencies)
+    port = tmm.multiport(Device(), support, Beam(), frequencies)
     return respond(port, t.termination(support, load, frequencies), 50.0).w_tip
 
 

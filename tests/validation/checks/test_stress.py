@@ -220,7 +220,7 @@ def test_section_for_the_report(small):
 
     small([synthetic(1e-13), synthetic(1e-9, 1e9)])
     context = output.section(True, lambda _: None)
-    loader = PackageLoader("validation", "templates/report")
+    loader = PackageLoader("validation.report", "templates")
     page = Environment(loader=loader, undefined=StrictUndefined, autoescape=True)
     text = page.get_template("stress.html").render(context)
     assert text.count("<svg") == 2

@@ -20,7 +20,7 @@ def test_only_what_is_needed_runs():
     assert [s.stage for s in plan.run] == ["tmm.static", "terminations"]
     skipped = {s.stage: s.reason for s in plan.skipped}
     assert skipped["solid.mesh"] == "model solid is not asked for"
-    assert "static" not in skipped["tmm.beam.modes"]
+    assert "static" not in skipped["tmm.modes"]
     assert skipped["network.map"] == "model network is not asked for"
 
 
@@ -131,9 +131,9 @@ MAGNETIC = {
         ("gap=0.15mm", MAGNETIC),
         ("steel.curve=linear", MAGNETIC),
         ("rod.density=7800kg/m^3", set(READS) - MAGNETIC - {"terminations"}),
-        ("load.kind=none", {"terminations", "lumped.modes", "tmm.beam.modes", "beam.modes"}
+        ("load.kind=none", {"terminations", "lumped.modes", "tmm.modes", "beam.modes"}
          | {"solid.modes_short", "solid.modes_open"}),
-        ("modes=3", {"tmm.beam.modes", "beam.modes", "solid.modes_short", "solid.modes_open"}),
+        ("modes=3", {"tmm.modes", "beam.modes", "solid.modes_short", "solid.modes_open"}),
         ("piezo.density=7800kg/m^3", set(READS) - MAGNETIC - {"terminations"}),
         ("bimorph.length=21mm", set(READS) - MAGNETIC - {"terminations"}),
     ],

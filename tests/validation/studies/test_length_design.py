@@ -45,7 +45,7 @@ def paper():
 def environment():
     """The report's templates: an undefined name is an error."""
     found = Environment(
-        loader=PackageLoader("validation", "templates/report"),
+        loader=PackageLoader("validation.report", "templates"),
         autoescape=True,
         undefined=StrictUndefined,
     )

@@ -20,7 +20,7 @@ from validation.checks.stress.result import ErrorMap, Row, Stress
 def section(
     quick: bool, announce: Callable[[str], None], names: Iterable[str] = ("tmm",)
 ) -> dict[str, Any]:
-    """Run the named parts and return what ``templates/report/stress.html`` shows."""
+    """Run the named parts and return what ``report/templates/stress.html`` shows."""
     parts = run_parts(names, quick, announce)
     return {
         "stress": parts,

@@ -150,7 +150,7 @@ class TmmModel(RowModel):
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes."""
-        short, opened = self.stages.run("tmm.beam.modes", self._both_modes)
+        short, opened = self.stages.run("tmm.modes", self._both_modes)
         return opened if open_circuit else short
 
     def _both_modes(self) -> tuple[Refined[Modes], ...]:

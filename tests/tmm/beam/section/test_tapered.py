@@ -50,7 +50,7 @@ def test_stepped_rows_equal_beam_elements(case, support):
     """Steps, partial electrodes, glue and tab: two discretisations of one theory, to 1e-8."""
     keys = {"tab_length": 2e-3} | STEPPED[case] if support.kind == "rod" else STEPPED[case]
     fine = elements.multiport(device(**keys), support, Beam(), FREQUENCIES, elements=24)
-    exact = tmm.ports.multiport(device(**keys), support, Beam(), FREQUENCIES)
+    exact = tmm.multiport(device(**keys), support, Beam(), FREQUENCIES)
     assert distance(fine.stiffness, exact.stiffness) < 1e-8
 
 
@@ -59,7 +59,7 @@ def test_tapers_converge_to_beam_elements(case):
     """Twice the segments, a sixteenth of the error, towards elements that know the taper itself."""
     exact = elements.multiport(device(**TAPERS[case]), CLAMPED, Beam(), FREQUENCIES, elements=32)
     found = (
-        tmm.ports.multiport(device(**TAPERS[case]), CLAMPED, Beam(), FREQUENCIES, segments=n)
+        tmm.multiport(device(**TAPERS[case]), CLAMPED, Beam(), FREQUENCIES, segments=n)
         for n in (8, 16, 32)
     )
     errors = [distance(port.stiffness, exact.stiffness) for port in found]
@@ -122,7 +122,7 @@ def test_partial_electrode_bends_only_itself():
     """Electrodes from a to b: w = −K U/EI (b − a)(l − (a + b)/2), whatever lies outside."""
     l, a, b = 20e-3, 3e-3, 12e-3
     partly = device(bare_below=a, bare_above=l - b)
-    port = tmm.ports.multiport(partly, CLAMPED, Beam(), np.zeros(1), lossy=False)
+    port = tmm.multiport(partly, CLAMPED, Beam(), np.zeros(1), lossy=False)
     end = static_termination(CLAMPED, Load(kind="none"))
     response = respond(port, end, 1.0)
     ((active, _),) = tmm.sections(device(), CLAMPED, Beam(), lossy=False)
@@ -139,7 +139,7 @@ def test_partial_electrode_bends_only_itself():
 def test_bare_ceramic_is_stiffer_under_a_force():
     """A tip force bends the electroded part by 1/EI and the rest by 1/(EI + K²/C)."""
     l, b = 20e-3, 8e-3
-    port = tmm.ports.multiport(device(bare_above=l - b), CLAMPED, Beam(), np.zeros(1), lossy=False)
+    port = tmm.multiport(device(bare_above=l - b), CLAMPED, Beam(), np.zeros(1), lossy=False)
     compliance = np.linalg.inv(port.stiffness[0, 2:4, 2:4])[0, 0].real
     ((s, _),) = tmm.sections(device(), CLAMPED, Beam(), lossy=False)
     near, far = (l**3 - (l - b) ** 3) / 3, (l - b) ** 3 / 3
@@ -150,7 +150,7 @@ def test_bare_ceramic_is_stiffer_under_a_force():
 def test_static_bending_of_a_tapered_bimorph():
     """Free at rest, the tip moves by the double integral of K U/EI along the taper."""
     tapered = device(**TAPERS["all"])
-    port = tmm.ports.multiport(tapered, CLAMPED, Beam(), np.zeros(1), lossy=False)
+    port = tmm.multiport(tapered, CLAMPED, Beam(), np.zeros(1), lossy=False)
     free = Termination(base=None, tip=np.zeros(1, dtype=complex))
     x, weights = np.polynomial.legendre.leggauss(20)
     exact = 0.0
@@ -200,7 +200,7 @@ def test_error_bar_of_a_taper_covers_it(model):
     names = ("short_circuit_frequencies", "capacitance_free", "tip_displacement")
     first, capacitance, tip = solve(scene, [model], names).quantities
     assert "segments of the taper" in tip.uncertainty_method
-    fine = tmm.ports.multiport if model == "tmm" else lumped.multiport
+    fine = tmm.multiport if model == "tmm" else lumped.multiport
     port = fine(
         scene.device, scene.support, scene.beam, np.array([500.0]), segments=4 * tmm.SEGMENTS
     )

@@ -108,7 +108,7 @@ def test_invariants(lossy):
             piezo_thickness_profile=((0, 0.26e-3), (20e-3, 0.15e-3)),
         )
     )  # fmt: skip
-    port = tmm.ports.multiport(device, Support(kind="rod"), Beam(), FREQUENCIES, lossy=lossy)
+    port = tmm.multiport(device, Support(kind="rod"), Beam(), FREQUENCIES, lossy=lossy)
     assert reciprocity_error(port).max() < 1e-12
     if lossy:
         assert passivity_margin(port).min() > -1e-12

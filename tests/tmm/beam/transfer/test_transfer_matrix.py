@@ -15,7 +15,7 @@ SUPPORT = Support()
 
 def model(length, frequencies, *, lossy=True, support=SUPPORT):
     device = Device(bimorph=Bimorph(length=length))
-    return tmm.ports.multiport(device, support, Beam(), frequencies, lossy=lossy)
+    return tmm.multiport(device, support, Beam(), frequencies, lossy=lossy)
 
 
 def case_name(case):
@@ -143,7 +143,7 @@ def test_what_holds_the_actuator():
     bending, first = [], []
     for tab, support in ((0.0, clamped), (1.6e-3, clamped), (2e-3, rod)):
         device = Device(bimorph=Bimorph(tab_length=tab))
-        port = tmm.ports.multiport(device, support, Beam(), np.zeros(1), lossy=False)
+        port = tmm.multiport(device, support, Beam(), np.zeros(1), lossy=False)
         free = Termination(base=None, tip=np.zeros(1, dtype=complex))
         bending.append(respond(port, free, 1.0).w_tip[0].real)
         pieces = tmm.sections(device, support, Beam(), lossy=False)
