@@ -1,7 +1,7 @@
 """Files that appear whole or not at all.
 
-A reader never meets half a file: the writer fills a temporary one in the same folder,
-which then takes the final name in one step.
+A reader never meets half a file, not even after a power cut: the writer fills a temporary one
+in the same folder, which is brought to the disk and then takes the final name in one step.
 """
 
 from __future__ import annotations
@@ -39,9 +39,20 @@ def written_whole(path: str | Path) -> Iterator[Path]:
     try:
         yield temporary
         temporary.chmod(0o644)  # mkstemp makes files for its owner only
+        _bring_to_disk(temporary)
         temporary.replace(path)
+        _bring_to_disk(path.parent)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(f"{path} cannot be written ({reason.lower()}); choose another") from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _bring_to_disk(path: Path) -> None:
+    """Wait until what a file or folder holds is on the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

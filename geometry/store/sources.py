@@ -1,0 +1,139 @@
+"""Which code a stored number was made by: modules and all that they import from this project.
+
+Found in the sources, which are read and never imported.  Imports inside functions count;
+those for type checking only do not.  What is loaded by its name in a string must be named.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import hashlib
+import importlib.util
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from geometry.errors import InputError
+from geometry.store.entry import SUFFIX, Damaged, read_entry, sealed, write_entry
+
+#: The project's packages, and the package that holds them, if any.
+_PACKAGES = frozenset({"geometry", "tmm", "fem", "validation"})
+_HOLDER = __name__.removesuffix("geometry.store.sources")
+#: File in which hashes and imports of the sources are kept, since parsing takes a second.
+_INDEX = "sources" + SUFFIX
+
+
+@dataclass
+class Sources:
+    """The project's sources, each read once as long as time and size of its file are the same.
+
+    Attributes
+    ----------
+    folder : Path
+        Where hashes and imports are kept between runs.
+    known : dict
+        By file: its time and size, and (hash, names imported).
+    """
+
+    folder: Path
+    known: dict[str, tuple[tuple[int, int], tuple[str, tuple[str, ...]]]] = field(
+        default_factory=dict
+    )
+
+    def digest(self, names: Iterable[str]) -> str:
+        """Return a hash of the named modules and packages with all that they import.
+
+        Raises
+        ------
+        LookupError
+            If a name has no source: a hash of nothing would call everything up to date.
+        """
+        with contextlib.suppress(FileNotFoundError, Damaged):
+            self.known = read_entry(self.folder / _INDEX)
+        before = dict(self.known)
+        found: dict[str, str] = {}
+        open_ends = [f for name in names for f in (*_imported(name), *_files_of(name))]
+        while open_ends:
+            file = open_ends.pop()
+            if str(file) not in found:
+                found[str(file)], imports = self._read(file)
+                open_ends += [f for name in imports for f in _imported(name)]
+        if self.known != before:
+            with contextlib.suppress(InputError, OSError):
+                write_entry(self.folder / _INDEX, sealed("sources", self.known))
+        # the place does not matter, what is in the files does
+        return hashlib.sha256("".join(sorted(found.values())).encode()).hexdigest()
+
+    def _read(self, file: Path) -> tuple[str, tuple[str, ...]]:
+        state = file.stat()
+        stamp = (state.st_mtime_ns, state.st_size)
+        kept = self.known.get(str(file))
+        if kept is None or kept[0] != stamp:
+            content = file.read_bytes()
+            names = tuple(sorted(set(_imports(ast.parse(content)))))
+            kept = stamp, (hashlib.sha256(content).hexdigest(), names)
+            self.known[str(file)] = kept
+        return kept[1]
+
+
+@cache
+def source_digest(names: tuple[str, ...], folder: Path) -> str:
+    """Return :meth:`Sources.digest`, once a process: code that runs does not change."""
+    return Sources(folder).digest(names)
+
+
+@cache
+def _place(package: str) -> Path:
+    """Return the folder of one of the project's packages."""
+    spec = importlib.util.find_spec(_HOLDER + package)
+    if spec is None or not spec.submodule_search_locations:
+        raise LookupError(f"package {package} has no folder")
+    return Path(next(iter(spec.submodule_search_locations)))
+
+
+@cache
+def _source(name: str) -> Path | None:
+    """Return the file of a module or package, None if it is not one of the project's."""
+    package, *parts = name.removeprefix(_HOLDER).split(".")
+    if package not in _PACKAGES:
+        return None
+    folder = _place(package).joinpath(*parts)
+    places = [folder / "__init__.py", *([folder.with_name(parts[-1] + ".py")] if parts else [])]
+    return next((place for place in places if place.is_file()), None)
+
+
+def _files_of(name: str) -> list[Path]:
+    """Return the files of a module, or of a package with all that is in it."""
+    file = _source(name)
+    if file is None:
+        raise LookupError(f"no source of {name}: a key must name the code that it stands for")
+    return sorted(file.parent.rglob("*.py")) if file.name == "__init__.py" else [file]
+
+
+@cache
+def _imported(name: str) -> tuple[Path, ...]:
+    """Return the files that an import of a dotted name runs: itself, and packages above it."""
+    parts = name.split(".")
+    above = (".".join(parts[: n + 1]) for n in range(len(parts)))
+    return tuple(file for each in above if (file := _source(each)) is not None)
+
+
+def _imports(node: ast.AST) -> Iterator[str]:
+    """Yield the dotted names that a module imports; of `from a import b` both a and a.b."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.Import):
+            yield from (alias.name for alias in child.names)
+        elif isinstance(child, ast.ImportFrom) and child.module:
+            yield from (f"{child.module}.{alias.name}" for alias in child.names)
+        elif isinstance(child, ast.If) and _for_types_only(child.test):
+            for other in child.orelse:
+                yield from _imports(other)
+        else:
+            yield from _imports(child)
+
+
+def _for_types_only(test: Any) -> bool:
+    return isinstance(test, ast.Name) and test.id == "TYPE_CHECKING"

@@ -1,0 +1,222 @@
+"""The store: what is expensive is computed once, by whichever process needs it first.
+
+A value goes by the hash of what it is computed from: its inputs, the code, the versions of
+the numerical libraries.  Nothing here is a reason to fail: what cannot be trusted is computed
+anew, what cannot be written is not kept, and each is said once.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.metadata
+import os
+import re
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TypeVar
+
+from geometry.errors import InputError
+from geometry.store.claim import claimed
+from geometry.store.entry import SUFFIX, Damaged, read_entry, sealed, write_entry
+from geometry.store.sources import source_digest
+from geometry.store.values import fingerprint
+
+T = TypeVar("T")
+
+#: Libraries whose other version may give other numbers.
+_LIBRARIES = ("numpy", "scipy", "scikit-fem", "pytetwild", "cadquery", "mkl")
+#: Ending of claims.
+_CLAIM = ".claim"
+#: Most bytes in the store if nothing else is said.
+_LIMIT = 5_000_000_000
+_UNITS = {"B": 1, "kB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12}
+#: Age (s) from which on a draft was left behind by a process that was killed.
+_ABANDONED = 3600.0
+
+_said: set[str] = set()
+
+
+def kept(
+    kind: str,
+    inputs: tuple[object, ...],
+    made_of: tuple[str, ...],
+    work: Callable[[], T],
+    *,
+    serves: Callable[[T], bool] = lambda _: True,
+    announce: Callable[[str], None] = lambda _: None,
+) -> T:
+    """Return what `work` gives, from the store if it is there.
+
+    Parameters
+    ----------
+    kind : str
+        What it is, for people: the store is listed by it.
+    inputs : tuple
+        All that the value depends on, plain values (:func:`fingerprint`).
+    made_of : tuple of str
+        Modules and packages that compute it; what they import counts as well.
+    work : callable
+        Gives a storable value (:mod:`geometry.store.values`).
+    serves : callable
+        Whether a stored value will do; one that will not is replaced.
+    announce : callable
+        Told when another process is at it and this one waits.
+
+    Raises
+    ------
+    LookupError
+        If a module named has no source.
+    """
+    folder = store_folder()
+    code = source_digest(made_of, folder)
+    name = f"{kind}-{fingerprint(kind, inputs, code, _versions())}"
+    path = folder / (name + SUFFIX)
+    found = _recalled(path, serves)
+    if found is not None:
+        return found[0]
+    with claimed(path.with_suffix(_CLAIM), lambda: announce(f"{kind}: waiting for another run")):
+        found = _recalled(path, serves)
+        if found is not None:
+            return found[0]
+        value = work()
+        _keep(path, sealed(name, value))
+    return value
+
+
+def store_folder() -> Path:
+    """Return the folder of the store: ``$TACTGEN_CACHE``, or ``~/.cache/tactgen``."""
+    chosen = os.environ.get("TACTGEN_CACHE")
+    return Path(chosen) if chosen else Path.home() / ".cache" / "tactgen"
+
+
+def size_limit() -> int:
+    """Return the most bytes that the store may hold: ``$TACTGEN_CACHE_LIMIT``, or 5 GB.
+
+    Raises
+    ------
+    InputError
+        If that is not a size with its unit.
+    """
+    text = os.environ.get("TACTGEN_CACHE_LIMIT", "").strip()
+    if not text:
+        return _LIMIT
+    found = re.fullmatch(r"([0-9]{1,9}(?:\.[0-9]{1,9})?) *([kMGT]?B)", text)
+    if found is None:
+        raise InputError(
+            f"TACTGEN_CACHE_LIMIT = {text[:40]} is no size; write a number with one of the units "
+            f"{', '.join(_UNITS)}, such as 5 GB"
+        )
+    return int(float(found[1]) * _UNITS[found[2]])
+
+
+@dataclass(frozen=True)
+class Holding:
+    """How many entries of a kind the store holds, and their bytes."""
+
+    entries: int
+    size: int
+
+
+def holdings() -> dict[str, Holding]:
+    """Return what the store holds, by kind."""
+    found: dict[str, Holding] = {}
+    for path, state in _entries():
+        kind = path.name.rpartition("-")[0] or path.name.removesuffix(SUFFIX)
+        last = found.get(kind, Holding(0, 0))
+        found[kind] = Holding(last.entries + 1, last.size + state.st_size)
+    return dict(sorted(found.items()))
+
+
+def clear() -> Holding:
+    """Remove every entry, and drafts left behind; return how many entries and bytes."""
+    entries = _entries()
+    for path, _ in entries:
+        _remove(path)
+    _remove_drafts(0.0)
+    return Holding(len(entries), sum(state.st_size for _, state in entries))
+
+
+@cache
+def _versions() -> tuple[str, ...]:
+    found = []
+    for library in _LIBRARIES:
+        try:
+            found.append(f"{library} {importlib.metadata.version(library)}")
+        except importlib.metadata.PackageNotFoundError:
+            found.append(f"no {library}")
+    return tuple(found)
+
+
+def _recalled(path: Path, serves: Callable[[T], bool]) -> tuple[T] | None:
+    """Return the stored value, None if there is none that can be trusted and will do."""
+    try:
+        value: T = read_entry(path)
+    except FileNotFoundError:
+        return None
+    except Damaged as error:
+        _say_once(f"{path} is not used ({error}): what was stored there is computed again")
+        return None
+    if not serves(value):
+        return None
+    with contextlib.suppress(OSError):
+        os.utime(path)  # the time of the last use
+    return (value,)
+
+
+def _keep(path: Path, content: bytes) -> None:
+    try:
+        limit = size_limit()
+        if len(content) > limit:
+            _say_once("results larger than TACTGEN_CACHE_LIMIT are not kept for the next run")
+            return
+        _make_room(limit - len(content), path)
+        write_entry(path, content)
+    except (OSError, InputError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        _say_once(f"results are not kept for the next run: {reason}", about="keep")
+
+
+def _make_room(limit: int, new: Path) -> None:
+    """Remove what was not used for longest until the others take at most `limit` bytes."""
+    entries = [entry for entry in _entries() if entry[0] != new]
+    size = sum(state.st_size for _, state in entries)
+    for path, state in sorted(entries, key=lambda entry: entry[1].st_mtime_ns):
+        if size <= limit:
+            break
+        _remove(path)
+        size -= state.st_size
+    _remove_drafts(_ABANDONED)
+
+
+def _entries() -> list[tuple[Path, os.stat_result]]:
+    found = []
+    with contextlib.suppress(OSError):
+        for path in store_folder().glob(f"[!.]*{SUFFIX}"):
+            with contextlib.suppress(OSError):  # another process may have removed it
+                found.append((path, path.stat()))
+    return found
+
+
+def _remove_drafts(age: float) -> None:
+    """Remove what a killed process was writing; claims are empty and used again."""
+    with contextlib.suppress(OSError):
+        for path in store_folder().glob(f".*{SUFFIX}"):
+            with contextlib.suppress(OSError):
+                if path.stat().st_mtime <= time.time() - age:
+                    path.unlink()
+
+
+def _remove(path: Path) -> None:
+    with contextlib.suppress(OSError):
+        path.unlink()
+
+
+def _say_once(text: str, *, about: str = "") -> None:
+    if (about or text) not in _said:
+        _said.add(about or text)
+        with contextlib.suppress(OSError):
+            print(f"tactgen: warning: {text}", file=sys.stderr)

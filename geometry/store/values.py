@@ -1,0 +1,158 @@
+"""Plain values as bytes and back, and fingerprints of them.
+
+Frozen dataclasses declared :func:`storable`, tuples, lists, dicts, text, numbers and numpy
+arrays.  Reading builds these and runs nothing that a file names.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Class = TypeVar("Class", bound=type)
+
+#: Dataclasses that may be read back, by name.
+_STORABLE: dict[str, type] = {}
+#: Kinds of numbers whose bytes mean the same on every machine of a kind: long double's do not.
+_KINDS = "biufcU"
+#: Bytes of the length that precedes the description of a value.
+_LENGTH = 8
+
+
+def storable(kind: Class) -> Class:
+    """Declare that values of a frozen dataclass may be stored: read back by its name."""
+    if not is_dataclass(kind) or kind.__name__ in _STORABLE:
+        raise TypeError(f"{kind.__name__} is no dataclass, or a second one of this name")
+    _STORABLE[kind.__name__] = kind
+    return kind
+
+
+def to_bytes(value: object) -> bytes:
+    """Return a value as bytes: a description (JSON), then the raw arrays.
+
+    Raises
+    ------
+    TypeError
+        If something in it is not storable: a defect of the program.
+    """
+    arrays: list[NDArray[Any]] = []
+    tree = _described(value, arrays)
+    kinds = [[array.dtype.str, list(array.shape)] for array in arrays]
+    text = json.dumps([tree, kinds]).encode()
+    return b"".join([len(text).to_bytes(_LENGTH, "little"), text, *(a.tobytes() for a in arrays)])
+
+
+def from_bytes(content: bytes) -> Any:
+    """Return the value that :func:`to_bytes` made the bytes of.
+
+    Raises
+    ------
+    ValueError
+        If they are not such bytes, or hold a dataclass that is unknown or has other fields.
+    """
+    end = _LENGTH + int.from_bytes(content[:_LENGTH], "little")
+    try:
+        tree, kinds = json.loads(content[_LENGTH:end])
+        arrays = []
+        for name, shape in kinds:
+            kind, count = np.dtype(name), int(np.prod(shape))
+            if kind.kind not in _KINDS:
+                raise ValueError(f"arrays of {name}")
+            flat = np.frombuffer(content, kind, count, offset=end) if count else np.zeros(0, kind)
+            arrays.append(flat.reshape(shape).copy())
+            end += count * kind.itemsize
+        if end != len(content):
+            raise ValueError("bytes left over")
+        return _built(tree, arrays)
+    except (TypeError, LookupError, AttributeError, OverflowError, RecursionError) as error:
+        raise ValueError(str(error)) from error
+
+
+def _described(value: Any, arrays: list[NDArray[Any]]) -> Any:
+    """Return JSON values: plain ones as they are, all others as [what it is, ...]."""
+    if value is None or type(value) in (bool, int, float, str):
+        return value
+    if isinstance(value, np.ndarray | np.generic):
+        if value.dtype.kind not in _KINDS or value.dtype in (np.longdouble, np.clongdouble):
+            raise TypeError(f"an array of {value.dtype} cannot be stored")
+        arrays.append(np.asarray(value))
+        return ["array" if isinstance(value, np.ndarray) else "number", len(arrays) - 1]
+    if type(value) is complex:
+        return ["complex", value.real, value.imag]
+    if type(value) in (tuple, list):
+        return [type(value).__name__, *(_described(item, arrays) for item in value)]
+    if type(value) is dict:
+        return ["dict", *([_described(part, arrays) for part in item] for item in value.items())]
+    name = type(value).__name__
+    if _STORABLE.get(name) is not type(value):
+        raise TypeError(f"{name} is not declared storable")
+    parts = {f.name: _described(getattr(value, f.name), arrays) for f in fields(value) if f.init}
+    return ["object", name, parts]
+
+
+def _built(tree: Any, arrays: list[NDArray[Any]]) -> Any:
+    if not isinstance(tree, list):
+        return tree
+    what, *parts = tree
+    if what == "array":
+        return arrays[parts[0]]
+    if what == "number":
+        return arrays[parts[0]][()]
+    if what == "complex":
+        return complex(*parts)
+    if what in ("tuple", "list"):
+        items = [_built(item, arrays) for item in parts]
+        return items if what == "list" else tuple(items)
+    if what == "dict":
+        return {_built(key, arrays): _built(item, arrays) for key, item in parts}
+    if what == "object":
+        name, held = parts
+        kind = _STORABLE[name]
+        if set(held) != {f.name for f in fields(kind) if f.init}:
+            raise ValueError(f"{name} has other fields")
+        return kind(**{field: _built(item, arrays) for field, item in held.items()})
+    raise ValueError(f"unknown kind of value {what}")
+
+
+def fingerprint(*values: object) -> str:
+    """Return what stands for values and nothing else: a hash of all that is in them.
+
+    Of dataclasses (any), tuples, lists, dicts, text, numbers and arrays.
+
+    Raises
+    ------
+    TypeError
+        If something in them is of another kind, whose content cannot be told.
+    """
+    digest = hashlib.sha256()
+    for part in _content(values):
+        digest.update(part)
+        digest.update(b"\0")
+    return digest.hexdigest()[:32]
+
+
+def _content(value: object) -> Iterator[bytes]:
+    if isinstance(value, np.ndarray):
+        yield repr((value.dtype.str, value.shape)).encode()
+        yield np.ascontiguousarray(value).tobytes()
+    elif is_dataclass(value) and not isinstance(value, type):
+        yield type(value).__name__.encode()
+        for field in fields(value):
+            yield field.name.encode()
+            yield from _content(getattr(value, field.name))
+        yield b")"
+    elif isinstance(value, tuple | list | dict):
+        yield type(value).__name__.encode()
+        for item in sorted(value.items()) if isinstance(value, dict) else value:
+            yield from _content(item)
+        yield b")"
+    elif value is None or isinstance(value, bool | int | float | complex | str):
+        yield repr(value).encode()
+    else:
+        raise TypeError(f"{type(value).__name__} cannot be part of a key")
