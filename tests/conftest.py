@@ -1,6 +1,7 @@
-"""Shared by all tests: a fixed hypothesis profile and the stored reference solution."""
+"""Shared by all tests: a fixed hypothesis profile, a store of their own, a reference solution."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,17 @@ settings.register_profile(
     "fixed", derandomize=True, database=None, deadline=None, max_examples=30, print_blob=False
 )
 settings.load_profile("fixed")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def shared_store(tmp_path_factory):
+    """Give the run a store of its own: what one test solved, the others read; nothing older."""
+    base = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:  # the workers' folders are side by side in one
+        base = base.parent
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TACTGEN_CACHE", str(base / "store"))
+        yield
 
 
 @pytest.fixture(scope="session")

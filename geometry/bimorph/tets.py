@@ -18,19 +18,19 @@ from geometry.device.layout import BIMORPH, MM, Standing, ceramic_base, layout, 
 from geometry.device.parameters import Device
 from geometry.errors import InputError, MeshError
 from geometry.meshing.mesh import Floats, Mesh
-from geometry.meshing.mesh_cache import cache_key, store_mesh, stored_mesh
 from geometry.meshing.tetwild.conform import NamedFace, conform
 from geometry.meshing.tetwild.run import SizingField, run_ftetwild, sizing_along_z, sizing_at_points
 from geometry.meshing.tetwild.sizing import Sizing
 from geometry.meshing.tetwild.stretching import Stretching
+from geometry.store.store import kept
 
 if TYPE_CHECKING:
     import cadquery as cq
 
 __all__ = ["MeshError", "TetMeshing", "squeezed", "tetrahedralise"]
 
-#: Part of every cache key: raise it when the same input gives another mesh.
-VERSION = 3
+#: What makes a mesh; the mesher's own process is started by its file.
+_MADE_OF = ("geometry.bimorph.tets", "geometry.meshing.tetwild")
 
 #: How far the mesher may stray from the surface, as a share of the thinnest feature, since
 #: its vertices are put back afterwards; …
@@ -114,7 +114,8 @@ def tetrahedralise(
 ) -> Mesh:
     """Mesh chosen solids of the device with tetrahedra and check the mesh against CAD.
 
-    A mesh made before from the same geometry and options is read from the cache.
+    A mesh made before from the same geometry and options is read from the store: the mesher has
+    no seed, so only a kept mesh makes results repeatable.
 
     Parameters
     ----------
@@ -150,19 +151,17 @@ def tetrahedralise(
     # from the tab's lower end to the ceramic's lower edge: where the bending begins
     root = (shim_base(device, standing) * MM, ceramic_base(device, standing) * MM)
     shape: tuple[object, ...] = (
-        (sizing.digest, options.curved)
+        (sizing, options.curved)
         if sizing
         else (options.edge_length, options.root_edge_length, options.grading, options.curved)
     )
-    key = cache_key(VERSION, parts, named, shape, root)
-    kept = stored_mesh(key)
-    if kept is not None:
-        return kept
-    solids = fuse(build_solids(device, tuple(parts), standing))
-    stretching = _stretching(device, standing)
-    mesh = _first_good_mesh(solids, named, root, options, sizing, stretching)
-    store_mesh(key, mesh)
-    return mesh
+
+    def made() -> Mesh:
+        solids = fuse(build_solids(device, tuple(parts), standing))
+        stretching = _stretching(device, standing)
+        return _first_good_mesh(solids, named, root, options, sizing, stretching)
+
+    return kept("mesh", (parts, named, shape, root), _MADE_OF, made)
 
 
 def _named_faces(

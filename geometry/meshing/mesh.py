@@ -12,12 +12,14 @@ from typing import Literal
 import numpy as np
 
 from geometry.arrays import Floats, Ints
+from geometry.store.values import storable
 
 __all__ = ["CellKind", "Floats", "Ints", "Mesh"]
 
 CellKind = Literal["tetra", "tetra10", "hexahedron"]
 
 
+@storable
 @dataclass(frozen=True)
 class Mesh:
     """A conforming volume mesh.

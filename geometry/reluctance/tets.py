@@ -20,10 +20,10 @@ from geometry.device.layout import MM, Turned, layout
 from geometry.device.parameters import Bimorph, Device
 from geometry.errors import MeshError
 from geometry.meshing.mesh import Mesh
-from geometry.meshing.mesh_cache import cache_key, store_mesh, stored_mesh
 from geometry.meshing.tensor_tets import box_tetrahedra
 from geometry.meshing.tetwild.conform import conform
 from geometry.meshing.tetwild.run import SizingField, run_ftetwild
+from geometry.store.store import kept
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -34,8 +34,8 @@ REGIONS = ("rod", "coil", "sleeve", "near", "air", "far")
 
 _PARTS = ("rod", "coil", "sleeve")
 
-#: Part of every cache key: raise it when the same input gives another mesh.
-_VERSION = 1
+#: What makes a mesh; the mesher's own process is started by its file.
+_MADE_OF = ("geometry.reluctance.tets", "geometry.meshing.tetwild")
 #: Envelope and deflection of the cylinders, as shares of the thinnest feature, and how much
 #: tighter each further attempt is; as in :mod:`geometry.bimorph.tets`.
 _ENVELOPE, _DEFLECTION, _TIGHTER = 0.2, 0.125, 0.7
@@ -81,7 +81,7 @@ class ActuatorMeshing:
 def actuator_tets(device: Device, gap: float, meshing: ActuatorMeshing) -> Mesh:
     """Return a quarter (x ≥ 0, y ≥ 0) with `REGIONS`; z = 0 is the sleeve's top face.
 
-    A mesh made before from the same geometry and options is read from the cache.
+    A mesh made before from the same geometry and options is read from the store.
 
     Raises
     ------
@@ -92,13 +92,12 @@ def actuator_tets(device: Device, gap: float, meshing: ActuatorMeshing) -> Mesh:
     """
     at_gap = with_fitting_tab(device, gap)
     parts = layout(at_gap, "rod", _PARTS)
-    key = cache_key("actuator", _VERSION, parts, replace(meshing, time_limit=0.0))
-    kept = stored_mesh(key)
-    if kept is not None:
-        return kept
-    mesh = _with_air_divided(_first_good_mesh(at_gap, meshing), at_gap)
-    store_mesh(key, mesh)
-    return mesh
+    return kept(
+        "mesh",
+        (parts, replace(meshing, time_limit=0.0)),
+        _MADE_OF,
+        lambda: _with_air_divided(_first_good_mesh(at_gap, meshing), at_gap),
+    )
 
 
 def with_fitting_tab(device: Device, gap: float) -> Device:

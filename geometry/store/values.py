@@ -149,7 +149,7 @@ def _content(value: object) -> Iterator[bytes]:
         yield b")"
     elif isinstance(value, tuple | list | dict):
         yield type(value).__name__.encode()
-        for item in sorted(value.items()) if isinstance(value, dict) else value:
+        for item in value.items() if isinstance(value, dict) else value:
             yield from _content(item)
         yield b")"
     elif value is None or isinstance(value, bool | int | float | complex | str):

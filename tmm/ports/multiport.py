@@ -16,11 +16,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Complex, Floats
+from geometry.store.values import storable
 
 #: Positions of the ports' displacement-like variables.
 W_BASE, PSI_BASE, W_TIP, PSI_TIP, VOLTAGE = range(5)
 
 
+@storable
 @dataclass(frozen=True)
 class Multiport:
     """Dynamic stiffness over the five ports.

@@ -18,8 +18,10 @@ from typing import NoReturn
 
 from fem.solvers.threads import thread_count
 from geometry.errors import InputError
+from geometry.store.store import size_limit
 from validation.command_line.commands import (
     bench,
+    cache,
     design,
     export,
     identify,
@@ -72,7 +74,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with _tidy_when_told_to_end(), contextlib.suppress(SystemExit):  # --help
             options = _parser().parse_args(arguments)
             scene = getattr(options, "scene", "")
-            thread_count()  # a bad setting is refused now, not after meshing
+            thread_count()  # bad settings are refused now, not after meshing
+            size_limit()
             code = options.run(options)
         sys.stdout.flush()
     except KeyboardInterrupt:
@@ -130,7 +133,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.set_defaults(run=lambda _: _help(parser))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
-        report, solve, design, sensitivity, identify, plan, export, stress, bench, scenes, init,
+        report, solve, design, sensitivity, identify, plan, export, stress, bench, scenes, cache,
+        init,
     ):  # fmt: skip
         command.add(commands)
     return parser

@@ -14,6 +14,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from geometry.arrays import Floats
+from geometry.store.values import storable
 from tmm.beam.modes import Fixture
 from tmm.ports.multiport import Multiport
 from tmm.ports.terminations import conservative_load
@@ -23,6 +24,7 @@ from validation.scene.scene import Scene
 T = TypeVar("T")
 
 
+@storable
 @dataclass(frozen=True)
 class Refined(Generic[T]):
     """A result and what its numerical error is judged by.
@@ -46,6 +48,7 @@ class Refined(Generic[T]):
     rounding: Floats | float = 0.0
 
 
+@storable
 @dataclass(frozen=True)
 class Modes:
     """Natural frequencies (Hz), ascending, with the class of each."""

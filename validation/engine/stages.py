@@ -1,7 +1,7 @@
 """Stages of a study: run once, timed, keyed by exactly the inputs they read.
 
 A stage that the plan does not contain is refused, so the plan shown to the user is the
-plan that runs.
+plan that runs.  Results of expensive stages are kept in the store, for the next run.
 """
 
 from __future__ import annotations
@@ -14,12 +14,11 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from geometry.device.steel_law import magnetisation_curve
+from geometry.store.store import kept
+from validation.catalogue.quantities import MAGNETIC_MODELS
 from validation.scene.scene import Scene
 
 T = TypeVar("T")
-
-#: Version of every stage: raise it when the same inputs give other numbers.
-VERSION = 4
 
 _PIECES = ("bimorph", "piezo", "shim", "beam", "support.kind", "glue", "rod")
 _SOLID = ("bimorph", "piezo", "shim", "support.kind", "glue", "rod")
@@ -69,6 +68,25 @@ READS: dict[str, tuple[str, ...]] = {
     "terminations": ("support", "load", "drive", "bimorph.wiring", "frequency"),
 }
 
+#: The mesher's own process is started by its file, which no import names.
+_MESHER = "geometry.meshing.tetwild"
+_SOLID_CODE = ("validation.models.bimorph.solid", _MESHER)
+_FIELD_CODE = ("validation.models.reluctance.field", _MESHER)
+
+#: Stages whose results are kept in the store, with what computes them (modules and packages;
+#: what these import counts as well).  All others cost less than reading would.
+KEPT: dict[str, tuple[str, ...]] = {
+    "solid.static": _SOLID_CODE,
+    "solid.modes_short": _SOLID_CODE,
+    "solid.modes_open": _SOLID_CODE,
+    "solid.ports": _SOLID_CODE,
+    **{
+        f"{model}.{stage}": _FIELD_CODE
+        for model in MAGNETIC_MODELS
+        for stage in ("point", "map", "switching")
+    },
+}
+
 
 @dataclass
 class Stages:
@@ -81,7 +99,7 @@ class Stages:
     seconds : dict of str to float
         Wall-clock cost of each stage that ran.
     announce : callable
-        Told the name of each stage as it starts.
+        Told the name of each stage as it is computed.
     """
 
     keys: dict[str, str]
@@ -90,7 +108,7 @@ class Stages:
     _results: dict[str, Any] = field(default_factory=dict)
 
     def run(self, name: str, work: Callable[[], T]) -> T:
-        """Return the stage's result, computing it the first time.
+        """Return the stage's result: of this run, from the store, or computed now.
 
         Raises
         ------
@@ -100,9 +118,18 @@ class Stages:
         if name not in self._results:
             if name not in self.keys:
                 raise RuntimeError(f"stage {name} ran although the plan skips it")
-            self.announce(name)
             start, inner = time.perf_counter(), sum(self.seconds.values())
-            self._results[name] = work()
+
+            def announced() -> T:
+                self.announce(name)
+                return work()
+
+            if name in KEPT:
+                self._results[name] = kept(
+                    name, (self.keys[name],), KEPT[name], announced, announce=self.announce
+                )
+            else:
+                self._results[name] = announced()
             spent_inside = sum(self.seconds.values()) - inner
             self.seconds[name] = time.perf_counter() - start - spent_inside
         result: T = self._results[name]
@@ -117,7 +144,7 @@ class Stages:
 
 
 def stage_key(name: str, scene: Scene) -> str:
-    """Return the stage's key: a hash of the scene values it reads and of its version."""
+    """Return the stage's key: a hash of the scene values it reads."""
     values = scene.model_dump(mode="json")
     read: dict[str, Any] = {}
     for path in READS[name]:
@@ -128,5 +155,5 @@ def stage_key(name: str, scene: Scene) -> str:
             curve = magnetisation_curve(scene.steel)
             value = [curve.flux_density.tolist(), curve.field.tolist(), curve.slope_beyond]
         read[path] = value
-    text = json.dumps([name, VERSION, read], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:12]
+    text = json.dumps([name, read], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -21,6 +21,7 @@ from fem.bimorph.system import SolidSystem
 from fem.solvers.linear_solver import factorise
 from fem.solvers.sparse_rows import wide_product
 from geometry.arrays import Bools, Complex, Floats, Ints, Sparse
+from geometry.store.values import storable
 from tmm.ports.multiport import Multiport
 
 Wide = NDArray[Any]
@@ -37,6 +38,7 @@ _NOISE = 1e-8
 _SOFT = 1e-3
 
 
+@storable
 @dataclass(frozen=True)
 class ReducedSolid:
     """A solid projected on a Krylov basis, ports kept: a few dozen unknowns.

@@ -20,9 +20,11 @@ import numpy as np
 
 from fem.bimorph.ports import ports_from_blocks
 from geometry.arrays import Complex, Floats
+from geometry.store.values import storable
 from tmm.ports.multiport import Multiport
 
 
+@storable
 @dataclass(frozen=True)
 class PortModel:
     """Matrices over [q, w_base, ψ_base, U], symmetric; the last row is minus the charge.

@@ -29,6 +29,7 @@ from geometry.meshing.mesh import Mesh
 from geometry.reluctance.section_regions import actuator_regions
 from geometry.reluctance.sector_tets import Sector, sector_mesh
 from geometry.reluctance.tets import ActuatorMeshing, actuator_tets
+from geometry.store.values import storable
 
 #: Where the eggshell's weight falls from 1 to 0: over all air, or next to the sleeve only.
 SHELLS = (("near", "air"), ("near",))
@@ -43,6 +44,7 @@ _FIRST_STEP = 1e-3
 _SCATTER = 0.02
 
 
+@storable
 @dataclass(frozen=True)
 class SolidValues:
     """What one potential gives; fields as in :class:`SolidPoint`, the force by each shell."""
@@ -56,6 +58,7 @@ class SolidValues:
     beyond_table: float
 
 
+@storable
 @dataclass(frozen=True)
 class SolidPoint:
     """The actuator at one current and gap.

@@ -5,7 +5,6 @@ Plain geometry: what the errors are errors of is not known here.
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,12 +45,6 @@ class Sizing:
 
     points: Floats
     lengths: Floats
-
-    @property
-    def digest(self) -> str:
-        """Name that stands for exactly this content."""
-        both = np.ascontiguousarray(np.column_stack([self.points, self.lengths]), dtype=float)
-        return hashlib.sha256(both.tobytes()).hexdigest()[:32]
 
 
 def sizing_for(

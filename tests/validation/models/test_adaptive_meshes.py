@@ -14,6 +14,7 @@ from geometry.meshing.tetwild.conform import conform
 from geometry.meshing.tetwild.run import sizing_along_z, sizing_at_points
 from geometry.meshing.tetwild.sizing import limited_growth, sizing_for
 from geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
+from geometry.store.values import fingerprint
 from validation.engine.refinement import SAFETY
 from validation.models.bimorph.adaptive_meshes import adapted_pair
 from validation.scene.scene import load_scene
@@ -64,7 +65,7 @@ def test_rounding_of_a_solution_does_not_make_another_mesh():
     errors = np.random.default_rng(1).uniform(1.0, 9.0, len(mesh.cells))
     noise = 1.0 + 1e-10 * np.random.default_rng(2).uniform(-1.0, 1.0, errors.size)
     first, second, other = (
-        sizing_for(mesh, e, 0.5 * errors.sum(), shortest=0.0, most=1e9).digest
+        fingerprint(sizing_for(mesh, e, 0.5 * errors.sum(), shortest=0.0, most=1e9))
         for e in (errors, errors * noise, errors[::-1])
     )
     assert first == second

@@ -15,12 +15,14 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.errors import InputError
+from geometry.store.values import storable
 from tmm.reluctance.coenergy.splines import SplineBasis
 
 #: How far beyond its ends a map may be asked, relative to its range: rounding of a grid.
 _ROUNDING = 1e-9
 
 
+@storable
 @dataclass(frozen=True, eq=False)
 class Samples:
     """What a model says on a grid of c currents and m gaps.
@@ -54,6 +56,7 @@ class Samples:
     device: str = ""
 
 
+@storable
 @dataclass(frozen=True)
 class MapError:
     """Largest errors of the map's flux linkage and force, relative to the value there.
@@ -65,6 +68,7 @@ class MapError:
     force: float
 
 
+@storable
 @dataclass(frozen=True, eq=False)
 class CoenergyMap:
     """The surface W'(i, g) = Σ_jk c_jk J_j(|i|) Y_k(ln(g + g0)).

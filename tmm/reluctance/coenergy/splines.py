@@ -11,8 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Floats
+from geometry.store.values import storable
 
 
+@storable
 @dataclass(frozen=True, eq=False)
 class SplineBasis:
     """n functions, each a polynomial on every one of s spans.

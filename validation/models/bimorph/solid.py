@@ -82,6 +82,12 @@ class SolidModel(Model):
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes."""
+        return self.stages.run(
+            "solid.modes_open" if open_circuit else "solid.modes_short",
+            lambda: self._judged_modes(open_circuit=open_circuit),
+        )
+
+    def _judged_modes(self, *, open_circuit: bool) -> Refined[Modes]:
         fine, coarse = (
             Modes(np.array([m.frequency for m in found]), tuple(m.kind for m in found))
             for found in self.shapes(open_circuit=open_circuit)
@@ -99,10 +105,7 @@ class SolidModel(Model):
 
     def shapes(self, *, open_circuit: bool = False) -> Shapes:
         """Return the modes with their shapes, on the finer and the coarser mesh."""
-        return self.stages.run(
-            "solid.modes_open" if open_circuit else "solid.modes_short",
-            lambda: self._search.lowest(self.scene.modes, open_circuit=open_circuit),
-        )
+        return self._search.lowest(self.scene.modes, open_circuit=open_circuit)
 
     @cached_property
     def _search(self) -> ShapeSearch:

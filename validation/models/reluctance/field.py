@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from geometry.arrays import Floats
 from geometry.errors import InputError
-from geometry.meshing.mesh_cache import cache_folder
-from tmm.reluctance.coenergy.files import read_map, write_map
+from geometry.store.store import kept
 from tmm.reluctance.coenergy.map import CoenergyMap
+from validation.engine.stages import KEPT
 from validation.models.reluctance.model import MagneticModel
 from validation.models.reluctance.point import MagneticPoint, Measured
 from validation.scene.scene import Scene
@@ -35,22 +36,7 @@ _SOLID_MAP_REFINEMENT = 0.7
 
 
 class _FieldModel(MagneticModel):
-    """A model that solves the field: its map is kept on disk between runs."""
-
-    def map(self) -> CoenergyMap:
-        """Return the co-energy map over the stroke, kept on disk between runs."""
-
-        def work() -> CoenergyMap:
-            file = cache_folder() / f"coenergy-{self.stages.keys[f'{self.name}.map']}.nc"
-            with contextlib.suppress(InputError):
-                return read_map(file)
-            found = self._map()
-            with contextlib.suppress(InputError, OSError):
-                file.parent.mkdir(parents=True, exist_ok=True)
-                write_map(file, found)
-            return found
-
-        return self.stages.run(f"{self.name}.map", work)
+    """A model that solves the field."""
 
     def _fitted(
         self,
@@ -85,20 +71,15 @@ class AxisymmetricModel(_FieldModel):
         "difference between virtual work and the stress in the air"
     )
 
-    def field(self) -> FieldPoint:
-        """Return the field at the scene's current and gap."""
-        scene = self.scene
-        return self.stages.run(
-            "axisymmetric.point", lambda: self._solved(scene.coil.current, scene.gap)
-        )
-
     def point(self) -> MagneticPoint:
         """Return the values at the scene's current and gap."""
-        return _judged(self.field(), self._METHOD)
+        scene = self.scene
+        return self.stages.run("axisymmetric.point", lambda: self.at(scene.coil.current, scene.gap))
 
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Return the values at a current (A) and gap (m)."""
-        return _judged(self._solved(current, gap), self._METHOD)
+        found = self._solved(current, gap)
+        return replace(_judged(found, self._METHOD), force_by_stress=found.force_eggshell)
 
     def _solved(self, current: float, gap: float) -> FieldPoint:
         from fem.reluctance.axisymmetric.actuator import solve_point
@@ -133,16 +114,10 @@ class Magnetic3dModel(_FieldModel):
         "in the air differ by"
     )
 
-    def field(self) -> SolidPoint:
-        """Return the field at the scene's current and gap."""
-        scene = self.scene
-        return self.stages.run(
-            "magnetic3d.point", lambda: self._solved(scene.coil.current, scene.gap)
-        )
-
     def point(self) -> MagneticPoint:
         """Return the values at the scene's current and gap."""
-        return _judged(self.field(), self._METHOD)
+        scene = self.scene
+        return self.stages.run("magnetic3d.point", lambda: self.at(scene.coil.current, scene.gap))
 
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Return the values at a current (A) and gap (m)."""
@@ -165,17 +140,27 @@ class Magnetic3dModel(_FieldModel):
         )
 
     def _map(self) -> CoenergyMap:
+        """Return the map, solved gap by gap: an interrupted one goes on where it was."""
+        from fem.reluctance.three_d.actuator import solve_row
         from geometry.reluctance.sector_tets import Sector
         from tmm.reluctance.coenergy.range import map_grid
-        from validation.models.reluctance.map_rows import kept_row
 
         check_solid_map(self.scene)
-        device, key = self.scene.device, self.stages.keys["magnetic3d.map"]
+        device, announce = self.scene.device, self.stages.announce
         currents, gaps = map_grid(device, *_SOLID_MAP)
+        sector = Sector(_SOLID_MAP_REFINEMENT)
         rows = []
         for number, gap in enumerate(gaps.tolist(), start=1):
-            self.stages.announce(f"magnetic3d.map, gap {number} of {gaps.size}")
-            rows.append(kept_row(key, device, gap, currents, Sector(_SOLID_MAP_REFINEMENT)))
+            announce(f"magnetic3d.map, gap {number} of {gaps.size}")
+            rows.append(
+                kept(
+                    "magnetic3d.row",
+                    (self.stages.keys["magnetic3d.map"], gap),
+                    KEPT["magnetic3d.map"],
+                    partial(solve_row, device, gap, currents, sector),
+                    announce=announce,
+                )
+            )
         return self._fitted(currents, gaps, rows)
 
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+from geometry.store.values import storable
 
+
+@storable
 @dataclass(frozen=True)
 class Measured:
     """A value with its numerical error bar, both in the same SI unit; nan where there is none."""
@@ -16,6 +20,7 @@ class Measured:
         object.__setattr__(self, "value", self.value + 0.0)  # no -0
 
 
+@storable
 @dataclass(frozen=True)
 class MagneticPoint:
     """The actuator at one current (A) and gap (m).
@@ -29,6 +34,9 @@ class MagneticPoint:
     beyond_table : float
         Share of the iron's volume that lies beyond the end of a magnetisation curve that
         ends before the steel is saturated.
+    force_by_stress : float
+        The pull by the stress in the air (N), where the model's own is by virtual work; nan
+        elsewhere.
     """
 
     current: float
@@ -39,6 +47,7 @@ class MagneticPoint:
     incremental_inductance: Measured
     method: str
     beyond_table: float
+    force_by_stress: float = math.nan
 
     @property
     def inductance(self) -> Measured:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.device.parameters import Device
+from geometry.store.values import storable
 from tmm.reluctance.coenergy.map import CoenergyMap
 from tmm.reluctance.switching import Switching, spring_force, switching
 from validation.models.reluctance.point import MagneticPoint, Measured
@@ -33,6 +34,7 @@ _ASIDE = 0.05
 _NONE = Measured(math.nan, math.nan)
 
 
+@storable
 @dataclass(frozen=True)
 class SwitchingCurrents:
     """Currents at which the rod moves (A), see :class:`tmm.reluctance.switching.Switching`.

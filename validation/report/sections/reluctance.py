@@ -43,7 +43,7 @@ def _models(actuator: NormalActuator) -> Context:
         "rows": actuator.comparison,
         "remarks": list(dict.fromkeys(r for row in actuator.comparison for r in row.remarks)),
         "methods": {model: list(found) for model, found in methods.items()},
-        "routes": field.field() if field else None,
+        "routes": field.point() if field else None,
         "steps": actuator.bridge,
         "waterfall": bridge_plot(actuator.bridge, titles, reference),
         "deviations": _deviations(actuator),
