@@ -132,9 +132,12 @@ def holdings() -> dict[str, Holding]:
 
 
 def clear() -> Holding:
-    """Remove every entry, and drafts left behind; return how many entries and bytes."""
+    """Remove every entry, and what killed processes left; return how many entries and bytes.
+
+    Work that is in progress may then be done twice.
+    """
     entries = _entries()
-    for path, _ in entries:
+    for path in (*(path for path, _ in entries), *store_folder().glob(f"*{_CLAIM}")):
         _remove(path)
     _remove_drafts(0.0)
     return Holding(len(entries), sum(state.st_size for _, state in entries))

@@ -90,9 +90,10 @@ def _described(value: Any, arrays: list[NDArray[Any]]) -> Any:
     if type(value) is dict:
         return ["dict", *([_described(part, arrays) for part in item] for item in value.items())]
     name = type(value).__name__
-    if _STORABLE.get(name) is not type(value):
+    kind = _STORABLE.get(name)
+    if kind is not type(value):
         raise TypeError(f"{name} is not declared storable")
-    parts = {f.name: _described(getattr(value, f.name), arrays) for f in fields(value) if f.init}
+    parts = {f.name: _described(getattr(value, f.name), arrays) for f in fields(kind) if f.init}
     return ["object", name, parts]
 
 

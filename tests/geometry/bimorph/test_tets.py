@@ -13,7 +13,6 @@ from geometry.cad.tessellation import tessellate
 from geometry.device.layout import closed_form_volumes
 from geometry.device.parameters import Bimorph, Device, Shim
 from geometry.errors import InputError
-from geometry.meshing import mesh_cache
 from geometry.meshing.mesh import Mesh
 from geometry.meshing.mesh_files import read_mesh, write_mesh
 from geometry.meshing.quadratic import (
@@ -246,23 +245,6 @@ def test_cache_returns_the_identical_mesh(bimorph, monkeypatch):
     softer = Device(shim=Shim(youngs_modulus=100e9))
     patient = TetMeshing(edge_length=0.5e-3, time_limit=1000.0)
     assert_same(bimorph, tetrahedralise(softer, "alone", options=patient))
-
-
-def test_cache_that_is_corrupt_or_unwritable_is_ignored(coil, tmp_path, monkeypatch):
-    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path))
-    mesh_cache.store_mesh("key", coil)
-    kept = mesh_cache.stored_mesh("key")
-    assert kept is not None
-    assert_same(coil, kept)
-    path = tmp_path / "key.npz"
-    whole = path.read_bytes()
-    for broken in (whole[:1000], b"", b"PK nonsense", whole[:400] + b"x" * 99 + whole[499:]):
-        path.write_bytes(broken)
-        assert mesh_cache.stored_mesh("key") is None
-    (tmp_path / "a file").write_text("in the way")
-    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "a file" / "cache"))
-    mesh_cache.store_mesh("key", coil)
-    assert mesh_cache.stored_mesh("key") is None
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".msh"])

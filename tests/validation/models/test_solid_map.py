@@ -1,36 +1,55 @@
-"""Rows of the 3D map on disk: solved once, read back whole, solved again if damaged."""
+"""The 3D co-energy map: solved row by row, each kept."""
 
 import numpy as np
 import pytest
 
-from geometry.device.parameters import Device
-from geometry.reluctance.sector_tets import Sector
+from fem.reluctance.three_d import actuator
+from fem.reluctance.three_d.actuator import SolidPoint, SolidValues
+from validation.engine.plan import make_plan
 from validation.engine.solve import solve
-from validation.models.reluctance import map_rows as solid_map_rows
+from validation.engine.stages import Stages
+from validation.models.reluctance.registry import make_magnetic_model
 from validation.scene.scene import load_scene
 
 
-def test_a_row_is_solved_once(tmp_path, monkeypatch):
-    """The second call reads; other currents or a damaged file are solved again."""
+def test_an_interrupted_map_goes_on_where_it_was(tmp_path, monkeypatch):
+    """Rows that were solved before the interruption are read, the others solved."""
     monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path))
-    calls = []
+    solved = []
 
-    def counted(*arguments):
-        calls.append(arguments)
-        return original(*arguments)
+    def row(_device, gap, currents, _sector):
+        if len(solved) == 2:
+            solved.append("interrupted")
+            raise KeyboardInterrupt
+        solved.append(gap)
+        return tuple(_point(float(current), gap) for current in currents)
 
-    original = solid_map_rows.solve_row
-    monkeypatch.setattr(solid_map_rows, "solve_row", counted)
-    arguments = ("key", Device(), 0.2e-3, np.array([0.0, 0.1]), Sector(refinement=0.5))
-    first, second = (solid_map_rows.kept_row(*arguments) for _ in range(2))
-    assert first == second
-    assert len(calls) == 1
-    (file,) = tmp_path.iterdir()
-    whole = file.read_bytes()
-    for damaged in (whole[: len(whole) // 2], b"[{}]", b"[1]", b"{}", b"\xff"):
-        file.write_bytes(damaged)
-        assert solid_map_rows.kept_row(*arguments) == first
-    assert len(calls) == 6
+    monkeypatch.setattr(actuator, "solve_row", row)
+    scene, _ = load_scene("reluctance", ["models=magnetic3d"])
+    plan = make_plan(scene, ("magnetic3d",), ("pull_in_current",))
+    with pytest.raises(KeyboardInterrupt):
+        make_magnetic_model("magnetic3d", scene, Stages(plan.keys)).map()
+    found = make_magnetic_model("magnetic3d", scene, Stages(plan.keys)).map()
+    gaps = [gap for gap in solved if gap != "interrupted"]
+    assert gaps == found.samples.gap.tolist()  # each once
+    again = make_magnetic_model("magnetic3d", scene, Stages(plan.keys)).map()
+    assert len(solved) == len(gaps) + 1
+    assert np.array_equal(again.coefficients, found.coefficients)
+
+
+def _point(current, gap):
+    """A coil whose inductance is L = A/(g + g0): W' = L i²/2."""
+    inductance = 1e-5 / (gap + 1e-4)
+    values = SolidValues(
+        flux_linkage=inductance * current,
+        coenergy=0.5 * inductance * current**2,
+        forces=(0.5 * inductance / (gap + 1e-4) * current**2,) * 2,
+        incremental_inductance=inductance,
+        unknowns=1,
+        iterations=1,
+        beyond_table=0.0,
+    )
+    return SolidPoint(current, gap, values, values)
 
 
 @pytest.mark.heavy
@@ -51,4 +70,4 @@ def test_the_3d_map_switches_like_the_half_sections(tmp_path, monkeypatch):
         forces = [float(found.force(current, gap)) for found in maps]
         allowed = sum(found.interpolation_error.force for found in maps) + 0.03
         assert abs(forces[0] / forces[1] - 1.0) < allowed
-    assert len(list(tmp_path.glob("*.json"))) == 6
+    assert len(list(tmp_path.glob("magnetic3d.row-*"))) == 6

@@ -1,0 +1,495 @@
+"""The store: what comes back is what was put in, or it is computed anew; nothing in between."""
+
+import contextlib
+import os
+import random
+import signal
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from geometry.store import entry, sources, store
+from geometry.store.entry import Damaged, read_entry, sealed, write_entry
+from geometry.store.values import fingerprint, from_bytes, storable, to_bytes
+
+#: Some module to be made of.
+CODE = ("geometry.arrays",)
+ROOT = Path(store.__file__).parents[2]
+
+
+@storable
+@dataclass(frozen=True)
+class Sample:
+    name: str
+    values: np.ndarray
+    inner: tuple[object, ...] = ()
+
+
+@dataclass(frozen=True)
+class Undeclared:
+    value: int
+
+
+VALUE = Sample("a", np.arange(6.0).reshape(2, 3), (Sample("b", np.zeros((0, 3))), 1, 2.0, None))
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A store of one test's own, which has said nothing yet."""
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "store"))
+    monkeypatch.setattr(store, "_said", set())
+    return tmp_path / "store"
+
+
+def same(a, b):
+    if isinstance(a, np.ndarray):
+        return (a.dtype, a.shape) == (b.dtype, b.shape) and a.tobytes() == b.tobytes()
+    if isinstance(a, Sample):
+        return type(b) is Sample and same(list(vars(a).values()), list(vars(b).values()))
+    if isinstance(a, tuple | list):
+        return type(a) is type(b) and len(a) == len(b) and all(map(same, a, b))
+    if isinstance(a, dict):
+        return isinstance(b, dict) and same(list(a.items()), list(b.items()))
+    return type(a) is type(b) and repr(a) == repr(b)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        None, True, 0, -(10**30), 0.1, -0.0, float("nan"), float("inf"), "µ\n", 1 - 2j, (), [],
+        (1, (2,), [3]), {"a": 1, (1, 2): {}}, np.float64(0.1), np.int32(3), np.array(1.5),
+        np.array([1 + 2j]), np.array([True]), np.array(["rod", "µ"]), np.zeros((2, 0, 3)),
+        np.arange(12).reshape(3, 4).T, VALUE,
+    ],
+    ids=repr,
+)  # fmt: skip
+def test_values_come_back_bit_for_bit(value):
+    """Every kind of value, types included."""
+    assert same(value, from_bytes(to_bytes(value)))
+
+
+@pytest.mark.parametrize(
+    "value",
+    [Undeclared(1), object(), {1, 2}, np.longdouble(1), np.zeros(2, np.clongdouble),
+     np.array([object()]), print],
+    ids=lambda value: type(value).__name__,
+)  # fmt: skip
+def test_what_cannot_be_stored_is_refused(value):
+    """Long double has other bytes elsewhere; objects would need code to come back."""
+    with pytest.raises(TypeError):
+        to_bytes(value)
+
+
+def test_only_declared_classes_are_read():
+    """A class of which the reader knows nothing, or with other fields, is no value."""
+    known = to_bytes(Sample("a", np.zeros(1)))
+    for unknown in (known.replace(b"Sample", b"Popen!"), known.replace(b'"inner"', b'"outer"')):
+        assert len(unknown) == len(known)
+        with pytest.raises(ValueError, match=r"Popen!|other fields"):
+            from_bytes(unknown)
+
+
+def test_fingerprints_tell_values_apart():
+    """Type, order, shape and content count; equal content is equal."""
+    values = [
+        1, 1.0, "1", True, None, (1,), [1], ((1,),), (1, 2), {"a": 1, "b": 2}, {"b": 2, "a": 1},
+        np.zeros(2), np.zeros((2, 1)), np.zeros(2, int), Sample("a", np.zeros(2)), Undeclared(1),
+    ]  # fmt: skip
+    found = [fingerprint(value) for value in values]
+    assert len(set(found)) == len(values)
+    assert fingerprint(("a", "bc")) != fingerprint(("ab", "c"))
+    assert fingerprint(np.arange(6).reshape(2, 3).T) == fingerprint(
+        np.array([[0, 3], [1, 4], [2, 5]])
+    )
+    with pytest.raises(TypeError, match="part of a key"):
+        fingerprint(object())
+
+
+def counted(calls, value=VALUE):
+    def work():
+        calls.append(1)
+        return value
+
+    return work
+
+
+def test_a_value_is_computed_once(folder):
+    """Other inputs or other code are another value."""
+    calls = []
+    for _ in range(2):
+        assert same(store.kept("sample", (1,), CODE, counted(calls)), VALUE)
+    assert len(calls) == 1
+    store.kept("sample", (2,), CODE, counted(calls))
+    store.kept("sample", (1,), ("geometry.units",), counted(calls))
+    store.kept("sample", (1,), CODE, counted(calls), serves=lambda _: False)
+    assert len(calls) == 4
+    assert store.holdings()["sample"].entries == 3
+    assert {path.suffix for path in folder.iterdir()} == {".kept"}  # no claim, no draft
+
+
+def swapped(content, at):
+    return content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :]
+
+
+def as_folder(path):
+    path.unlink()
+    path.mkdir()
+
+
+def as_pipe(path):
+    path.unlink()
+    os.mkfifo(path)
+
+
+def as_link_to_itself(path):
+    path.unlink()
+    path.symlink_to(path)
+
+
+def rewritten(change):
+    return lambda path: path.write_bytes(change(path.read_bytes()))
+
+
+def resealed(value):
+    """A whole file, checksum and all, whose value is another."""
+    return lambda path: path.write_bytes(sealed("sample-of another name", value))
+
+
+def with_header(text):
+    """A whole file of a broken description."""
+
+    def damage(path):
+        content = len(text).to_bytes(8, "little") + text
+        digest = entry.hashlib.sha256(content).digest()
+        path.write_bytes(entry.MAGIC + digest + content)
+
+    return damage
+
+
+DAMAGES = {
+    "empty": rewritten(lambda _: b""),
+    "one byte": rewritten(lambda c: c[:1]),
+    "cut in its first line": rewritten(lambda c: c[:10]),
+    "cut in the checksum": rewritten(lambda c: c[:30]),
+    "cut in the middle": rewritten(lambda c: c[: len(c) // 2]),
+    "last byte missing": rewritten(lambda c: c[:-1]),
+    "a byte more": rewritten(lambda c: c + b"\0"),
+    "first bit flipped": rewritten(lambda c: swapped(c, 0)),
+    "bit of the checksum flipped": rewritten(lambda c: swapped(c, len(entry.MAGIC))),
+    "bit of the description flipped": rewritten(lambda c: swapped(c, 70)),
+    "last bit flipped": rewritten(lambda c: swapped(c, len(c) - 1)),
+    "zeros after a power cut": rewritten(lambda c: bytes(len(c))),
+    "zeros at its end": rewritten(lambda c: c[:-48] + bytes(48)),
+    "another version": rewritten(lambda c: c.replace(b"kept 1", b"kept 2", 1)),
+    "a pickle": rewritten(lambda _: b"\x80\x04cos\nsystem\n(S'false'\ntR."),
+    "an npz": rewritten(lambda _: b"PK\x03\x04" + bytes(200)),
+    "text": rewritten(lambda _: "τ = 1\n".encode()),
+    "another entry's file": resealed(VALUE),
+    "no name": with_header(b"[[1, 2, 3], []]"),
+    "no description": with_header(b"nonsense"),
+    "an unknown class": with_header(b'[["tuple", "n", ["object", "Popen", {}]], []]'),
+    "an array too few": with_header(b'[["tuple", "n", ["array", 0]], []]'),
+    "an array too long": with_header(b'[["tuple", "n", ["array", 0]], [["<f8", [9000000]]]]'),
+    "an array of objects": with_header(b'[["tuple", "n", ["array", 0]], [["|O", [1]]]]'),
+    "deep nesting": with_header(b"[" * 100_000),
+    "a folder": as_folder,
+    "a pipe": as_pipe,
+    "a link to itself": as_link_to_itself,
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES)
+def test_damaged_file_is_never_trusted(folder, damage, capsys):
+    """It is computed again, said once, and repaired where a file can take the name."""
+    calls = []
+    store.kept("sample", (1,), CODE, counted(calls))
+    (path,) = folder.glob("sample-*")
+    damage(path)
+    for _ in range(2):
+        assert same(store.kept("sample", (1,), CODE, counted(calls)), VALUE)
+    said = capsys.readouterr().err
+    assert said.count("is not used (") == 1
+    assert len(calls) == (2 if path.is_file() else 3)
+    assert path.is_dir() or same(read_entry(path), VALUE)
+
+
+def test_every_single_bit_counts(folder):
+    """No flipped bit of a file is read as a value."""
+    path = folder / "sample-1.kept"
+    write_entry(path, sealed("sample-1", (1, "a", np.ones(1))))
+    content = path.read_bytes()
+    for at in range(len(content)):
+        path.write_bytes(swapped(content, at))
+        with pytest.raises(Damaged):
+            read_entry(path)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may read everything")
+def test_unreadable_file_is_computed_again(folder):
+    """Another user's file."""
+    calls = []
+    store.kept("sample", (1,), CODE, counted(calls))
+    next(folder.glob("sample-*")).chmod(0)
+    assert same(store.kept("sample", (1,), CODE, counted(calls)), VALUE)
+    assert len(calls) == 2
+
+
+def full(*_):
+    raise OSError(28, "No space left on device")
+
+
+@pytest.mark.parametrize("obstacle", ["a file in the way", "full disk"])
+def test_what_cannot_be_kept_is_said_once(folder, obstacle, monkeypatch, capsys):
+    """The run goes on."""
+    if obstacle == "full disk":
+        folder.mkdir()
+        monkeypatch.setattr(Path, "write_bytes", full)
+    else:
+        folder.write_text("")
+    calls = []
+    for inputs in ((1,), (2,), (1,)):
+        assert same(store.kept("sample", inputs, CODE, counted(calls)), VALUE)
+    assert len(calls) == 3
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "not kept for the next run" in said
+
+
+def test_least_recently_used_goes_first(folder, monkeypatch):
+    """Over the limit, what was not read for longest is removed; a draft left behind as well."""
+    value = np.zeros(1000)
+    monkeypatch.setenv("TACTGEN_CACHE_LIMIT", "110 kB")  # ten of 8 kB, and the sources' hashes
+    store.kept("sample", (-1,), CODE, lambda: value)
+    room = 110_000 - sum(h.size for kind, h in store.holdings().items() if kind == "sources")
+    fits = room // next(folder.glob("sample-*")).stat().st_size
+    left = folder / ".abandoned.kept"
+    left.write_bytes(b"")
+    os.utime(left, (0, 0))
+    for number in range(fits - 1):
+        store.kept("sample", (number,), CODE, lambda: value)
+        time.sleep(0.002)
+    calls = []
+    store.kept("sample", (-1,), CODE, counted(calls))  # read again: now the youngest
+    store.kept("sample", ("one more",), CODE, lambda: value)
+    assert not left.exists()
+    store.kept("sample", (-1,), CODE, counted(calls))
+    assert calls == []
+    store.kept("sample", (0,), CODE, counted(calls))
+    assert calls == [1]
+    assert sum(held.size for held in store.holdings().values()) <= 110_000
+
+
+def test_what_is_larger_than_the_store_is_not_kept(folder, monkeypatch, capsys):
+    """And said."""
+    monkeypatch.setenv("TACTGEN_CACHE_LIMIT", "1 kB")
+    assert store.kept("sample", (1,), CODE, lambda: np.zeros(1000)).size == 1000
+    assert "sample" not in store.holdings()
+    assert "TACTGEN_CACHE_LIMIT" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("text", ["5", "GB", "-1 GB", "5 gb", "1e3 MB", "nan GB", "5 GB or so"])
+def test_malformed_limit_is_refused(text, monkeypatch):
+    """In one sentence with the remedy."""
+    monkeypatch.setenv("TACTGEN_CACHE_LIMIT", text)
+    with pytest.raises(InputError, match=r"TACTGEN_CACHE_LIMIT = .* such as 5 GB"):
+        store.size_limit()
+
+
+@pytest.mark.parametrize(
+    ("text", "size"), [("", 5e9), ("1.5 GB", 1.5e9), ("20kB", 2e4), ("0 B", 0)]
+)
+def test_limit_has_a_unit(text, size, monkeypatch):
+    """Decimal units, as disks are sold."""
+    monkeypatch.setenv("TACTGEN_CACHE_LIMIT", text)
+    assert store.size_limit() == size
+
+
+def test_clear_leaves_nothing_of_ours(folder):
+    """Entries, drafts and claims go; files of others stay."""
+    store.kept("sample", (1,), CODE, lambda: VALUE)
+    for name in (".draft.kept", "sample-1.claim", "notes.txt"):
+        (folder / name).write_text("")
+    assert store.clear().entries == 2  # with the sources' hashes
+    assert [path.name for path in folder.iterdir()] == ["notes.txt"]
+
+
+def test_threads_compute_once(folder):
+    """And what is waited for is said."""
+    calls, said, found = [], [], []
+    started = threading.Event()
+
+    def work():
+        calls.append(1)
+        started.set()
+        time.sleep(0.1)
+        return VALUE
+
+    def ask():
+        found.append(store.kept("sample", (1,), CODE, work, announce=said.append))
+
+    threads = [threading.Thread(target=ask) for _ in range(8)]
+    threads[0].start()
+    started.wait()
+    for thread in threads[1:]:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(calls) == 1
+    assert all(same(value, VALUE) for value in found)
+    assert said == ["sample: waiting for another run"] * 7
+
+
+def test_failed_work_leaves_no_claim(folder):
+    """The next one may try."""
+
+    def failing():
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        store.kept("sample", (1,), CODE, failing)
+    assert same(store.kept("sample", (1,), CODE, lambda: VALUE), VALUE)
+
+
+#: Computes values that need one another, slowly, and notes each computation.
+WORKER = """
+import sys, time
+import numpy as np
+from geometry.store.store import kept
+log, rounds, pause = open(sys.argv[1], "a"), int(sys.argv[2]), float(sys.argv[3])
+
+def value(number):
+    def work():
+        below = value(number - 1) if number % 3 else np.zeros(20_000)
+        time.sleep(pause)
+        print(number, file=log, flush=True)
+        return below + number
+    return kept("chain", (number,), ("geometry.arrays",), work)
+
+print("ready", flush=True)
+for number in range(rounds):
+    assert value(number)[0] == sum(range(number - number % 3, number + 1)), number
+"""
+
+
+def start(log, rounds, pause):
+    arguments = [sys.executable, "-c", WORKER, str(log), str(rounds), str(pause)]
+    return subprocess.Popen(arguments, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
+def test_two_processes_compute_once(folder, tmp_path):
+    """Both get all values, nested ones too, and each is computed by one of them."""
+    both = [start(tmp_path / "log", 12, 0.02) for _ in range(2)]
+    for process in both:
+        _, said = process.communicate(timeout=60)
+        assert (process.returncode, said) == (0, b"")
+    done = (tmp_path / "log").read_text().split()
+    assert sorted(map(int, done)) == list(range(12))
+
+
+@pytest.mark.parametrize(
+    "kills", [8, pytest.param(50, marks=pytest.mark.heavy)], ids=lambda kills: f"{kills} kills"
+)
+def test_killed_at_any_moment(folder, tmp_path, kills):
+    """After kill -9 at random moments no file is damaged, and the next run goes on from there."""
+    chance = random.Random(kills)
+    for _ in range(kills):
+        process = start(tmp_path / "log", 10_000, 0.0)
+        process.stdout.readline()
+        time.sleep(chance.uniform(0.0, 0.15))
+        process.send_signal(signal.SIGKILL)
+        _, said = process.communicate(timeout=60)
+        assert (process.returncode, said) == (-signal.SIGKILL, b"")
+    kept = list(folder.glob("chain-*.kept"))
+    assert len(kept) > kills
+    for path in kept:
+        read_entry(path)
+    finished = {int(line) for line in (tmp_path / "log").read_text().split()}
+    last = start(tmp_path / "log", 50, 0.0)
+    _, said = last.communicate(timeout=60)
+    assert (last.returncode, said) == (0, b"")
+    assert len(finished) >= len(kept)
+
+
+def write_package(root, **files):
+    for name, text in files.items():
+        path = root / (name.replace("__", "/") + ".py")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return root
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """A small project in place of this one."""
+    for package in ("geometry", "fem"):
+        (tmp_path / package).mkdir()
+        (tmp_path / package / "__init__.py").write_text("")
+    monkeypatch.setattr(sources, "_PACKAGES", {"geometry", "fem"})
+    monkeypatch.setattr(sources, "_place", lambda package: tmp_path / package)
+    for cached in (sources._source, sources._imported):
+        cached.cache_clear()
+    yield tmp_path
+    for cached in (sources._source, sources._imported):
+        cached.cache_clear()
+
+
+def digest(project, *names):
+    for cached in (sources._source, sources._imported):
+        cached.cache_clear()
+    return sources.Sources(project / "kept").digest(names)
+
+
+def test_code_counts_with_all_that_it_imports(project):
+    """Through functions and packages; not what only types need, nor what is not imported."""
+    place = project / "fem"
+    (place / "solid.py").write_text(
+        "from __future__ import annotations\nfrom typing import TYPE_CHECKING\n"
+        "if TYPE_CHECKING:\n    from fem import types_only\n"
+        "import numpy\ndef f():\n    from fem.near import thing\n"
+    )
+    (place / "near.py").write_text("import fem.far as far\n")
+    for name in ("far", "types_only", "stranger"):
+        (place / f"{name}.py").write_text("x = 1\n")
+    before = digest(project, "fem.solid")
+    assert digest(project, "fem.solid") == before
+    for name, counts in (
+        ("solid", True), ("near", True), ("far", True), ("__init__", True),
+        ("types_only", False), ("stranger", False),
+    ):  # fmt: skip
+        path = place / f"{name}.py"
+        text = path.read_text()
+        path.write_text(text + "# changed\n")
+        assert (digest(project, "fem.solid") != before) is counts, name
+        assert digest(project, "fem") != digest(project, "fem.solid")
+        path.write_text(text)
+        assert digest(project, "fem.solid") == before
+
+
+def test_a_module_that_moved_is_not_hashed_as_nothing(project):
+    """A name without a source is a defect, and so is a package without one."""
+    for name in ("fem.gone", "fem.gone.too", "numpy", "nowhere"):
+        with pytest.raises(LookupError, match="no source"):
+            digest(project, name)
+
+
+def test_damaged_index_of_sources_changes_nothing(project):
+    """Hashes are then taken from the files."""
+    before = digest(project, "fem")
+    (index,) = (project / "kept").iterdir()
+    index.write_bytes(swapped(index.read_bytes(), 100))
+    assert digest(project, "fem") == before
+    with contextlib.suppress(Damaged):
+        read_entry(index)
+
+
+def test_this_code_is_found():
+    """Every module that the store's own key names is hashed from its file."""
+    found = sources._files_of("geometry.store")
+    assert {path.name for path in found} >= {"store.py", "values.py", "entry.py", "claim.py"}
