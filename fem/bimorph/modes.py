@@ -1,51 +1,19 @@
-"""Natural modes of an assembled solid and the class of each."""
+"""Natural modes of an assembled solid, solved for on its mesh."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
+from fem.bimorph.motions import SHIFT, Attachment, ModeClass, classify
 from fem.bimorph.system import SolidSystem
 from fem.solvers.linear_solver import factorise
 from geometry.arrays import Floats, Sparse
 
-#: Shift Ω² (1/s²) of a body that is not held, as far below 0 Hz as 50 Hz is above.
-_SHIFT = (2.0 * np.pi * 50.0) ** 2
-
 #: Residual of a mode against its inverse eigenvalue; the frequency's error is its square.
 _RESIDUAL = 1e-9
-#: Slices along z in which a mode's sections are told apart.
-_SLICES = 40
-
-ModeClass = Literal["bending_x", "bending_y", "torsion", "axial", "mixed"]
-
-
-@dataclass(frozen=True)
-class Attachment:
-    """Lossless constants at the ports: `base` None is a clamp.
-
-    Attributes
-    ----------
-    base : tuple of float or None
-        Lateral stiffness (N/m), rotational stiffness (N m/rad), rotational inertia (kg m²).
-    tip_stiffness, tip_mass : float
-        Load on the mean tip displacement (N/m, kg).
-    """
-
-    base: tuple[float, float, float] | None
-    tip_stiffness: float = 0.0
-    tip_mass: float = 0.0
-
-    @property
-    def rigid_motions(self) -> int:
-        """Motions of the ports' class that no spring resists: of the two, each spring stops one."""
-        if self.base is None:
-            return 0
-        springs = (*self.base[:2], self.tip_stiffness)
-        return max(0, 2 - sum(stiffness > 0.0 for stiffness in springs))
 
 
 @dataclass(frozen=True)
@@ -73,7 +41,15 @@ class SolidMode:
 def natural_modes(
     system: SolidSystem, attachment: Attachment, count: int, *, open_circuit: bool = False
 ) -> list[SolidMode]:
-    """Return the lowest `count` modes of a lossless system, ascending.
+    """Return the lowest `count` modes of a lossless system, ascending."""
+    pairs = eigenpairs(system, attachment, count, open_circuit=open_circuit)
+    return [_mode(system, value, vector) for value, vector in zip(*pairs, strict=True)]
+
+
+def eigenpairs(
+    system: SolidSystem, attachment: Attachment, count: int, *, open_circuit: bool = False
+) -> tuple[list[float], list[Floats]]:
+    """Return ω² of the lowest `count` modes, ascending, and the modes, of unit modal mass.
 
     Inverse Lanczos at 0 Hz with the factor that statics uses as well; the potential is part of
     the indefinite operator and has no mass.  A base on springs borders that factor, tip load
@@ -85,7 +61,7 @@ def natural_modes(
     if not system.has_ports:  # the mean motion of such a tip is zero
         attachment = Attachment(None)
     unsprung = attachment.base is not None and 0.0 in attachment.base[:2]
-    shift = _SHIFT if unsprung else 0.0
+    shift = SHIFT if unsprung else 0.0
     mass, solve, tip = (_shifted if unsprung else _attached)(system, attachment)
     n = mass.shape[0]
     updates = []
@@ -116,7 +92,7 @@ def natural_modes(
         tol=_RESIDUAL,
     )
     elastic = np.argsort(values)[loose:]
-    return [_mode(system, float(values[i]), vectors[:, i], n) for i in elastic]
+    return [float(values[i]) for i in elastic], [vectors[:, i] for i in elastic]
 
 
 def _shifted(
@@ -127,7 +103,7 @@ def _shifted(
     lateral, rotational, inertia = attachment.base
     mass = system.mass.with_base(np.diag([0.0, inertia]))
     stiffness = system.stiffness.with_base(np.diag([lateral, rotational]))
-    factor = factorise((stiffness + _SHIFT * mass).tocsr())
+    factor = factorise((stiffness + SHIFT * mass).tocsr())
     return mass, factor.solve, system.tip[:-1, 0]
 
 
@@ -175,45 +151,8 @@ def _updated(
     return solve
 
 
-def _mode(system: SolidSystem, value: float, vector: Floats, n: int) -> SolidMode:
-    y = np.zeros(system.size)
-    y[:n] = vector
-    nodal = (system.expand @ y).reshape(4, -1)[:3].T
+def _mode(system: SolidSystem, value: float, vector: Floats) -> SolidMode:
+    nodal = system.nodal_displacement(vector[:, None])[:, :, 0]
     nodal = nodal / np.abs(nodal).max()
     kind, share = classify(system.nodes, system.node_mass, nodal)
     return SolidMode(float(np.sqrt(value) / (2.0 * np.pi)), kind, share, nodal)
-
-
-def classify(nodes: Floats, mass: Floats, displacement: Floats) -> tuple[ModeClass, float]:
-    """Name a mode by the rigid section motion that holds most of its kinetic energy.
-
-    Nodes are gathered in slices along z; in each the displacement is fitted by section
-    translations, rotations and twist.  Returns the class and its share of the energy
-    (``mixed`` below one half).
-    """
-    z = nodes[:, 2]
-    section = np.minimum((_SLICES * (z - z.min()) / np.ptp(z)).astype(int), _SLICES - 1)
-
-    def gathered(values: Floats) -> Floats:
-        return np.asarray(np.bincount(section, mass * values, minlength=_SLICES), dtype=float)
-
-    weight = np.maximum(gathered(np.ones(z.size)), np.finfo(float).tiny)
-    x, y = (nodes[:, i] - (gathered(nodes[:, i]) / weight)[section] for i in (0, 1))
-    ux, uy, uz = displacement.T
-
-    def fitted(shape: Floats, size: Floats) -> float:
-        # least squares: the energy of what a section motion of this shape takes of u
-        return float((shape**2 / np.where(size > 0.0, size, 1.0)).sum())
-
-    inertia_x, inertia_y = gathered(x**2), gathered(y**2)
-    energy = {
-        "bending_x": fitted(gathered(ux), weight) + fitted(gathered(x * uz), inertia_x),
-        "bending_y": fitted(gathered(uy), weight) + fitted(gathered(y * uz), inertia_y),
-        "torsion": fitted(gathered(x * uy - y * ux), inertia_x + inertia_y),
-        "axial": fitted(gathered(uz), weight),
-    }
-    total = float((mass[:, None] * displacement**2).sum())
-    best = max(energy, key=lambda name: energy[name])
-    share = energy[best] / total
-    kind: ModeClass = best if share >= 0.5 else "mixed"  # type: ignore[assignment]
-    return kind, share

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
 from fem.bimorph.bordered import PORTS, Bordered
+from fem.bimorph.motions import Motion
 from fem.solvers.linear_solver import Factor, factorise
 from geometry.arrays import Floats, Ints, Numbers, Sparse
 from geometry.device.materials import (
@@ -22,10 +22,6 @@ from geometry.device.materials import (
     orthotropic_stiffness,
 )
 from geometry.device.parameters import Device
-
-#: The motions of a body with two planes of symmetry: bending in x is odd in x and even in
-#: y, and the only one that the ports take part in.  ``all`` is a body taken whole.
-Motion = Literal["all", "bending_x", "bending_y", "torsion", "axial"]
 
 #: Voigt index of a pair of axes.
 VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
@@ -105,6 +101,14 @@ class SolidSystem:
         moved = np.asarray(np.abs(self.expand[:n]).sum(axis=0)).ravel() > 0.0
         forces = self.stiffness.wide_product(moved.astype(np.longdouble))
         return float(np.abs(forces.real[moved]).sum())
+
+    def nodal_displacement(self, columns: Floats) -> Floats:
+        """Return the displacement of the nodes (n_nodes, 3, k) in k states of y (m, k).
+
+        Of y the first m are given, the others are zero.
+        """
+        nodal = self.expand[:, : columns.shape[0]] @ columns
+        return np.asarray(nodal.reshape(4, -1, columns.shape[1])[:3].transpose(1, 0, 2))
 
     @property
     def held(self) -> Sparse:

@@ -14,9 +14,10 @@ from typing import TypeAlias
 import numpy as np
 
 from fem.bimorph.bricks.assembly import assemble_bricks
-from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.modes import natural_modes
+from fem.bimorph.motions import Attachment, Motion
 from fem.bimorph.ports import ports_from_blocks
-from fem.bimorph.system import Motion, SolidSystem
+from fem.bimorph.system import SolidSystem
 from fem.solvers.linear_solver import factorise
 from geometry.arrays import Numbers
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
@@ -119,10 +120,11 @@ class _ShimHeldModel(SolidModel):
 def answers(case: Case) -> list[Answer]:
     """Return what the solid model says, as a user would be told."""
     scene = case.scene()
-    stages = Stages(make_plan(scene, ("solid",), case.quantities).keys)
-    model: SolidModel = SolidModel(scene, stages)
-    if case.held == "shim":
-        model = _ShimHeldModel(scene, stages)
+    keys = make_plan(scene, ("solid",), case.quantities).keys
+    model = SolidModel(scene, Stages(keys))
+    if case.held == "shim":  # of which a scene's keys know nothing
+        keys = {name: f"{key}, held by the shim" for name, key in keys.items()}
+        model = _ShimHeldModel(scene, Stages(keys))
     found = []
     for name in case.quantities:
         quantity = evaluate(name, model)

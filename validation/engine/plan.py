@@ -53,8 +53,8 @@ _STAGES: dict[str, dict[Need, tuple[str, ...]]] = {
 }
 _STAGES["solid"] = {
     "static": ("solid.mesh", "solid.assembly", "solid.static"),
-    "modes_short": ("solid.mesh", "solid.assembly", "solid.modes_short"),
-    "modes_open": ("solid.mesh", "solid.assembly", "solid.modes_open"),
+    "modes_short": ("solid.mesh", "solid.assembly", "solid.modal", "solid.modes_short"),
+    "modes_open": ("solid.mesh", "solid.assembly", "solid.modal", "solid.modes_open"),
     "harmonic": ("solid.mesh", "solid.assembly", "solid.ports"),
 }
 _STAGES |= {

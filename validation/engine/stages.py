@@ -53,6 +53,7 @@ READS: dict[str, tuple[str, ...]] = {
     "solid.mesh": (*_MESH, *_SOLID),
     "solid.assembly": (*_MESH, *_SOLID),
     "solid.static": (*_MESH, *_SOLID),
+    "solid.modal": (*_MESH, *_SOLID, "modes"),
     "solid.modes_short": (*_MESH, *_SOLID, *_FIXED, "modes"),
     "solid.modes_open": (*_MESH, *_SOLID, *_FIXED, "modes"),
     "solid.ports": (*_MESH, *_SOLID, "frequency"),
@@ -77,8 +78,7 @@ _FIELD_CODE = ("validation.models.reluctance.field", _MESHER)
 #: what these import counts as well).  All others cost less than reading would.
 KEPT: dict[str, tuple[str, ...]] = {
     "solid.static": _SOLID_CODE,
-    "solid.modes_short": _SOLID_CODE,
-    "solid.modes_open": _SOLID_CODE,
+    "solid.modal": _SOLID_CODE,
     "solid.ports": _SOLID_CODE,
     **{
         f"{model}.{stage}": _FIELD_CODE

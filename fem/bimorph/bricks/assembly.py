@@ -17,7 +17,8 @@ from scipy import sparse
 from fem.bimorph.bordered import Bordered
 from fem.bimorph.bricks.matrices import brick_matrices
 from fem.bimorph.bricks.order import elimination_order
-from fem.bimorph.system import Motion, SolidSystem, materials, volts_per_unit
+from fem.bimorph.motions import Motion
+from fem.bimorph.system import SolidSystem, materials, volts_per_unit
 from fem.elements.line_basis import line_weights
 from geometry.arrays import Bools, Floats, Ints, Sparse
 from geometry.bimorph.bricks import Bricks, mirrored_axis

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.modes import natural_modes
+from fem.bimorph.motions import Attachment
 from fem.bimorph.ports import static_multiport
 from fem.bimorph.refinement.error_indicator import goal_errors
 from fem.bimorph.solid import assemble

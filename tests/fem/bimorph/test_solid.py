@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.bimorph.modes import Attachment, classify, natural_modes
+from fem.bimorph.modes import natural_modes
+from fem.bimorph.motions import Attachment, classify
 from fem.bimorph.ports import direct_multiport, static_multiport
 from fem.bimorph.reduction.krylov import reduce_to_ports
 from fem.bimorph.solid import assemble

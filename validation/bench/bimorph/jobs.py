@@ -102,7 +102,7 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
     import fem.bimorph.solid
     from fem.solvers.linear_solver import available_solver
 
-    for later in ("scipy.sparse.linalg", "validation.models.bimorph.shapes"):
+    for later in ("scipy.sparse.linalg", "validation.models.bimorph.lowest_modes"):
         importlib.import_module(later)
     device, make = j1().device, FAMILIES[family]
 
@@ -136,16 +136,17 @@ def _static(system: Any) -> tuple[float, float]:
 
 def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
     """Return the natural frequencies; a coarse mesh says which classes of motion they are in."""
-    from fem.bimorph.modes import Attachment, natural_modes
+    from fem.bimorph.modes import natural_modes
+    from fem.bimorph.motions import Attachment
     from fem.bimorph.solid import assemble
-    from validation.models.bimorph.shapes import ShapeSearch
+    from validation.models.bimorph.lowest_modes import lowest_modes, solve_modes
 
     clamped = Attachment(None)
     if not isinstance(mesh, Bricks):
         return [mode.frequency for mode in natural_modes(system, clamped, MODES)]
     scout = piezo_meshes.scout(device)
-    systems = (system, assemble(device, scout, lossy=False))
-    found, _ = ShapeSearch(systems, clamped, {}).lowest(MODES, open_circuit=False)
+    both = solve_modes(system, assemble(device, scout, lossy=False), MODES)
+    found, _ = lowest_modes(*both, clamped, MODES, open_circuit=False)
     return [mode.frequency for mode in found][:MODES]
 
 

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.modes import natural_modes
+from fem.bimorph.motions import Attachment
 from fem.bimorph.ports import direct_multiport
 from fem.bimorph.reduction.krylov import port_error, reduce_to_ports
 from fem.bimorph.solid import assemble

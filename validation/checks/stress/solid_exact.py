@@ -7,7 +7,8 @@ from itertools import product
 
 import numpy as np
 
-from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.modes import natural_modes
+from fem.bimorph.motions import Attachment
 from fem.bimorph.ports import static_multiport
 from fem.bimorph.solid import assemble
 from fem.bimorph.system import SolidSystem

@@ -2,27 +2,54 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import cached_property
-from typing import TYPE_CHECKING, TypeVar
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.arrays import Floats
+from fem.bimorph.motions import Attachment
+from geometry.store.values import storable
 from tmm.ports.multiport import Multiport
 from tmm.ports.terminations import conservative_load
 from validation.engine.model import Model, Modes, Refined
 from validation.engine.refinement import SAFETY, least_difference
+from validation.models.bimorph.lowest_modes import MeshModes, lowest_modes, solve_modes
 
 if TYPE_CHECKING:
+    from fem.bimorph.modes import SolidMode
+    from fem.bimorph.reduction.modal_model import BareMode
     from fem.bimorph.system import SolidSystem
     from geometry.bimorph.bricks import Bricks
     from geometry.meshing.mesh import Mesh
     from validation.models.bimorph.adaptive_meshes import AdaptedPair
     from validation.models.bimorph.meshes import BrickPair
-    from validation.models.bimorph.shapes import Shapes, ShapeSearch
 
-T = TypeVar("T")
+
+@storable
+@dataclass(frozen=True)
+class SolidModes:
+    """Modes of the solid on two meshes for any support, and what judges them.
+
+    Attributes
+    ----------
+    fine, coarse : MeshModes
+        On the finer and the coarser mesh.
+    spurious_stiffness, mass : float
+        See :class:`fem.bimorph.system.SolidSystem` (N/m); of all nodes (kg).
+    static_factor, mode_factor : float
+        Error bar per difference between the two meshes.
+    method : str
+        How the error bars come about.
+    """
+
+    fine: MeshModes
+    coarse: MeshModes
+    spurious_stiffness: float
+    mass: float
+    static_factor: float
+    mode_factor: float
+    method: str
 
 
 class SolidModel(Model):
@@ -84,37 +111,69 @@ class SolidModel(Model):
         """Return the lossless modes."""
         return self.stages.run(
             "solid.modes_open" if open_circuit else "solid.modes_short",
-            lambda: self._judged_modes(open_circuit=open_circuit),
+            lambda: self._modes(open_circuit=open_circuit),
         )
 
-    def _judged_modes(self, *, open_circuit: bool) -> Refined[Modes]:
+    def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        modal = self._modal()
         fine, coarse = (
             Modes(np.array([m.frequency for m in found]), tuple(m.kind for m in found))
-            for found in self.shapes(open_circuit=open_circuit)
+            for found in self._lowest(open_circuit=open_circuit)
         )
-        system = self.systems()[0]
         # a cantilever's modes have a quarter of the mass; frequencies go as the root
-        stiffness = (2.0 * np.pi * fine.frequencies) ** 2 * system.node_mass.sum() / 4.0
-        rounding = 0.5 * system.spurious_stiffness / stiffness
-        factor = self.mesh_pair.mode_factor
+        stiffness = (2.0 * np.pi * fine.frequencies) ** 2 * modal.mass / 4.0
+        rounding = 0.5 * modal.spurious_stiffness / stiffness
+        factor = modal.mode_factor
         if open_circuit:  # the charge, a static goal, has its part in it
-            factor = max(factor, self.mesh_pair.static_factor)
+            factor = max(factor, modal.static_factor)
         coarse = _matched(fine, coarse)
-        two = self._two_meshes(fine, coarse, rounding, factor)
-        return replace(two, coarser=(*two.coarser, (_moved(fine, coarse), factor)))
+        judged = ((coarse, factor), (_moved(fine, coarse), factor))
+        return Refined(fine, judged, modal.method, rounding)
 
-    def shapes(self, *, open_circuit: bool = False) -> Shapes:
-        """Return the modes with their shapes, on the finer and the coarser mesh."""
-        return self._search.lowest(self.scene.modes, open_circuit=open_circuit)
+    def shapes(self) -> list[SolidMode]:
+        """Return the lowest modes of :meth:`modes` with their shapes, on the finer mesh."""
+        from fem.bimorph.modes import natural_modes
 
-    @cached_property
-    def _search(self) -> ShapeSearch:
-        from fem.bimorph.modes import Attachment
-        from validation.models.bimorph.shapes import ShapeSearch
+        wanted = Counter(mode.motion for mode in self._lowest(open_circuit=False)[0])
+        system = self.systems()[0]
+        found: list[SolidMode] = []
+        for motion, count in wanted.items():
+            of = system if system.related is None else system.related(motion)
+            found += natural_modes(of, self._attachment, count)
+        return sorted(found, key=lambda mode: mode.frequency)
 
+    def _modal(self) -> SolidModes:
+        """Return what modes on any support, load and circuit follow from."""
+
+        def work() -> SolidModes:
+            pair, systems = self.mesh_pair, self.systems()
+            fine, coarse = solve_modes(*systems, self.scene.modes)
+            return SolidModes(
+                fine,
+                coarse,
+                spurious_stiffness=systems[0].spurious_stiffness,
+                mass=float(systems[0].node_mass.sum()),
+                static_factor=pair.static_factor,
+                mode_factor=pair.mode_factor,
+                method=pair.method,
+            )
+
+        return self.stages.run("solid.modal", work)
+
+    def _lowest(self, *, open_circuit: bool) -> tuple[list[BareMode], list[BareMode]]:
+        modal = self._modal()
+        return lowest_modes(
+            modal.fine,
+            modal.coarse,
+            self._attachment,
+            self.scene.modes,
+            open_circuit=open_circuit,
+        )
+
+    @property
+    def _attachment(self) -> Attachment:
         stiffness, mass = conservative_load(self.scene.load)
-        attachment = Attachment(None if self._clamped else self._base(), stiffness, mass)
-        return ShapeSearch(self.systems(), attachment, {})
+        return Attachment(None if self._clamped else self._base(), stiffness, mass)
 
     def _rounding(self, port: Multiport) -> float:
         """Return what rounding of the stiffness matrix does to the tip's static compliance."""
@@ -122,11 +181,10 @@ class SolidModel(Model):
         return float(abs(compliance) * self.systems()[0].spurious_stiffness)
 
     def _two_meshes(
-        self, fine: T, coarse: T, rounding: Floats | float, factor: float | None = None
-    ) -> Refined[T]:
+        self, fine: Multiport, coarse: Multiport, rounding: float
+    ) -> Refined[Multiport]:
         pair = self.mesh_pair
-        factor = pair.static_factor if factor is None else factor
-        return Refined(fine, ((coarse, factor),), pair.method, rounding)
+        return Refined(fine, ((coarse, pair.static_factor),), pair.method, rounding)
 
 
 def _moved(fine: Modes, coarse: Modes) -> Modes:

@@ -75,7 +75,7 @@ def modes(study: Study) -> list[dict[str, Any]]:
     mesh, system = points_of(solid.meshes()[0]), solid.systems()[0]
     at_points = cKDTree(system.nodes).query(mesh.points)[1]
     found = []
-    for number, mode in enumerate(solid.shapes()[0][:4], start=1):
+    for number, mode in enumerate(solid.shapes()[:4], start=1):
         study.announce(f"picture of mode {number}")
         picture = mode_picture(mesh, mode.displacement[at_points])
         found.append({"number": number, "mode": mode, "png": _inline(picture)})

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from fem.bimorph.bricks.assembly import assemble_bricks
-from fem.bimorph.modes import Attachment, natural_modes
+from fem.bimorph.modes import natural_modes
+from fem.bimorph.motions import Attachment
 from fem.bimorph.ports import static_multiport
 from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks

@@ -1,0 +1,98 @@
+"""The lossless modes of a solid on any support, load and circuit, from one small system.
+
+Held at its base (w_base = ψ_base = U = 0) the solid has modes φ.  What springs, a load and an
+open circuit add is forces at the ports, f = (K − Ω² M) u: base motion b carries the body along,
+u = R b with K R = 0, and loads it by its inertia, −Ω² (M R) b; the tip's force and the
+electrode's charge act through one column each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.bimorph.motions import SHIFT, Attachment, ModeClass, Motion, strongest
+from geometry.arrays import Floats
+from geometry.store.values import storable
+
+#: A tip this many times stiffer than the solid is held.
+_HELD = 1e6
+
+
+@storable
+@dataclass(frozen=True)
+class BareMode:
+    """A natural mode without its shape: frequency (Hz), its class, and the class of the system."""
+
+    frequency: float
+    kind: ModeClass
+    motion: Motion
+
+
+@storable
+@dataclass(frozen=True)
+class ModalModel:
+    """Symmetric matrices over [q, w_base, ψ_base] at U = 0, nothing attached.
+
+    Attributes
+    ----------
+    stiffness, mass : (k + 2, k + 2) array
+        K, where base motion needs no force, and M.
+    tip, charge : (k + 2,) array
+        Mean tip displacement (m) and charge (C) from the unknowns.
+    capacitance : float
+        Charge per voltage, all else held (F).
+    motions : (6, slices, k + 2) array
+        Motions of sections, see :func:`fem.bimorph.motions.section_motions`.
+    energy : (k + 2, k + 2) array
+        Nodal mass, for the share of a class in the energy.
+    motion : str
+        The motions that the solid can make.
+    """
+
+    stiffness: Floats
+    mass: Floats
+    tip: Floats
+    charge: Floats
+    capacitance: float
+    motions: Floats
+    energy: Floats
+    motion: Motion
+
+    def modes(
+        self, attachment: Attachment, count: int, *, open_circuit: bool = False
+    ) -> list[BareMode]:
+        """Return the lowest `count` modes, ascending; rigid motions are left out."""
+        k, m = self.stiffness.copy(), self.mass.copy()
+        if attachment.base is not None:
+            lateral, rotational, inertia = attachment.base
+            k[-2:, -2:] += np.diag([lateral, rotational])
+            m[-1, -1] += inertia
+        load = np.outer(self.tip, self.tip)
+        k, m = k + attachment.tip_stiffness * load, m + attachment.tip_mass * load
+        if open_circuit:
+            k += np.outer(self.charge, self.charge) / self.capacitance
+        free = slice(None) if attachment.base is not None else slice(-2)
+        k, m = k[free, free], m[free, free]
+        shift = SHIFT if attachment.rigid_motions else 0.0
+        # the lowest modes are the largest values of the inverse, and right to rounding there
+        lower = np.linalg.cholesky(m)
+        inverse = lower.T @ np.linalg.solve(k + shift * m, lower)
+        values, vectors = np.linalg.eigh(0.5 * (inverse + inverse.T))
+        chosen = [i for i in reversed(range(values.size)) if values[i] > 0.0]
+        found = []
+        for i in chosen[attachment.rigid_motions :][:count]:
+            y = np.linalg.solve(lower.T, vectors[:, i])
+            kind, _ = strongest(
+                self.motions[:, :, free] @ y, float(y @ self.energy[free, free] @ y)
+            )
+            omega2 = 1.0 / values[i] - shift
+            found.append(BareMode(float(np.sqrt(omega2) / (2.0 * np.pi)), kind, self.motion))
+        return found
+
+    def highest(self, count: int) -> list[BareMode]:
+        """Return modes that are, one by one, as high as any support, load and circuit has them."""
+        k = self.stiffness[:-2, :-2]
+        stiffness = 1.0 / float(self.tip[:-2] @ np.linalg.solve(k, self.tip[:-2]))
+        return self.modes(Attachment(None, _HELD * stiffness), count, open_circuit=True)

@@ -1,0 +1,108 @@
+"""Which natural modes of the solid are the lowest, on whatever support, load and circuit.
+
+On bricks every class of motion is an eigenproblem of its own.  The coarser mesh, which is
+needed anyway to judge the finer one by, says which classes may hold the lowest modes and how
+many each; only these are solved on the finer mesh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem.bimorph.motions import Attachment, Motion
+from fem.bimorph.reduction.modal_model import BareMode, ModalModel
+from geometry.store.values import storable
+
+if TYPE_CHECKING:
+    from fem.bimorph.system import SolidSystem
+
+#: Classes of motion in which the ports take no part: the same on any support and circuit.
+_OTHERS: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
+#: Where the search for a bending mode in x ends.
+_MOST_MODES = 40
+#: Modes of the coarser mesh this close above the last one wanted may come below it on the finer.
+_CLOSE = 1.03
+
+
+@storable
+@dataclass(frozen=True)
+class MeshModes:
+    """The modes of the solid on one mesh.
+
+    Attributes
+    ----------
+    ports : ModalModel
+        The motions that the ports take part in.
+    others : dict of str to tuple of BareMode
+        The other classes of motion; none of a body taken whole.
+    """
+
+    ports: ModalModel
+    others: dict[Motion, tuple[BareMode, ...]]
+
+    def lowest(
+        self, attachment: Attachment, count: int, *, open_circuit: bool
+    ) -> dict[Motion, list[BareMode]]:
+        """Return the lowest `count` modes of every class of motion."""
+        of_ports = self.ports.modes(attachment, count, open_circuit=open_circuit)
+        return {self.ports.motion: of_ports} | {m: list(f[:count]) for m, f in self.others.items()}
+
+
+def solve_modes(fine: SolidSystem, coarse: SolidSystem, count: int) -> tuple[MeshModes, MeshModes]:
+    """Return what the lowest `count` modes need on any support, on a finer and a coarser mesh."""
+    from fem.bimorph.reduction.modal_reduction import modal_model
+
+    below = MeshModes(
+        modal_model(coarse, count), {m: _other(coarse, m, count) for m in _of(coarse)}
+    )
+    stiffest = {below.ports.motion: below.ports.highest(count), **below.others}
+    last = _CLOSE * _reach(_all(stiffest.values()), count)
+    few = {m: sum(mode.frequency <= last for mode in found) for m, found in below.others.items()}
+    others = {motion: _other(fine, motion, wanted) for motion, wanted in few.items() if wanted}
+    return MeshModes(modal_model(fine, count), others), below
+
+
+def lowest_modes(
+    fine: MeshModes, coarse: MeshModes, attachment: Attachment, count: int, *, open_circuit: bool
+) -> tuple[list[BareMode], list[BareMode]]:
+    """Return the lowest modes on both meshes: `count`, or up to the first bending in x.
+
+    The coarser list is longer where modes are close, so that each finer one has a partner.
+    """
+    enough = count
+    below = coarse.lowest(attachment, enough, open_circuit=open_circuit)
+    # a narrow bimorph bends in y first; the coupling factor needs bending in x
+    while all(m.kind != "bending_x" for m in _all(below.values())) and enough < _MOST_MODES:
+        enough = 2 * enough + 2
+        below = coarse.lowest(attachment, enough, open_circuit=open_circuit)
+    last = _CLOSE * _reach(_all(below.values()), count)
+    above = fine.lowest(attachment, enough, open_circuit=open_circuit)
+    few = {m: sum(mode.frequency <= last for mode in found) for m, found in below.items()}
+    found = _all(modes[: few[motion]] for motion, modes in above.items())
+    limit = _reach(found, count)
+    return [m for m in found if m.frequency <= limit], _all(below.values())
+
+
+def _of(system: SolidSystem) -> tuple[Motion, ...]:
+    return () if system.related is None else _OTHERS
+
+
+def _other(system: SolidSystem, motion: Motion, count: int) -> tuple[BareMode, ...]:
+    from fem.bimorph.modes import natural_modes
+
+    assert system.related is not None
+    found = natural_modes(system.related(motion), Attachment(None), count)
+    return tuple(BareMode(mode.frequency, mode.kind, motion) for mode in found)
+
+
+def _all(by_motion: Iterable[Iterable[BareMode]]) -> list[BareMode]:
+    """Return all modes in ascending order."""
+    return sorted((m for modes in by_motion for m in modes), key=lambda mode: mode.frequency)
+
+
+def _reach(modes: list[BareMode], count: int) -> float:
+    """Return the frequency up to which modes are wanted: `count`, and one that bends in x."""
+    first = next((m.frequency for m in modes if m.kind == "bending_x"), 0.0)
+    return max(modes[min(count, len(modes)) - 1].frequency, first)
