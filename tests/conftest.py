@@ -24,6 +24,13 @@ def shared_store(tmp_path_factory):
         yield
 
 
+@pytest.fixture
+def own_store(tmp_path, monkeypatch):
+    """Give one test a store of its own, since it changes code or counts what is computed."""
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "own store"))
+    return tmp_path / "own store"
+
+
 @pytest.fixture(scope="session")
 def state_space():
     """Return the stored 60-digit state-space solution of the paper's bimorph."""

@@ -119,6 +119,7 @@ def test_nothing_else_falls_with_a_current(overrides):
     assert all(np.isfinite(q.value) for q in solution.quantities)
 
 
+@pytest.mark.usefixtures("own_store")
 def test_a_rod_that_does_not_pull_in_is_said_once(monkeypatch):
     """Null in JSON, one warning with the spring and a remedy; other quantities keep theirs."""
     # in the network more current always pulls more: its map is cut short here

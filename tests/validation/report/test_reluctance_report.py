@@ -170,6 +170,7 @@ def test_words_follow_the_spring(tmp_path, monkeypatch, overrides, there, not_th
         assert wrong not in text, wrong
 
 
+@pytest.mark.usefixtures("own_store")
 def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
     """Words instead of a number wherever pull-in is shown, and no picture fails."""
     small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)

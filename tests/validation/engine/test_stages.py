@@ -1,0 +1,155 @@
+"""What is kept between runs: found again, bit for bit, without the field solvers' libraries."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from geometry.store.sources import source_digest
+from geometry.store.store import holdings
+from validation.catalogue.quantities import QUANTITIES, gives
+from validation.engine.solve import as_json, solve
+from validation.engine.stages import KEPT, READS, Stages
+from validation.scene.scene import load_scene
+
+#: Solid and fields, small.
+SCENES = (
+    ("j1", ("frequency=100,2000", "mesh.level=2", "models=solid")),
+    ("prototype", ("frequency=100,500", "mesh.level=2", "models=solid")),
+    ("reluctance", ("models=network,axisymmetric", "accuracy=2%")),
+)
+
+
+def answers(name, *overrides, announce=lambda _: None):
+    scene, _ = load_scene(name, overrides)
+    model = scene.models[0]
+    solution = solve(scene, None, [q for q in QUANTITIES if gives(model, q)], announce)
+    found = as_json(solution)
+    for quantity in found["quantities"]:
+        del quantity["seconds"]
+    return found
+
+
+def test_declarations_are_whole(own_store):
+    """What is kept is a stage, and every module that it names has a source."""
+    assert set(KEPT) <= set(READS)
+    for modules in set(KEPT.values()):
+        assert len(source_digest(modules, own_store)) == 64
+
+
+@pytest.mark.usefixtures("own_store")
+def test_only_what_is_declared_is_kept(monkeypatch):
+    """Found by the next run under the same key; computed again under another, or if not kept."""
+    monkeypatch.setitem(KEPT, "tmm.static", ("tmm.beam",))
+    computed, announced = [], []
+
+    def work():
+        computed.append(1)
+        return len(computed)
+
+    def run(stage, key):
+        return Stages({stage: key}, announced.append).run(stage, work)
+
+    assert [run("tmm.static", "a"), run("tmm.static", "a"), run("tmm.static", "b")] == [1, 1, 2]
+    assert [run("tmm.modes", "a"), run("tmm.modes", "a")] == [3, 4]
+    assert announced == ["tmm.static", "tmm.static", "tmm.modes", "tmm.modes"]
+
+
+@pytest.mark.parametrize(("name", "overrides"), SCENES)
+def test_the_same_again_is_read(name, overrides):
+    """Numbers, bars, methods and warnings are the same; no stage that is kept runs."""
+    first = answers(name, *overrides)
+    ran = []
+    assert answers(name, *overrides, announce=ran.append) == first
+    assert set(ran) <= {"terminations", "solid.modes_short", "solid.modes_open"}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "load.kind=none", "load.kind=mass load.mass=2mg", "drive.voltage=7V",
+        "load.kind=spring_damper load.stiffness=900N/m load.damping=0.01N*s/m",
+        "support.rotational_stiffness=0.4N*m/rad support.lateral_stiffness=1e5N/m",
+        "support.kind=spring support.rotational_inertia=1e-9kg*m^2", "bimorph.wiring=series",
+    ],
+)  # fmt: skip
+def test_a_changed_load_support_or_voltage_solves_nothing(change):
+    """Neither mesh nor matrix: all of it is attached to what is kept."""
+    name, overrides = SCENES[1]
+    before = answers(name, *overrides)
+    ran = []
+    after = answers(name, *overrides, *change.split(), announce=ran.append)
+    assert set(ran) <= {"terminations", "solid.modes_short", "solid.modes_open"}
+    changed = [
+        a["name"]
+        for a, b in zip(after["quantities"], before["quantities"], strict=True)
+        if a["value"] != b["value"]
+    ]
+    assert changed
+
+
+def test_answers_from_the_store_load_no_solver():
+    """Neither sparse matrices nor elements nor mesher, in a process of its own."""
+    for name, overrides in SCENES:
+        answers(name, *overrides)
+    script = (
+        "import json, sys; from validation.scene.scene import load_scene; "
+        "from validation.engine.solve import solve; "
+        "from validation.catalogue.quantities import QUANTITIES, gives\n"
+        "for name, overrides in json.loads(sys.argv[1]):\n"
+        "    scene, _ = load_scene(name, overrides)\n"
+        "    solve(scene, None, [q for q in QUANTITIES if gives(scene.models[0], q)])\n"
+        "heavy = ('scipy.sparse', 'scipy.linalg', 'scipy.optimize', 'skfem', 'pytetwild', "
+        "'pyvista', 'cadquery', 'fem.bimorph.system', 'fem.reluctance.axisymmetric.actuator')\n"
+        "print([m for m in heavy if m in sys.modules])"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", script, json.dumps(SCENES)], capture_output=True, text=True
+    )
+    assert (result.stdout.strip(), result.stderr) == ("[]", "")
+
+
+@pytest.mark.usefixtures("own_store")
+def test_one_scene_at_once_is_solved_once():
+    """Two runs of one scene beside each other: one computes a stage, the other waits for it."""
+    name, overrides = SCENES[0]
+    script = (
+        "import json, sys; from validation.scene.scene import load_scene; "
+        "from validation.engine.solve import solve\n"
+        "name, overrides = json.loads(sys.argv[1])\nran = []\n"
+        "found = solve(load_scene(name, overrides)[0], announce=ran.append)\n"
+        "print(json.dumps([ran, [abs(q.value).tolist() for q in found.quantities]]))"
+    )
+    command = [sys.executable, "-c", script, json.dumps([name, overrides])]
+    both = [
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) for _ in range(2)
+    ]
+    found = []
+    for process in both:
+        out, said = process.communicate(timeout=300)
+        assert (process.returncode, said) == (0, b"")
+        found.append(json.loads(out))
+    (ran, values), (other_ran, other_values) = found
+    assert values == other_values
+    computed = [stage for stage in (*ran, *other_ran) if stage in KEPT]
+    assert sorted(computed) == sorted(set(computed))
+    assert {"solid.static", "solid.modal", "solid.ports"} <= set(computed)
+    assert holdings()["solid.static"].entries == 1
+
+
+def test_frequencies_of_other_supports_agree_with_the_beam():
+    """The kept modes on springs, by an independent model: what plane sections miss is 2 %."""
+    name, overrides = SCENES[1]
+    for stiffness in ("0.05", "0.24", "3"):
+        changed = (
+            *overrides,
+            "models=solid,beam",
+            f"support.rotational_stiffness={stiffness}N*m/rad",
+        )
+        scene, _ = load_scene(name, changed)
+        found = solve(scene, None, ("short_circuit_frequencies",))
+        solid, beam = (found.get("short_circuit_frequencies", m) for m in ("solid", "beam"))
+        bends = np.array(solid.classes) == "bending_x"
+        assert solid.value[bends][0] == pytest.approx(beam.value[0], rel=0.02)
