@@ -69,10 +69,10 @@ def test_the_same_again_is_read(name, overrides):
 @pytest.mark.parametrize(
     "change",
     [
-        "load.kind=none", "load.kind=mass load.mass=2mg", "drive.voltage=7V",
+        "load.kind=finger", "load.kind=mass load.mass=2mg", "drive.voltage=7V",
         "load.kind=spring_damper load.stiffness=900N/m load.damping=0.01N*s/m",
         "support.rotational_stiffness=0.4N*m/rad support.lateral_stiffness=1e5N/m",
-        "support.kind=spring support.rotational_inertia=1e-9kg*m^2", "bimorph.wiring=series",
+        "support.kind=spring support.rotational_inertia=1e-9kg*m^2",
     ],
 )  # fmt: skip
 def test_a_changed_load_support_or_voltage_solves_nothing(change):
@@ -105,9 +105,8 @@ def test_answers_from_the_store_load_no_solver():
         "'pyvista', 'cadquery', 'fem.bimorph.system', 'fem.reluctance.axisymmetric.actuator')\n"
         "print([m for m in heavy if m in sys.modules])"
     )
-    result = subprocess.run(
-        [sys.executable, "-c", script, json.dumps(SCENES)], capture_output=True, text=True
-    )
+    command = [sys.executable, "-c", script, json.dumps(SCENES)]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (result.stdout.strip(), result.stderr) == ("[]", "")
 
 
@@ -143,12 +142,8 @@ def test_frequencies_of_other_supports_agree_with_the_beam():
     """The kept modes on springs, by an independent model: what plane sections miss is 2 %."""
     name, overrides = SCENES[1]
     for stiffness in ("0.05", "0.24", "3"):
-        changed = (
-            *overrides,
-            "models=solid,beam",
-            f"support.rotational_stiffness={stiffness}N*m/rad",
-        )
-        scene, _ = load_scene(name, changed)
+        spring = f"support.rotational_stiffness={stiffness}N*m/rad"
+        scene, _ = load_scene(name, (*overrides, "models=solid,beam", spring))
         found = solve(scene, None, ("short_circuit_frequencies",))
         solid, beam = (found.get("short_circuit_frequencies", m) for m in ("solid", "beam"))
         bends = np.array(solid.classes) == "bending_x"
