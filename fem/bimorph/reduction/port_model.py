@@ -21,6 +21,7 @@ import numpy as np
 from fem.bimorph.ports import ports_from_blocks
 from geometry.arrays import Complex, Floats
 from tmm.ports.multiport import Multiport
+from tmm.ports.port import BIMORPH
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class PortModel:
         held = p.static - o2 * p.inertia - o2**2 * g[:, :3, :3]
         through = p.carried - o2 * g[:, :3, 3:]
         follows = -through.transpose(0, 2, 1)
-        return Multiport(f, ports_from_blocks(held, through, follows, g[:, 3:, 3:]))
+        return Multiport(f, ports_from_blocks(held, through, follows, g[:, 3:, 3:]), BIMORPH)
 
     @cached_property
     def _poles(self) -> _Poles:

@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fem.bimorph.modes import Attachment, SolidMode, natural_modes
+from fem.bimorph.modes import SolidMode, natural_modes
 from fem.bimorph.system import Motion, SolidSystem
+from geometry.bimorph.ends import Ends
 
 #: Classes of motion in which the ports take no part; the same at open circuit.
 _OTHERS: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
@@ -36,7 +37,7 @@ class ShapeSearch:
     """
 
     systems: tuple[SolidSystem, SolidSystem]
-    attachment: Attachment
+    ends: Ends
     known: dict[tuple[int, Motion, bool], list[SolidMode]]
 
     def lowest(self, count: int, *, open_circuit: bool) -> Shapes:
@@ -74,9 +75,7 @@ class ShapeSearch:
             system = self.systems[mesh]
             if motion in _OTHERS and system.related is not None:
                 system = system.related(motion)
-            self.known[key] = natural_modes(
-                system, self.attachment, count, open_circuit=open_circuit
-            )
+            self.known[key] = natural_modes(system, self.ends, count, open_circuit=open_circuit)
         return self.known[key][:count]
 
 

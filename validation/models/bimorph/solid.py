@@ -10,7 +10,6 @@ import numpy as np
 
 from geometry.arrays import Floats
 from tmm.ports.multiport import Multiport
-from tmm.ports.terminations import conservative_load
 from validation.engine.model import Model, Modes, Refined
 from validation.engine.refinement import SAFETY, least_difference
 
@@ -106,16 +105,13 @@ class SolidModel(Model):
 
     @cached_property
     def _search(self) -> ShapeSearch:
-        from fem.bimorph.modes import Attachment
         from validation.models.bimorph.shapes import ShapeSearch
 
-        stiffness, mass = conservative_load(self.scene.load)
-        attachment = Attachment(None if self._clamped else self._base(), stiffness, mass)
-        return ShapeSearch(self.systems(), attachment, {})
+        return ShapeSearch(self.systems(), self.scene.ends, {})
 
     def _rounding(self, port: Multiport) -> float:
         """Return what rounding of the stiffness matrix does to the tip's static compliance."""
-        compliance = np.linalg.inv(port.stiffness[0, 2:4, 2:4])[0, 0]
+        compliance = np.linalg.inv(port.block("w_tip", "psi_tip").stiffness[0])[0, 0]
         return float(abs(compliance) * self.systems()[0].spurious_stiffness)
 
     def _two_meshes(
