@@ -281,7 +281,7 @@ def _drawn(rng: np.random.Generator, number: int) -> Case | None:
         f"bimorph.bare_below={below * length:.3g}mm": chance[1] < 0.2,
         f"bimorph.bare_above={above * length:.3g}mm": chance[2] < 0.2,
         f"bimorph.glue_thickness={glue:.3g}mm": chance[3] < 0.25,
-        # the rod that the springs stand for is no wider
+        # the springs were fitted to a bimorph of 2.1 mm
         "support.kind=clamped": chance[4] < 0.5 or width > 2.0,
         "shim.shear_modulus=53.846GPa": chance[5] < 0.4,
         "load.kind=mass": chance[6] < 0.2,

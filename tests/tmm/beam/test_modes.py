@@ -138,7 +138,7 @@ def test_published_deep_beam_simply_supported():
 def test_heavy_tip_mass():
     """Under a heavy mass the beam is a spring: √(3 EI/(l³ M))/2π with shear added."""
     mass, l = 1.0, 20e-3
-    got = modes(BEAM, l, replace(CLAMPED, tip_mass=mass), 1)[0]
+    got = modes(BEAM, l, replace(CLAMPED, tip=TipLoad(mass=mass)), 1)[0]
     compliance = l**3 / (3 * BEAM.EI.real) + l / BEAM.GA
     # Rayleigh: 33/140 of the beam's mass rides along, 4e-5 of the mass
     effective = mass + 33 / 140 * BEAM.m * l
@@ -148,7 +148,7 @@ def test_heavy_tip_mass():
 def test_stiff_tip_spring_is_a_pin():
     """A stiff tip spring raises every mode to the clamped-pinned one, from below."""
     free, firm, rigid = (
-        modes(BEAM, 20e-3, replace(CLAMPED, tip_stiffness=k), 4) for k in (0.0, 1e12, 1e14)
+        modes(BEAM, 20e-3, replace(CLAMPED, tip=TipLoad(stiffness=k)), 4) for k in (0.0, 1e12, 1e14)
     )
     assert (free < firm).all()
     assert (firm < rigid).all()
