@@ -230,14 +230,13 @@ def respond(
     Raises
     ------
     InputError
-        If a port is unknown.
+        If a port is unknown, or both moved and loaded.
     numpy.linalg.LinAlgError
         If nothing holds a port that is free.
     """
     d, n = port.stiffness, port.frequencies.size
     driven = [port.index(name) for name in drive]
-    names = port.others(drive)
-    free = [port.index(name) for name in names]
+    free = [port.index(name) for name in port.others(drive)]
     motion = np.zeros((n, len(port.ports)), dtype=complex)
     effort = np.zeros((n, len(driven)), dtype=complex)
     for at, value in zip(driven, drive.values(), strict=True):
@@ -250,9 +249,12 @@ def respond(
         motion[:, free] += follows * weight[:, None]
         effort += answers * weight[:, None]
     if efforts:
+        both = [name for name in efforts if port.index(name) in driven]
+        if both:
+            raise InputError(f'port "{both[0]}" is both moved and loaded; state one of the two')
         right = np.zeros((n, len(free), 1), dtype=complex)
         for name, value in efforts.items():
-            right[:, names.index(name), 0] = value
+            right[:, free.index(port.index(name)), 0] = value
         follows = _free_motion(d, free, right)
         motion[:, free] += follows
         effort += np.einsum("nij,nj->ni", d[:, driven][:, :, free], follows)

@@ -9,17 +9,23 @@ from hypothesis import strategies as st
 
 from geometry.bimorph.ends import Ends, TipLoad
 from geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Shim, Support
+from geometry.errors import InputError
 from tmm.beam import lumped
 from tmm.beam.printed_formulas import printed_section
 from tmm.beam.transfer import transfer_matrix as tmm
 from tmm.ports.multiport import (
+    connect,
+    hold,
     in_series,
     passivity_margin,
     reciprocity_error,
+    reduce,
     respond,
     round_off,
     symmetric_form,
+    terminate,
 )
+from tmm.ports.port import BIMORPH
 from tmm.ports.terminations import attach, ends_of, finger_stiffness
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e3, 2e4])
@@ -202,3 +208,128 @@ def test_round_off_bound_covers_the_error():
     bound = round_off(attach(paper(f, lossy=False), Ends()))
     assert bound[0] < 1e-13
     assert bound[2] > 1e3 * bound[0]
+
+
+def half(**bimorph):
+    """Return one half of the paper's bimorph, layers side by side as in the whole."""
+    return paper(length=10e-3, **bimorph)
+
+
+JOINTS = {"w_tip": "w_base", "psi_tip": "psi_base", "voltage": "voltage"}
+
+
+def two_halves():
+    joined = connect(half(), half(), JOINTS, prefixes=("lower", "upper"))
+    kept = ("w_base", "psi_base", "upper.w_tip", "upper.psi_tip", "voltage")
+    return reduce(joined, kept).renamed({"upper.w_tip": "w_tip", "upper.psi_tip": "psi_tip"})
+
+
+def test_two_halves_joined_by_name_are_the_whole():
+    """Tip on base, electrodes in parallel: the ports of a bimorph twice as long."""
+    joined, whole = two_halves(), paper()
+    assert joined.ports == whole.ports == BIMORPH
+    # the joint's condition number is below 1e3: a few hundred roundings
+    assert distance(joined.stiffness, whole.stiffness) < 1e-12
+
+
+def test_ways_of_joining_agree():
+    """What is attached before the joint or after it, or solved with the joint left free."""
+    joined = connect(half(), half(), JOINTS, prefixes=("lower", "upper"))
+    end = {"w_base": 3e6, "psi_base": 0.24, "upper.w_tip": 700.0 + 80.0j}
+    for name, stiffness in end.items():
+        joined = terminate(joined, name, stiffness)
+    free = respond(joined, {"voltage": 50.0})
+    whole = paper()
+    for name, stiffness in end.items():
+        whole = terminate(whole, name.removeprefix("upper."), stiffness)
+    once = respond(whole, {"voltage": 50.0})
+    # condition numbers of the joint and of the base springs, at most 1e3 each
+    for name in ("w_base", "psi_base"):
+        np.testing.assert_allclose(free.motion[name], once.motion[name], rtol=1e-10)
+    np.testing.assert_allclose(free.motion["upper.w_tip"], once.motion["w_tip"], rtol=1e-10)
+    np.testing.assert_allclose(free.effort["voltage"], once.effort["voltage"], rtol=1e-10)
+
+
+def test_names_that_both_have_are_told_apart():
+    """The joint keeps the first one's name; what would clash is refused or prefixed."""
+    joined = connect(half(), half(), JOINTS, prefixes=("lower", "upper"))
+    assert joined.names == (
+        "w_base", "psi_base", "lower.w_tip", "lower.psi_tip", "voltage",
+        "upper.w_tip", "upper.psi_tip",
+    )  # fmt: skip
+    with pytest.raises(InputError, match='both multiports have a port "w_tip"; rename one'):
+        connect(half(), half(), JOINTS)
+    with pytest.raises(InputError, match='two ports are named "w_tip"'):
+        half().renamed({"w_base": "w_tip"})
+
+
+@pytest.mark.parametrize(
+    ("use", "words"),
+    [
+        (lambda p: p.index("w_tp"), 'port "w_tp" is unknown .did you mean "w_tip"'),
+        (lambda p: p["w_tip", "voltag"], 'did you mean "voltage"'),
+        (lambda p: terminate(p, "psi_bas", 1.0), 'did you mean "psi_base"'),
+        (lambda p: hold(p, "w_tips"), 'did you mean "w_tip"'),
+        (lambda p: reduce(p, ["w_tip", "gap"]), "there are w_base, psi_base, w_tip"),
+        (lambda p: respond(p, {"volts": 1.0}), 'port "volts" is unknown'),
+        (lambda p: respond(p, {"voltage": 1.0}, {"w_top": 1.0}), 'did you mean "w_tip"'),
+        (lambda p: connect(p, p, {"w_tip": "w_bas"}), 'did you mean "w_base"'),
+        (lambda p: p.renamed({"w_tp": "w"}), 'did you mean "w_tip"'),
+        (lambda p: connect(p, p, {"w_tip": "psi_base"}), "w in m.*ψ in rad.*different kinds"),
+        (lambda p: connect(p, p, {"w_tip": "w_base", "w_base": "w_base"}), "joined to two"),
+        (lambda p: connect(p, paper(np.ones(1)), JOINTS), "different frequencies"),
+        (lambda p: respond(p, {"voltage": 1.0}, {"voltage": 1.0}), "both moved and loaded"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(use, words):
+    """A misspelt port with the nearest name; a displacement on a rotation; two sweeps."""
+    with pytest.raises(InputError, match=words):
+        use(paper())
+
+
+def test_reduced_ports_answer_as_before():
+    """Ports left out carry no effort: the others respond as they did, in any order."""
+    port = attach(paper(), PAPER)
+    seen = reduce(port, ("voltage", "w_tip"))
+    assert seen.names == ("voltage", "w_tip")
+    whole, less = (respond(p, {"voltage": 50.0}) for p in (port, seen))
+    # rounding times the condition of the paper's supported ports, 1e2
+    np.testing.assert_allclose(less.motion["w_tip"], whole.motion["w_tip"], rtol=1e-12)
+    np.testing.assert_allclose(less.effort["voltage"], whole.effort["voltage"], rtol=1e-12)
+    assert reciprocity_error(seen).max() < 1e-12
+    assert passivity_margin(seen).min() > -1e-12
+    assert reduce(port, port.names).ports == port.ports
+
+
+def test_forces_and_voltages_superpose():
+    """Motions of a voltage and of a force add up, and a force frees charge as a volt moves."""
+    port, force = attach(paper(), PAPER), {"w_tip": 0.1}
+    volt, pushed = respond(port, {"voltage": 50.0}), respond(port, {"voltage": 0.0}, force)
+    both = respond(port, {"voltage": 50.0}, force)
+    for name in port.names:
+        np.testing.assert_allclose(
+            both.motion[name], volt.motion[name] + pushed.motion[name], rtol=1e-13
+        )
+    # reciprocity: charge per force is displacement per volt
+    charge_per_force, displacement_per_volt = (
+        pushed.effort["voltage"] / 0.1,
+        volt.motion["w_tip"] / 50.0,
+    )
+    np.testing.assert_allclose(charge_per_force, displacement_per_volt, rtol=1e-12)
+    # driven to where the force had moved it, the tip takes that force
+    moved = {"voltage": 0.0, "w_tip": pushed.motion["w_tip"]}
+    np.testing.assert_allclose(respond(port, moved).effort["w_tip"], 0.1, rtol=1e-12)
+
+
+def test_a_held_port_is_one_driven_by_nothing():
+    """To hold a port before or while driving is one thing; then its effort is known too."""
+    port = paper()
+    held = respond(hold(port, "w_base", "psi_base"), {"voltage": 50.0})
+    driven_to_rest = respond(port, {"voltage": 50.0, "w_base": 0.0, "psi_base": 0.0})
+    np.testing.assert_array_equal(driven_to_rest.motion["w_tip"], held.motion["w_tip"])
+    assert not driven_to_rest.motion["w_base"].any()
+    # clamped at rest, the base carries no moment under the voltage: nothing reacts at the tip
+    moment = driven_to_rest.effort["psi_base"]
+    free = respond(hold(port, "w_base", "w_tip", "psi_tip"), {"voltage": 50.0, "psi_base": 0.0})
+    assert abs(moment[0]) < 1e-10 * abs(free.effort["psi_base"][0])
+    assert abs(moment[2]) > 1e-3 * abs(free.effort["psi_base"][2])  # at 500 Hz inertia does
