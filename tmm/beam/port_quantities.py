@@ -13,7 +13,8 @@ import numpy as np
 
 from geometry.arrays import Complex, Floats
 from tmm.beam.parametric import Actuator, Values, terminated
-from tmm.ports.multiport import Multiport, hold, respond, symmetric_form
+from tmm.ports.invariants import symmetric_form
+from tmm.ports.multiport import Multiport, hold, respond
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,8 @@ from tmm.beam.modes import bending_frequencies
 from tmm.beam.parametric import Actuator, check_keys, parameter_keys, terminated
 from tmm.beam.port_quantities import READOUTS, drive, evaluate
 from tmm.beam.transfer.transfer_matrix import sections
-from tmm.ports.multiport import hold, respond, symmetric_form
+from tmm.ports.invariants import symmetric_form
+from tmm.ports.multiport import hold, respond
 
 _RADIUS, _POINTS = 0.003, 16
 

@@ -202,15 +202,12 @@ class Response:
 
     Attributes
     ----------
-    frequencies : (n,) array
-        Frequencies (Hz).
     motion : dict of str to (n,) complex array
         At all ports.
     effort : dict of str to (n,) complex array
         At the driven ports; the others' is what was given.
     """
 
-    frequencies: Floats
     motion: dict[str, Complex]
     effort: dict[str, Complex]
 
@@ -259,7 +256,6 @@ def respond(
         motion[:, free] += follows
         effort += np.einsum("nij,nj->ni", d[:, driven][:, :, free], follows)
     return Response(
-        port.frequencies,
         dict(zip(port.names, motion.T, strict=True)),
         dict(zip(drive, effort.T, strict=True)),
     )
@@ -288,7 +284,8 @@ def _scale(matrix: Numbers) -> Floats:
     return np.asarray(1.0 / np.sqrt(np.where(largest > 0.0, largest, 1.0)))
 
 
-def _balanced(matrix: Complex) -> Complex:
+def balanced(matrix: Complex) -> Complex:
+    """Return matrices (n, k, k) with rows and columns scaled to a largest entry of about 1."""
     scale = _scale(matrix)
     return np.asarray(matrix * scale[:, :, None] * scale[:, None, :])
 
@@ -299,30 +296,4 @@ def round_off(port: Multiport, driven: Iterable[str] = ("voltage",)) -> Floats:
     The condition number is that of the balanced matrix which :func:`respond` solves.
     """
     free = hold(port, *driven).stiffness
-    return np.asarray(np.linalg.cond(_balanced(free)) * np.finfo(float).eps)
-
-
-def symmetric_form(port: Multiport) -> Complex:
-    """Return S (n, k, k), D with each row times its pair's sign: symmetric if reciprocal."""
-    signs = np.array([p.pair.sign for p in port.ports])
-    return np.asarray(port.stiffness * signs[:, None])
-
-
-def passivity_margin(port: Multiport) -> Floats:
-    """Return the smallest eigenvalue (n,) of the dissipation form, scaled to the largest.
-
-    The mean power taken in is ½ Ω Im(xᴴ S x); a passive model has Im S positive semidefinite,
-    so the margin is ≥ 0 up to rounding.
-    """
-    s = _balanced(symmetric_form(port))
-    eigenvalues = np.linalg.eigvalsh(0.5 * (s.imag + s.imag.transpose(0, 2, 1)))
-    return np.asarray(eigenvalues[:, 0] / np.maximum(np.abs(eigenvalues).max(axis=1), 1e-300))
-
-
-def reciprocity_error(port: Multiport) -> Floats:
-    """Return max |S − Sᵀ| (n,), each entry relative to its two diagonal neighbours."""
-    s = symmetric_form(port)
-    size = np.sqrt(np.abs(np.einsum("nii->ni", s)))
-    scale = np.maximum(size[:, :, None] * size[:, None, :], np.abs(s))
-    scale = np.where(scale > 0.0, scale, 1.0)  # where nothing couples
-    return np.asarray((np.abs(s - s.transpose(0, 2, 1)) / scale).max(axis=(1, 2)))
+    return np.asarray(np.linalg.cond(balanced(free)) * np.finfo(float).eps)

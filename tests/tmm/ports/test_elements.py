@@ -9,14 +9,8 @@ from geometry.bimorph.ends import Ends, Springs
 from geometry.device.parameters import Beam, Device, Support
 from tmm.beam.transfer import transfer_matrix as tmm
 from tmm.ports.elements import coil, contact, lumped_mass, rigid_rod, spring
-from tmm.ports.multiport import (
-    connect,
-    hold,
-    passivity_margin,
-    reciprocity_error,
-    reduce,
-    respond,
-)
+from tmm.ports.invariants import passivity_margin, reciprocity_error
+from tmm.ports.multiport import connect, hold, reduce, respond
 from tmm.ports.port import AXIAL, LATERAL, ROTATION
 from tmm.ports.terminations import attach
 

@@ -13,18 +13,8 @@ from geometry.errors import InputError
 from tmm.beam import lumped
 from tmm.beam.printed_formulas import printed_section
 from tmm.beam.transfer import transfer_matrix as tmm
-from tmm.ports.multiport import (
-    connect,
-    hold,
-    in_series,
-    passivity_margin,
-    reciprocity_error,
-    reduce,
-    respond,
-    round_off,
-    symmetric_form,
-    terminate,
-)
+from tmm.ports.invariants import passivity_margin, reciprocity_error, symmetric_form
+from tmm.ports.multiport import connect, hold, in_series, reduce, respond, round_off, terminate
 from tmm.ports.port import BIMORPH
 from tmm.ports.terminations import attach, ends_of, finger_stiffness
 

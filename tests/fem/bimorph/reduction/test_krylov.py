@@ -10,7 +10,8 @@ from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.bimorph.ends import Ends
 from geometry.device.parameters import Device, Load, Piezo, Support
-from tmm.ports.multiport import passivity_margin, reciprocity_error, respond
+from tmm.ports.invariants import passivity_margin, reciprocity_error
+from tmm.ports.multiport import respond
 from tmm.ports.terminations import attach, ends_of
 
 BOUNDS = (10.0, 20000.0)

@@ -10,7 +10,8 @@ from tmm.beam.section.section import Joint
 from tmm.beam.transfer import transfer_matrix as tmm
 from tmm.beam.transfer.scattering import change_along, element_stiffness, joined
 from tmm.beam.transfer.timoshenko import dynamic_stiffness
-from tmm.ports.multiport import passivity_margin, reciprocity_error, respond
+from tmm.ports.invariants import passivity_margin, reciprocity_error
+from tmm.ports.multiport import respond
 from tmm.ports.terminations import attach, ends_of
 
 FREQUENCIES = np.array([0.0, 1e-3, 10.0, 445.0, 1000.0, 5000.0, 20000.0])
