@@ -103,16 +103,18 @@ def hold(port: Multiport, *names: str) -> Multiport:
     return port.block(*port.others(names))
 
 
-def terminate(port: Multiport, name: str, stiffness: Any) -> Multiport:
-    """Return the multiport with something that answers at one port, which stays a port.
+def terminate(port: Multiport, loads: Mapping[str, Any]) -> Multiport:
+    """Return the multiport with something that answers at some ports, which stay ports.
 
     Parameters
     ----------
-    stiffness : number or (n,) complex array
-        Its effort per motion.
+    loads : mapping of str to number or (n,) complex array
+        Ports with the effort per motion of what is attached.
     """
-    d, at = port.stiffness.copy(), port.index(name)
-    d[:, at, at] += stiffness
+    d = port.stiffness.copy()
+    for name, stiffness in loads.items():
+        at = port.index(name)
+        d[:, at, at] += stiffness
     return replace(port, stiffness=d)
 
 

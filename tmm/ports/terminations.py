@@ -106,9 +106,8 @@ def tip_stiffness(tip: TipLoad | Law, frequencies: Floats) -> Complex:
 
 def attach(port: Multiport, ends: Ends) -> Multiport:
     """Return the lateral actuator with its support and load; a clamped base is no port."""
+    loads = {"w_tip": tip_stiffness(ends.tip, port.frequencies)}
     if ends.base is None:
-        port = hold(port, "w_base", "psi_base")
-    else:
-        lateral, rotational = base_stiffness(ends.base, port.frequencies)
-        port = terminate(terminate(port, "w_base", lateral), "psi_base", rotational)
-    return terminate(port, "w_tip", tip_stiffness(ends.tip, port.frequencies))
+        return terminate(hold(port, "w_base", "psi_base"), loads)
+    loads["w_base"], loads["psi_base"] = base_stiffness(ends.base, port.frequencies)
+    return terminate(port, loads)

@@ -226,13 +226,9 @@ def test_ways_of_joining_agree():
     """What is attached before the joint or after it, or solved with the joint left free."""
     joined = connect(half(), half(), JOINTS, prefixes=("lower", "upper"))
     end = {"w_base": 3e6, "psi_base": 0.24, "upper.w_tip": 700.0 + 80.0j}
-    for name, stiffness in end.items():
-        joined = terminate(joined, name, stiffness)
-    free = respond(joined, {"voltage": 50.0})
-    whole = paper()
-    for name, stiffness in end.items():
-        whole = terminate(whole, name.removeprefix("upper."), stiffness)
-    once = respond(whole, {"voltage": 50.0})
+    free = respond(terminate(joined, end), {"voltage": 50.0})
+    end["w_tip"] = end.pop("upper.w_tip")
+    once = respond(terminate(paper(), end), {"voltage": 50.0})
     # condition numbers of the joint and of the base springs, at most 1e3 each
     for name in ("w_base", "psi_base"):
         np.testing.assert_allclose(free.motion[name], once.motion[name], rtol=1e-10)
@@ -258,7 +254,7 @@ def test_names_that_both_have_are_told_apart():
     [
         (lambda p: p.index("w_tp"), 'port "w_tp" is unknown .did you mean "w_tip"'),
         (lambda p: p["w_tip", "voltag"], 'did you mean "voltage"'),
-        (lambda p: terminate(p, "psi_bas", 1.0), 'did you mean "psi_base"'),
+        (lambda p: terminate(p, {"psi_bas": 1.0}), 'did you mean "psi_base"'),
         (lambda p: hold(p, "w_tips"), 'did you mean "w_tip"'),
         (lambda p: reduce(p, ["w_tip", "gap"]), "there are w_base, psi_base, w_tip"),
         (lambda p: respond(p, {"volts": 1.0}), 'port "volts" is unknown'),

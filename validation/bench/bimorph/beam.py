@@ -196,9 +196,8 @@ def _velocity(path: str, f: Floats, base: tuple[Complex, Complex], tip: Complex)
     if path == _NAIVE:
         return textbook_beam.tip_velocity(_BEAM, _LENGTH, f, base=base, tip=tip)
     if path == _CASCADE:
-        port = chain([(_BEAM, _LENGTH)], f)
-        for name, stiffness in zip(("w_base", "psi_base", "w_tip"), (*base, tip), strict=True):
-            port = terminate(port, name, stiffness)
+        loads = {"w_base": base[0], "psi_base": base[1], "w_tip": tip}
+        port = terminate(chain([(_BEAM, _LENGTH)], f), loads)
         w_tip = respond(port, {"voltage": 1.0}).motion["w_tip"]
     else:
         w_tip = tip_response(_BEAM, _LENGTH, omega, base=base, tip=tip, chunk=_PATHS[path]).w_tip
