@@ -200,26 +200,36 @@ def test_round_off_bound_covers_the_error():
     assert bound[2] > 1e3 * bound[0]
 
 
-def half(**bimorph):
-    """Return one half of the paper's bimorph, layers side by side as in the whole."""
-    return paper(length=10e-3, **bimorph)
-
-
 JOINTS = {"w_tip": "w_base", "psi_tip": "psi_base", "voltage": "voltage"}
 
 
-def two_halves():
-    joined = connect(half(), half(), JOINTS, prefixes=("lower", "upper"))
+def half():
+    return paper(length=10e-3)
+
+
+def end_to_end(lower, upper):
+    """Return two bimorphs joined, with the ports of one."""
+    joined = connect(lower, upper, JOINTS, prefixes=("lower", "upper"))
     kept = ("w_base", "psi_base", "upper.w_tip", "upper.psi_tip", "voltage")
     return reduce(joined, kept).renamed({"upper.w_tip": "w_tip", "upper.psi_tip": "psi_tip"})
 
 
 def test_two_halves_joined_by_name_are_the_whole():
     """Tip on base, electrodes in parallel: the ports of a bimorph twice as long."""
-    joined, whole = two_halves(), paper()
+    joined, whole = end_to_end(half(), half()), paper()
     assert joined.ports == whole.ports == BIMORPH
-    # the joint's condition number is below 1e3: a few hundred roundings
+    # the requirement; some tens of roundings
     assert distance(joined.stiffness, whole.stiffness) < 1e-12
+
+
+@given(st.floats(0.02, 0.98), st.booleans())
+def test_it_does_not_matter_where_a_bimorph_is_cut(share, lossy):
+    """Any two parts that make up the length: all 25 entries, with losses and without."""
+    parts = (paper(length=20e-3 * s, lossy=lossy) for s in (share, 1.0 - share))
+    whole = paper(lossy=lossy)
+    # the shorter part is as many times stiffer against rotation, and that cancels at the joint
+    shorter = min(share, 1.0 - share)
+    assert distance(end_to_end(*parts).stiffness, whole.stiffness) < 1e-13 / shorter
 
 
 def test_ways_of_joining_agree():
