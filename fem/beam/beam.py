@@ -15,9 +15,11 @@ import numpy as np
 
 from fem.beam.section import gauss, section_constants
 from geometry.arrays import Complex, Floats, Ints
+from geometry.bimorph.ends import Ends
 from geometry.bimorph.pieces import Piece, beam_pieces
 from geometry.device.parameters import Beam, Device, Support
 from tmm.ports.multiport import Multiport
+from tmm.ports.port import BIMORPH
 
 #: Polynomial order of w and ψ (equal orders lock only at low order).
 ORDER = 5
@@ -57,7 +59,7 @@ def multiport(
     """
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     matrices = assemble(device, support, beam, elements=elements, lossy=lossy)
-    return Multiport(frequencies, _condense(matrices, 2.0 * np.pi * frequencies))
+    return Multiport(frequencies, _condense(matrices, 2.0 * np.pi * frequencies), BIMORPH)
 
 
 def elements_for(device: Device, highest: float) -> int:
@@ -207,22 +209,11 @@ def bonded_tab(device: Device, beam: Beam, depth: float) -> Floats:
 
 
 def bending_frequencies(
-    matrices: BeamMatrices,
-    *,
-    clamped: bool,
-    base: tuple[float, float, float],
-    tip: tuple[float, float],
-    count: int,
-    open_circuit: bool,
+    matrices: BeamMatrices, ends: Ends, count: int, *, open_circuit: bool
 ) -> Floats:
     """Return the lowest elastic natural frequencies (Hz) of lossless matrices.
 
-    Parameters
-    ----------
-    base : tuple of float
-        Lateral and rotational stiffness and rotational inertia of the support.
-    tip : tuple of float
-        Stiffness and mass of the load.
+    Damping at the ends is left out.
     """
     from scipy.linalg import eigh
 
@@ -231,13 +222,14 @@ def bending_frequencies(
     if open_circuit:
         charge = matrices.coupling.real
         k += np.outer(charge, charge) / matrices.capacitance.real
-    k[w1, w1] += tip[0]
-    m[w1, w1] += tip[1]
-    held = matrices.ports[: 2 if clamped else 0]
-    if not clamped:
-        k[w0, w0] += base[0]
-        k[psi0, psi0] += base[1]
-        m[psi0, psi0] += base[2]
+    base, tip = ends.base, ends.conservative_tip
+    k[w1, w1] += tip.stiffness
+    m[w1, w1] += tip.mass
+    held = matrices.ports[: 2 if base is None else 0]
+    if base is not None:
+        k[w0, w0] += base.lateral_stiffness
+        k[psi0, psi0] += base.rotational_stiffness
+        m[psi0, psi0] += base.rotational_inertia
     free = np.setdiff1d(np.arange(k.shape[0]), held)
     k, m = k[np.ix_(free, free)], m[np.ix_(free, free)]
     rough = eigh(k, m, eigvals_only=True)
@@ -247,8 +239,7 @@ def bending_frequencies(
     shift = float(elastic[0])
     inverse = eigh(m, k + shift * m, eigvals_only=True, subset_by_index=_top(k.shape[0], count + 2))
     values = np.sort(1.0 / inverse) - shift
-    # of the two rigid motions each spring stops one
-    rigid = 0 if clamped else max(0, 2 - sum(spring > 0.0 for spring in (*base[:2], tip[0])))
+    rigid = ends.rigid_motions
     return np.asarray(np.sqrt(values[rigid : rigid + count]) / (2.0 * np.pi))
 
 

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.bimorph.motions import SHIFT, Attachment, ModeClass, classify
+from fem.bimorph.motions import SHIFT, ModeClass, classify
 from fem.bimorph.system import SolidSystem
 from fem.solvers.linear_solver import factorise
 from geometry.arrays import Floats, Sparse
+from geometry.bimorph.ends import Ends, Springs
 
 #: Residual of a mode against its inverse eigenvalue; the frequency's error is its square.
 _RESIDUAL = 1e-9
@@ -39,45 +40,50 @@ class SolidMode:
 
 
 def natural_modes(
-    system: SolidSystem, attachment: Attachment, count: int, *, open_circuit: bool = False
+    system: SolidSystem, ends: Ends, count: int, *, open_circuit: bool = False
 ) -> list[SolidMode]:
     """Return the lowest `count` modes of a lossless system, ascending."""
-    pairs = eigenpairs(system, attachment, count, open_circuit=open_circuit)
+    pairs = eigenpairs(system, ends, count, open_circuit=open_circuit)
     return [_mode(system, value, vector) for value, vector in zip(*pairs, strict=True)]
 
 
 def eigenpairs(
-    system: SolidSystem, attachment: Attachment, count: int, *, open_circuit: bool = False
+    system: SolidSystem, ends: Ends, count: int, *, open_circuit: bool = False
 ) -> tuple[list[float], list[Floats]]:
     """Return ω² of the lowest `count` modes, ascending, and the modes, of unit modal mass.
 
     Inverse Lanczos at 0 Hz with the factor that statics uses as well; the potential is part of
     the indefinite operator and has no mass.  A base on springs borders that factor, tip load
     and open circuit (the electrode's charge stays zero) are updates of rank one.  Where a
-    spring of the base is zero, the shift lies below 0 Hz; rigid motions are left out.
+    spring of the base is zero, the shift lies below 0 Hz; rigid motions are left out, and so
+    is all damping at the ends.
     """
     from scipy.sparse.linalg import LinearOperator, eigsh
 
     if not system.has_ports:  # the mean motion of such a tip is zero
-        attachment = Attachment(None)
-    unsprung = attachment.base is not None and 0.0 in attachment.base[:2]
-    shift = SHIFT if unsprung else 0.0
-    mass, solve, tip = (_shifted if unsprung else _attached)(system, attachment)
+        ends = Ends()
+    base, load = ends.base, ends.conservative_tip
+    if base is not None and 0.0 in (base.lateral_stiffness, base.rotational_stiffness):
+        shift = SHIFT
+        mass, solve, tip = _shifted(system, base)
+    else:
+        shift = 0.0
+        mass, solve, tip = _attached(system, base)
     n = mass.shape[0]
     updates = []
-    load = attachment.tip_stiffness + shift * attachment.tip_mass
-    if load > 0.0:
-        updates.append((tip, load))
+    resisted = load.stiffness + shift * load.mass
+    if resisted > 0.0:
+        updates.append((tip, resisted))
     if open_circuit and system.has_ports:
         charge, capacitance = _electrode(system, n)
         updates.append((charge, 1.0 / capacitance))
     solve = _updated(solve, updates)
 
     def weigh(v: Floats) -> Floats:
-        return np.asarray(mass @ v + attachment.tip_mass * tip * (tip @ v))
+        return np.asarray(mass @ v + load.mass * tip * (tip @ v))
 
     rng = np.random.default_rng(0)
-    loose = attachment.rigid_motions
+    loose = ends.rigid_motions
     wanted = min(count + loose, n - 2)
     # in inverse mode the stiffness itself is not asked for
     values, vectors = eigsh(
@@ -96,33 +102,31 @@ def eigenpairs(
 
 
 def _shifted(
-    system: SolidSystem, attachment: Attachment
+    system: SolidSystem, base: Springs
 ) -> tuple[Sparse, Callable[[Floats], Floats], Floats]:
     """Return mass, inverse of K + shift · M and tip functional, for a base that is not held."""
-    assert attachment.base is not None
-    lateral, rotational, inertia = attachment.base
-    mass = system.mass.with_base(np.diag([0.0, inertia]))
-    stiffness = system.stiffness.with_base(np.diag([lateral, rotational]))
+    mass = system.mass.with_base(np.diag([0.0, base.rotational_inertia]))
+    springs = np.diag([base.lateral_stiffness, base.rotational_stiffness])
+    stiffness = system.stiffness.with_base(springs)
     factor = factorise((stiffness + SHIFT * mass).tocsr())
     return mass, factor.solve, system.tip[:-1, 0]
 
 
 def _attached(
-    system: SolidSystem, attachment: Attachment
+    system: SolidSystem, base: Springs | None
 ) -> tuple[Sparse, Callable[[Floats], Floats], Floats]:
     """Return mass, inverse stiffness and tip functional at U = 0 with the support attached."""
     held, factor = system.inner, system.held_factor
-    if attachment.base is None:
+    if base is None:
         return system.mass.inner, factor.solve, system.tip[:held, 0]
-    lateral, rotational, inertia = attachment.base
-    mass = system.mass.with_base(np.diag([0.0, inertia]))
+    mass = system.mass.with_base(np.diag([0.0, base.rotational_inertia]))
     follows = -factor.solve(system.stiffness.border[:, :2])
     # a body held by its base alone follows it without force, so only the springs resist
-    springs = np.array([lateral, rotational])
+    springs = np.array([base.lateral_stiffness, base.rotational_stiffness])
 
     def solve(right: Floats) -> Floats:
-        base = ((right[held:] + follows.T @ right[:held]).T / springs).T
-        return np.concatenate([factor.solve(right[:held]) + follows @ base, base])
+        moved = ((right[held:] + follows.T @ right[:held]).T / springs).T
+        return np.concatenate([factor.solve(right[:held]) + follows @ moved, moved])
 
     return mass, solve, system.tip[:-1, 0]
 

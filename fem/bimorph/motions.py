@@ -1,8 +1,7 @@
-"""How a bimorph can move: classes of motion, what holds it, and which class a mode is of."""
+"""How a bimorph can move: classes of motion, and which of them a mode is of."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -20,31 +19,6 @@ ModeClass = Literal["bending_x", "bending_y", "torsion", "axial", "mixed"]
 SHIFT = (2.0 * np.pi * 50.0) ** 2
 #: Slices along z in which a mode's sections are told apart.
 _SLICES = 40
-
-
-@dataclass(frozen=True)
-class Attachment:
-    """Lossless constants at the ports: `base` None is a clamp.
-
-    Attributes
-    ----------
-    base : tuple of float or None
-        Lateral stiffness (N/m), rotational stiffness (N m/rad), rotational inertia (kg m²).
-    tip_stiffness, tip_mass : float
-        Load on the mean tip displacement (N/m, kg).
-    """
-
-    base: tuple[float, float, float] | None
-    tip_stiffness: float = 0.0
-    tip_mass: float = 0.0
-
-    @property
-    def rigid_motions(self) -> int:
-        """Motions of the ports' class that no spring resists: of the two, each spring stops one."""
-        if self.base is None:
-            return 0
-        springs = (*self.base[:2], self.tip_stiffness)
-        return max(0, 2 - sum(stiffness > 0.0 for stiffness in springs))
 
 
 def classify(nodes: Floats, mass: Floats, displacement: Floats) -> tuple[ModeClass, float]:

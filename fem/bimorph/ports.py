@@ -12,6 +12,7 @@ from fem.bimorph.system import SolidSystem
 from fem.solvers.linear_solver import Factor, factorise
 from geometry.arrays import Complex, Floats, Numbers
 from tmm.ports.multiport import Multiport
+from tmm.ports.port import BIMORPH
 
 
 def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
@@ -47,7 +48,7 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
         seen = system.tip.T @ x
         blocks.append((force[:, :3], force[:, 3:], seen[:, :3], seen[:, 3:]))
     stacked = (np.array(part, dtype=complex) for part in zip(*blocks, strict=True))
-    return Multiport(frequencies, ports_from_blocks(*stacked))
+    return Multiport(frequencies, ports_from_blocks(*stacked), BIMORPH)
 
 
 def _norms(columns: Numbers) -> Floats:

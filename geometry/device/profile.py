@@ -42,11 +42,6 @@ class Profile(tuple[tuple[float, float], ...]):
         """Position of the last point (m)."""
         return self[-1][0]
 
-    @property
-    def largest(self) -> float:
-        """Largest dimension (m)."""
-        return max(value for _, value in self)
-
     def between(self, low: float, high: float) -> tuple[float, float]:
         """Return the dimension just above `low` and just below `high`.
 

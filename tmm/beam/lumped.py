@@ -14,17 +14,18 @@ from functools import reduce
 import numpy as np
 
 from geometry.arrays import Complex, Floats
+from geometry.bimorph.ends import Ends
 from geometry.device.parameters import Beam, Device, Support
-from tmm.beam.modes import Fixture
 from tmm.beam.section.section import Joint, Section
 from tmm.beam.transfer.scattering import Element
 from tmm.beam.transfer.transfer_matrix import SEGMENTS, sections
 from tmm.ports.multiport import Multiport
+from tmm.ports.port import BIMORPH
 
 
 @dataclass(frozen=True)
 class LumpedModel:
-    """Port matrices: D(Ω) = stiffness − Ω² mass, shapes (5, 5); see tmm.ports.multiport."""
+    """Port matrices: D(Ω) = stiffness − Ω² mass, shapes (5, 5); see tmm.ports.port.BIMORPH."""
 
     stiffness: Complex
     mass: Floats
@@ -115,13 +116,13 @@ def multiport(
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     model = lumped_model(sections(device, support, beam, lossy=lossy, segments=segments))
     o2 = (2.0 * np.pi * frequencies)[:, None, None] ** 2
-    return Multiport(frequencies, model.stiffness - o2 * model.mass)
+    return Multiport(frequencies, model.stiffness - o2 * model.mass, BIMORPH)
 
 
 def equivalent_circuit(
-    row: Sequence[Element], fixture: Fixture, *, open_circuit: bool = False
+    row: Sequence[Element], ends: Ends, *, open_circuit: bool = False
 ) -> EquivalentCircuit:
-    """Return the first mode of a lossless row on its fixture.
+    """Return the first mode of a lossless row, damping at its ends left out.
 
     With `open_circuit` the mode is that at Q = 0, so its stiffness includes the piezo
     stiffening; the transformer is that of the same shape.
@@ -129,14 +130,16 @@ def equivalent_circuit(
     model = lumped_model(row)
     k, m = model.stiffness.real[:4, :4].copy(), model.mass[:4, :4].copy()
     coupling, capacitance = -model.stiffness.real[:4, 4], model.stiffness.real[4, 4]
-    k[0, 0] += fixture.lateral_stiffness
-    k[1, 1] += fixture.rotational_stiffness
-    k[2, 2] += fixture.tip_stiffness
-    m[1, 1] += fixture.rotational_inertia
-    m[2, 2] += fixture.tip_mass
+    base, tip = ends.base, ends.conservative_tip
+    if base is not None:
+        k[0, 0] += base.lateral_stiffness
+        k[1, 1] += base.rotational_stiffness
+        m[1, 1] += base.rotational_inertia
+    k[2, 2] += tip.stiffness
+    m[2, 2] += tip.mass
     if open_circuit:
         k += np.outer(coupling, coupling) / capacitance
-    free = slice(2, 4) if fixture.clamped else slice(0, 4)
+    free = slice(2, 4) if base is None else slice(0, 4)
     shape = np.zeros(4)
     shape[free] = _lowest_mode(k[free, free], m[free, free])
     shape /= shape[2]

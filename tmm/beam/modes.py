@@ -27,6 +27,7 @@ from typing import TypeAlias
 import numpy as np
 
 from geometry.arrays import Complex, Floats, Ints
+from geometry.bimorph.ends import Ends
 from tmm.beam.section.section import Section
 from tmm.beam.transfer.scattering import THROUGH, Element, in_waves, star
 from tmm.beam.transfer.timoshenko import wavenumbers
@@ -52,18 +53,6 @@ _OTHER_UNIT, _STEP = 5.0, 1e-5
 
 
 @dataclass(frozen=True)
-class Fixture:
-    """Lossless constants attached to the ends; `clamped` overrides the base springs."""
-
-    clamped: bool
-    lateral_stiffness: float = 0.0
-    rotational_stiffness: float = 0.0
-    rotational_inertia: float = 0.0
-    tip_stiffness: float = 0.0
-    tip_mass: float = 0.0
-
-
-@dataclass(frozen=True)
 class NaturalFrequencies:
     """Natural frequencies (Hz), ascending, and the relative rounding error of each."""
 
@@ -71,16 +60,16 @@ class NaturalFrequencies:
     rounding: Floats
 
 
-def bending_frequencies(row: Row, fixture: Fixture, count: int, *, open_circuit: bool) -> Floats:
+def bending_frequencies(row: Row, ends: Ends, count: int, *, open_circuit: bool) -> Floats:
     """Return the lowest `count` natural frequencies (Hz), ascending, of a lossless row.
 
-    Rigid-body motion at 0 Hz is not counted.
+    Damping at the ends is left out; rigid-body motion at 0 Hz is not counted.
     """
-    return natural_frequencies(row, fixture, count, open_circuit=open_circuit).frequencies
+    return natural_frequencies(row, ends, count, open_circuit=open_circuit).frequencies
 
 
 def natural_frequencies(
-    row: Row, fixture: Fixture, count: int, *, open_circuit: bool
+    row: Row, ends: Ends, count: int, *, open_circuit: bool
 ) -> NaturalFrequencies:
     """Return the lowest `count` natural frequencies of a lossless row with their rounding.
 
@@ -89,9 +78,9 @@ def natural_frequencies(
     ArithmeticError
         If the count of modes is not certain (section constants beyond all proportion).
     """
-    first = _rigid_motions(fixture)
+    first = ends.rigid_motions
     wanted = np.arange(first, first + count)
-    attached = _Attached(row, fixture, open_circuit=open_circuit)
+    attached = _Attached(row, ends, open_circuit=open_circuit)
     # grows like (n + 1/2)²; four points to a mode
     highest = _first_guess(row) * (wanted[-1] + 1.5) ** 2
     shares = (np.arange(1, 4 * wanted[-1] + 5) / (4 * wanted[-1] + 4)) ** 2
@@ -161,8 +150,8 @@ def _signed(counts: Ints, angles: Floats, wanted: Ints) -> Floats:
 class _Attached:
     """A row with both ends attached and its circuit open or closed."""
 
-    def __init__(self, row: Row, fixture: Fixture, *, open_circuit: bool) -> None:
-        self._row, self._fixture, self._open = row, fixture, open_circuit
+    def __init__(self, row: Row, ends: Ends, *, open_circuit: bool) -> None:
+        self._row, self._ends, self._open = row, ends, open_circuit
 
     def nearest(self, frequencies: Floats, unit: float) -> Floats:
         """Return the angle (n,) that is nearest to zero; see :meth:`count`."""
@@ -185,7 +174,7 @@ class _Attached:
             r = r + x[:, :4, 4:] * x[:, 4:, :4] / (2j * x[:, 4:, 4:])
         displacement, force = reference.units()
         free = [0, 1, 2, 3]
-        for port, stiffness in self._ends(omega):
+        for port, stiffness in self._stiffnesses(omega):
             column = r[:, port]
             if stiffness is None:
                 free.remove(port)
@@ -206,14 +195,14 @@ class _Attached:
             raise ArithmeticError("the natural frequencies of this row cannot be counted")
         return counts.astype(int), np.asarray(angles)
 
-    def _ends(self, omega: Floats) -> list[tuple[int, Floats | None]]:
+    def _stiffnesses(self, omega: Floats) -> list[tuple[int, Floats | None]]:
         """Return the ports to which something is attached, with it (n,); None holds the port."""
-        f, o2 = self._fixture, omega**2
-        tip = f.tip_stiffness - o2 * f.tip_mass
+        springs, load, o2 = self._ends.base, self._ends.conservative_tip, omega**2
+        tip = load.stiffness - o2 * load.mass
         base: list[Floats | None] = [None, None]
-        if not f.clamped:
-            rotational = f.rotational_stiffness - o2 * f.rotational_inertia
-            base = [np.full_like(o2, f.lateral_stiffness), rotational]
+        if springs is not None:
+            rotational = springs.rotational_stiffness - o2 * springs.rotational_inertia
+            base = [np.full_like(o2, springs.lateral_stiffness), rotational]
         return [(port, d) for port, d in enumerate([*base, tip]) if d is None or d.any()]
 
 
@@ -269,14 +258,6 @@ def _turned(x: Complex) -> Floats:
         theta = np.where(theta > np.pi - _NOTHING, theta - np.pi, theta)
         turned[large] = theta.sum(axis=-1)
     return turned
-
-
-def _rigid_motions(fixture: Fixture) -> int:
-    """Return how many motions the fixture leaves free of any stiffness (modes at 0 Hz)."""
-    if fixture.clamped:
-        return 0
-    held = (fixture.lateral_stiffness, fixture.rotational_stiffness, fixture.tip_stiffness)
-    return max(0, 2 - sum(stiffness > 0.0 for stiffness in held))
 
 
 def _first_guess(row: Row) -> float:

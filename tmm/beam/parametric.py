@@ -14,15 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
+from geometry.arrays import Floats
+from geometry.bimorph.ends import Ends
 from geometry.bimorph.pieces import Layers, Piece, beam_pieces
 from geometry.device.parameters import Beam, Bimorph, Device, Drive, Load, Support
 from geometry.errors import InputError
 from geometry.units import Unit, quoted
 from tmm.beam.section.section import Section
 from tmm.beam.transfer.transfer_matrix import SEGMENTS, chain, elements
-from tmm.ports.multiport import PSI_BASE, W_BASE, W_TIP, in_series
-from tmm.ports.terminations import termination
+from tmm.ports.multiport import Multiport, in_series
+from tmm.ports.terminations import attach, ends_of
 
 #: Values by scene key, each a number or an array over the points.
 Values = Mapping[str, Any]
@@ -49,9 +50,9 @@ class Actuator:
     segments: int = SEGMENTS
 
     @property
-    def clamped(self) -> bool:
-        """Whether the base port is held rigidly."""
-        return self.support.kind != "spring"
+    def ends(self) -> Ends:
+        """Support and load at the ports."""
+        return ends_of(self.support, self.load)
 
     def value(self, key: str) -> float:
         """Return the value of a scene key such as ``piezo.s11`` (SI)."""
@@ -80,17 +81,16 @@ def parameter_keys(actuator: Actuator) -> tuple[str, ...]:
     and lengths at which a piece of the row of beams appears or vanishes (a rod that ends
     at its flange): there the model has a kink.
     """
-    usual = terminated(actuator, {}, _TRIAL)
+    usual = terminated(actuator, {}, _TRIAL).stiffness
+
+    def matters(key: str) -> bool:
+        moved = {key: actuator.value(key) * (1.0 + _STEP)}
+        return bool((terminated(actuator, moved, _TRIAL).stiffness != usual).any())
+
     return tuple(
         key
         for key in _number_keys(actuator)
-        if _slopes(actuator, key) is not None
-        and (
-            key == "drive.voltage"
-            or (
-                terminated(actuator, {key: actuator.value(key) * (1.0 + _STEP)}, _TRIAL) != usual
-            ).any()
-        )
+        if _slopes(actuator, key) is not None and (key == "drive.voltage" or matters(key))
     )
 
 
@@ -150,7 +150,7 @@ def terminated(
     *,
     lossless: bool = False,
     inertia: Any = 1.0,
-) -> Complex:
+) -> Multiport:
     """Return D(Ω) with support and load attached, wired as the device is.
 
     Parameters
@@ -165,26 +165,12 @@ def terminated(
         Factor on all masses.  Ω enters a lossless model with the masses only, as Ω² m, so
         this is also the factor on Ω².
 
-    Returns
-    -------
-    (n, 5, 5) complex array
-        Over [w_base, ψ_base, w_tip, ψ_tip, U].
-
     Raises
     ------
     InputError
         If the row of pieces does not follow a key smoothly; see :func:`check_keys`.
     """
     now = actuator.with_values(values)
-    support, load = now.support, now.load
-    if lossless:
-        kind = "none" if load.kind == "finger" else load.kind
-        support = support.model_copy(update={"rotational_damping": 0.0})
-        load = load.model_copy(update={"kind": kind, "damping": 0.0})
-    support = support.model_copy(
-        update={"rotational_inertia": support.rotational_inertia * inertia}
-    )
-    load = load.model_copy(update={"mass": load.mass * inertia})
     row = []
     for piece in _pieces(actuator, values):
         for element, length in elements(
@@ -196,13 +182,8 @@ def terminated(
     port = chain(row, frequencies)
     if now.device.bimorph.wiring == "series":
         port = in_series(port)
-    matrix = port.stiffness.copy()
-    end = termination(support, load, frequencies)
-    if end.base is not None:
-        matrix[:, W_BASE, W_BASE] += end.base[0]
-        matrix[:, PSI_BASE, PSI_BASE] += end.base[1]
-    matrix[:, W_TIP, W_TIP] += end.tip
-    return matrix
+    ends = now.ends.lossless if lossless else now.ends
+    return attach(port, ends.with_inertia(inertia))
 
 
 def _pieces(actuator: Actuator, values: Values) -> list[Piece]:

@@ -13,7 +13,8 @@ import numpy as np
 
 from geometry.arrays import Complex, Floats
 from tmm.beam.parametric import Actuator, Values, terminated
-from tmm.ports.multiport import PSI_BASE, PSI_TIP, VOLTAGE, W_BASE, W_TIP, symmetric_form
+from tmm.ports.invariants import symmetric_form
+from tmm.ports.multiport import Multiport, hold, respond
 
 
 @dataclass(frozen=True)
@@ -22,9 +23,9 @@ class Readout:
 
     Attributes
     ----------
-    port : int
-        Position of the port.
-    of : {"motion", "reaction"}
+    port : str
+        Name of the port.
+    of : {"motion", "effort"}
         Displacement-like variable, or force-like (charge at the electrical port).
     rate : bool
         Whether jΩ multiplies it.
@@ -32,52 +33,38 @@ class Readout:
         Whether it is that of the lossless model at 0 Hz, a real number.
     unit_voltage : bool
         Whether it is per volt.
-    held : tuple of int
+    held : tuple of str
         Ports held at rest besides a clamped base.
     """
 
-    port: int
-    of: Literal["motion", "reaction"]
+    port: str
+    of: Literal["motion", "effort"]
     rate: bool = False
     static: bool = False
     unit_voltage: bool = False
-    held: tuple[int, ...] = ()
+    held: tuple[str, ...] = ()
 
 
-_MECHANICAL = (W_BASE, PSI_BASE, W_TIP, PSI_TIP)
+_MECHANICAL = ("w_base", "psi_base", "w_tip", "psi_tip")
 
 READOUTS: dict[str, Readout] = {
-    "tip_displacement": Readout(W_TIP, "motion"),
-    "tip_velocity": Readout(W_TIP, "motion", rate=True),
-    "tip_rotation": Readout(PSI_TIP, "motion"),
-    "input_current": Readout(VOLTAGE, "reaction", rate=True),
-    "admittance": Readout(VOLTAGE, "reaction", rate=True, unit_voltage=True),
-    "blocked_force": Readout(W_TIP, "reaction", held=(W_TIP,)),
-    "static_tip_displacement": Readout(W_TIP, "motion", static=True),
-    "capacitance_free": Readout(VOLTAGE, "reaction", static=True, unit_voltage=True),
+    "tip_displacement": Readout("w_tip", "motion"),
+    "tip_velocity": Readout("w_tip", "motion", rate=True),
+    "tip_rotation": Readout("psi_tip", "motion"),
+    "input_current": Readout("voltage", "effort", rate=True),
+    "admittance": Readout("voltage", "effort", rate=True, unit_voltage=True),
+    "blocked_force": Readout("w_tip", "effort", held=("w_tip",)),
+    "static_tip_displacement": Readout("w_tip", "motion", static=True),
+    "capacitance_free": Readout("voltage", "effort", static=True, unit_voltage=True),
     "capacitance_blocked": Readout(
-        VOLTAGE, "reaction", static=True, unit_voltage=True, held=_MECHANICAL
+        "voltage", "effort", static=True, unit_voltage=True, held=_MECHANICAL
     ),
 }
 
 
-def free_ports(actuator: Actuator, held: tuple[int, ...] = ()) -> list[int]:
-    """Return the mechanical ports that are free to move."""
-    base = (W_BASE, PSI_BASE) if actuator.clamped else ()
-    return [port for port in _MECHANICAL if port not in (*base, *held)]
-
-
-def port_motion(matrix: Complex, voltage: Any, free: list[int]) -> Complex:
-    """Return [w_base, ψ_base, w_tip, ψ_tip, U] (n, 5) under a voltage, free ports unforced."""
-    motion = np.zeros(matrix.shape[:2], dtype=complex)
-    motion[:, VOLTAGE] = voltage
-    motion[:, free] = solve_free(matrix, -matrix[:, free, VOLTAGE] * motion[:, [VOLTAGE]], free)
-    return motion
-
-
-def solve_free(matrix: Complex, force: Complex, free: list[int]) -> Complex:
-    """Return the motion (n, k) of the free ports under forces (n, k) on them."""
-    return np.asarray(np.linalg.solve(matrix[:, free][:, :, free], force[..., None])[..., 0])
+def drive(port: Multiport, read: Readout, voltage: Any) -> dict[str, Any]:
+    """Return what moves and what holds the terminated actuator for a readout."""
+    return {"voltage": voltage, **{name: 0.0 for name in read.held if name in port.names}}
 
 
 def evaluate(actuator: Actuator, quantity: str, values: Values, frequencies: Floats) -> Complex:
@@ -85,13 +72,10 @@ def evaluate(actuator: Actuator, quantity: str, values: Values, frequencies: Flo
     read = READOUTS[quantity]
     frequencies = np.asarray(frequencies, dtype=float)
     at = np.zeros_like(frequencies) if read.static else frequencies
-    matrix = terminated(actuator, values, at, lossless=read.static)
+    port = terminated(actuator, values, at, lossless=read.static)
     voltage = 1.0 if read.unit_voltage else actuator.with_values(values).drive.voltage
-    motion = port_motion(matrix, voltage, free_ports(actuator, read.held))
-    if read.of == "motion":
-        found = motion[:, read.port]
-    else:
-        found = np.einsum("ni,ni->n", matrix[:, read.port], motion)
+    response = respond(port, drive(port, read, voltage))
+    found = (response.motion if read.of == "motion" else response.effort)[read.port]
     return np.asarray(found * (2j * np.pi * frequencies if read.rate else 1.0))
 
 
@@ -114,11 +98,10 @@ def first_frequency(
     start : (n,) array
         First guess (Hz).
     """
-    free = [*free_ports(actuator), *([VOLTAGE] if open_circuit else [])]
 
     def reduced(frequencies: Floats, given: Values) -> Floats:
-        form = symmetric_form(terminated(actuator, given, frequencies, lossless=True)).real
-        return np.asarray(form[:, free][:, :, free])
+        port = terminated(actuator, given, frequencies, lossless=True)
+        return symmetric_form(port if open_circuit else hold(port, "voltage")).real
 
     at_rest = reduced(np.zeros(1), {})[0]
     scale = 1.0 / np.sqrt(np.abs(np.diag(at_rest)))

@@ -27,17 +27,18 @@ more than 1.3e-9 where an entry of A is itself near a pole or zero
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from geometry.arrays import Complex, Floats, Numbers
 from geometry.errors import InputError
-from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.modes import bending_frequencies
 from tmm.beam.parametric import Actuator, check_keys, parameter_keys, terminated
-from tmm.beam.port_quantities import READOUTS, evaluate, free_ports, port_motion, solve_free
+from tmm.beam.port_quantities import READOUTS, drive, evaluate
 from tmm.beam.transfer.transfer_matrix import sections
-from tmm.ports.multiport import VOLTAGE, symmetric_form
-from tmm.ports.terminations import conservative_load
+from tmm.ports.invariants import symmetric_form
+from tmm.ports.multiport import hold, respond
 
 _RADIUS, _POINTS = 0.003, 16
 
@@ -154,7 +155,7 @@ def _check(quantity: str, frequencies: Floats | None) -> None:
 def _matrix_derivatives(
     actuator: Actuator, keys: Sequence[str], frequencies: Floats, *, lossless: bool
 ) -> Iterator[tuple[str, Complex]]:
-    """Yield each key with dA/dp (n, 5, 5); for the factor on Ω² it is dA/d ln Ω²."""
+    """Yield each key with dA/dp (n, k, k); for the factor on Ω² it is dA/d ln Ω²."""
     n = frequencies.size
     at_once = max(1, _AT_ONCE // (n * (_POINTS + 1)))
     for first in range(0, len(keys), at_once):
@@ -167,7 +168,7 @@ def _matrix_derivatives(
 def _on_contours(
     actuator: Actuator, keys: Sequence[str], frequencies: Floats, *, lossless: bool
 ) -> Complex:
-    """Return dA/dp (keys, n, 5, 5) from all points of all contours at once."""
+    """Return dA/dp (keys, n, k, k) from all points of all contours at once."""
     n, count = frequencies.size, len(keys)
     turns = np.exp(2j * np.pi * np.arange(_POINTS) / _POINTS)
     # of each key the centre and its contour, (keys, points + 1, n); others stay put there
@@ -184,8 +185,8 @@ def _on_contours(
         values[key] = moved.ravel()
     inertia = values.pop(_SQUARED_FREQUENCY, 1.0)
     everywhere = np.tile(frequencies, count * (_POINTS + 1))
-    matrix = terminated(actuator, values, everywhere, lossless=lossless, inertia=inertia)
-    matrix = matrix.reshape(count, _POINTS + 1, n, 5, 5)
+    port = terminated(actuator, values, everywhere, lossless=lossless, inertia=inertia)
+    matrix = port.stiffness.reshape(count, _POINTS + 1, n, *port.stiffness.shape[1:])
     # less the centre, so that what does not depend on p gives zero
     change = matrix[:, 1:] - matrix[:, :1]
     found = np.einsum("k,pknij->pnij", turns.conj(), change)
@@ -197,55 +198,45 @@ def _of_readout(
 ) -> dict[str, Numbers]:
     read = READOUTS[quantity]
     at = np.zeros(1) if read.static else frequencies
-    matrix = terminated(actuator, {}, at, lossless=read.static)
-    free = free_ports(actuator, read.held)
-    voltage = 1.0 if read.unit_voltage else actuator.drive.voltage
-    motion = port_motion(matrix, voltage, free)
+    port = terminated(actuator, {}, at, lossless=read.static)
+    driven = drive(port, read, 1.0 if read.unit_voltage else actuator.drive.voltage)
+    motion = respond(port, driven).motion
     rate = 2j * np.pi * at if read.rate else 1.0
     found: dict[str, Numbers] = {}
     for key, slope in _matrix_derivatives(actuator, keys, at, lossless=read.static):
-        moved = np.zeros_like(motion)
-        moved[:, VOLTAGE] = float(key == _VOLTAGE and not read.unit_voltage)
-        explicit = np.einsum("nij,nj->ni", slope, motion)
-        force = explicit[:, free] + matrix[:, free, VOLTAGE] * moved[:, [VOLTAGE]]
-        moved[:, free] = solve_free(matrix, -force, free)
+        explicit = dict(
+            zip(port.names, np.einsum("nij,jn->in", slope, list(motion.values())), strict=True)
+        )
+        stepped = dict.fromkeys(driven, 0.0)
+        stepped["voltage"] = float(key == _VOLTAGE and not read.unit_voltage)
+        moved = respond(port, stepped, {name: -explicit[name] for name in port.others(driven)})
         if read.of == "motion":
-            change = moved[:, read.port]
+            change = moved.motion[read.port]
         else:
-            through = np.einsum("ni,ni->n", matrix[:, read.port], moved)
-            change = explicit[:, read.port] + through
+            change = explicit[read.port] + moved.effort[read.port]
         change = change * rate
         found[key] = np.asarray(change.real if read.static else change)
     return found
 
 
 def _frequencies(actuator: Actuator, modes: int, *, open_circuit: bool) -> Floats:
-    support, (stiffness, mass) = actuator.support, conservative_load(actuator.load)
-    held = actuator.clamped
-    fixture = Fixture(
-        clamped=held,
-        lateral_stiffness=0.0 if held else support.lateral_stiffness,
-        rotational_stiffness=0.0 if held else support.rotational_stiffness,
-        rotational_inertia=0.0 if held else support.rotational_inertia,
-        tip_stiffness=stiffness,
-        tip_mass=mass,
-    )
     pieces = sections(
-        actuator.device, support, actuator.beam, lossy=False, segments=actuator.segments
+        actuator.device, actuator.support, actuator.beam, lossy=False, segments=actuator.segments
     )
-    return bending_frequencies(pieces, fixture, modes, open_circuit=open_circuit)
+    return bending_frequencies(pieces, actuator.ends, modes, open_circuit=open_circuit)
 
 
 def _of_frequencies(
     actuator: Actuator, keys: Sequence[str], modes: int, *, open_circuit: bool
 ) -> dict[str, Numbers]:
     at = _frequencies(actuator, modes, open_circuit=open_circuit)
-    free = [*free_ports(actuator), *([VOLTAGE] if open_circuit else [])]
+    port = terminated(actuator, {}, at, lossless=True)
 
-    def form(matrix: Complex) -> Floats:
-        return np.asarray(symmetric_form(matrix).real[:, free][:, :, free])
+    def form(stiffness: Complex) -> Floats:
+        moving = replace(port, stiffness=stiffness)
+        return symmetric_form(moving if open_circuit else hold(moving, "voltage")).real
 
-    here = form(terminated(actuator, {}, at, lossless=True))
+    here = form(port.stiffness)
     scale = 1.0 / np.sqrt(np.abs(here).max(axis=2))
     eigenvalues, vectors = np.linalg.eigh(here * scale[:, :, None] * scale[:, None, :])
     nearest = np.abs(eigenvalues).argmin(axis=1)

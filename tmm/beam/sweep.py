@@ -29,12 +29,12 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Bools, Complex, Floats, Numbers
-from geometry.device.parameters import Load, Support
+from geometry.bimorph.ends import Law, Springs, TipLoad
 from tmm.beam.section.section import Section
 from tmm.beam.transfer.blocks import BLOCK, blocks
 from tmm.beam.transfer.precision import EPS, EXTENDED, TOLERATED, size
 from tmm.beam.transfer.span import Span, extended_span, span
-from tmm.ports.terminations import base_stiffness, load_stiffness
+from tmm.ports.terminations import base_stiffness, tip_stiffness
 
 
 @dataclass(frozen=True)
@@ -124,8 +124,8 @@ def design_map(
     beam: Section,
     lengths: Floats,
     frequencies: Floats,
-    support: Support,
-    loads: Sequence[Load],
+    base: Springs | None,
+    tips: Sequence[TipLoad | Law],
     voltage: float = 1.0,
 ) -> TipResponse:
     """Return the response (n_load, n_length, n_frequency) over a grid of designs.
@@ -138,25 +138,25 @@ def design_map(
         m.
     frequencies : (n_frequency,) array
         Hz.
-    support : Support
-        A clamp or a spring support.
-    loads : sequence of Load
+    base : Springs or None
+        Of the base; None is a rigid clamp.
+    tips : sequence of TipLoad or Law
         Loads at the tip.
     voltage : float
         Amplitude across each layer (V).
     """
     f = np.asarray(frequencies, dtype=float)
-    shape = (len(loads), np.size(lengths), f.size)
+    shape = (len(tips), np.size(lengths), f.size)
     out = TipResponse(np.empty(shape, complex), np.empty(shape, complex), np.empty(shape))
     for start in range(0, f.size, 16 * BLOCK):
         block = np.s_[..., start : start + 16 * BLOCK]
-        tips = np.stack([load_stiffness(load, f[block]) for load in loads])
+        loads = np.stack([tip_stiffness(tip, f[block]) for tip in tips])
         part = tip_response(
             beam,
             np.asarray(lengths)[:, None],
             2.0 * np.pi * f[block],
-            base=base_stiffness(support, f[block]),
-            tip=tips[:, None, :],
+            base=None if base is None else base_stiffness(base, f[block]),
+            tip=loads[:, None, :],
             voltage=voltage,
         )
         out.w_tip[block], out.charge[block] = part.w_tip, part.charge

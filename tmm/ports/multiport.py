@@ -1,71 +1,123 @@
-"""The multiport that every model of the lateral actuator reduces to, and its algebra.
+"""Multiports, D(Ω) over named ports, and the algebra that joins, loads and drives them.
 
+    efforts = D(Ω) · motions;   of the lateral actuator, by whatever model,
     [F_base, M_base, F_tip, M_tip, Q] = D(Ω) · [w_base, ψ_base, w_tip, ψ_tip, U]
 
-Displacement and charge, complex peak amplitudes, time factor e^{+jΩt}.  Forces and
-moments act on the model from outside, each work-conjugate to its displacement; the
-shear angle is γ = w' + ψ, so ψ ≈ −w' for a slender beam and u_z = x ψ in a section.
-Support, load and wiring are attached here, in a few operations per frequency, and
-never need a new field solution.
+Efforts act on the element from outside, each conjugate to its motion.  Everything attached
+later (support, load, wiring, another element) is a few operations per frequency and never
+needs a new field solution.
 """
 
 from __future__ import annotations
 
+import difflib
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
+from geometry.arrays import Complex, Floats, Numbers
+from geometry.errors import InputError
 from geometry.store.values import storable
-
-#: Positions of the ports' displacement-like variables.
-W_BASE, PSI_BASE, W_TIP, PSI_TIP, VOLTAGE = range(5)
+from tmm.ports.port import VOLTAGE, Port
 
 
 @storable
 @dataclass(frozen=True)
 class Multiport:
-    """Dynamic stiffness over the five ports.
+    """Dynamic stiffness over named ports.
 
     Attributes
     ----------
     frequencies : (n,) array
         Frequencies (Hz); 0 is allowed, the static limit is finite.
-    stiffness : (n, 5, 5) complex array
-        D(Ω): N/m, N, N m; the last row and column carry C/m, C and F.
+    stiffness : (n, k, k) complex array
+        D(Ω) in the units of effort per motion.
+    ports : tuple of Port
+        The k ports in order.
+
+    Raises
+    ------
+    InputError
+        If two ports have one name.
     """
 
     frequencies: Floats
     stiffness: Complex
+    ports: tuple[Port, ...]
+
+    def __post_init__(self) -> None:
+        twice = [name for name, count in Counter(self.names).items() if count > 1]
+        if twice:
+            raise InputError(f'two ports are named "{twice[0]}"; rename one of them')
+
+    def __getitem__(self, entry: tuple[str, str]) -> Complex:
+        """Return one entry (n,) of D: the effort at a port per motion at another."""
+        row, column = entry
+        return self.stiffness[:, self.index(row), self.index(column)]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The ports' names in order."""
+        return tuple(port.name for port in self.ports)
 
     @property
     def omega(self) -> Floats:
         """Angular frequencies (n,) in rad/s."""
         return 2.0 * np.pi * self.frequencies
 
+    def index(self, name: str) -> int:
+        """Return the position of a port.
 
-@dataclass(frozen=True)
-class Termination:
-    """What is attached to the mechanical ports: dynamic stiffnesses, (n,) complex arrays.
+        Raises
+        ------
+        InputError
+            With the nearest name, if there is no such port.
+        """
+        if name in self.names:
+            return self.names.index(name)
+        close = difflib.get_close_matches(name, self.names, n=1)
+        hint = f' (did you mean "{close[0]}"?)' if close else ""
+        raise InputError(f'port "{name}" is unknown{hint}; there are {", ".join(self.names)}')
 
-    `base` is None for a rigid clamp, else (lateral N/m, rotational N m/rad).
-    `tip` is the lateral dynamic stiffness of the load (N/m).
+    def others(self, names: Iterable[str]) -> list[str]:
+        """Return the ports that are not named, in order."""
+        named = {self.index(name) for name in names}
+        return [name for i, name in enumerate(self.names) if i not in named]
+
+    def block(self, *names: str) -> Multiport:
+        """Return the rows and columns of some ports in that order, all others held."""
+        at = [self.index(name) for name in names]
+        stiffness = self.stiffness[:, at][:, :, at]
+        return Multiport(self.frequencies, stiffness, tuple(self.ports[i] for i in at))
+
+    def renamed(self, names: Mapping[str, str]) -> Multiport:
+        """Return the same with other names, given as {old: new}."""
+        new = {self.index(old): name for old, name in names.items()}
+        ports = (replace(p, name=new.get(i, p.name)) for i, p in enumerate(self.ports))
+        return replace(self, ports=tuple(ports))
+
+
+def hold(port: Multiport, *names: str) -> Multiport:
+    """Return the multiport with some motions held at 0; of a voltage: short-circuited."""
+    return port.block(*port.others(names))
+
+
+def terminate(port: Multiport, loads: Mapping[str, Any]) -> Multiport:
+    """Return the multiport with something that answers at some ports, which stay ports.
+
+    Parameters
+    ----------
+    loads : mapping of str to number or (n,) complex array
+        Ports with the effort per motion of what is attached.
     """
-
-    base: tuple[Complex, Complex] | None
-    tip: Complex
-
-
-@dataclass(frozen=True)
-class Response:
-    """Amplitudes at the ports under a drive voltage, (n,) complex arrays in SI units."""
-
-    frequencies: Floats
-    w_base: Complex
-    psi_base: Complex
-    w_tip: Complex
-    psi_tip: Complex
-    charge: Complex
+    d = port.stiffness.copy()
+    for name, stiffness in loads.items():
+        at = port.index(name)
+        d[:, at, at] += stiffness
+    return replace(port, stiffness=d)
 
 
 def in_series(port: Multiport) -> Multiport:
@@ -74,98 +126,178 @@ def in_series(port: Multiport) -> Multiport:
     Each layer then takes half the voltage and both carry the same charge.  Exact for
     a device that is mirror-symmetric about x = 0.
     """
-    half = np.array([1.0, 1.0, 1.0, 1.0, 0.5])
+    half = np.array([0.5 if p.pair == VOLTAGE else 1.0 for p in port.ports])
     return replace(port, stiffness=port.stiffness * half[:, None] * half)
 
 
-def respond(port: Multiport, termination: Termination, voltage: float) -> Response:
-    """Return the response to a voltage amplitude (V), free of other forces."""
-    d = _terminated(port, termination)
-    n = port.frequencies.size
-    free = [W_TIP, PSI_TIP] if termination.base is None else [0, 1, 2, 3]
-    x = np.zeros((n, 4), dtype=complex)
-    x[:, free] = _balanced_solve(d[:, free][:, :, free], -d[:, free, VOLTAGE])
-    charge = np.einsum("ni,ni->n", d[:, VOLTAGE, :4], x) + d[:, VOLTAGE, VOLTAGE]
-    w_base, psi_base, w_tip, psi_tip = (x * voltage).T
-    return Response(port.frequencies, w_base, psi_base, w_tip, psi_tip, charge * voltage)
+def connect(
+    first: Multiport,
+    second: Multiport,
+    joints: Mapping[str, str],
+    prefixes: tuple[str, str] | None = None,
+) -> Multiport:
+    """Return two multiports joined: motions equal, efforts added.
 
+    The joints stay ports under the first one's names, free or to be loaded further.
 
-def blocked_force(port: Multiport, termination: Termination, voltage: float) -> Complex:
-    """Return the force (n,) in N that holds the tip at w = 0, its rotation left free.
+    Parameters
+    ----------
+    joints : mapping of str to str
+        Ports of the first with the ports of the second that move with them; with none the two
+        stand side by side.
+    prefixes : (str, str), optional
+        Put before names that both have, as in ``left.w_tip``.
 
-    The force acts on the actuator, so its sign is opposite to the free motion's.
+    Raises
+    ------
+    InputError
+        If a port is unknown or joined twice, two joined ports are of different kinds, names
+        clash without prefixes, or the frequencies differ.
     """
-    d = _terminated(port, termination)
-    free = [PSI_TIP] if termination.base is None else [W_BASE, PSI_BASE, PSI_TIP]
-    x = _balanced_solve(d[:, free][:, :, free], -d[:, free, VOLTAGE])
-    force = np.einsum("ni,ni->n", port.stiffness[:, W_TIP][:, free], x)
-    return np.asarray((force + port.stiffness[:, W_TIP, VOLTAGE]) * voltage)
+    if not np.array_equal(first.frequencies, second.frequencies):
+        raise InputError("two multiports at different frequencies cannot be joined; use the same")
+    taken = [second.index(name) for name in joints.values()]
+    if len(set(taken)) < len(taken):
+        raise InputError("one port is joined to two of another multiport; join these first")
+    for mine, theirs in joints.items():
+        _check_joint(first.ports[first.index(mine)], second.ports[second.index(theirs)])
+    added = second.others(joints.values())
+    clash = [name for name in added if name in first.names]
+    if clash and prefixes is None:
+        raise InputError(f'both multiports have a port "{clash[0]}"; rename one or give prefixes')
+    if clash and prefixes is not None:
+        first_new, second_new = ({n: f"{p}.{n}" for n in clash} for p in prefixes)
+        first, second = first.renamed(first_new), second.renamed(second_new)
+        joints = {first_new.get(mine, mine): theirs for mine, theirs in joints.items()}
+        added = second.others(joints.values())
+    ports = (*first.ports, *(second.ports[second.index(name)] for name in added))
+    place = {theirs: first.index(mine) for mine, theirs in joints.items()}
+    place |= {name: len(first.ports) + i for i, name in enumerate(added)}
+    at = np.array([place[name] for name in second.names])
+    d = np.zeros((first.frequencies.size, len(ports), len(ports)), dtype=complex)
+    d[:, : len(first.ports), : len(first.ports)] = first.stiffness
+    d[:, at[:, None], at] += second.stiffness
+    return Multiport(first.frequencies, d, ports)
 
 
-def _terminated(port: Multiport, termination: Termination) -> Complex:
-    d = port.stiffness.copy()
-    if termination.base is not None:
-        lateral, rotational = termination.base
-        d[:, W_BASE, W_BASE] += lateral
-        d[:, PSI_BASE, PSI_BASE] += rotational
-    d[:, W_TIP, W_TIP] += termination.tip
-    return d
+def _check_joint(one: Port, other: Port) -> None:
+    if one.pair != other.pair:
+        described = (f'"{p.name}" ({p.pair.motion} in {p.pair.motion_unit})' for p in (one, other))
+        raise InputError(
+            f"ports {' and '.join(described)} are of different kinds; join ports of one kind"
+        )
+
+
+def reduce(port: Multiport, keep: Iterable[str]) -> Multiport:
+    """Return what is seen at some ports, in that order, while no effort acts on the others."""
+    keep = list(keep)
+    kept, free = ([port.index(n) for n in names] for names in (keep, port.others(keep)))
+    seen = port.block(*keep)
+    if not free:
+        return seen
+    d = port.stiffness
+    follows = _balanced_solve(d[:, free][:, :, free], -d[:, free][:, :, kept])
+    return replace(seen, stiffness=seen.stiffness + d[:, kept][:, :, free] @ follows)
+
+
+@dataclass(frozen=True)
+class Response:
+    """Complex peak amplitudes (SI) by port name, (n,) arrays.
+
+    Attributes
+    ----------
+    motion : dict of str to (n,) complex array
+        At all ports.
+    effort : dict of str to (n,) complex array
+        At the driven ports; the others' is what was given.
+    """
+
+    motion: dict[str, Complex]
+    effort: dict[str, Complex]
+
+
+def respond(
+    port: Multiport, drive: Mapping[str, Any], efforts: Mapping[str, Any] | None = None
+) -> Response:
+    """Return the response to prescribed motions (a voltage is one) and efforts.
+
+    Parameters
+    ----------
+    drive : mapping of str to number or (n,) array
+        Ports with their motions; 0 holds a port, and its effort is that of the holder.
+    efforts : mapping of str to number or (n,) array, optional
+        What acts on other ports; nothing acts on those in neither.
+
+    Raises
+    ------
+    InputError
+        If a port is unknown, or both moved and loaded.
+    numpy.linalg.LinAlgError
+        If nothing holds a port that is free.
+    """
+    d, n = port.stiffness, port.frequencies.size
+    driven = [port.index(name) for name in drive]
+    free = [port.index(name) for name in port.others(drive)]
+    motion = np.zeros((n, len(port.ports)), dtype=complex)
+    effort = np.zeros((n, len(driven)), dtype=complex)
+    for at, value in zip(driven, drive.values(), strict=True):
+        if not np.any(value):
+            continue  # of a port held at 0 nothing follows
+        follows = _free_motion(d, free, -d[:, free, at][..., None])
+        answers = np.einsum("nij,nj->ni", d[:, driven][:, :, free], follows) + d[:, driven, at]
+        weight = np.broadcast_to(value, n)
+        motion[:, at] += weight
+        motion[:, free] += follows * weight[:, None]
+        effort += answers * weight[:, None]
+    if efforts:
+        both = [name for name in efforts if port.index(name) in driven]
+        if both:
+            raise InputError(f'port "{both[0]}" is both moved and loaded; state one of the two')
+        right = np.zeros((n, len(free), 1), dtype=complex)
+        for name, value in efforts.items():
+            right[:, free.index(port.index(name)), 0] = value
+        follows = _free_motion(d, free, right)
+        motion[:, free] += follows
+        effort += np.einsum("nij,nj->ni", d[:, driven][:, :, free], follows)
+    return Response(
+        dict(zip(port.names, motion.T, strict=True)),
+        dict(zip(drive, effort.T, strict=True)),
+    )
+
+
+def _free_motion(d: Complex, free: list[int], right: Complex) -> Complex:
+    """Return the motion (n, f) of free ports under efforts (n, f, 1)."""
+    if not free:
+        return right[..., 0]
+    return _balanced_solve(d[:, free][:, :, free], right)[..., 0]
 
 
 def _balanced_solve(matrix: Complex, right: Complex) -> Complex:
-    """Solve (n, k, k) systems after scaling rows and columns by the diagonal.
+    """Solve (n, k, k) systems for (n, k, m) after scaling rows and columns.
 
     Displacements (m) and rotations (rad) differ by the length of the beam; without the
     scaling the condition number is mostly a matter of units.
     """
     scale = _scale(matrix)
     scaled = matrix * scale[:, :, None] * scale[:, None, :]
-    solution = np.linalg.solve(scaled, (right * scale)[..., None])[..., 0]
-    return np.asarray(solution * scale)
+    return np.asarray(np.linalg.solve(scaled, right * scale[..., None]) * scale[..., None])
 
 
-def _scale(matrix: Complex) -> Floats:
+def _scale(matrix: Numbers) -> Floats:
     largest = np.abs(matrix).max(axis=2)
     return np.asarray(1.0 / np.sqrt(np.where(largest > 0.0, largest, 1.0)))
 
 
-def round_off(port: Multiport, termination: Termination) -> Floats:
+def balanced(matrix: Complex) -> Complex:
+    """Return matrices (n, k, k) with rows and columns scaled to a largest entry of about 1."""
+    scale = _scale(matrix)
+    return np.asarray(matrix * scale[:, :, None] * scale[:, None, :])
+
+
+def round_off(port: Multiport, driven: Iterable[str] = ("voltage",)) -> Floats:
     """Return a relative round-off bound (n,): machine epsilon times the condition number.
 
     The condition number is that of the balanced matrix which :func:`respond` solves.
     """
-    d = _terminated(port, termination)
-    free = [W_TIP, PSI_TIP] if termination.base is None else [0, 1, 2, 3]
-    matrix = d[:, free][:, :, free]
-    scale = _scale(matrix)
-    scaled = matrix * scale[:, :, None] * scale[:, None, :]
-    return np.asarray(np.linalg.cond(scaled) * np.finfo(float).eps)
-
-
-def passivity_margin(port: Multiport) -> Floats:
-    """Return the smallest eigenvalue (n,) of the dissipation form, scaled to the largest.
-
-    With S the symmetric form (the charge row of D negated) the mean power taken in is
-    ½ Ω Im(xᴴ S x); a passive model has Im S positive semidefinite, so the margin is ≥ 0
-    up to rounding.
-    """
-    s = symmetric_form(port.stiffness)
-    scale = _scale(s)
-    scaled = s * scale[:, :, None] * scale[:, None, :]
-    eigenvalues = np.linalg.eigvalsh(0.5 * (scaled.imag + scaled.imag.transpose(0, 2, 1)))
-    return np.asarray(eigenvalues[:, 0] / np.maximum(np.abs(eigenvalues).max(axis=1), 1e-300))
-
-
-def symmetric_form(stiffness: Complex) -> Complex:
-    """Return D with the charge row negated: symmetric if and only if D is reciprocal."""
-    s = stiffness.copy()
-    s[:, VOLTAGE] *= -1.0
-    return s
-
-
-def reciprocity_error(port: Multiport) -> Floats:
-    """Return max |S − Sᵀ| (n,), each entry relative to its two diagonal neighbours."""
-    s = symmetric_form(port.stiffness)
-    size = np.sqrt(np.abs(np.einsum("nii->ni", s)))
-    scale = np.maximum(size[:, :, None] * size[:, None, :], np.abs(s))
-    return np.asarray((np.abs(s - s.transpose(0, 2, 1)) / scale).max(axis=(1, 2)))
+    free = hold(port, *driven).stiffness
+    return np.asarray(np.linalg.cond(balanced(free)) * np.finfo(float).eps)

@@ -1,4 +1,4 @@
-"""Support and load of the lateral actuator as dynamic stiffnesses (paper sections 3, 4).
+"""Support and load of the lateral actuator at its ports (paper sections 3, 4).
 
 The finger is a measured spring and damper (eqs 1-5), fitted between 10 and 1000 Hz.
 Outside, its fit turns negative in stiffness (1183 Hz) and then creates energy
@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from geometry.arrays import Bools, Complex, Floats
+from geometry.bimorph.ends import Ends, Law, Springs, TipLoad
 from geometry.device.parameters import Load, Support
-from tmm.ports.multiport import Termination
+from tmm.ports.multiport import Multiport, hold, terminate
 
 #: Range in which the paper fitted the finger's impedance (Hz).
 FINGER_RANGE = (10.0, 1000.0)
@@ -50,60 +51,63 @@ def outside_finger_range(load: Load, frequencies: Floats) -> Bools:
     return np.asarray((f < low - tolerance) | (f > high + tolerance))
 
 
-def load_stiffness(load: Load, frequencies: Floats) -> Complex:
-    """Return the load's lateral dynamic stiffness (n,) in N/m; jΩ times paper eq 11."""
+def finger_stiffness(frequencies: Floats) -> Complex:
+    """Return the finger's lateral dynamic stiffness (n,) in N/m: a law of frequency."""
     f = np.asarray(frequencies, dtype=float)
-    omega = 2.0 * np.pi * f
-    if load.kind == "finger":
-        stiffness, damping = finger_spring_damper(f)
-        return np.asarray(stiffness + 1j * omega * damping)
-    if load.kind == "mass":
-        return np.asarray(-(omega**2) * load.mass + 0j)
-    if load.kind == "spring_damper":
-        return np.asarray(load.stiffness + 1j * omega * load.damping)
-    return np.zeros(f.shape, dtype=complex)
+    stiffness, damping = finger_spring_damper(f)
+    return np.asarray(stiffness + 2j * np.pi * f * damping)
 
 
-def conservative_load(load: Load) -> tuple[float, float]:
-    """Return the load's constant stiffness (N/m) and mass (kg), for statics and modes.
+def ends_of(support: Support, load: Load) -> Ends:
+    """Return what a scene's support and load are at the ports.
 
-    The finger has neither: its stiffness depends on frequency and is known only between
-    10 and 1000 Hz, so static values and undamped modes are those of the unloaded tip.
+    A base in the rod is part of the row of pieces or of the solid, whose own lower end is held.
     """
+    base = None
+    if support.kind == "spring":
+        base = Springs(
+            support.lateral_stiffness,
+            support.rotational_stiffness,
+            support.rotational_damping,
+            support.rotational_inertia,
+        )
+    if load.kind == "finger":
+        return Ends(base, finger_stiffness)
     if load.kind == "mass":
-        return 0.0, load.mass
+        return Ends(base, TipLoad(mass=load.mass))
     if load.kind == "spring_damper":
-        return load.stiffness, 0.0
-    return 0.0, 0.0
+        return Ends(base, TipLoad(load.stiffness, load.damping))
+    return Ends(base)
 
 
-def base_stiffness(support: Support, frequencies: Floats) -> tuple[Complex, Complex] | None:
-    """Return the support's lateral and rotational dynamic stiffness, None if rigid.
+def base_stiffness(base: Springs, frequencies: Floats) -> tuple[Complex, Complex]:
+    """Return the lateral (N/m) and rotational (N m/rad) dynamic stiffness (n,) of springs.
 
     jΩ times the paper's R41 and R32 (eqs 7, 8).
     """
-    if support.kind != "spring":
-        return None
     omega = 2.0 * np.pi * np.asarray(frequencies, dtype=float)
-    lateral = np.full(omega.shape, support.lateral_stiffness, dtype=complex)
+    lateral = np.full(omega.shape, base.lateral_stiffness, dtype=complex)
     rotational = (
-        support.rotational_stiffness
-        + 1j * omega * support.rotational_damping
-        - omega**2 * support.rotational_inertia
+        base.rotational_stiffness
+        + 1j * omega * base.rotational_damping
+        - omega**2 * base.rotational_inertia
     )
     return lateral, rotational
 
 
-def termination(support: Support, load: Load, frequencies: Floats) -> Termination:
-    """Return what a scene attaches to the mechanical ports, with all losses."""
-    return Termination(
-        base=base_stiffness(support, frequencies), tip=load_stiffness(load, frequencies)
-    )
+def tip_stiffness(tip: TipLoad | Law, frequencies: Floats) -> Complex:
+    """Return a load's lateral dynamic stiffness (n,) in N/m; jΩ times paper eq 11."""
+    f = np.asarray(frequencies, dtype=float)
+    if not isinstance(tip, TipLoad):
+        return tip(f)
+    omega = 2.0 * np.pi * f
+    return np.asarray(tip.stiffness + 1j * omega * tip.damping - omega**2 * tip.mass)
 
 
-def static_termination(support: Support, load: Load) -> Termination:
-    """Return the lossless termination at 0 Hz, shape (1,)."""
-    stiffness, _ = conservative_load(load)
-    return Termination(
-        base=base_stiffness(support, np.zeros(1)), tip=np.full(1, stiffness, dtype=complex)
-    )
+def attach(port: Multiport, ends: Ends) -> Multiport:
+    """Return the lateral actuator with its support and load; a clamped base is no port."""
+    loads = {"w_tip": tip_stiffness(ends.tip, port.frequencies)}
+    if ends.base is None:
+        return terminate(hold(port, "w_base", "psi_base"), loads)
+    loads["w_base"], loads["psi_base"] = base_stiffness(ends.base, port.frequencies)
+    return terminate(port, loads)

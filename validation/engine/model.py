@@ -15,9 +15,7 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.store.values import storable
-from tmm.beam.modes import Fixture
 from tmm.ports.multiport import Multiport
-from tmm.ports.terminations import conservative_load
 from validation.engine.stages import Stages
 from validation.scene.scene import Scene
 
@@ -84,23 +82,6 @@ class Model(ABC):
     @abstractmethod
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes on the scene's support."""
-
-    def _base(self) -> tuple[float, float, float]:
-        support = self.scene.support
-        return (
-            support.lateral_stiffness,
-            support.rotational_stiffness,
-            support.rotational_inertia,
-        )
-
-    @property
-    def _clamped(self) -> bool:
-        return self.scene.support.kind != "spring"
-
-    def _fixture(self) -> Fixture:
-        lateral, rotational, inertia = (0.0, 0.0, 0.0) if self._clamped else self._base()
-        stiffness, mass = conservative_load(self.scene.load)
-        return Fixture(self._clamped, lateral, rotational, inertia, stiffness, mass)
 
 
 #: Where each model is.

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tmm.ports.multiport import Multiport, Termination, blocked_force, in_series, respond, round_off
-from tmm.ports.terminations import static_termination, termination
+from geometry.bimorph.ends import Ends
+from tmm.ports.multiport import Multiport, in_series, respond, round_off
+from tmm.ports.terminations import attach
 from validation.catalogue.detection import DISPLAY_THRESHOLD
 from validation.catalogue.quantities import LATERAL_MODELS, MAGNETIC_MODELS, QUANTITIES, gives
 from validation.engine.limits import (
@@ -187,17 +188,9 @@ def _coupling(model: Model) -> tuple[Array, Array, str]:
     return _judge(pairs, factor, rounding / max(float(value) ** 2, 1e-12))
 
 
-def _terminations(model: Model) -> tuple[Termination, Termination]:
-    """Return what the scene attaches at its frequencies, and lossless at 0 Hz."""
-    scene = model.scene
-
-    def work() -> tuple[Termination, Termination]:
-        return (
-            termination(scene.support, scene.load, model.frequencies),
-            static_termination(scene.support, scene.load),
-        )
-
-    return model.stages.run("terminations", work)
+def _ends(model: Model) -> Ends:
+    """Return what the scene attaches."""
+    return model.stages.run("terminations", lambda: model.scene.ends)
 
 
 def _wired(model: Model, port: Multiport) -> Multiport:
@@ -207,24 +200,24 @@ def _wired(model: Model, port: Multiport) -> Multiport:
 def _static(name: str, model: Model) -> tuple[Array, Array, str]:
     scene = model.scene
     refined = model.static()
-    _, end = _terminations(model)
+    ends = _ends(model).lossless
 
     def read(port: Multiport) -> Array:
         wired = _wired(model, port)
         if name == "capacitance_blocked":
-            return np.asarray(wired.stiffness[0, 4, 4].real)
-        response = respond(wired, end, 1.0)
+            return np.asarray(wired["voltage", "voltage"][0].real)
+        response = respond(attach(wired, ends), {"voltage": 1.0})
         if name == "capacitance_free":
-            return np.asarray(response.charge[0].real)
-        return np.asarray(response.w_tip[0].real * scene.drive.voltage)
+            return np.asarray(response.effort["voltage"][0].real)
+        return np.asarray(response.motion["w_tip"][0].real * scene.drive.voltage)
 
-    return _judge(refined, read, round_off(refined.fine, end)[0])
+    return _judge(refined, read, round_off(attach(refined.fine, ends))[0])
 
 
 def _harmonic(name: str, model: Model) -> tuple[Array, Array, str]:
     scene = model.scene
     refined = model.ports()
-    end, _ = _terminations(model)
+    ends = _ends(model)
     voltage = scene.drive.voltage
     jw = 2j * np.pi * model.frequencies
 
@@ -232,25 +225,27 @@ def _harmonic(name: str, model: Model) -> tuple[Array, Array, str]:
         wired = _wired(model, port)
         if name == "dynamic_stiffness":
             return wired.stiffness
+        attached = attach(wired, ends)
         if name == "blocked_force":
-            return blocked_force(wired, end, voltage)
+            return respond(attached, {"voltage": voltage, "w_tip": 0.0}).effort["w_tip"]
         per_volt = name in ("admittance", "threshold_voltage")
-        response = respond(wired, end, 1.0 if per_volt else voltage)
+        response = respond(attached, {"voltage": 1.0 if per_volt else voltage})
+        w_tip, charge = response.motion["w_tip"], response.effort["voltage"]
         if name == "threshold_voltage":
-            size = np.abs(response.w_tip)  # no voltage moves a tip that does not respond
+            size = np.abs(w_tip)  # no voltage moves a tip that does not respond
             size = np.where(size > 0.0, size, np.nan)
             return np.asarray(DISPLAY_THRESHOLD.at(port.frequencies) / size)
         return np.asarray(
             {
-                "tip_displacement": response.w_tip,
-                "tip_velocity": jw * response.w_tip,
-                "tip_rotation": response.psi_tip,
-                "input_current": jw * response.charge,
-                "admittance": jw * response.charge,
+                "tip_displacement": w_tip,
+                "tip_velocity": jw * w_tip,
+                "tip_rotation": response.motion["psi_tip"],
+                "input_current": jw * charge,
+                "admittance": jw * charge,
             }[name]
         )
 
-    rounding: Any = round_off(refined.fine, end)
+    rounding: Any = round_off(attach(refined.fine, ends))
     if name == "dynamic_stiffness":
         rounding = rounding[:, None, None]
     return _judge(refined, read, rounding)

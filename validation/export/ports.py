@@ -13,7 +13,6 @@ from validation.scene.scene import Scene
 
 if TYPE_CHECKING:
     from fem.bimorph.reduction.port_model import PortModel
-    from fem.bimorph.reduction.state_space import BaseSupport
 
 
 def check_state_space(scene: Scene) -> None:
@@ -24,9 +23,9 @@ def check_state_space(scene: Scene) -> None:
     InputError
         If the scene has no frequency above 0 Hz, or a spring of its support is zero.
     """
-    if scene.support.kind == "spring":
+    if scene.ends.base is not None:
         for name, unit in (("rotational_stiffness", "N m/rad"), ("lateral_stiffness", "N/m")):
-            if getattr(scene.support, name) == 0.0:
+            if getattr(scene.ends.base, name) == 0.0:
                 raise InputError(
                     f"support.{name} = 0 {unit} does not hold the base, which a state space for "
                     'time simulation needs; give it a stiffness or set support.kind = "clamped"'
@@ -62,7 +61,7 @@ def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
         top = float(frequencies.max())
         bounds = max(float(frequencies.min()), 1e-3 * top), top
         model = _wired(scene, reduced.fine)
-        write_state_space(files["state_space"], model, _support(scene), bounds)
+        write_state_space(files["state_space"], model, scene.ends.base, bounds)
 
 
 def _wired(scene: Scene, model: PortModel) -> PortModel:
@@ -73,17 +72,3 @@ def _wired(scene: Scene, model: PortModel) -> PortModel:
     stiffness[-1] *= 0.5
     stiffness[:, -1] *= 0.5
     return replace(model, stiffness=stiffness)
-
-
-def _support(scene: Scene) -> BaseSupport | None:
-    from fem.bimorph.reduction.state_space import BaseSupport
-
-    support = scene.support
-    if support.kind != "spring":
-        return None
-    return BaseSupport(
-        support.lateral_stiffness,
-        support.rotational_stiffness,
-        support.rotational_damping,
-        support.rotational_inertia,
-    )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.arrays import Complex
-from tmm.ports.multiport import passivity_margin, reciprocity_error
+from tmm.ports.invariants import passivity_margin, reciprocity_error
 from tmm.ports.terminations import outside_finger_range
 from validation.checks.bimorph import CHECKS, Check, Outcome, run_check
 from validation.report.comparison import ComparedRow, compare

@@ -118,9 +118,8 @@ def _only_on_rod(scene: Scene, key: str) -> bool:
         return False
     if set(scene.models) & set(MAGNETIC_MODELS) and group == "rod" and key not in _MECHANICAL:
         return False
-    limit = key == "rod.head_radius" and scene.support.kind == "spring"  # of the bimorph's width
     layers = group == "glue" and scene.bimorph.glue_thickness and key != "glue.thickness"
-    return not limit and not layers
+    return not layers
 
 
 def _has_tab(scene: Scene, key: str) -> bool:

@@ -15,10 +15,12 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, field_validator
 
 from geometry import units as u
+from geometry.bimorph.ends import Ends
 from geometry.device import parameters as p
 from geometry.device.checks import check_actuator, check_bimorph
 from geometry.errors import InputError
 from geometry.units import quoted
+from tmm.ports.terminations import ends_of
 from validation.catalogue.quantities import (
     LATERAL_MODELS,
     LATERAL_QUANTITIES,
@@ -116,6 +118,11 @@ class Scene(p.Device):
     def device(self) -> p.Device:
         """The device alone."""
         return p.Device(**{name: getattr(self, name) for name in p.Device.model_fields})
+
+    @property
+    def ends(self) -> Ends:
+        """Support and load as every model of the lateral actuator reads them."""
+        return ends_of(self.support, self.load)
 
     @field_validator("name", mode="before")
     @classmethod

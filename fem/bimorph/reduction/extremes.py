@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from fem.bimorph.reduction.port_model import PortModel
 from geometry.arrays import Complex, Floats
-from tmm.ports.multiport import PSI_BASE, W_BASE, Multiport, Termination, respond
-
-#: What is attached to the mechanical ports, at given frequencies.
-End = Callable[[Floats], Termination]
+from geometry.bimorph.ends import Ends, Springs
+from tmm.ports.multiport import Multiport, respond
+from tmm.ports.terminations import attach
 
 #: Frequencies of the search grid; a peak is as wide as 1/Q, and Q is below some hundreds.
 _GRID = 2000
@@ -19,31 +16,23 @@ _GRID = 2000
 _STEPS = 34
 
 
-def standard_ends(model: PortModel) -> tuple[End, End]:
+def standard_ends(model: PortModel) -> tuple[Ends, Ends]:
     """Return two ends to judge by: clamped, and on springs as stiff as the solid; tip free.
 
     Without any support the rigid motion at low frequencies is a matter of rounding.
     """
-    stiffness = model.multiport(np.zeros(1)).stiffness[0].real
-
-    def clamped(frequencies: Floats) -> Termination:
-        return Termination(None, np.zeros(frequencies.shape, dtype=complex))
-
-    def sprung(frequencies: Floats) -> Termination:
-        free = np.zeros(frequencies.shape, dtype=complex)
-        base = free + stiffness[W_BASE, W_BASE], free + stiffness[PSI_BASE, PSI_BASE]
-        return Termination(base, free)
-
-    return clamped, sprung
+    port = model.multiport(np.zeros(1))
+    own = (float(port[name, name][0].real) for name in ("w_base", "psi_base"))
+    return Ends(), Ends(Springs(*own))
 
 
-def motions(port: Multiport, end: End) -> Complex:
+def motions(port: Multiport, ends: Ends) -> Complex:
     """Return tip displacement, tip rotation and charge per volt, (3, n)."""
-    answer = respond(port, end(port.frequencies), 1.0)
-    return np.array([answer.w_tip, answer.psi_tip, answer.charge])
+    answer = respond(attach(port, ends), {"voltage": 1.0})
+    return np.array([answer.motion["w_tip"], answer.motion["psi_tip"], answer.effort["voltage"]])
 
 
-def extremes(model: PortModel, low: float, high: float, ends: tuple[End, ...]) -> Floats:
+def extremes(model: PortModel, low: float, high: float, ends: tuple[Ends, ...]) -> Floats:
     """Return the frequencies (Hz) of all local maxima and minima of |motions|, ascending.
 
     Bracketed on a grid, linear and logarithmic, then refined by golden section.
@@ -69,7 +58,7 @@ def extremes(model: PortModel, low: float, high: float, ends: tuple[End, ...]) -
 
 
 def _refined(
-    model: PortModel, end: End, row: int, low: Floats, high: Floats, sign: Floats
+    model: PortModel, end: Ends, row: int, low: Floats, high: Floats, sign: Floats
 ) -> Floats:
     """Return where sign · log|motion| is largest in each bracket."""
 

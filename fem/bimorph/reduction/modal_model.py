@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.bimorph.motions import SHIFT, Attachment, ModeClass, Motion, strongest
+from fem.bimorph.motions import SHIFT, ModeClass, Motion, strongest
 from geometry.arrays import Floats
+from geometry.bimorph.ends import Ends, TipLoad
 from geometry.store.values import storable
 
 #: A tip this many times stiffer than the solid is held.
@@ -60,29 +61,27 @@ class ModalModel:
     energy: Floats
     motion: Motion
 
-    def modes(
-        self, attachment: Attachment, count: int, *, open_circuit: bool = False
-    ) -> list[BareMode]:
-        """Return the lowest `count` modes, ascending; rigid motions are left out."""
+    def modes(self, ends: Ends, count: int, *, open_circuit: bool = False) -> list[BareMode]:
+        """Return the lowest `count` modes, ascending, without damping and rigid motions."""
         k, m = self.stiffness.copy(), self.mass.copy()
-        if attachment.base is not None:
-            lateral, rotational, inertia = attachment.base
-            k[-2:, -2:] += np.diag([lateral, rotational])
-            m[-1, -1] += inertia
-        load = np.outer(self.tip, self.tip)
-        k, m = k + attachment.tip_stiffness * load, m + attachment.tip_mass * load
+        base, load = ends.base, ends.conservative_tip
+        if base is not None:
+            k[-2:, -2:] += np.diag([base.lateral_stiffness, base.rotational_stiffness])
+            m[-1, -1] += base.rotational_inertia
+        moved = np.outer(self.tip, self.tip)
+        k, m = k + load.stiffness * moved, m + load.mass * moved
         if open_circuit:
             k += np.outer(self.charge, self.charge) / self.capacitance
-        free = slice(None) if attachment.base is not None else slice(-2)
+        free = slice(None) if base is not None else slice(-2)
         k, m = k[free, free], m[free, free]
-        shift = SHIFT if attachment.rigid_motions else 0.0
+        shift = SHIFT if ends.rigid_motions else 0.0
         # the lowest modes are the largest values of the inverse, and right to rounding there
         lower = np.linalg.cholesky(m)
         inverse = lower.T @ np.linalg.solve(k + shift * m, lower)
         values, vectors = np.linalg.eigh(0.5 * (inverse + inverse.T))
         chosen = [i for i in reversed(range(values.size)) if values[i] > 0.0]
         found = []
-        for i in chosen[attachment.rigid_motions :][:count]:
+        for i in chosen[ends.rigid_motions :][:count]:
             y = np.linalg.solve(lower.T, vectors[:, i])
             kind, _ = strongest(
                 self.motions[:, :, free] @ y, float(y @ self.energy[free, free] @ y)
@@ -95,4 +94,4 @@ class ModalModel:
         """Return modes that are, one by one, as high as any support, load and circuit has them."""
         k = self.stiffness[:-2, :-2]
         stiffness = 1.0 / float(self.tip[:-2] @ np.linalg.solve(k, self.tip[:-2]))
-        return self.modes(Attachment(None, _HELD * stiffness), count, open_circuit=True)
+        return self.modes(Ends(None, TipLoad(_HELD * stiffness)), count, open_circuit=True)

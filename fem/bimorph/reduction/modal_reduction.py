@@ -12,10 +12,11 @@ from __future__ import annotations
 import numpy as np
 
 from fem.bimorph.modes import eigenpairs
-from fem.bimorph.motions import Attachment, section_motions
+from fem.bimorph.motions import section_motions
 from fem.bimorph.reduction.modal_model import ModalModel
 from fem.bimorph.system import SolidSystem
 from geometry.arrays import Floats, Sparse
+from geometry.bimorph.ends import Ends
 
 #: Held modes in the basis, beyond twice those wanted.
 _MORE = 4
@@ -35,7 +36,7 @@ def modal_model(system: SolidSystem, count: int) -> ModalModel:
     carried = mass @ follows + system.mass.border[:, :2]
     tip, charge = system.tip[:, 0], -system.stiffness.border[:, 2]
     basis = _Basis(mass, n)
-    values, vectors = eigenpairs(system, Attachment(None), 2 * count + _MORE)
+    values, vectors = eigenpairs(system, Ends(), 2 * count + _MORE)
     basis.extend(np.column_stack(vectors), mass @ np.column_stack(vectors) * values)
     loads = np.column_stack([carried, tip[:n], charge])
     for _ in range(_BLOCKS):

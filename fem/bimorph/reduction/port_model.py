@@ -22,6 +22,7 @@ from fem.bimorph.ports import ports_from_blocks
 from geometry.arrays import Complex, Floats
 from geometry.store.values import storable
 from tmm.ports.multiport import Multiport
+from tmm.ports.port import BIMORPH
 
 
 @storable
@@ -53,7 +54,7 @@ class PortModel:
         held = p.static - o2 * p.inertia - o2**2 * g[:, :3, :3]
         through = p.carried - o2 * g[:, :3, 3:]
         follows = -through.transpose(0, 2, 1)
-        return Multiport(f, ports_from_blocks(held, through, follows, g[:, 3:, 3:]))
+        return Multiport(f, ports_from_blocks(held, through, follows, g[:, 3:, 3:]), BIMORPH)
 
     @cached_property
     def _poles(self) -> _Poles:

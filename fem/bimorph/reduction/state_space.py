@@ -32,6 +32,7 @@ import numpy as np
 
 from fem.bimorph.reduction.port_model import PortModel, undamped_modes
 from geometry.arrays import Complex, Floats
+from geometry.bimorph.ends import Springs
 
 #: Relaxations of the capacitance per factor e (two per decade hold tan δ to 1e-3), and how far
 #: beyond the range they go (decades).
@@ -39,16 +40,6 @@ _SPACING = 0.5 * np.log(10.0)
 _BEYOND = 1.5
 #: Series resistance of the last branch over its reactance at the top of the range.
 _SERIES = 1e-3
-
-
-@dataclass(frozen=True)
-class BaseSupport:
-    """Springs, damper and inertia that hold the base (SI), damping in N m s/rad."""
-
-    lateral_stiffness: float
-    rotational_stiffness: float
-    rotational_damping: float = 0.0
-    rotational_inertia: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -93,7 +84,7 @@ _RATES = (
 
 
 def state_space(
-    model: PortModel, base: BaseSupport | None, frequencies: tuple[float, float]
+    model: PortModel, base: Springs | None, frequencies: tuple[float, float]
 ) -> StateSpace:
     """Return a causal model of a lossy reduced solid.
 
@@ -101,7 +92,7 @@ def state_space(
     ----------
     model : PortModel
         Reduced with losses.
-    base : BaseSupport or None
+    base : Springs or None
         What holds the base; None is a clamp, and the base is then no port.
     frequencies : (low, high)
         Range in which tan δ is held (Hz), both above 0.

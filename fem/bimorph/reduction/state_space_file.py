@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.bimorph.reduction.extremes import extremes
+from fem.bimorph.reduction.extremes import extremes, motions
 from fem.bimorph.reduction.port_model import PortModel
-from fem.bimorph.reduction.state_space import BaseSupport, StateSpace, state_space
+from fem.bimorph.reduction.state_space import StateSpace, state_space
 from geometry.arrays import Complex, Floats
+from geometry.bimorph.ends import Ends, Springs
 from geometry.files import written_whole
-from tmm.ports.multiport import Termination, respond
 
 #: What the entry `title` says.
 TITLE = "state space of a piezoelectric solid on its support"
@@ -24,7 +24,7 @@ _CONVENTIONS = (
 
 
 def write_state_space(
-    path: str | Path, model: PortModel, base: BaseSupport | None, frequencies: tuple[float, float]
+    path: str | Path, model: PortModel, base: Springs | None, frequencies: tuple[float, float]
 ) -> None:
     """Write the state space of a reduced solid on its support, whole or not at all.
 
@@ -60,7 +60,7 @@ def write_state_space(
 
 def differences(
     model: PortModel,
-    base: BaseSupport | None,
+    base: Springs | None,
     found: StateSpace,
     frequencies: tuple[float, float],
 ) -> tuple[Floats, Complex, Floats]:
@@ -74,24 +74,8 @@ def differences(
     error : (3, n) array
         Distance of the state space's, relative.
     """
-    at = extremes(model, *frequencies, (lambda f: support_end(base, f),))
-    jw = 2j * np.pi * at
-    answer = respond(model.multiport(at), support_end(base, at), 1.0)
-    solid = jw * np.array([answer.w_tip, answer.psi_tip, answer.charge])
+    ends = Ends(base)
+    at = extremes(model, *frequencies, (ends,))
+    solid = 2j * np.pi * at * motions(model.multiport(at), ends)
     causal = found.frequency_response(at)[:, -3:, -1].T
     return at, solid, np.asarray(np.abs(causal - solid) / np.abs(solid))
-
-
-def support_end(base: BaseSupport | None, frequencies: Floats) -> Termination:
-    """Return a support's dynamic stiffnesses, the tip free."""
-    omega = 2.0 * np.pi * frequencies
-    free = np.zeros(omega.shape, dtype=complex)
-    if base is None:
-        return Termination(None, free)
-    lateral = np.full(omega.shape, base.lateral_stiffness, dtype=complex)
-    rotational = (
-        base.rotational_stiffness
-        + 1j * omega * base.rotational_damping
-        - omega**2 * base.rotational_inertia
-    )
-    return Termination((lateral, rotational), free)

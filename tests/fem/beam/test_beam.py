@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from fem.beam import beam
-from geometry.device.parameters import Beam, Bimorph, Device, Support
+from geometry.bimorph.ends import Ends, Springs
+from geometry.device.parameters import Beam, Bimorph, Device, Load, Support
 from tmm.beam import modes
 from tmm.beam.transfer import transfer_matrix
-from tmm.ports import multiport
+from tmm.ports import invariants
+from tmm.ports.terminations import ends_of
 
 FREQUENCIES = np.array([0.0, 10.0, 445.0, 1000.0, 5000.0, 20000.0])
 CASES = {
@@ -52,45 +54,30 @@ def test_beam_elements_converge_at_the_expected_rate():
 def test_modes_equal_the_counted_ones(kind, open_circuit):
     """Matrix eigenvalues and Wittrick-Williams counting find the same modes."""
     support = Support(kind=kind)
-    clamped = kind == "clamped"
-    base = (
-        support.lateral_stiffness,
-        support.rotational_stiffness,
-        support.rotational_inertia,
-    )
+    ends = ends_of(support, Load(kind="none"))
     matrices = beam.assemble(Device(), support, Beam(), elements=16, lossy=False)
-    found = beam.bending_frequencies(
-        matrices, clamped=clamped, base=base, tip=(0.0, 0.0), count=4, open_circuit=open_circuit
-    )
+    found = beam.bending_frequencies(matrices, ends, 4, open_circuit=open_circuit)
     pieces = transfer_matrix.sections(Device(), support, Beam(), lossy=False)
-    fixture = modes.Fixture(clamped, *((0.0, 0.0, 0.0) if clamped else base))
-    exact = modes.bending_frequencies(pieces, fixture, 4, open_circuit=open_circuit)
+    exact = modes.bending_frequencies(pieces, ends, 4, open_circuit=open_circuit)
     # fourth mode: 1e-9 from the mesh; first: rounding of the eigenvalue solver
     assert found == pytest.approx(exact, rel=1e-8)
 
 
 def test_beam_on_springs_too_soft_to_hold_it():
     """A free beam's rigid motions at 0 Hz are left out, not returned as modes."""
-    support = Support(lateral_stiffness=0.0, rotational_stiffness=0.0, rotational_inertia=0.0)
-    matrices = beam.assemble(Device(), support, Beam(), elements=8, lossy=False)
-    found = beam.bending_frequencies(
-        matrices,
-        clamped=False,
-        base=(0.0, 0.0, 0.0),
-        tip=(0.0, 0.0),
-        count=2,
-        open_circuit=False,
-    )
-    pieces = transfer_matrix.sections(Device(), support, Beam(), lossy=False)
-    exact = modes.bending_frequencies(pieces, modes.Fixture(False), 2, open_circuit=False)
+    unheld = Ends(Springs(0.0, 0.0))
+    matrices = beam.assemble(Device(), Support(), Beam(), elements=8, lossy=False)
+    found = beam.bending_frequencies(matrices, unheld, 2, open_circuit=False)
+    pieces = transfer_matrix.sections(Device(), Support(), Beam(), lossy=False)
+    exact = modes.bending_frequencies(pieces, unheld, 2, open_circuit=False)
     assert found == pytest.approx(exact, rel=1e-6)  # the mesh is half as fine as above
 
 
 def test_beam_is_reciprocal_and_passive():
     """Energy is neither lost to asymmetry nor created."""
     port = beam.multiport(Device(), Support(), Beam(), FREQUENCIES)
-    assert multiport.reciprocity_error(port).max() < 1e-9
-    assert multiport.passivity_margin(port).min() > -1e-9
+    assert invariants.reciprocity_error(port).max() < 1e-9
+    assert invariants.passivity_margin(port).min() > -1e-9
 
 
 def test_resolution_follows_the_highest_frequency():

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from fem.bimorph.modes import natural_modes
-from fem.bimorph.motions import Attachment
 from fem.bimorph.ports import static_multiport
 from fem.bimorph.refinement.error_indicator import goal_errors
 from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.bimorph.ends import Ends
 from geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
 from geometry.meshing.tetwild.tagging import TET_FACES
 from validation.scene.scene import load_scene
@@ -48,7 +48,7 @@ def goals_of(system):
     d = static_multiport(system).stiffness[0].real
     compliance = np.linalg.inv(d[2:4, 2:4])
     follows = -compliance @ d[2:4, 4]
-    modes = natural_modes(system, Attachment(None), 6)
+    modes = natural_modes(system, Ends(), 6)
     bending = [m.frequency for m in modes if m.kind == "bending_x"]
     return {
         "tip_displacement": follows[0],

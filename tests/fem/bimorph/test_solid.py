@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from fem.bimorph.modes import natural_modes
-from fem.bimorph.motions import Attachment, classify
+from fem.bimorph.motions import classify
 from fem.bimorph.ports import direct_multiport, static_multiport
 from fem.bimorph.reduction.krylov import reduce_to_ports
 from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from geometry.bimorph.ends import Ends, Springs, TipLoad
 from geometry.device.parameters import Bimorph, Device, Piezo, Shim, Support
-from tmm.ports import multiport
-from tmm.ports.terminations import base_stiffness
+from tmm.ports import invariants, multiport
+from tmm.ports.terminations import attach, base_stiffness
 from validation.engine.solve import solve
 from validation.scene.scene import load_scene
 
@@ -95,16 +96,15 @@ def test_poling_turns_the_sign():
 def test_positive_voltage_bends_towards_plus_x():
     """Convention: poled along -x with d31 < 0, positive U moves the tip towards +x."""
     d = static_multiport(assemble(Device(), bimorph_bricks(Device(), COARSE), lossy=False))
-    end = multiport.Termination(None, np.zeros(1, dtype=complex))
-    assert multiport.respond(d, end, 1.0).w_tip[0].real > 0.0
+    assert multiport.respond(attach(d, Ends()), {"voltage": 1.0}).motion["w_tip"][0].real > 0.0
 
 
 def test_solid_is_reciprocal_and_passive(lossy):
     """The reduced solid neither loses energy to asymmetry nor creates any, up to 20 kHz."""
     port = reduce_to_ports(lossy, SWEEP).multiport(SWEEP)
-    assert multiport.reciprocity_error(port).max() < 1e-8
+    assert invariants.reciprocity_error(port).max() < 1e-8
     # at 0 Hz two rigid motions dissipate exactly nothing: the margin is rounding around zero
-    assert multiport.passivity_margin(port).min() > -1e-8
+    assert invariants.passivity_margin(port).min() > -1e-8
 
 
 def test_reduction_equals_direct_solution(lossy):
@@ -155,9 +155,7 @@ def test_open_circuit_stiffens_bending_in_x_only():
     meshing = BrickMeshing((1, 1, 1), smallest=2.0, tip=2.0, longest=2.0)
     whole = bimorph_bricks(Device(), meshing).corner_mesh()
     system = assemble(Device(), whole, lossy=False)
-    short, opened = (
-        natural_modes(system, Attachment(None), 4, open_circuit=c) for c in (False, True)
-    )
+    short, opened = (natural_modes(system, Ends(), 4, open_circuit=c) for c in (False, True))
     for a, b in zip(short, opened, strict=True):
         assert a.kind == b.kind
         if a.kind == "bending_x":
@@ -168,16 +166,11 @@ def test_open_circuit_stiffens_bending_in_x_only():
 
 def test_modes_are_where_the_port_matrix_is_singular(lossless):
     """Eigenvalues and port reduction are two routes to one resonance on the paper's springs."""
-    support = Support()
-    base = (
-        support.lateral_stiffness,
-        support.rotational_stiffness,
-        support.rotational_inertia,
-    )
-    mode = natural_modes(lossless, Attachment(base), 1)[0]
+    springs = Springs(3e6, 0.24, rotational_inertia=1e-12)
+    mode = natural_modes(lossless, Ends(springs), 1)[0]
     around = mode.frequency * np.array([1.0 - 1e-6, 1.0 + 1e-6])
     d = reduce_to_ports(lossless, around).multiport(around).stiffness[:, :4, :4].real
-    lateral, rotational = base_stiffness(support, around)
+    lateral, rotational = base_stiffness(springs, around)
     d[:, 0, 0] += lateral.real
     d[:, 1, 1] += rotational.real
     signs = np.sign(np.linalg.det(d / np.array([1.0, 1e-3, 1.0, 1e-3])[:, None]))
@@ -189,15 +182,15 @@ def test_tip_mass_and_spring_enter_the_modes(lossless):
 
     First order in the change, and lumped masses for the modal mass, hence 5 % of the change.
     """
-    plain = natural_modes(lossless, Attachment(None), 1)[0]
+    plain = natural_modes(lossless, Ends(), 1)[0]
     tip = np.average(plain.displacement[lossless.nodes[:, 2] > 19.999e-3, 0])
     modal = (lossless.node_mass[:, None] * plain.displacement**2).sum()
     omega2 = (2 * np.pi * plain.frequency) ** 2
-    for attachment, shift in (
-        (Attachment(None, tip_stiffness=5.0), 5.0 * tip**2 / modal),
-        (Attachment(None, tip_mass=1e-7), -1e-7 * omega2 * tip**2 / modal),
+    for ends, shift in (
+        (Ends(tip=TipLoad(stiffness=5.0)), 5.0 * tip**2 / modal),
+        (Ends(tip=TipLoad(mass=1e-7)), -1e-7 * omega2 * tip**2 / modal),
     ):
-        loaded = natural_modes(lossless, attachment, 1)[0]
+        loaded = natural_modes(lossless, ends, 1)[0]
         change = (2 * np.pi * loaded.frequency) ** 2 - omega2
         assert change == pytest.approx(shift, rel=0.05)
 
@@ -239,8 +232,8 @@ def test_base_that_is_not_held_has_elastic_modes_only(lossless, loose):
     support = Support()
     base = [support.lateral_stiffness * loose[0], support.rotational_stiffness * loose[1]]
     tiny = [max(base[0], 1e-3), max(base[1], 1e-8)]
-    free = natural_modes(lossless, Attachment((*base, 0.0)), 2)
-    held = natural_modes(lossless, Attachment((*tiny, 0.0)), 2 + loose.count(0.0))
+    free = natural_modes(lossless, Ends(Springs(*base)), 2)
+    held = natural_modes(lossless, Ends(Springs(*tiny)), 2 + loose.count(0.0))
     # the tiny springs raise the elastic modes by less than a millionth
     assert [m.frequency for m in free] == pytest.approx(
         [m.frequency for m in held[loose.count(0.0) :]], rel=1e-6
@@ -252,7 +245,7 @@ def test_tip_mass_stays_out_of_motions_without_ports():
     system = assemble(Device(), bimorph_bricks(Device(), LEVELS[0]), lossy=False)
     for motion in ("bending_y", "torsion", "axial"):
         plain, loaded = (
-            natural_modes(system.related(motion), Attachment(None, 0.0, mass), 2)
+            natural_modes(system.related(motion), Ends(tip=TipLoad(mass=mass)), 2)
             for mass in (0.0, 1e-3)
         )
         assert [m.frequency for m in loaded] == [m.frequency for m in plain]

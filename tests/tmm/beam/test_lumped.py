@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from geometry.bimorph.ends import Ends, Springs, TipLoad
 from geometry.device.parameters import Beam, Bimorph, Device, Support
 from tmm.beam import lumped
-from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.modes import bending_frequencies
 from tmm.beam.transfer import transfer_matrix as tmm
 
 SPRING, CLAMPED, ROD = Support(), Support(kind="clamped"), Support(kind="rod")
@@ -16,9 +17,9 @@ ROWS = [
     (TAB, CLAMPED),
     (TAB, ROD),
 ]
-FIXTURES = [
-    Fixture(clamped=True),
-    Fixture(False, lateral_stiffness=3e6, rotational_stiffness=0.24, rotational_inertia=1e-12),
+ENDS = [
+    Ends(),
+    Ends(Springs(3e6, 0.24, rotational_inertia=1e-12)),
 ]
 
 
@@ -101,41 +102,39 @@ def test_smits_choi_without_shim_and_shear():
 
 @pytest.mark.parametrize("length", [10e-3, 14e-3, 20e-3, 40e-3])
 @pytest.mark.parametrize("open_circuit", [False, True])
-@pytest.mark.parametrize("fixture", FIXTURES)
-def test_first_mode_within_a_percent(length, open_circuit, fixture):
+@pytest.mark.parametrize("ends", ENDS)
+def test_first_mode_within_a_percent(length, open_circuit, ends):
     """The one-mode circuit has the exact first frequency within 1 %, short and open."""
     device = Device(bimorph=Bimorph(length=length))
     pieces = tmm.sections(device, SPRING, Beam(), lossy=False)
-    circuit = lumped.equivalent_circuit(pieces, fixture, open_circuit=open_circuit)
-    exact = bending_frequencies(pieces, fixture, 1, open_circuit=open_circuit)[0]
+    circuit = lumped.equivalent_circuit(pieces, ends, open_circuit=open_circuit)
+    exact = bending_frequencies(pieces, ends, 1, open_circuit=open_circuit)[0]
     ratio = np.sqrt(circuit.stiffness / circuit.mass) / (2 * np.pi) / exact
     # static shapes with their mass are a Rayleigh quotient: an upper bound, less 1e-3 for the
     # shear that the mass does not see
     assert 0.999 < ratio < 1.01
 
 
-@pytest.mark.parametrize("fixture", FIXTURES)
-def test_coupling_factor_from_circuit_and_frequencies(fixture):
+@pytest.mark.parametrize("ends", ENDS)
+def test_coupling_factor_from_circuit_and_frequencies(ends):
     """N²/(N² + k C_b) equals 1 − (f_short/f_open)² of the exact beam within 5 %.
 
     The identity is exact for one mode; higher modes' share of the blocked capacitance and
     the error of the frequencies (half a percent of each, mostly common) remain.
     """
     pieces = tmm.sections(Device(bimorph=Bimorph(length=14e-3)), SPRING, Beam(), lossy=False)
-    circuit = lumped.equivalent_circuit(pieces, fixture)
+    circuit = lumped.equivalent_circuit(pieces, ends)
     n2 = circuit.turns_ratio**2
     from_circuit = n2 / (n2 + circuit.stiffness * circuit.blocked_capacitance)
-    short, opened = (
-        bending_frequencies(pieces, fixture, 1, open_circuit=o)[0] for o in (False, True)
-    )
+    short, opened = (bending_frequencies(pieces, ends, 1, open_circuit=o)[0] for o in (False, True))
     assert from_circuit == pytest.approx(1 - (short / opened) ** 2, rel=0.05)
 
 
-@pytest.mark.parametrize("fixture", FIXTURES)
-def test_circuit_keeps_the_static_capacitance(fixture):
+@pytest.mark.parametrize("ends", ENDS)
+def test_circuit_keeps_the_static_capacitance(ends):
     """At 0 Hz the circuit draws the charge of the free actuator: C_b + N²/k."""
     pieces = tmm.sections(Device(), SPRING, Beam(), lossy=False)
-    circuit = lumped.equivalent_circuit(pieces, fixture)
+    circuit = lumped.equivalent_circuit(pieces, ends)
     beam, length = pieces[0]
     # no external force: the whole beam curves freely on any statically determinate support
     free = ((beam.C + beam.K**2 / beam.EI) * length).real
@@ -146,8 +145,8 @@ def test_circuit_keeps_the_static_capacitance(fixture):
 def test_circuit_carries_tip_load():
     """Tip mass and stiffness add to the circuit's, referred to the tip."""
     pieces = tmm.sections(Device(), SPRING, Beam(), lossy=False)
-    bare = lumped.equivalent_circuit(pieces, Fixture(clamped=True))
-    loaded = lumped.equivalent_circuit(pieces, Fixture(clamped=True, tip_mass=1.0))
+    bare = lumped.equivalent_circuit(pieces, Ends())
+    loaded = lumped.equivalent_circuit(pieces, Ends(tip=TipLoad(mass=1.0)))
     # the heavy mass makes the shape the static one under a tip force: k = 1/compliance
     beam, length = pieces[0]
     compliance = lumped.smits_choi(beam, length)[1, 1].real
@@ -160,7 +159,7 @@ def test_scaling_metre_to_millimetre():
     """A circuit a thousand times smaller has masses 1e-9, stiffnesses 1e-3 times as large."""
     big = Device(bimorph=Bimorph(length=20.0, width=2.1, piezo_thickness=0.26, shim_thickness=0.25))
     small, large = (
-        lumped.equivalent_circuit(tmm.sections(d, SPRING, Beam(), lossy=False), Fixture(True))
+        lumped.equivalent_circuit(tmm.sections(d, SPRING, Beam(), lossy=False), Ends())
         for d in (Device(), big)
     )
     assert small.mass == pytest.approx(1e-9 * large.mass, rel=1e-11)

@@ -6,32 +6,32 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from geometry.bimorph.ends import Ends, Springs, TipLoad
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Bimorph, Device, Support
-from tmm.beam.modes import Fixture, bending_frequencies, natural_frequencies
+from tmm.beam.modes import bending_frequencies, natural_frequencies
 from tmm.beam.printed_formulas import matrix_a
 from tmm.beam.section.section import Joint, Section, section
 from tmm.beam.transfer import transfer_matrix as tmm
 from validation.checks.cases import reference_beam
 
-CLAMPED = Fixture(clamped=True)
-PAPER_SUPPORT = Fixture(
-    clamped=False, lateral_stiffness=3e6, rotational_stiffness=0.24, rotational_inertia=1e-12
-)
+CLAMPED = Ends()
+UNHELD = Springs(0.0, 0.0)
+PAPER_SUPPORT = Ends(Springs(3e6, 0.24, rotational_inertia=1e-12))
 BEAM = section(Piece("bimorph", 20e-3), Device(), Beam(), lossy=False)
 # angles are rounded to some 1e-15, of frequency some 1e-14
 DIGITS = 1e-12
 
 
-def modes(beam, length, fixture, count, *, open_circuit=False):
-    return bending_frequencies([(beam, length)], fixture, count, open_circuit=open_circuit)
+def modes(beam, length, ends, count, *, open_circuit=False):
+    return bending_frequencies([(beam, length)], ends, count, open_circuit=open_circuit)
 
 
 def test_stored_resonances(state_space):
     """Three modes of two lengths, on springs and clamped, short and open: 24 stored values."""
     for stored in state_space["lossless_resonances"]:
-        fixture = CLAMPED if stored["support"] == "clamped" else PAPER_SUPPORT
-        got = modes(BEAM, stored["length"], fixture, 3, open_circuit=stored["circuit"] == "open")
+        ends = CLAMPED if stored["support"] == "clamped" else PAPER_SUPPORT
+        got = modes(BEAM, stored["length"], ends, 3, open_circuit=stored["circuit"] == "open")
         np.testing.assert_allclose(got, stored["hertz"], rtol=DIGITS)
 
 
@@ -62,13 +62,13 @@ def free_free(a):
     [(20e-3, 2e5), (3e-3, 3e6)],
 )
 @pytest.mark.parametrize(
-    ("fixture", "condition"), [(CLAMPED, clamped_free), (Fixture(clamped=False), free_free)]
+    ("ends", "condition"), [(CLAMPED, clamped_free), (Ends(UNHELD), free_free)]
 )
-def test_none_missed(length, highest, fixture, condition):
+def test_none_missed(length, highest, ends, condition):
     """As many modes as the determinant has sign changes on a dense scan, at the same places."""
     grid = np.linspace(highest / 40001, highest, 40000)
     dense = sign_changes(BEAM, length, condition, grid)
-    got = modes(BEAM, length, fixture, dense.size + 1)
+    got = modes(BEAM, length, ends, dense.size + 1)
     assert dense.size >= 8
     np.testing.assert_allclose(got[:-1], dense, atol=grid[1] - grid[0])
     assert got[-1] > highest
@@ -77,7 +77,7 @@ def test_none_missed(length, highest, fixture, condition):
 @pytest.mark.parametrize("length", [1e-4, 1e-3, 20e-3, 1.0, 10.0])
 def test_free_free_counts_no_rigid_motion(length):
     """A free beam of any size has its two motions at 0 Hz left out, and no elastic one."""
-    got = modes(BEAM, length, Fixture(clamped=False), 2)
+    got = modes(BEAM, length, Ends(UNHELD), 2)
     # slender: (4.730², 7.853²)/2π √(EI/m)/l²; a short one is softer in shear
     classical = np.array([4.730040745, 7.853204624]) ** 2 / (2 * np.pi * length**2)
     classical *= np.sqrt(BEAM.EI.real / BEAM.m)
@@ -89,7 +89,7 @@ def test_free_free_counts_no_rigid_motion(length):
 
 def test_soft_suspension_is_a_mode():
     """A beam on a soft spring has its bouncing mode √(c/m)/2π, and one rigid motion is left."""
-    got = modes(BEAM, 20e-3, Fixture(clamped=False, lateral_stiffness=1e-3), 1)
+    got = modes(BEAM, 20e-3, Ends(Springs(1e-3, 0.0)), 1)
     # hinged at the end on the spring, a bar turns about a point 2/3 up: effective mass m l/4
     mass = BEAM.m * 20e-3
     assert got[0] == pytest.approx(np.sqrt(1e-3 / (mass / 4)) / (2 * np.pi), rel=1e-2)
@@ -98,7 +98,7 @@ def test_soft_suspension_is_a_mode():
 def test_simply_supported_closed_form():
     """Pinned at both ends every mode is a sine: both branches of Timoshenko's closed form."""
     beam, length = Section(EI=2e11 * 4 / 3, GA=3e10, m=32e3, rhoI=8e3 * 4 / 3), 10.0
-    pinned = Fixture(clamped=False, lateral_stiffness=1e25, tip_stiffness=1e25)
+    pinned = Ends(Springs(1e25, 0.0), TipLoad(stiffness=1e25))
     expected = [np.sqrt(beam.GA / beam.rhoI)]  # the section's rotation alone, n = 0
     for n in range(1, 13):
         k2 = (n * np.pi / length) ** 2
@@ -129,7 +129,7 @@ def test_published_deep_beam_clamped_free():
 
 def test_published_deep_beam_simply_supported():
     """NAFEMS FV5: 42.650 and 148.15 Hz by its finite elements, 42.645 Hz in closed form."""
-    pinned = Fixture(clamped=False, lateral_stiffness=1e22, tip_stiffness=1e22)
+    pinned = Ends(Springs(1e22, 0.0), TipLoad(stiffness=1e22))
     got = modes(nafems_fv5(), 10.0, pinned, 2)
     assert got[0] == pytest.approx(42.645, abs=6e-4)
     np.testing.assert_allclose(got, [42.650, 148.15], rtol=2e-3)  # another shear factor there
@@ -138,7 +138,7 @@ def test_published_deep_beam_simply_supported():
 def test_heavy_tip_mass():
     """Under a heavy mass the beam is a spring: √(3 EI/(l³ M))/2π with shear added."""
     mass, l = 1.0, 20e-3
-    got = modes(BEAM, l, replace(CLAMPED, tip_mass=mass), 1)[0]
+    got = modes(BEAM, l, replace(CLAMPED, tip=TipLoad(mass=mass)), 1)[0]
     compliance = l**3 / (3 * BEAM.EI.real) + l / BEAM.GA
     # Rayleigh: 33/140 of the beam's mass rides along, 4e-5 of the mass
     effective = mass + 33 / 140 * BEAM.m * l
@@ -148,7 +148,7 @@ def test_heavy_tip_mass():
 def test_stiff_tip_spring_is_a_pin():
     """A stiff tip spring raises every mode to the clamped-pinned one, from below."""
     free, firm, rigid = (
-        modes(BEAM, 20e-3, replace(CLAMPED, tip_stiffness=k), 4) for k in (0.0, 1e12, 1e14)
+        modes(BEAM, 20e-3, replace(CLAMPED, tip=TipLoad(stiffness=k)), 4) for k in (0.0, 1e12, 1e14)
     )
     assert (free < firm).all()
     assert (firm < rigid).all()
@@ -160,9 +160,9 @@ def test_stiff_tip_spring_is_a_pin():
 
 def test_open_circuit_is_stiffer():
     """Each open-circuit mode lies between its own and the next short-circuit mode."""
-    for fixture in (CLAMPED, PAPER_SUPPORT):
-        short = modes(BEAM, 14e-3, fixture, 6)
-        opened = modes(BEAM, 14e-3, fixture, 5, open_circuit=True)
+    for ends in (CLAMPED, PAPER_SUPPORT):
+        short = modes(BEAM, 14e-3, ends, 6)
+        opened = modes(BEAM, 14e-3, ends, 5, open_circuit=True)
         assert (short[:-1] < opened).all()
         assert (opened < short[1:]).all()
 
@@ -188,17 +188,19 @@ def test_row_of_unequal_pieces_against_its_ports():
     assert (sides[0] == -sides[1]).all()
 
 
-def end_condition(row, fixture, frequency, *, open_circuit):
+def end_condition(row, ends, frequency, *, open_circuit):
     """Return the frequency determinant to 60 digits; states [w, ψ, M, F, q, U]."""
     omega = 2 * mp.pi * frequency
     state = mp.zeros(6, 3)
     state[5, 2] = 1
-    if fixture.clamped:
+    if ends.base is None:
         state[2, 0] = state[3, 1] = 1
     else:
         state[0, 0] = state[1, 1] = 1
-        state[3, 0] = mp.mpf(fixture.lateral_stiffness)
-        state[2, 1] = fixture.rotational_stiffness - omega**2 * mp.mpf(fixture.rotational_inertia)
+        state[3, 0] = mp.mpf(ends.base.lateral_stiffness)
+        state[2, 1] = ends.base.rotational_stiffness - omega**2 * mp.mpf(
+            ends.base.rotational_inertia
+        )
     for element, length in row:
         if isinstance(element, Joint):
             transfer = mp.eye(6)
@@ -207,7 +209,7 @@ def end_condition(row, fixture, frequency, *, open_circuit):
         else:
             transfer = reference_beam.transfer(reference_beam.constants(element), length, omega)
         state = transfer * state
-    tip = fixture.tip_stiffness - omega**2 * mp.mpf(fixture.tip_mass)
+    tip = ends.tip.stiffness - omega**2 * mp.mpf(ends.tip.mass)
     unknowns = 3 if open_circuit else 2
     rows = ([state[k, j] for j in range(unknowns)] for k in (2, 4))
     force = [state[3, j] + tip * state[0, j] for j in range(unknowns)]
@@ -215,12 +217,12 @@ def end_condition(row, fixture, frequency, *, open_circuit):
     return mp.re(mp.det(mp.matrix([moment, force, charge][:unknowns])))
 
 
-def offset(row, fixture, frequency, *, open_circuit):
+def offset(row, ends, frequency, *, open_circuit):
     """Return how far (relative) the frequency lies from the root, by one secant to 60 digits."""
     step = mp.mpf("1e-9")
     with mp.workdps(60):
         low, high = (
-            end_condition(row, fixture, mp.mpf(frequency) * (1 + s), open_circuit=open_circuit)
+            end_condition(row, ends, mp.mpf(frequency) * (1 + s), open_circuit=open_circuit)
             for s in (-step, step)
         )
         return float(step * (high + low) / (high - low))
@@ -249,24 +251,24 @@ ROWS = {
 
 @pytest.mark.parametrize("open_circuit", [False, True])
 @pytest.mark.parametrize(
-    ("case", "support", "fixture"),
+    ("case", "support", "ends"),
     [
-        (case, "clamped", fixture)
+        (case, "clamped", ends)
         for case in ROWS
-        for fixture in (CLAMPED, replace(PAPER_SUPPORT, tip_mass=1e-4))
+        for ends in (CLAMPED, replace(PAPER_SUPPORT, tip=TipLoad(mass=1e-4)))
     ]
     + [("taper, electrodes, tab and glue", "rod", CLAMPED)],
 )
-def test_rounding_bar_of_segmented_rows(case, support, fixture, open_circuit):
+def test_rounding_bar_of_segmented_rows(case, support, ends, open_circuit):
     """Against 60 digits every frequency is inside its rounding error, small where rows are usual.
 
     Foils, 10⁷ times softer than what they hold, cost digits; the bar says how many.
     """
     device = Device(bimorph=Bimorph(**ROWS[case]))
     row = tmm.sections(device, Support(kind=support), Beam(), lossy=False, segments=2)
-    got = natural_frequencies(row, fixture, 3, open_circuit=open_circuit)
+    got = natural_frequencies(row, ends, 3, open_circuit=open_circuit)
     for frequency, bar in zip(got.frequencies, got.rounding, strict=True):
-        assert abs(offset(row, fixture, frequency, open_circuit=open_circuit)) < bar
+        assert abs(offset(row, ends, frequency, open_circuit=open_circuit)) < bar
     # the requirement on what is compared with a second model of 1e-11
     assert got.rounding.max() < (1e-9 if case.startswith("foil") else 1e-12)
 

@@ -8,10 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from geometry.bimorph.ends import Ends
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Device, Load, Support
 from tmm.beam import sweep
-from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.modes import bending_frequencies
 from tmm.beam.section.section import Section, section
 from tmm.beam.sweep import design_map, tip_response
 from tmm.beam.transfer import timoshenko
@@ -19,7 +20,7 @@ from tmm.beam.transfer.precision import error_bound
 from tmm.beam.transfer.timoshenko import dynamic_stiffness
 from tmm.beam.transfer.transfer_matrix import chain
 from tmm.ports.multiport import respond
-from tmm.ports.terminations import termination
+from tmm.ports.terminations import attach, base_stiffness, ends_of, tip_stiffness
 from validation.checks.cases import reference_beam as reference
 
 LENGTH = 20e-3
@@ -32,9 +33,10 @@ def bimorph(*, lossy=True):
     return section(Piece("bimorph", LENGTH), Device(), Beam(), lossy=lossy)
 
 
-def respond_at(beam, length, f, end, **options):
-    omega = 2 * np.pi * np.asarray(f)
-    return tip_response(beam, length, omega, base=end.base, tip=end.tip, **options)
+def respond_at(beam, length, f, ends, **options):
+    base = ends.base and base_stiffness(ends.base, f)
+    tip, omega = tip_stiffness(ends.tip, f), 2 * np.pi * f
+    return tip_response(beam, length, omega, base=base, tip=tip, **options)
 
 
 @pytest.mark.parametrize("support", [CLAMPED, SPRING], ids=["clamped", "spring"])
@@ -42,12 +44,12 @@ def respond_at(beam, length, f, end, **options):
 def test_same_as_the_dynamic_stiffness(support, load):
     """Displacement and charge are those of the beam's D with the ends attached."""
     f = np.geomspace(0.1, 1e5, 400)
-    end = termination(support, load, f)
-    ours = respond_at(bimorph(), LENGTH, f, end, voltage=50.0)
-    matrix = respond(chain([(bimorph(), LENGTH)], f), end, 50.0)
+    ends = ends_of(support, load)
+    ours = respond_at(bimorph(), LENGTH, f, ends, voltage=50.0)
+    matrix = respond(attach(chain([(bimorph(), LENGTH)], f), ends), {"voltage": 50.0})
     # D's resonances, damped with Q = 60, cost the elimination four digits
-    np.testing.assert_allclose(ours.w_tip, matrix.w_tip, rtol=1e-11)
-    np.testing.assert_allclose(ours.charge, matrix.charge, rtol=1e-11)
+    np.testing.assert_allclose(ours.w_tip, matrix.motion["w_tip"], rtol=1e-11)
+    np.testing.assert_allclose(ours.charge, matrix.effort["voltage"], rtol=1e-11)
 
 
 @pytest.mark.parametrize("number", range(18))
@@ -55,8 +57,8 @@ def test_against_the_stored_state_space_solution(state_space, number):
     """Tip velocity and current of the paper's bimorph, free and loaded, to 30 roundings."""
     case = state_space["cases"][number]
     f = np.array([case["frequency"]])
-    end = termination(SPRING, Load(kind=case["load"]), f)
-    ours = respond_at(bimorph(), case["length"], f, end, voltage=case["voltage"])
+    ends = ends_of(SPRING, Load(kind=case["load"]))
+    ours = respond_at(bimorph(), case["length"], f, ends, voltage=case["voltage"])
     # section constants, Ω and the attachments are rounded, too, and the condition is below 100;
     # beside a minimum or a peak a rounding of Ω alone is worth four
     for got, name in ((ours.w_tip, "v_tip"), (ours.charge, "current")):
@@ -123,21 +125,20 @@ def test_no_digit_lost_where_the_held_beam_resonates():
     while (middle := 0.5 * (low + high)) not in (low, high):
         sign = dynamic_stiffness(beam, LENGTH, 2 * np.pi * middle)[0, 2].real
         low, high = (middle, high) if sign < 0.0 else (low, middle)
-    end = termination(CLAMPED, FREE, np.array([low]))
     exact = reference.dynamic_stiffness(reference.constants(beam), LENGTH, 2 * np.pi * low)
     w_tip, _ = reference.tip_motion(exact, None, 0.0)
-    ours = respond_at(beam, LENGTH, np.array([low]), end)
-    matrix = respond(chain([(beam, LENGTH)], np.array([low])), end, 1.0)
+    ours = respond_at(beam, LENGTH, np.array([low]), Ends())
+    matrix = respond(attach(chain([(beam, LENGTH)], np.array([low])), Ends()), {"voltage": 1.0})
     assert reference.relative_error(ours.w_tip[0], w_tip) < 1e-14
-    assert reference.relative_error(matrix.w_tip[0], w_tip) > 1e-8
+    assert reference.relative_error(matrix.motion["w_tip"][0], w_tip) > 1e-8
 
 
 def test_condition_says_how_near_the_own_resonance_is():
     """Ten times nearer to a lossless resonance the condition number is ten times larger."""
     beam = bimorph(lossy=False)
-    first = bending_frequencies([(beam, LENGTH)], Fixture(clamped=True), 1, open_circuit=False)[0]
+    first = bending_frequencies([(beam, LENGTH)], Ends(), 1, open_circuit=False)[0]
     f = first * (1 + np.array([1e-3, 1e-4, 1e-5]))
-    condition = respond_at(beam, LENGTH, f, termination(CLAMPED, FREE, f)).condition
+    condition = respond_at(beam, LENGTH, f, Ends()).condition
     np.testing.assert_allclose(condition[1:] / condition[:-1], 10.0, rtol=0.05)
 
 
@@ -145,8 +146,8 @@ def test_condition_says_how_near_the_own_resonance_is():
 def test_chunks_do_not_show(chunk):
     """The result does not depend on how many points are worked on at a time."""
     f = np.geomspace(1e-2, 1e6, 200)
-    end = termination(SPRING, FINGER, f)
-    one, other = (respond_at(bimorph(), LENGTH, f, end, chunk=n) for n in (50, chunk))
+    ends = ends_of(SPRING, FINGER)
+    one, other = (respond_at(bimorph(), LENGTH, f, ends, chunk=n) for n in (50, chunk))
     # vector instructions may round the last elements of an array differently
     np.testing.assert_allclose(one.w_tip, other.w_tip, rtol=1e3 * EPS)
 
@@ -184,23 +185,23 @@ def test_unheld_beam_has_no_static_response():
 def test_design_map():
     """The map holds each load, length and frequency's own response."""
     lengths, f = np.array([10e-3, 20e-3]), np.linspace(0.0, 2e3, 50)
-    loads = [FREE, FINGER]
-    got = design_map(bimorph(), lengths, f, SPRING, loads, 50.0)
+    held = [ends_of(SPRING, load) for load in (FREE, FINGER)]
+    got = design_map(bimorph(), lengths, f, held[0].base, [ends.tip for ends in held], 50.0)
     assert got.w_tip.shape == (2, 2, 50)
-    for i, load in enumerate(loads):
+    for i, ends in enumerate(held):
         for j, length in enumerate(lengths):
-            alone = respond_at(bimorph(), length, f, termination(SPRING, load, f), voltage=50.0)
+            alone = respond_at(bimorph(), length, f, ends, voltage=50.0)
             np.testing.assert_allclose(got.w_tip[i, j], alone.w_tip, rtol=20 * EPS)
             np.testing.assert_allclose(got.charge[i, j], alone.charge, rtol=20 * EPS)
 
 
 def test_memory_stays_flat():
     """Beside inputs and results a sweep needs memory for one block, however long it is."""
-    extra = []
+    extra, ends = [], ends_of(SPRING, FINGER)
     for n in (200_000, 800_000):
         f = np.linspace(10.0, 2e3, n)
         tracemalloc.start()
-        got = design_map(bimorph(), np.array([LENGTH]), f, SPRING, [FINGER])
+        got = design_map(bimorph(), np.array([LENGTH]), f, ends.base, [ends.tip])
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         extra.append(peak - got.w_tip.nbytes - got.charge.nbytes - got.condition.nbytes)

@@ -7,25 +7,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from geometry.bimorph.ends import Ends, TipLoad
 from geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Shim, Support
+from geometry.errors import InputError
 from tmm.beam import lumped
 from tmm.beam.printed_formulas import printed_section
 from tmm.beam.transfer import transfer_matrix as tmm
-from tmm.ports.multiport import (
-    Multiport,
-    Termination,
-    blocked_force,
-    in_series,
-    passivity_margin,
-    reciprocity_error,
-    respond,
-    round_off,
-    symmetric_form,
-)
-from tmm.ports.terminations import termination
+from tmm.ports.invariants import passivity_margin, reciprocity_error, symmetric_form
+from tmm.ports.multiport import connect, hold, in_series, reduce, respond, round_off, terminate
+from tmm.ports.port import BIMORPH
+from tmm.ports.terminations import attach, ends_of, finger_stiffness
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e3, 2e4])
 CLAMPED, SPRING = Support(kind="clamped"), Support()
+PAPER = ends_of(SPRING, Load())
 
 devices = st.builds(
     Device,
@@ -50,9 +45,12 @@ def paper(frequencies=FREQUENCIES, *, lossy=True, **bimorph):
     )
 
 
-def free(frequencies):
-    """Return a clamped base and a free tip."""
-    return Termination(base=None, tip=np.zeros(np.size(frequencies), dtype=complex))
+def driven(port, ends, voltage=50.0):
+    return respond(attach(port, ends), {"voltage": voltage})
+
+
+def blocked_force(port, ends, voltage=50.0):
+    return respond(attach(port, ends), {"voltage": voltage, "w_tip": 0.0}).effort["w_tip"]
 
 
 def distance(a, b):
@@ -112,57 +110,58 @@ def test_pieces_equal_the_whole(pieces):
 @pytest.mark.parametrize("load", [Load(kind="none"), Load()])
 def test_series_wiring(support, load):
     """In series the tip moves half as far and the source sees a quarter of the charge."""
-    port, end = paper(), termination(support, load, FREQUENCIES)
-    parallel, series = respond(port, end, 50.0), respond(in_series(port), end, 50.0)
-    np.testing.assert_allclose(series.w_tip, 0.5 * parallel.w_tip, rtol=1e-14)
-    np.testing.assert_allclose(series.charge, 0.25 * parallel.charge, rtol=1e-14)
+    port, ends = paper(), ends_of(support, load)
+    parallel, series = driven(port, ends), driven(in_series(port), ends)
+    for name in ("w_tip", "psi_tip"):
+        np.testing.assert_allclose(series.motion[name], 0.5 * parallel.motion[name], rtol=1e-14)
+    charges = series.effort["voltage"], parallel.effort["voltage"]
+    np.testing.assert_allclose(charges[0], 0.25 * charges[1], rtol=1e-14)
     np.testing.assert_allclose(
-        blocked_force(in_series(port), end, 50.0), 0.5 * blocked_force(port, end, 50.0), rtol=1e-14
+        blocked_force(in_series(port), ends), 0.5 * blocked_force(port, ends), rtol=1e-14
     )
 
 
 def test_static_deflection():
     """A clamped bimorph bends to w = −K U l²/(2 EI), ψ = K U l/EI at the tip."""
     ((beam, l),) = tmm.sections(Device(), CLAMPED, Beam(), lossy=False)
-    r = respond(paper(np.zeros(1), lossy=False), free(0.0), 50.0)
-    assert r.w_tip[0] == pytest.approx(-beam.K * 50.0 * l**2 / (2 * beam.EI), rel=1e-13)
-    assert r.psi_tip[0] == pytest.approx(beam.K * 50.0 * l / beam.EI, rel=1e-13)
-    assert r.charge[0] == pytest.approx((beam.C + beam.K**2 / beam.EI) * l * 50.0, rel=1e-13)
-    assert r.w_tip[0].real > 0.0  # towards +x with the default poling
-    assert r.w_base[0] == r.psi_base[0] == 0.0
+    r = driven(paper(np.zeros(1), lossy=False), Ends())
+    w, psi, charge = r.motion["w_tip"][0], r.motion["psi_tip"][0], r.effort["voltage"][0]
+    assert w == pytest.approx(-beam.K * 50.0 * l**2 / (2 * beam.EI), rel=1e-13)
+    assert psi == pytest.approx(beam.K * 50.0 * l / beam.EI, rel=1e-13)
+    assert charge == pytest.approx((beam.C + beam.K**2 / beam.EI) * l * 50.0, rel=1e-13)
+    assert w.real > 0.0  # towards +x with the default poling
 
 
 def test_static_blocked_force():
     """Held at the tip it pushes with (3 K U/2 l)/(1 + Φ/4), Φ = 12 EI/(GA l²)."""
     ((beam, l),) = tmm.sections(Device(), CLAMPED, Beam(), lossy=False)
     phi = 12 * beam.EI / (beam.GA * l**2)
-    force = blocked_force(paper(np.zeros(1), lossy=False), free(0.0), 50.0)[0]
+    force = blocked_force(paper(np.zeros(1), lossy=False), Ends())[0]
     assert force == pytest.approx(1.5 * beam.K * 50.0 / l / (1 + phi / 4), rel=1e-13)
 
 
 def test_blocked_force_is_the_limit_of_a_stiff_load():
     """A spring far stiffer than the beam takes the blocked force, opposite in sign."""
-    port, end = paper(), termination(SPRING, Load(kind="none"), FREQUENCIES)
+    port, ends = paper(), ends_of(SPRING, Load(kind="none"))
     stiff = 1e12  # N/m against 1e5 N/m at most of the tip, base and mass up to 20 kHz
-    spring = replace(end, tip=np.full(FREQUENCIES.size, stiff, dtype=complex))
-    pushed = stiff * respond(port, spring, 50.0).w_tip
-    np.testing.assert_allclose(pushed, -blocked_force(port, end, 50.0), rtol=1e-6)
+    pushed = stiff * driven(port, replace(ends, tip=TipLoad(stiff))).motion["w_tip"]
+    np.testing.assert_allclose(pushed, -blocked_force(port, ends), rtol=1e-6)
 
 
 def test_poling_flips_the_motion_only():
     """Poled the other way the actuator bends the other way and draws the same charge."""
-    end = termination(SPRING, Load(), FREQUENCIES)
-    down, up = (respond(paper(poling=poling), end, 50.0) for poling in ("-x", "+x"))
-    np.testing.assert_array_equal(up.w_tip, -down.w_tip)
-    np.testing.assert_array_equal(up.charge, down.charge)
+    down, up = (driven(paper(poling=poling), PAPER) for poling in ("-x", "+x"))
+    np.testing.assert_array_equal(up.motion["w_tip"], -down.motion["w_tip"])
+    np.testing.assert_array_equal(up.effort["voltage"], down.effort["voltage"])
 
 
 def test_response_is_linear_in_voltage():
     """Twice the voltage gives twice everything; minus the voltage turns everything round."""
-    end = termination(SPRING, Load(), FREQUENCIES)
-    one, minus_two = (respond(paper(), end, u) for u in (1.0, -2.0))
-    np.testing.assert_allclose(minus_two.w_tip, -2.0 * one.w_tip, rtol=1e-15)
-    np.testing.assert_allclose(minus_two.charge, -2.0 * one.charge, rtol=1e-15)
+    one, minus_two = (driven(paper(), PAPER, u) for u in (1.0, -2.0))
+    for name, motion in one.motion.items():
+        np.testing.assert_allclose(minus_two.motion[name], -2.0 * motion, rtol=1e-15)
+    charges = minus_two.effort["voltage"], one.effort["voltage"]
+    np.testing.assert_allclose(charges[0], -2.0 * charges[1], rtol=1e-15)
 
 
 @given(st.floats(-3.0, 3.0))
@@ -180,15 +179,15 @@ def test_scaling(exponent):
 def test_energy_balance():
     """Source power equals the finger's, the support's and the material's losses."""
     f = np.array([20.0, 400.0, 900.0])
-    port, end = paper(f), termination(SPRING, Load(), f)
-    r = respond(port, end, 50.0)
+    port = paper(f)
+    r = driven(port, PAPER)
     half = 0.5 * port.omega
-    source = half * (1j * 50.0 * r.charge).real
-    x = np.stack([r.w_base, r.psi_base, r.w_tip, r.psi_tip, np.full(3, 50.0 + 0j)], axis=1)
-    inside = half * np.einsum("ni,nij,nj->n", x.conj(), symmetric_form(port.stiffness), x).imag
-    outside = half * (
-        end.tip.imag * np.abs(r.w_tip) ** 2 + end.base[1].imag * np.abs(r.psi_base) ** 2
-    )
+    source = half * (1j * 50.0 * r.effort["voltage"]).real
+    x = np.stack([r.motion[name] for name in port.names], axis=1)
+    inside = half * np.einsum("ni,nij,nj->n", x.conj(), symmetric_form(port), x).imag
+    finger = finger_stiffness(f).imag * np.abs(r.motion["w_tip"]) ** 2
+    damper = port.omega * SPRING.rotational_damping * np.abs(r.motion["psi_base"]) ** 2
+    outside = half * (finger + damper)
     np.testing.assert_allclose(source, inside + outside, rtol=1e-11)
     assert (outside > 0.0).all()
 
@@ -196,7 +195,137 @@ def test_energy_balance():
 def test_round_off_bound_covers_the_error():
     """The stated round-off bound is small here and grows near an undamped resonance."""
     f = np.array([100.0, 2126.35, 1044.15729033])
-    port = Multiport(f, paper(f, lossy=False).stiffness)
-    bound = round_off(port, free(f))
+    bound = round_off(attach(paper(f, lossy=False), Ends()))
     assert bound[0] < 1e-13
     assert bound[2] > 1e3 * bound[0]
+
+
+JOINTS = {"w_tip": "w_base", "psi_tip": "psi_base", "voltage": "voltage"}
+
+
+def half():
+    return paper(length=10e-3)
+
+
+def end_to_end(lower, upper):
+    """Return two bimorphs joined, with the ports of one."""
+    joined = connect(lower, upper, JOINTS, prefixes=("lower", "upper"))
+    kept = ("w_base", "psi_base", "upper.w_tip", "upper.psi_tip", "voltage")
+    return reduce(joined, kept).renamed({"upper.w_tip": "w_tip", "upper.psi_tip": "psi_tip"})
+
+
+def test_two_halves_joined_by_name_are_the_whole():
+    """Tip on base, electrodes in parallel: the ports of a bimorph twice as long."""
+    joined, whole = end_to_end(half(), half()), paper()
+    assert joined.ports == whole.ports == BIMORPH
+    # the requirement; some tens of roundings
+    assert distance(joined.stiffness, whole.stiffness) < 1e-12
+
+
+@given(st.floats(0.02, 0.98), st.booleans())
+def test_it_does_not_matter_where_a_bimorph_is_cut(share, lossy):
+    """Any two parts that make up the length: all 25 entries, with losses and without."""
+    parts = (paper(length=20e-3 * s, lossy=lossy) for s in (share, 1.0 - share))
+    whole = paper(lossy=lossy)
+    # the shorter part is as many times stiffer against rotation, and that cancels at the joint
+    shorter = min(share, 1.0 - share)
+    assert distance(end_to_end(*parts).stiffness, whole.stiffness) < 1e-13 / shorter
+
+
+def test_ways_of_joining_agree():
+    """What is attached before the joint or after it, or solved with the joint left free."""
+    joined = connect(half(), half(), JOINTS, prefixes=("lower", "upper"))
+    end = {"w_base": 3e6, "psi_base": 0.24, "upper.w_tip": 700.0 + 80.0j}
+    free = respond(terminate(joined, end), {"voltage": 50.0})
+    end["w_tip"] = end.pop("upper.w_tip")
+    once = respond(terminate(paper(), end), {"voltage": 50.0})
+    # condition numbers of the joint and of the base springs, at most 1e3 each
+    for name in ("w_base", "psi_base"):
+        np.testing.assert_allclose(free.motion[name], once.motion[name], rtol=1e-10)
+    np.testing.assert_allclose(free.motion["upper.w_tip"], once.motion["w_tip"], rtol=1e-10)
+    np.testing.assert_allclose(free.effort["voltage"], once.effort["voltage"], rtol=1e-10)
+
+
+def test_names_that_both_have_are_told_apart():
+    """The joint keeps the first one's name; what would clash is refused or prefixed."""
+    joined = connect(half(), half(), JOINTS, prefixes=("lower", "upper"))
+    assert joined.names == (
+        "w_base", "psi_base", "lower.w_tip", "lower.psi_tip", "voltage",
+        "upper.w_tip", "upper.psi_tip",
+    )  # fmt: skip
+    with pytest.raises(InputError, match='both multiports have a port "w_tip"; rename one'):
+        connect(half(), half(), JOINTS)
+    with pytest.raises(InputError, match='two ports are named "w_tip"'):
+        half().renamed({"w_base": "w_tip"})
+
+
+@pytest.mark.parametrize(
+    ("use", "words"),
+    [
+        (lambda p: p.index("w_tp"), 'port "w_tp" is unknown .did you mean "w_tip"'),
+        (lambda p: p["w_tip", "voltag"], 'did you mean "voltage"'),
+        (lambda p: terminate(p, {"psi_bas": 1.0}), 'did you mean "psi_base"'),
+        (lambda p: hold(p, "w_tips"), 'did you mean "w_tip"'),
+        (lambda p: reduce(p, ["w_tip", "gap"]), "there are w_base, psi_base, w_tip"),
+        (lambda p: respond(p, {"volts": 1.0}), 'port "volts" is unknown'),
+        (lambda p: respond(p, {"voltage": 1.0}, {"w_top": 1.0}), 'did you mean "w_tip"'),
+        (lambda p: connect(p, p, {"w_tip": "w_bas"}), 'did you mean "w_base"'),
+        (lambda p: p.renamed({"w_tp": "w"}), 'did you mean "w_tip"'),
+        (lambda p: connect(p, p, {"w_tip": "psi_base"}), "w in m.*ψ in rad.*different kinds"),
+        (lambda p: connect(p, p, {"w_tip": "w_base", "w_base": "w_base"}), "joined to two"),
+        (lambda p: connect(p, paper(np.ones(1)), JOINTS), "different frequencies"),
+        (lambda p: respond(p, {"voltage": 1.0}, {"voltage": 1.0}), "both moved and loaded"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(use, words):
+    """A misspelt port with the nearest name; a displacement on a rotation; two sweeps."""
+    with pytest.raises(InputError, match=words):
+        use(paper())
+
+
+def test_reduced_ports_answer_as_before():
+    """Ports left out carry no effort: the others respond as they did, in any order."""
+    port = attach(paper(), PAPER)
+    seen = reduce(port, ("voltage", "w_tip"))
+    assert seen.names == ("voltage", "w_tip")
+    whole, less = (respond(p, {"voltage": 50.0}) for p in (port, seen))
+    # rounding times the condition of the paper's supported ports, 1e2
+    np.testing.assert_allclose(less.motion["w_tip"], whole.motion["w_tip"], rtol=1e-12)
+    np.testing.assert_allclose(less.effort["voltage"], whole.effort["voltage"], rtol=1e-12)
+    assert reciprocity_error(seen).max() < 1e-12
+    assert passivity_margin(seen).min() > -1e-12
+    assert reduce(port, port.names).ports == port.ports
+
+
+def test_forces_and_voltages_superpose():
+    """Motions of a voltage and of a force add up, and a force frees charge as a volt moves."""
+    port, force = attach(paper(), PAPER), {"w_tip": 0.1}
+    volt, pushed = respond(port, {"voltage": 50.0}), respond(port, {"voltage": 0.0}, force)
+    both = respond(port, {"voltage": 50.0}, force)
+    for name in port.names:
+        np.testing.assert_allclose(
+            both.motion[name], volt.motion[name] + pushed.motion[name], rtol=1e-13
+        )
+    # reciprocity: charge per force is displacement per volt
+    charge_per_force, displacement_per_volt = (
+        pushed.effort["voltage"] / 0.1,
+        volt.motion["w_tip"] / 50.0,
+    )
+    np.testing.assert_allclose(charge_per_force, displacement_per_volt, rtol=1e-12)
+    # driven to where the force had moved it, the tip takes that force
+    moved = {"voltage": 0.0, "w_tip": pushed.motion["w_tip"]}
+    np.testing.assert_allclose(respond(port, moved).effort["w_tip"], 0.1, rtol=1e-12)
+
+
+def test_a_held_port_is_one_driven_by_nothing():
+    """To hold a port before or while driving is one thing; then its effort is known too."""
+    port = paper()
+    held = respond(hold(port, "w_base", "psi_base"), {"voltage": 50.0})
+    driven_to_rest = respond(port, {"voltage": 50.0, "w_base": 0.0, "psi_base": 0.0})
+    np.testing.assert_array_equal(driven_to_rest.motion["w_tip"], held.motion["w_tip"])
+    assert not driven_to_rest.motion["w_base"].any()
+    # clamped at rest, the base carries no moment under the voltage: nothing reacts at the tip
+    moment = driven_to_rest.effort["psi_base"]
+    free = respond(hold(port, "w_base", "w_tip", "psi_tip"), {"voltage": 50.0, "psi_base": 0.0})
+    assert abs(moment[0]) < 1e-10 * abs(free.effort["psi_base"][0])
+    assert abs(moment[2]) > 1e-3 * abs(free.effort["psi_base"][2])  # at 500 Hz inertia does

@@ -7,14 +7,14 @@ from scipy.optimize import brentq, minimize_scalar
 from geometry.device.parameters import Beam, Device, Load, Support
 from tmm.beam.transfer import transfer_matrix as tmm
 from tmm.ports import terminations as t
-from tmm.ports.multiport import Termination, respond
+from tmm.ports.multiport import respond
 
 FREQUENCIES = np.array([0.0, 10.0, 300.0, 1000.0])
 
 
 def tip(support, load, frequencies=FREQUENCIES):
     port = tmm.multiport(Device(), support, Beam(), frequencies)
-    return respond(port, t.termination(support, load, frequencies), 50.0).w_tip
+    return respond(t.attach(port, t.ends_of(support, load)), {"voltage": 50.0}).motion["w_tip"]
 
 
 def test_finger_as_stored(state_space):
@@ -58,7 +58,7 @@ def test_finger_is_held_outside_its_range():
     for f, end in ((0.0, 0), (1.0, 0), (9.99, 0), (1000.01, 1), (1800.0, 1), (1e5, 1)):
         stiffness, damping = t.finger_spring_damper(np.array([f]))
         assert (stiffness[0], damping[0]) == (low[0][end], low[1][end])
-    z = t.load_stiffness(Load(), np.linspace(0.0, 1e4, 2001))
+    z = t.finger_stiffness(np.linspace(0.0, 1e4, 2001))
     assert (z.imag >= 0.0).all()
     assert (z.real > 0.0).all()
     assert high == (10.0, 1000.0)
@@ -75,7 +75,7 @@ def test_outside_of_the_range_is_reported():
 def test_support_is_the_papers():
     """jΩ R32 = c_s + jΩ d_s − Ω² θ and jΩ R41 = c_sl (eqs 7 and 8)."""
     f = np.array([0.0, 500.0])
-    lateral, rotational = t.base_stiffness(Support(), f)
+    lateral, rotational = t.base_stiffness(t.ends_of(Support(), Load()).base, f)
     omega = 2 * np.pi * 500.0
     assert lateral.tolist() == [3e6, 3e6]
     assert rotational[0] == 0.24
@@ -84,8 +84,10 @@ def test_support_is_the_papers():
 
 @pytest.mark.parametrize("kind", ["clamped", "rod"])
 def test_rigid_supports_hold_the_base(kind):
-    """A clamp, and the rod's own lower end, leave no motion at the base port."""
-    assert t.base_stiffness(Support(kind=kind), FREQUENCIES) is None
+    """A clamp, and the rod's own lower end, leave no motion at the base: it is no port."""
+    port = tmm.multiport(Device(), Support(kind="clamped"), Beam(), FREQUENCIES)
+    held = t.attach(port, t.ends_of(Support(kind=kind), Load()))
+    assert held.names == ("w_tip", "psi_tip", "voltage")
 
 
 def test_stiff_spring_is_a_clamp():
@@ -108,11 +110,11 @@ def test_loads_reduce_to_each_other():
     free = tip(Support(), Load(kind="none"))
     np.testing.assert_array_equal(tip(Support(), Load(kind="mass", mass=0.0)), free)
     np.testing.assert_array_equal(tip(Support(), Load(kind="spring_damper")), free)
-    mass = t.load_stiffness(Load(kind="mass", mass=2e-6), np.array([100.0]))
+    f = np.array([100.0])
+    mass = t.tip_stiffness(t.ends_of(Support(), Load(kind="mass", mass=2e-6)).tip, f)
     assert mass[0] == pytest.approx(-((2 * np.pi * 100.0) ** 2) * 2e-6)
-    damper = t.load_stiffness(
-        Load(kind="spring_damper", stiffness=300.0, damping=0.5), np.array([100.0])
-    )
+    damping = Load(kind="spring_damper", stiffness=300.0, damping=0.5)
+    damper = t.tip_stiffness(t.ends_of(Support(), damping).tip, f)
     assert damper[0] == pytest.approx(300.0 + 0.5j * 2 * np.pi * 100.0)
 
 
@@ -121,15 +123,3 @@ def test_a_heavy_mass_pins_the_tip():
     f = np.array([500.0])
     heavy, light = (tip(Support(), Load(kind="mass", mass=m), f) for m in (1.0, 0.0))
     assert abs(heavy[0] / light[0]) < 1e-3
-
-
-def test_statics_and_modes_leave_the_finger_out():
-    """The finger has no constant stiffness or mass: static values and modes are the free tip's."""
-    assert t.conservative_load(Load()) == (0.0, 0.0)
-    assert t.conservative_load(Load(kind="none")) == (0.0, 0.0)
-    assert t.conservative_load(Load(kind="mass", mass=1e-5)) == (0.0, 1e-5)
-    assert t.conservative_load(Load(kind="spring_damper", stiffness=5.0, damping=9.0)) == (5.0, 0.0)
-    static = t.static_termination(Support(), Load(kind="spring_damper", stiffness=5.0, damping=9.0))
-    assert isinstance(static, Termination)
-    assert static.tip.tolist() == [5.0 + 0.0j]
-    assert static.base[1].tolist() == [0.24 + 0.0j]

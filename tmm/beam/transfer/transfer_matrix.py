@@ -19,6 +19,7 @@ from tmm.beam.section.section import section
 from tmm.beam.section.tapered import segmented
 from tmm.beam.transfer.scattering import Element, joined
 from tmm.ports.multiport import Multiport
+from tmm.ports.port import BIMORPH
 
 #: Segments of a tapered piece.
 SEGMENTS = 32
@@ -58,7 +59,7 @@ def elements(
 def chain(row: Sequence[Element], frequencies: Floats) -> Multiport:
     """Return the multiport of elements joined end to end."""
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
-    return Multiport(frequencies, joined(row, 2.0 * np.pi * frequencies))
+    return Multiport(frequencies, joined(row, 2.0 * np.pi * frequencies), BIMORPH)
 
 
 def multiport(

@@ -18,8 +18,8 @@ from tmm.beam.section.section import section
 from tmm.beam.sweep import design_map, tip_response
 from tmm.beam.transfer.blocks import BLOCK
 from tmm.beam.transfer.transfer_matrix import chain
-from tmm.ports.multiport import Termination, respond
-from tmm.ports.terminations import termination
+from tmm.ports.multiport import respond, terminate
+from tmm.ports.terminations import base_stiffness, ends_of, tip_stiffness
 from validation.bench.one_core import on_one_core, peak_memory
 from validation.bench.result import Bench, Target
 from validation.checks.cases import reference_beam as reference
@@ -34,7 +34,7 @@ _CASCADE, _NAIVE = "dynamic stiffness and LU", "matrix A (naive)"
 
 _LENGTH = 20e-3
 _BEAM = section(Piece("bimorph", _LENGTH), Device(), Beam(), lossy=True)
-_SUPPORT, _LOAD = Support(), Load()
+_ENDS = ends_of(Support(), Load())
 #: Frequencies per case at which errors are taken.
 _SAMPLES = 15
 
@@ -151,50 +151,56 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
 def seconds_of(path: str, case: str, points: int) -> float:
     """Return the least of three processor times (s) of one path; attachments are given."""
     f = _spaced(case, points)
-    end = termination(_SUPPORT, _LOAD, f)
-    return min(_timed(lambda: _velocity(path, f, end)) for _ in range(3))
+    attached = _attached(f)
+    return min(_timed(lambda: _velocity(path, f, *attached)) for _ in range(3))
 
 
 def map_seconds(lengths: int, frequencies: int, loads: int) -> float:
     """Return the least of three processor times (s) of a design map, attachments included."""
     kinds = [Load(kind="none"), Load(), Load(kind="mass", mass=1e-3)][:loads]
     l, f = np.linspace(5e-3, 40e-3, lengths), np.linspace(10.0, 2e3, frequencies)
-    return min(_timed(lambda: design_map(_BEAM, l, f, _SUPPORT, kinds)) for _ in range(3))
+    tips = [ends_of(Support(), load).tip for load in kinds]
+    return min(_timed(lambda: design_map(_BEAM, l, f, _ENDS.base, tips)) for _ in range(3))
 
 
 def memory_of(points: int) -> int:
     """Return the peak memory (bytes) of this process after one long sweep."""
     f = np.linspace(10.0, 2e3, points)
-    design_map(_BEAM, np.array([_LENGTH]), f, _SUPPORT, [_LOAD])
+    design_map(_BEAM, np.array([_LENGTH]), f, _ENDS.base, [_ENDS.tip])
     return peak_memory()
 
 
 def error_of(path: str, case: str) -> float:
     """Return the worst relative error of the tip velocity against 80-digit arithmetic."""
     f = _spaced(case, _SAMPLES)
-    end = termination(_SUPPORT, _LOAD, f)
-    assert end.base is not None
-    velocity, worst = _velocity(path, f, end), 0.0
+    (lateral, rotational), tip = _attached(f)
+    velocity, worst = _velocity(path, f, (lateral, rotational), tip), 0.0
     for i, frequency in enumerate(f):
         omega = 2.0 * np.pi * float(frequency)
         exact = reference.dynamic_stiffness(reference.constants(_BEAM), _LENGTH, omega)
-        base = (complex(end.base[0][i]), complex(end.base[1][i]))
-        w_tip, _ = reference.tip_motion(exact, base, complex(end.tip[i]))
+        base = (complex(lateral[i]), complex(rotational[i]))
+        w_tip, _ = reference.tip_motion(exact, base, complex(tip[i]))
         error = reference.relative_error(velocity[i] / (1j * omega), w_tip)
         worst = max(worst, math.inf if math.isnan(error) else error)
     return worst
 
 
-def _velocity(path: str, f: Floats, end: Termination) -> Complex:
+def _attached(f: Floats) -> tuple[tuple[Complex, Complex], Complex]:
+    """Return the dynamic stiffnesses of base and tip, which are not timed."""
+    assert _ENDS.base is not None
+    return base_stiffness(_ENDS.base, f), tip_stiffness(_ENDS.tip, f)
+
+
+def _velocity(path: str, f: Floats, base: tuple[Complex, Complex], tip: Complex) -> Complex:
     omega = 2.0 * np.pi * f
     if path == _NAIVE:
-        return textbook_beam.tip_velocity(_BEAM, _LENGTH, f, end)
+        return textbook_beam.tip_velocity(_BEAM, _LENGTH, f, base=base, tip=tip)
     if path == _CASCADE:
-        w_tip = respond(chain([(_BEAM, _LENGTH)], f), end, 1.0).w_tip
+        loads = {"w_base": base[0], "psi_base": base[1], "w_tip": tip}
+        port = terminate(chain([(_BEAM, _LENGTH)], f), loads)
+        w_tip = respond(port, {"voltage": 1.0}).motion["w_tip"]
     else:
-        w_tip = tip_response(
-            _BEAM, _LENGTH, omega, base=end.base, tip=end.tip, chunk=_PATHS[path]
-        ).w_tip
+        w_tip = tip_response(_BEAM, _LENGTH, omega, base=base, tip=tip, chunk=_PATHS[path]).w_tip
     return np.asarray(1j * omega * w_tip)
 
 

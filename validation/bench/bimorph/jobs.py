@@ -127,21 +127,22 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
 def _static(system: Any) -> tuple[float, float]:
     """Return deflection and capacitance of the clamped, free bimorph."""
     from fem.bimorph.ports import static_multiport
+    from geometry.bimorph.ends import Ends
+    from tmm.ports.multiport import respond
+    from tmm.ports.terminations import attach
 
-    d = static_multiport(system).stiffness[0].real
-    tip, volt = [2, 3], 4
-    moved = np.linalg.solve(d[np.ix_(tip, tip)], -d[tip, volt])
-    return float(moved[0]), float(d[volt, volt] + d[volt, tip] @ moved)
+    response = respond(attach(static_multiport(system), Ends()), {"voltage": 1.0})
+    return float(response.motion["w_tip"][0].real), float(response.effort["voltage"][0].real)
 
 
 def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
     """Return the natural frequencies; a coarse mesh says which classes of motion they are in."""
     from fem.bimorph.modes import natural_modes
-    from fem.bimorph.motions import Attachment
     from fem.bimorph.solid import assemble
+    from geometry.bimorph.ends import Ends
     from validation.models.bimorph.lowest_modes import lowest_modes, solve_modes
 
-    clamped = Attachment(None)
+    clamped = Ends()
     if not isinstance(mesh, Bricks):
         return [mode.frequency for mode in natural_modes(system, clamped, MODES)]
     scout = piezo_meshes.scout(device)
@@ -153,12 +154,14 @@ def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
 def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
     """Return the complex deflection by reduction to ports."""
     from fem.bimorph.reduction.krylov import reduce_to_ports
-    from tmm.ports.multiport import Termination, respond
+    from geometry.bimorph.ends import Ends
+    from tmm.ports.multiport import respond
+    from tmm.ports.terminations import attach
 
     f = np.array(frequencies)
     port = reduce_to_ports(system, f, tolerance=_REDUCTION).multiport(f)
-    free = Termination(None, np.zeros(f.size, dtype=complex))
-    return [complex(w) for w in respond(port, free, 1.0).w_tip]
+    response = respond(attach(port, Ends()), {"voltage": 1.0})
+    return [complex(w) for w in response.motion["w_tip"]]
 
 
 #: Mesh of each of our families from a device and a fineness.  Another one is one line.

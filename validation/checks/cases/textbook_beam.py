@@ -12,7 +12,6 @@ import numpy as np
 from geometry.arrays import Complex, Floats
 from tmm.beam.printed_formulas import matrix_a
 from tmm.beam.section.section import Section
-from tmm.ports.multiport import Termination
 
 
 def transfer(beam: Section, length: float, frequencies: Floats) -> Complex:
@@ -39,19 +38,24 @@ def dynamic_stiffness(beam: Section, length: float, frequencies: Floats) -> Comp
     return np.stack([-below[:, 1], -below[:, 0], above[:, 1], above[:, 0], above[:, 2]], axis=1)
 
 
-def tip_velocity(beam: Section, length: float, frequencies: Floats, end: Termination) -> Complex:
-    """Return tip velocity per volt (n,): paper eqs 6-12, the boundary conditions through A."""
+def tip_velocity(
+    beam: Section, length: float, frequencies: Floats, *, base: tuple[Any, Any] | None, tip: Any
+) -> Complex:
+    """Return tip velocity per volt (n,): paper eqs 6-12, the boundary conditions through A.
+
+    Dynamic stiffnesses `base` (lateral, rotational; None is a clamp) and `tip` hold the ends.
+    """
     a, jw = transfer(beam, length, frequencies), 2j * np.pi * np.asarray(frequencies, float)
     start = np.zeros((jw.size, 5, 3), dtype=complex)  # below: two unknowns, and U
     with np.errstate(all="ignore"):
-        if end.base is None:
+        if base is None:
             start[:, 2, 0] = start[:, 3, 1] = 1.0
         else:
-            start[:, 0, 0], start[:, 3, 0] = 1.0, end.base[0] / jw
-            start[:, 1, 1], start[:, 2, 1] = 1.0, end.base[1] / jw
+            start[:, 0, 0], start[:, 3, 0] = 1.0, base[0] / jw
+            start[:, 1, 1], start[:, 2, 1] = 1.0, base[1] / jw
         start[:, 4, 2] = 1.0
         above = a @ start
-        conditions = np.stack([above[:, 2], above[:, 3] + (end.tip / jw)[:, None] * above[:, 0]], 1)
+        conditions = np.stack([above[:, 2], above[:, 3] + (tip / jw)[:, None] * above[:, 0]], 1)
         unknown = _solved(conditions[:, :, :2], -conditions[:, :, 2:])[:, :, 0]
         velocity = np.einsum("nk,nk->n", above[:, 0, :2], unknown) + above[:, 0, 2]
     return np.asarray(velocity)

@@ -32,7 +32,7 @@ from tmm.beam.printed_formulas import (
 )
 from tmm.beam.section.section import Section
 from tmm.beam.section.section import section as section_constants
-from tmm.ports.terminations import load_stiffness, termination
+from tmm.ports.terminations import base_stiffness, ends_of, tip_stiffness
 from validation.scene.scene import Scene
 
 #: Frequencies at which the effects are stated (Hz).
@@ -145,9 +145,9 @@ def _ends(scene: Scene, frequencies: Floats) -> tuple[Complex, Complex, Complex]
     """Return the springs' two dynamic stiffnesses and the finger's, (n,) each."""
     support = scene.support.model_copy(update={"kind": "spring"})
     load = scene.load.model_copy(update={"kind": "finger"})
-    base = termination(support, load, frequencies).base
-    assert base is not None
-    return base[0], base[1], load_stiffness(load, frequencies)
+    ends = ends_of(support, load)
+    assert ends.base is not None
+    return *base_stiffness(ends.base, frequencies), tip_stiffness(ends.tip, frequencies)
 
 
 def _residual(scene: Scene, beam: Section, length: float, correct: Complex) -> float:

@@ -16,23 +16,25 @@ import mpmath as mp
 import numpy as np
 
 from geometry.arrays import Floats
+from geometry.bimorph.ends import Ends
 from geometry.bimorph.pieces import Piece
 from geometry.device.materials import EPS0
 from geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Support
-from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.modes import bending_frequencies
 from tmm.beam.section.section import Section, section
 from tmm.beam.transfer.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
 from tmm.beam.transfer.span import Span, span
 from tmm.beam.transfer.transfer_matrix import chain
+from tmm.ports.terminations import ends_of
 from validation.checks.cases import reference_beam as reference
-from validation.checks.stress.beam_point import CONDITION_LIMIT, Ends, entry_error, point
+from validation.checks.stress.beam_point import CONDITION_LIMIT, entry_error, point
 from validation.checks.stress.result import WANTED, Approach, ErrorMap, Point, Row, Stress, judged
 from validation.view.formats import engineering
 
 _LENGTH = 20e-3
-_PAPER = Ends(Support(), Load())
+_PAPER = ends_of(Support(), Load())
 _COLUMNS = ("family", "points", "worst", "condition", "matrix A", "verdict", "worst at")
-_CLAMPED_FREE = Ends(Support(kind="clamped"), Load(kind="none"))
+_CLAMPED_FREE = Ends()
 
 
 def run(quick: bool, announce: Callable[[str], None]) -> Stress:
@@ -219,7 +221,7 @@ def _held_resonance(quick: bool) -> tuple[Approach, Row]:
 def _mounted_resonance(quick: bool) -> tuple[Approach, Row]:
     """Approach a resonance of the cantilever."""
     beam = beam_of(lossy=False)
-    first = bending_frequencies([(beam, _LENGTH)], Fixture(clamped=True), 1, open_circuit=False)
+    first = bending_frequencies([(beam, _LENGTH)], _CLAMPED_FREE, 1, open_circuit=False)
     return _approach("resonance, cantilever", beam, float(first[0]), quick)
 
 

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
 import numpy as np
 
-from geometry.device.parameters import Load, Support
+from geometry.bimorph.ends import Ends
 from tmm.beam.section.section import Section
 from tmm.beam.sweep import tip_response
 from tmm.beam.transfer.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
 from tmm.beam.transfer.timoshenko import condition, dynamic_stiffness
-from tmm.ports.terminations import termination
+from tmm.ports.terminations import base_stiffness, tip_stiffness
 from validation.checks.cases import reference_beam as reference
 from validation.checks.cases import textbook_beam
 from validation.checks.stress.result import WANTED, Point
@@ -28,22 +27,18 @@ _ENTRIES = tuple(set(product(range(5), repeat=2)) - {(0, 4), (4, 0), (2, 4), (4,
 _UNDERFLOW = 1e-290
 
 
-@dataclass(frozen=True)
-class Ends:
-    """What the beam is mounted on and what it drives."""
-
-    support: Support
-    load: Load
-
-
 def point(beam: Section, length: float, frequency: float, ends: Ends, where: str) -> Point:
     """Compare D and the terminated response at one point."""
     omega = 2.0 * np.pi * frequency
     exact = reference.dynamic_stiffness(reference.constants(beam), length, omega)
-    end = termination(ends.support, ends.load, np.array([frequency]))
-    base = None if end.base is None else (complex(end.base[0][0]), complex(end.base[1][0]))
-    w_tip, charge = reference.tip_motion(exact, base, complex(end.tip[0]))
-    ours = tip_response(beam, length, omega, base=base, tip=end.tip[0])
+    f = np.array([frequency])
+    base = None
+    if ends.base is not None:
+        lateral, rotational = base_stiffness(ends.base, f)
+        base = complex(lateral[0]), complex(rotational[0])
+    tip = complex(tip_stiffness(ends.tip, f)[0])
+    w_tip, charge = reference.tip_motion(exact, base, tip)
+    ours = tip_response(beam, length, omega, base=base, tip=tip)
     errors = [
         entry_error(dynamic_stiffness(beam, length, omega), exact),
         reference.relative_error(ours.w_tip, w_tip),
@@ -52,11 +47,10 @@ def point(beam: Section, length: float, frequency: float, ends: Ends, where: str
     worst = max(float(condition(beam, length, omega).max()), float(ours.condition))
     naive = math.nan
     if frequency > 0.0:
-        f = np.array([frequency])
-        velocity = textbook_beam.tip_velocity(beam, length, f, end)[0] / (2j * np.pi * frequency)
+        velocity = textbook_beam.tip_velocity(beam, length, f, base=base, tip=tip)[0]
         naive = max(
             entry_error(textbook_beam.dynamic_stiffness(beam, length, f)[0], exact),
-            _finite(reference.relative_error(velocity, w_tip)),
+            _finite(reference.relative_error(velocity / (1j * omega), w_tip)),
         )
     return Point(where, max(errors), worst, error_bound(worst), naive)
 

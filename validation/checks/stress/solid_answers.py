@@ -7,13 +7,13 @@ from collections.abc import Iterable
 import numpy as np
 
 from fem.bimorph.modes import natural_modes
-from fem.bimorph.motions import Attachment
 from fem.bimorph.ports import direct_multiport
 from fem.bimorph.reduction.krylov import port_error, reduce_to_ports
 from fem.bimorph.solid import assemble
 from geometry.arrays import Floats
 from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from geometry.bimorph.bricks import Bricks
+from geometry.bimorph.ends import Ends
 from geometry.device.parameters import Bimorph, Device, Glue
 from geometry.meshing.mesh import Mesh
 from geometry.meshing.tensor_tets import box_tetrahedra
@@ -101,7 +101,7 @@ def _collected(devices: Iterable[tuple[str, Device]]) -> Family:
 def _answers(device: Device, mesh: Mesh | Bricks) -> tuple[Floats, int]:
     """Return tip displacement per volt, capacitance, first bending frequencies; and the size."""
     system = assemble(device, mesh, lossy=False)
-    modes = natural_modes(system, Attachment(None), 2 if isinstance(mesh, Bricks) else 4)
+    modes = natural_modes(system, Ends(), 2 if isinstance(mesh, Bricks) else 4)
     bending = [m.frequency for m in modes if m.kind in ("bending_x", "mixed")]
     return np.array([*static_values(system), *bending[:2]]), system.size
 
@@ -142,7 +142,7 @@ def resonance_row(quick: bool) -> Row:
     device = Device()
     bricks = bimorph_bricks(device, LEVELS[0])
     lossless = assemble(device, bricks, lossy=False)
-    peak = natural_modes(lossless, Attachment(None), 1)[0].frequency
+    peak = natural_modes(lossless, Ends(), 1)[0].frequency
     sharp = device.model_copy(
         update={
             "piezo": device.piezo.model_copy(update={"quality_factor": 1e8, "loss_tangent": 1e-8})

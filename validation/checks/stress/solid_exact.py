@@ -8,13 +8,13 @@ from itertools import product
 import numpy as np
 
 from fem.bimorph.modes import natural_modes
-from fem.bimorph.motions import Attachment
 from fem.bimorph.ports import static_multiport
 from fem.bimorph.solid import assemble
 from fem.bimorph.system import SolidSystem
 from geometry.arrays import Floats, Ints
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.bimorph.bricks import Axis, Bricks
+from geometry.bimorph.ends import Ends
 from geometry.device.materials import Piezoceramic
 from geometry.device.parameters import Bimorph, Device, Shim
 from geometry.meshing.mesh import Mesh
@@ -86,7 +86,7 @@ def scaling_row(quick: bool) -> Row:
 
 def _three(device: Device, bricks: Bricks, ceramic: Piezoceramic) -> tuple[float, float, float]:
     system = assemble(device, bricks, lossy=False, ceramic=ceramic)
-    first = natural_modes(system, Attachment(None), 1)[0].frequency
+    first = natural_modes(system, Ends(), 1)[0].frequency
     return (*static_values(system), first)
 
 
@@ -204,7 +204,7 @@ def _cantilever(
     d = static_multiport(system).stiffness[0].real
     compliance = np.linalg.inv(d[2:4, 2:4])
     tip = float(-(compliance @ d[2:4, 4])[0])
-    frequency = natural_modes(system, Attachment(None), 1)[0].frequency
+    frequency = natural_modes(system, Ends(), 1)[0].frequency
     return tip, frequency, float(compliance[0, 0] * system.spurious_stiffness)
 
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from geometry.arrays import Floats
 from tmm.ports.multiport import Multiport
-from tmm.ports.terminations import conservative_load
 from validation.engine.model import Model, Modes, Refined
 
 
@@ -57,14 +56,7 @@ class BeamModel(Model):
         out = []
         for circuit in (False, True):
             fine, coarse = (
-                beam.bending_frequencies(
-                    matrices,
-                    clamped=self._clamped,
-                    base=self._base(),
-                    tip=conservative_load(s.load),
-                    count=s.modes,
-                    open_circuit=circuit,
-                )
+                beam.bending_frequencies(matrices, s.ends, s.modes, open_circuit=circuit)
                 for matrices in levels
             )
             classes = ("bending_x",) * fine.size

@@ -11,8 +11,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem.bimorph.motions import Attachment, Motion
+from fem.bimorph.motions import Motion
 from fem.bimorph.reduction.modal_model import BareMode, ModalModel
+from geometry.bimorph.ends import Ends
 from geometry.store.values import storable
 
 if TYPE_CHECKING:
@@ -42,11 +43,9 @@ class MeshModes:
     ports: ModalModel
     others: dict[Motion, tuple[BareMode, ...]]
 
-    def lowest(
-        self, attachment: Attachment, count: int, *, open_circuit: bool
-    ) -> dict[Motion, list[BareMode]]:
+    def lowest(self, ends: Ends, count: int, *, open_circuit: bool) -> dict[Motion, list[BareMode]]:
         """Return the lowest `count` modes of every class of motion."""
-        of_ports = self.ports.modes(attachment, count, open_circuit=open_circuit)
+        of_ports = self.ports.modes(ends, count, open_circuit=open_circuit)
         return {self.ports.motion: of_ports} | {m: list(f[:count]) for m, f in self.others.items()}
 
 
@@ -65,20 +64,20 @@ def solve_modes(fine: SolidSystem, coarse: SolidSystem, count: int) -> tuple[Mes
 
 
 def lowest_modes(
-    fine: MeshModes, coarse: MeshModes, attachment: Attachment, count: int, *, open_circuit: bool
+    fine: MeshModes, coarse: MeshModes, ends: Ends, count: int, *, open_circuit: bool
 ) -> tuple[list[BareMode], list[BareMode]]:
     """Return the lowest modes on both meshes: `count`, or up to the first bending in x.
 
     The coarser list is longer where modes are close, so that each finer one has a partner.
     """
     enough = count
-    below = coarse.lowest(attachment, enough, open_circuit=open_circuit)
+    below = coarse.lowest(ends, enough, open_circuit=open_circuit)
     # a narrow bimorph bends in y first; the coupling factor needs bending in x
     while all(m.kind != "bending_x" for m in _all(below.values())) and enough < _MOST_MODES:
         enough = 2 * enough + 2
-        below = coarse.lowest(attachment, enough, open_circuit=open_circuit)
+        below = coarse.lowest(ends, enough, open_circuit=open_circuit)
     last = _CLOSE * _reach(_all(below.values()), count)
-    above = fine.lowest(attachment, enough, open_circuit=open_circuit)
+    above = fine.lowest(ends, enough, open_circuit=open_circuit)
     few = {m: sum(mode.frequency <= last for mode in found) for m, found in below.items()}
     found = _all(modes[: few[motion]] for motion, modes in above.items())
     limit = _reach(found, count)
@@ -93,7 +92,7 @@ def _other(system: SolidSystem, motion: Motion, count: int) -> tuple[BareMode, .
     from fem.bimorph.modes import natural_modes
 
     assert system.related is not None
-    found = natural_modes(system.related(motion), Attachment(None), count)
+    found = natural_modes(system.related(motion), Ends(), count)
     return tuple(BareMode(mode.frequency, mode.kind, motion) for mode in found)
 
 

@@ -102,7 +102,7 @@ class LumpedModel(RowModel):
     def _circuit(self, segments: int, *, open_circuit: bool) -> lumped.EquivalentCircuit:
         s = self.scene
         row = transfer_matrix.sections(s.device, s.support, s.beam, lossy=False, segments=segments)
-        return lumped.equivalent_circuit(row, self._fixture(), open_circuit=open_circuit)
+        return lumped.equivalent_circuit(row, s.ends, open_circuit=open_circuit)
 
     def _both_modes(self) -> tuple[Refined[Modes], Refined[Modes]]:
         def mode(segments: int, *, open_circuit: bool) -> Modes:
@@ -160,7 +160,7 @@ class TmmModel(RowModel):
             row = transfer_matrix.sections(
                 s.device, s.support, s.beam, lossy=False, segments=segments
             )
-            return natural_frequencies(row, self._fixture(), s.modes, open_circuit=open_circuit)
+            return natural_frequencies(row, s.ends, s.modes, open_circuit=open_circuit)
 
         def modes(of: NaturalFrequencies) -> Modes:
             return Modes(of.frequencies, ("bending_x",) * of.frequencies.size)

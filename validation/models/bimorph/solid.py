@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.bimorph.motions import Attachment
 from geometry.store.values import storable
 from tmm.ports.multiport import Multiport
-from tmm.ports.terminations import conservative_load
 from validation.engine.model import Model, Modes, Refined
 from validation.engine.refinement import SAFETY, least_difference
 from validation.models.bimorph.lowest_modes import MeshModes, lowest_modes, solve_modes
@@ -139,7 +137,7 @@ class SolidModel(Model):
         found: list[SolidMode] = []
         for motion, count in wanted.items():
             of = system if system.related is None else system.related(motion)
-            found += natural_modes(of, self._attachment, count)
+            found += natural_modes(of, self.scene.ends, count)
         return sorted(found, key=lambda mode: mode.frequency)
 
     def _modal(self) -> SolidModes:
@@ -165,19 +163,14 @@ class SolidModel(Model):
         return lowest_modes(
             modal.fine,
             modal.coarse,
-            self._attachment,
+            self.scene.ends,
             self.scene.modes,
             open_circuit=open_circuit,
         )
 
-    @property
-    def _attachment(self) -> Attachment:
-        stiffness, mass = conservative_load(self.scene.load)
-        return Attachment(None if self._clamped else self._base(), stiffness, mass)
-
     def _rounding(self, port: Multiport) -> float:
         """Return what rounding of the stiffness matrix does to the tip's static compliance."""
-        compliance = np.linalg.inv(port.stiffness[0, 2:4, 2:4])[0, 0]
+        compliance = np.linalg.inv(port.block("w_tip", "psi_tip").stiffness[0])[0, 0]
         return float(abs(compliance) * self.systems()[0].spurious_stiffness)
 
     def _two_meshes(

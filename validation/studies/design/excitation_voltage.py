@@ -17,8 +17,7 @@ import numpy as np
 
 from geometry.arrays import Complex, Floats, Ints
 from tmm.beam.parametric import terminated
-from tmm.beam.port_quantities import free_ports, port_motion
-from tmm.ports.multiport import W_TIP
+from tmm.ports.multiport import respond
 from validation.catalogue.detection import (
     DISPLAY_THRESHOLD,
     HIGHEST_SUBJECT,
@@ -218,8 +217,7 @@ def _per_volt(scene: Scene, case: Case, frequencies: Floats) -> Complex:
         changed = scene.model_copy(update={"load": scene.load.model_copy(update={"kind": "none"})})
     bimorph = scene.bimorph.model_copy(update={"wiring": wiring})
     device = actuator(changed.model_copy(update={"bimorph": bimorph}))
-    motion = port_motion(terminated(device, {}, frequencies), 1.0, free_ports(device))
-    return np.asarray(motion[:, W_TIP])
+    return respond(terminated(device, {}, frequencies), {"voltage": 1.0}).motion["w_tip"]
 
 
 def _stated(paper: StatedVoltage, grid: Floats, voltages: dict[Case, Floats]) -> Stated:

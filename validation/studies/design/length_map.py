@@ -13,8 +13,7 @@ import numpy as np
 from geometry.arrays import Floats, Ints
 from geometry.errors import InputError
 from tmm.beam.parametric import Actuator, check_length_free, terminated
-from tmm.beam.port_quantities import free_ports, port_motion
-from tmm.ports.multiport import W_TIP
+from tmm.ports.multiport import respond
 from validation.scene.scene import Scene
 
 #: Frequencies of the map over the band; minima between them are located by narrowing.
@@ -81,9 +80,9 @@ def actuator(scene: Scene) -> Actuator:
 def tip_amplitude(device: Actuator, lengths: Floats, frequencies: Floats) -> Floats:
     """Return |w_tip| (m); lengths (m) and frequencies (Hz) broadcast against each other."""
     l, f = np.broadcast_arrays(np.asarray(lengths, float), np.asarray(frequencies, float))
-    matrix = terminated(device, {"bimorph.length": l.ravel()}, f.ravel())
-    motion = port_motion(matrix, device.drive.voltage, free_ports(device))
-    return np.asarray(np.abs(motion[:, W_TIP]).reshape(l.shape))
+    port = terminated(device, {"bimorph.length": l.ravel()}, f.ravel())
+    response = respond(port, {"voltage": device.drive.voltage})
+    return np.asarray(np.abs(response.motion["w_tip"]).reshape(l.shape))
 
 
 def band_points(band: tuple[float, float], points: int = _POINTS) -> Floats:

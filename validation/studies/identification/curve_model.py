@@ -14,7 +14,7 @@ import numpy as np
 from geometry.arrays import Complex, Floats, Ints
 from tmm.beam.transfer.transfer_matrix import multiport
 from tmm.ports.multiport import Multiport, in_series, respond
-from tmm.ports.terminations import termination
+from tmm.ports.terminations import attach
 from validation.scene.scene import Scene
 from validation.studies.identification.fit_parameters import with_values
 
@@ -53,12 +53,12 @@ class CurveModel:
         scene = with_values(self.scene, dict(zip(self.keys, map(float, values), strict=True)))
         f = self.frequencies
         port = self.port if self.port is not None else _wired_port(scene, f)
-        end = termination(scene.support, scene.load, f)
         voltage = 1.0 if self.quantity == "admittance" else scene.drive.voltage
-        response = respond(port, end, voltage)
+        response = respond(attach(port, scene.ends), {"voltage": voltage})
         if self.quantity == "tip_displacement":
-            return response.w_tip
-        moving = response.w_tip if self.quantity == "tip_velocity" else response.charge
+            return response.motion["w_tip"]
+        velocity = self.quantity == "tip_velocity"
+        moving = response.motion["w_tip"] if velocity else response.effort["voltage"]
         return np.asarray(2j * np.pi * f * moving)
 
     def thinned(self, most: int) -> tuple[CurveModel, Ints]:
@@ -66,7 +66,9 @@ class CurveModel:
         n = self.frequencies.size
         at = np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(int))
         f = self.frequencies[at]
-        port = None if self.port is None else Multiport(f, self.port.stiffness[at])
+        port = None
+        if self.port is not None:
+            port = replace(self.port, frequencies=f, stiffness=self.port.stiffness[at])
         return replace(self, frequencies=f, port=port), at
 
 

@@ -55,9 +55,7 @@ def actuator(scene: Scene) -> Actuator:
 
 def targets(scene: Scene) -> tuple[Target, ...]:
     """Return the headline numbers that this scene has."""
-    held = scene.support.kind != "spring" or (
-        scene.support.rotational_stiffness > 0.0 and scene.support.lateral_stiffness > 0.0
-    )
+    held = not scene.ends.rigid_motions
     active = scene.piezo.d31 != 0.0
     labels = {
         "static_tip_displacement": "static tip displacement",

@@ -7,11 +7,11 @@ import pytest
 
 from fem.bimorph.bricks.assembly import assemble_bricks
 from fem.bimorph.modes import natural_modes
-from fem.bimorph.motions import Attachment
 from fem.bimorph.ports import static_multiport
 from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from geometry.bimorph.bricks import Axis
+from geometry.bimorph.ends import Ends
 from geometry.device.parameters import Bimorph, Device, Shim
 
 MOTIONS = ("bending_x", "bending_y", "torsion", "axial")
@@ -212,7 +212,7 @@ def test_frequencies_are_those_of_quadratic_hexahedra():
         mode.frequency
         for motion in MOTIONS
         for mode in natural_modes(
-            assemble_bricks(device, bricks, lossy=False, motion=motion), Attachment(None), 4
+            assemble_bricks(device, bricks, lossy=False, motion=motion), Ends(), 4
         )
     )[:4]
     fine = BrickMeshing(
@@ -220,7 +220,7 @@ def test_frequencies_are_those_of_quadratic_hexahedra():
         pieces=(10.0, 1e3),
     )  # fmt: skip
     mesh = bimorph_bricks(device, fine).corner_mesh()
-    whole = natural_modes(assemble(device, mesh, lossy=False), Attachment(None), 4)
+    whole = natural_modes(assemble(device, mesh, lossy=False), Ends(), 4)
     assert [m.frequency for m in whole] == pytest.approx(found, rel=1e-3)
 
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from fem.bimorph.modes import natural_modes
-from fem.bimorph.motions import Attachment
 from fem.bimorph.reduction.modal_reduction import modal_model
 from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from geometry.bimorph.ends import Ends, Springs, TipLoad
 from geometry.device.parameters import Bimorph, Device
 from geometry.store.values import from_bytes, to_bytes
 
@@ -33,37 +33,37 @@ def small(solid):
     return modal_model(solid, COUNT)
 
 
-ATTACHMENTS = {
-    "clamped": Attachment(None),
-    "clamped, heavy tip": Attachment(None, 0.0, 1e-4),
-    "clamped, sprung tip": Attachment(None, 1e4, 0.0),
-    "the paper's springs": Attachment((3e6, 0.24, 1e-12)),
-    "soft springs": Attachment((1e3, 1e-3, 0.0)),
-    "heavy base": Attachment((1e4, 0.01, 1e-8), 10.0, 1e-6),
-    "stiff springs": Attachment((1e8, 100.0, 0.0), 1e6, 1e-7),
+ENDS = {
+    "clamped": Ends(),
+    "clamped, heavy tip": Ends(None, TipLoad(mass=1e-4)),
+    "clamped, sprung tip": Ends(None, TipLoad(1e4)),
+    "the paper's springs": Ends(Springs(3e6, 0.24, 1e-4, 1e-12)),
+    "soft springs": Ends(Springs(1e3, 1e-3)),
+    "heavy base": Ends(Springs(1e4, 0.01, 0.0, 1e-8), TipLoad(10.0, 0.1, 1e-6)),
+    "stiff springs": Ends(Springs(1e8, 100.0), TipLoad(1e6, 0.0, 1e-7)),
 }
 
 
 @pytest.mark.parametrize("open_circuit", [False, True], ids=["short", "open"])
-@pytest.mark.parametrize("attachment", ATTACHMENTS.values(), ids=ATTACHMENTS)
-def test_modes_are_those_of_the_mesh(solid, small, attachment, open_circuit):
+@pytest.mark.parametrize("ends", ENDS.values(), ids=ENDS)
+def test_modes_are_those_of_the_mesh(solid, small, ends, open_circuit):
     """Frequencies to 1e-9, which the direct solution's rounding leaves, and classes."""
-    direct = natural_modes(solid, attachment, COUNT, open_circuit=open_circuit)
-    found = small.modes(attachment, COUNT, open_circuit=open_circuit)
+    direct = natural_modes(solid, ends, COUNT, open_circuit=open_circuit)
+    found = small.modes(ends, COUNT, open_circuit=open_circuit)
     assert [m.kind for m in found] == [m.kind for m in direct]
     frequencies = np.array([[m.frequency for m in modes] for modes in (found, direct)])
     np.testing.assert_allclose(frequencies[0], frequencies[1], rtol=1e-9)
 
 
 @pytest.mark.parametrize(
-    "attachment",
-    [Attachment((0.0, 1.0, 1e-12)), Attachment((0.0, 0.0, 0.0)), Attachment((1e6, 0.0, 0.0), 50.0)],
+    "ends",
+    [Ends(Springs(0.0, 1.0)), Ends(Springs(0.0, 0.0)), Ends(Springs(1e6, 0.0), TipLoad(50.0))],
     ids=["slides", "free", "hinged, sprung tip"],
 )
-def test_loose_bodies_leave_their_rigid_motions_out(solid, small, attachment):
+def test_loose_bodies_leave_their_rigid_motions_out(solid, small, ends):
     """Where a spring is zero; the direct solution is then right to the rounding of K."""
-    direct = natural_modes(solid, attachment, COUNT)
-    found = small.modes(attachment, COUNT)
+    direct = natural_modes(solid, ends, COUNT)
+    found = small.modes(ends, COUNT)
     for mine, other in zip(found, direct, strict=True):
         mass = solid.node_mass.sum() / 4.0
         rounding = solid.spurious_stiffness / (mass * (2.0 * np.pi * other.frequency) ** 2)
@@ -71,16 +71,16 @@ def test_loose_bodies_leave_their_rigid_motions_out(solid, small, attachment):
 
 
 def test_nothing_holds_a_mode_higher(small):
-    """Every attachment's modes lie below the highest, one by one."""
+    """Every ends's modes lie below the highest, one by one."""
     highest = np.array([mode.frequency for mode in small.highest(COUNT)])
-    for attachment in ATTACHMENTS.values():
+    for ends in ENDS.values():
         for circuit in (False, True):
-            found = small.modes(attachment, COUNT, open_circuit=circuit)
+            found = small.modes(ends, COUNT, open_circuit=circuit)
             assert (np.array([mode.frequency for mode in found]) <= highest * (1.0 + 1e-9)).all()
 
 
 def test_it_can_be_stored(small):
     """And says the same afterwards."""
     again = from_bytes(to_bytes(small))
-    springs = ATTACHMENTS["the paper's springs"]
+    springs = ENDS["the paper's springs"]
     assert again.modes(springs, COUNT) == small.modes(springs, COUNT)

@@ -6,23 +6,21 @@ from scipy.linalg import expm
 
 from fem.bimorph.reduction.extremes import motions
 from fem.bimorph.reduction.krylov import reduce_to_ports
-from fem.bimorph.reduction.state_space import BaseSupport, _branches, state_space
+from fem.bimorph.reduction.state_space import _branches, state_space
 from fem.bimorph.reduction.state_space_file import (
     TITLE,
     differences,
-    support_end,
     write_state_space,
 )
 from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
-from geometry.device.parameters import Device, Support
+from geometry.bimorph.ends import Ends
+from geometry.device.parameters import Device, Load, Support
+from tmm.ports.terminations import ends_of
 from validation.command_line.cli import main
 
 BOUNDS = (10.0, 20000.0)
-SPRINGS = BaseSupport(
-    Support().lateral_stiffness, Support().rotational_stiffness,
-    Support().rotational_damping, Support().rotational_inertia,
-)  # fmt: skip
+SPRINGS = ends_of(Support(), Load()).base
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +77,7 @@ def test_agrees_at_resonances(model, base, found):
     """
     at, solid, error = differences(model, base, found, BOUNDS)
     beside = [
-        np.abs(motions(model.multiport(at * shift), lambda f: support_end(base, f))[0])
+        np.abs(motions(model.multiport(at * shift), Ends(base))[0])
         for shift in (1.0 - 1e-4, 1.0 + 1e-4)
     ]
     size = np.abs(solid[0]) / (2.0 * np.pi * at)

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from fem.beam import beam as elements
+from geometry.bimorph.ends import Ends
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Bimorph, Device, Glue, Shim, Support
-from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.modes import bending_frequencies
 from tmm.beam.section.bonded_tab import bonded_tab
 from tmm.beam.transfer import transfer_matrix as tmm
 
@@ -69,9 +70,9 @@ def test_stiffer_glue_approaches_a_clamp_at_the_slot():
     first = []
     for modulus in (1e9, 3e9, 1e11, 1e14):
         row = tmm.sections(device(modulus), rod, Beam(), lossy=False)
-        first.append(bending_frequencies(row, Fixture(clamped=True), 1, open_circuit=False)[0])
+        first.append(bending_frequencies(row, Ends(), 1, open_circuit=False)[0])
     rigid = [entry for entry in row if entry[1] > 0.0]
-    limit = bending_frequencies(rigid, Fixture(clamped=True), 1, open_circuit=False)[0]
+    limit = bending_frequencies(rigid, Ends(), 1, open_circuit=False)[0]
     assert first[0] < first[1] < first[2] < first[3] < limit
     # what remains is the tab's shear on its glue, √(EI/GA) short of a clamp: 1e-3 of the length
     assert first[3] == pytest.approx(limit, rel=1e-2)

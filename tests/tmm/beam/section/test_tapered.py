@@ -6,12 +6,13 @@ from scipy import special
 from scipy.optimize import brentq
 
 from fem.beam import beam as elements
-from geometry.device.parameters import Beam, Bimorph, Device, Load, Support
+from geometry.bimorph.ends import Ends
+from geometry.device.parameters import Beam, Bimorph, Device, Support
 from tmm.beam import lumped
-from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.modes import bending_frequencies
 from tmm.beam.transfer import transfer_matrix as tmm
-from tmm.ports.multiport import Termination, respond
-from tmm.ports.terminations import static_termination
+from tmm.ports.multiport import respond
+from tmm.ports.terminations import attach
 
 CLAMPED = Support(kind="clamped")
 FREQUENCIES = np.array([0.0, 10.0, 445.0, 1000.0, 5000.0])
@@ -106,7 +107,7 @@ def test_wedge(ratio):
     stiff = Beam(shear_correction=1e6)
     row = tmm.sections(wedge, CLAMPED, stiff, lossy=False)
     root, _ = tmm.sections(device(length=length), CLAMPED, stiff, lossy=False)[0]
-    (got,) = bending_frequencies(row, Fixture(clamped=True), 1, open_circuit=False)
+    (got,) = bending_frequencies(row, Ends(), 1, open_circuit=False)
     exact = wedge_frequency(ratio) / length**2 * np.sqrt(root.EI / root.m) / (2.0 * np.pi)
     # rotary inertia (h/l)², 1e-6; the default number of segments leaves less
     assert got == pytest.approx(exact, rel=2e-6)
@@ -123,17 +124,18 @@ def test_partial_electrode_bends_only_itself():
     l, a, b = 20e-3, 3e-3, 12e-3
     partly = device(bare_below=a, bare_above=l - b)
     port = tmm.multiport(partly, CLAMPED, Beam(), np.zeros(1), lossy=False)
-    end = static_termination(CLAMPED, Load(kind="none"))
-    response = respond(port, end, 1.0)
+    response = respond(attach(port, Ends()), {"voltage": 1.0})
+    moved = response.motion["w_tip"][0]
     ((active, _),) = tmm.sections(device(), CLAMPED, Beam(), lossy=False)
     curvature = active.K / active.EI
     # a dozen roundings
-    assert response.w_tip[0] == pytest.approx(-curvature * (b - a) * (l - (a + b) / 2), rel=1e-13)
-    assert response.charge[0] == pytest.approx(
+    assert moved == pytest.approx(-curvature * (b - a) * (l - (a + b) / 2), rel=1e-13)
+    assert response.effort["voltage"][0] == pytest.approx(
         (active.C + active.K * curvature) * (b - a), rel=1e-13
     )
     model = lumped.multiport(partly, CLAMPED, Beam(), np.zeros(1), lossy=False)
-    assert respond(model, end, 1.0).w_tip[0] == pytest.approx(response.w_tip[0], rel=1e-13)
+    other = respond(attach(model, Ends()), {"voltage": 1.0}).motion["w_tip"][0]
+    assert other == pytest.approx(moved, rel=1e-13)
 
 
 def test_bare_ceramic_is_stiffer_under_a_force():
@@ -151,7 +153,6 @@ def test_static_bending_of_a_tapered_bimorph():
     """Free at rest, the tip moves by the double integral of K U/EI along the taper."""
     tapered = device(**TAPERS["all"])
     port = tmm.multiport(tapered, CLAMPED, Beam(), np.zeros(1), lossy=False)
-    free = Termination(base=None, tip=np.zeros(1, dtype=complex))
     x, weights = np.polynomial.legendre.leggauss(20)
     exact = 0.0
     for share, weight in zip(0.5 + 0.5 * x, 0.5 * weights, strict=True):
@@ -163,7 +164,8 @@ def test_static_bending_of_a_tapered_bimorph():
         ((s, _),) = tmm.sections(Device(bimorph=here), CLAMPED, Beam(), lossy=False)
         exact -= weight * 20e-3 * s.K / s.EI * 20e-3 * (1.0 - share)
     # order four: 1e-8 at 32 segments
-    assert respond(port, free, 1.0).w_tip[0].real == pytest.approx(exact, rel=1e-7)
+    moved = respond(attach(port, Ends()), {"voltage": 1.0}).motion["w_tip"][0].real
+    assert moved == pytest.approx(exact, rel=1e-7)
 
 
 def test_taper_that_runs_out_stays_physical():
@@ -174,7 +176,7 @@ def test_taper_that_runs_out_stays_physical():
     for n in (16, 32, 64):
         row = tmm.sections(sharp, CLAMPED, Beam(), lossy=False, segments=n)
         assert all(s.EI > 0.0 and s.GA > 0.0 and s.m > 0.0 and s.C > 0.0 for s, _ in row)
-        found.append(bending_frequencies(row, Fixture(clamped=True), 1, open_circuit=False)[0])
+        found.append(bending_frequencies(row, Ends(), 1, open_circuit=False)[0])
     # the tip's last segment alone is of second order
     assert abs(found[2] / found[1] - 1.0) < 0.5 * abs(found[1] / found[0] - 1.0) < 1e-3
 
@@ -204,8 +206,7 @@ def test_error_bar_of_a_taper_covers_it(model):
     port = fine(
         scene.device, scene.support, scene.beam, np.array([500.0]), segments=4 * tmm.SEGMENTS
     )
-    end = Termination(base=None, tip=np.zeros(1, dtype=complex))
-    exact = respond(port, end, scene.drive.voltage).w_tip[0]
+    exact = respond(attach(port, Ends()), {"voltage": scene.drive.voltage}).motion["w_tip"][0]
     assert 0.0 < abs(tip.value[0] - exact) < tip.uncertainty[0] < 1e-5 * abs(exact)
     assert 0.0 < first.uncertainty[0] < 1e-5 * first.value[0]
     assert 0.0 < capacitance.uncertainty < 1e-5 * capacitance.value

@@ -4,13 +4,22 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
+from geometry.bimorph.ends import Ends
 from geometry.device.parameters import Beam, Bimorph, Device, Load, Support
-from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.modes import bending_frequencies
 from tmm.beam.transfer import transfer_matrix as tmm
-from tmm.ports.multiport import Termination, blocked_force, respond, round_off
-from tmm.ports.terminations import static_termination, termination
+from tmm.ports.multiport import respond, round_off
+from tmm.ports.terminations import attach, ends_of
 
 SUPPORT = Support()
+
+
+def driven(port, ends, voltage=1.0):
+    return respond(attach(port, ends), {"voltage": voltage})
+
+
+def blocked_force(port, ends, voltage):
+    return respond(attach(port, ends), {"voltage": voltage, "w_tip": 0.0}).effort["w_tip"]
 
 
 def model(length, frequencies, *, lossy=True, support=SUPPORT):
@@ -33,18 +42,18 @@ def test_against_the_state_space_solution(state_space, number):
     case = state_space["cases"][number]
     f = np.array([case["frequency"]])
     port = model(case["length"], f)
-    end = termination(SUPPORT, Load(kind=case["load"]), f)
-    r, jw = respond(port, end, case["voltage"]), 2j * np.pi * f
+    ends = ends_of(SUPPORT, Load(kind=case["load"]))
+    r, jw = driven(port, ends, case["voltage"]), 2j * np.pi * f
     got = {
-        "v_tip": jw * r.w_tip,
-        "psidot_tip": jw * r.psi_tip,
-        "current": jw * r.charge,
-        "blocked_force": blocked_force(port, end, case["voltage"]),
-        "v_base": jw * r.w_base,
-        "psidot_base": jw * r.psi_base,
+        "v_tip": jw * r.motion["w_tip"],
+        "psidot_tip": jw * r.motion["psi_tip"],
+        "current": jw * r.effort["voltage"],
+        "blocked_force": blocked_force(port, ends, case["voltage"]),
+        "v_base": jw * r.motion["w_base"],
+        "psidot_base": jw * r.motion["psi_base"],
     }
     # the stated bound, ε times the condition of the boundary system: 3e3 next to the resonance
-    rounding = round_off(port, end)[0]
+    rounding = round_off(attach(port, ends))[0]
     assert rounding < 1e-12
     for name in ("v_tip", "psidot_tip", "current", "blocked_force"):
         assert got[name][0] == pytest.approx(complex(*case[name]), rel=rounding), name
@@ -70,8 +79,8 @@ def test_resonance_peak(state_space):
 
     def speed(f):
         f = np.array([f])
-        r = respond(model(peak["length"], f), termination(SUPPORT, Load(kind="none"), f), 1.0)
-        return float(2 * np.pi * f[0] * np.abs(r.w_tip[0]))
+        r = driven(model(peak["length"], f), ends_of(SUPPORT, Load(kind="none")))
+        return float(2 * np.pi * f[0] * np.abs(r.motion["w_tip"][0]))
 
     top = minimize_scalar(
         lambda f: -speed(f), bounds=(700.0, 850.0), method="bounded", options={"xatol": 1e-7}
@@ -87,20 +96,23 @@ def test_lossless_clamped_statics(state_space):
     clamped = Support(kind="clamped")
     for stored in state_space["lossless_clamped_statics"]:
         port = model(stored["length"], np.zeros(1), lossy=False, support=clamped)
-        end = static_termination(clamped, Load(kind="none"))
-        r = respond(port, end, 1.0)
+        r = driven(port, Ends())
         # a dozen roundings
-        assert r.w_tip[0] == pytest.approx(stored["tip_displacement"], rel=1e-14)
-        assert blocked_force(port, end, 1.0)[0] == pytest.approx(stored["blocked_force"], rel=1e-14)
-        assert r.charge[0] == pytest.approx(stored["capacitance"], rel=1e-14)
-        assert port.stiffness[0, 4, 4] == pytest.approx(stored["straight_capacitance"], rel=1e-14)
+        assert r.motion["w_tip"][0] == pytest.approx(stored["tip_displacement"], rel=1e-14)
+        assert blocked_force(port, Ends(), 1.0)[0] == pytest.approx(
+            stored["blocked_force"], rel=1e-14
+        )
+        assert r.effort["voltage"][0] == pytest.approx(stored["capacitance"], rel=1e-14)
+        assert port["voltage", "voltage"][0] == pytest.approx(
+            stored["straight_capacitance"], rel=1e-14
+        )
 
 
 def test_printed_speeds_of_the_free_prototype():
     """|v| of the free 14 mm actuator at 1 V, four digits, 10 Hz to 2 kHz."""
     f = np.array([10.0, 100.0, 500.0, 1000.0, 2000.0])
-    r = respond(model(14e-3, f), termination(SUPPORT, Load(kind="none"), f), 1.0)
-    speeds = 2 * np.pi * f * np.abs(r.w_tip)
+    r = driven(model(14e-3, f), ends_of(SUPPORT, Load(kind="none")))
+    speeds = 2 * np.pi * f * np.abs(r.motion["w_tip"])
     np.testing.assert_allclose(
         speeds, [3.052e-5, 3.091e-4, 2.333e-3, 3.008e-3, 6.567e-4], rtol=2e-4
     )
@@ -109,8 +121,10 @@ def test_printed_speeds_of_the_free_prototype():
 def test_deflections_under_the_finger():
     """Loaded 20 mm actuator at 50 V: 45.37 µm at 10 Hz, falling to 10.30 µm at 500 Hz."""
     f = np.array([10.0, 100.0, 250.0, 500.0])
-    r = respond(model(20e-3, f), termination(SUPPORT, Load(), f), 50.0)
-    np.testing.assert_allclose(np.abs(r.w_tip) * 1e6, [45.37, 31.15, 21.42, 10.30], rtol=3e-4)
+    r = driven(model(20e-3, f), ends_of(SUPPORT, Load()), 50.0)
+    np.testing.assert_allclose(
+        np.abs(r.motion["w_tip"]) * 1e6, [45.37, 31.15, 21.42, 10.30], rtol=3e-4
+    )
 
 
 def test_resonance_and_antiresonance_from_the_ports():
@@ -119,7 +133,7 @@ def test_resonance_and_antiresonance_from_the_ports():
     f = np.array([2126.3489321047098, 2234.0894387245760])
     for sign in (-1e-9, 1e-9):
         port = model(14e-3, f * (1 + sign), lossy=False)
-        free = respond(port, Termination(None, np.zeros(2)), 1.0).charge.real
+        free = driven(port, Ends()).effort["voltage"].real
         if sign < 0:
             before = free
     assert (np.sign(before) != np.sign(free)).all()
@@ -144,10 +158,9 @@ def test_what_holds_the_actuator():
     for tab, support in ((0.0, clamped), (1.6e-3, clamped), (2e-3, rod)):
         device = Device(bimorph=Bimorph(tab_length=tab))
         port = tmm.multiport(device, support, Beam(), np.zeros(1), lossy=False)
-        free = Termination(base=None, tip=np.zeros(1, dtype=complex))
-        bending.append(respond(port, free, 1.0).w_tip[0].real)
+        bending.append(driven(port, Ends()).motion["w_tip"][0].real)
         pieces = tmm.sections(device, support, Beam(), lossy=False)
-        first.append(bending_frequencies(pieces, Fixture(clamped=True), 1, open_circuit=False)[0])
+        first.append(bending_frequencies(pieces, Ends(), 1, open_circuit=False)[0])
     # rounding times the condition number of the ports of a row held by nothing, 1e4
     np.testing.assert_allclose(bending, bending[0], rtol=1e-10)
     # the slot takes 0.4 mm of the 2 mm tab, and its glue gives way

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from geometry.bimorph.pieces import Piece, beam_pieces
-from tmm.beam.modes import Fixture, bending_frequencies
+from tmm.beam.modes import bending_frequencies
 from tmm.beam.section.section import Section, without_electrode
 from tmm.beam.transfer import transfer_matrix
 from tmm.beam.transfer.scattering import Element
-from tmm.ports.multiport import respond
-from tmm.ports.terminations import conservative_load, static_termination
+from tmm.ports.multiport import Multiport, respond
+from tmm.ports.terminations import attach
 from validation.models.bimorph.bridge.rung import Values
 from validation.scene.scene import Scene
 
@@ -39,22 +39,15 @@ def beam_values(scene: Scene, active: Section | None = None) -> Values:
 def values_of_row(scene: Scene, row: list[Element]) -> Values:
     """Return the values of a row of beams on the scene's support, under its load."""
     port = transfer_matrix.chain(row, np.zeros(1))
-    response = respond(port, static_termination(scene.support, scene.load), 1.0)
-    tip = conservative_load(scene.load)
-    base = base_springs(scene)
-    fixture = Fixture(base is None, *(base or (0.0, 0.0, 0.0)), *tip)
-    first = bending_frequencies(row, fixture, 1, open_circuit=False)[0]
-    return Values(
-        float(response.w_tip[0].real), float(first), float(response.charge[0].real)
-    )  # fmt: skip
+    first = bending_frequencies(row, scene.ends, 1, open_circuit=False)[0]
+    return static_values(scene, port, float(first))
 
 
-def base_springs(scene: Scene) -> tuple[float, float, float] | None:
-    """Return lateral and rotational stiffness and inertia of the support, None for a clamp."""
-    support = scene.support
-    if support.kind != "spring":
-        return None
-    return support.lateral_stiffness, support.rotational_stiffness, support.rotational_inertia
+def static_values(scene: Scene, static: Multiport, first_frequency: float) -> Values:
+    """Return a first frequency (Hz) with what D(0) says on the scene's support, under its load."""
+    response = respond(attach(static, scene.ends.lossless), {"voltage": 1.0})
+    moved, charge = response.motion["w_tip"][0], response.effort["voltage"][0]
+    return Values(float(moved.real), first_frequency, float(charge.real))
 
 
 def bimorph_piece(scene: Scene) -> Piece:

@@ -23,7 +23,7 @@ _SHARES = (1.0, 0.75, 0.5)
 
 
 @dataclass(frozen=True)
-class Ends:
+class EndEffect:
     """Solid against the beam model with the solid's own section, both clamped (relative).
 
     Attributes
@@ -43,7 +43,7 @@ class Ends:
         return Steps(*(whole - left for whole, left in zip(self.effect, self.rest, strict=True)))
 
 
-def ends(scene: Scene, *, level: int = 1) -> Ends:
+def ends(scene: Scene, *, level: int = 1) -> EndEffect:
     """Return what the ends of the scene's bimorph do when its lower end is clamped."""
     support = scene.support.model_copy(update={"kind": "clamped"})
     case = SolidCase(scene.model_copy(update={"support": support}), level=level)
@@ -56,7 +56,7 @@ def ends(scene: Scene, *, level: int = 1) -> Ends:
     ]
     # the parabola in 1/L through the three, at 1/L = 0
     weights = _at_zero([1.0 / share for share in _SHARES])
-    return Ends(effects[0], Steps(*(float(weights @ steps) for steps in np.array(effects).T)))
+    return EndEffect(effects[0], Steps(*(float(weights @ steps) for steps in np.array(effects).T)))
 
 
 def _at_zero(points: list[float]) -> Floats:

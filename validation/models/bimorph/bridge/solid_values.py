@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.bimorph.modes import natural_modes
-from fem.bimorph.motions import Attachment
 from fem.bimorph.ports import static_multiport
 from fem.bimorph.solid import assemble
 from geometry.arrays import Floats
@@ -22,9 +21,8 @@ from geometry.bimorph.bricks import Bricks, Held
 from geometry.device.materials import Piezoceramic
 from geometry.meshing.mesh import Mesh
 from tmm.beam.section.section import Section, section
-from tmm.ports.multiport import Multiport, respond
-from tmm.ports.terminations import conservative_load, static_termination
-from validation.models.bimorph.bridge.beam_values import base_springs, bimorph_piece
+from tmm.ports.multiport import Multiport, hold, respond
+from validation.models.bimorph.bridge.beam_values import bimorph_piece, static_values
 from validation.models.bimorph.bridge.rung import Values
 from validation.scene.scene import Scene
 
@@ -86,19 +84,16 @@ def solve_solid(case: SolidCase) -> SolvedSolid:
         uniform_field=case.uniform_field,
     )
     static = static_multiport(system)
-    response = respond(static, static_termination(scene.support, scene.load), 1.0)
-    attachment = Attachment(base_springs(scene), *conservative_load(scene.load))
     # a whole body also bends the other way, twists and stretches
     count = 1 if system.motion == "bending_x" else 4
-    modes = natural_modes(system, attachment, count)
+    modes = natural_modes(system, scene.ends, count)
     first = next(mode.frequency for mode in modes if mode.kind == "bending_x")
-    values = Values(float(response.w_tip[0].real), first, float(response.charge[0].real))
-    return SolvedSolid(values, static)
+    return SolvedSolid(static_values(scene, static, first), static)
 
 
 def tip_compliance(static: Multiport) -> Floats:
     """Return [w, ψ] of the tip (2, 2) per force (N) and moment (N m), base held."""
-    return np.linalg.inv(static.stiffness[0, 2:4, 2:4].real)
+    return np.linalg.inv(static.block("w_tip", "psi_tip").stiffness[0].real)
 
 
 def far_section(case: SolidCase, longer: SolvedSolid) -> Section:
@@ -139,6 +134,5 @@ def solve_static(case: SolidCase) -> Multiport:
 
 def _per_volt(static: Multiport) -> tuple[float, float]:
     """Return the tip's rotation (rad/V) and the charge (C/V), base held, tip free."""
-    d = static.stiffness[0].real
-    tip = np.linalg.solve(d[2:4, 2:4], -d[2:4, 4])
-    return float(tip[1]), float(d[4, 4] + d[4, 2:4] @ tip)
+    response = respond(hold(static, "w_base", "psi_base"), {"voltage": 1.0})
+    return float(response.motion["psi_tip"][0].real), float(response.effort["voltage"][0].real)

@@ -1,0 +1,97 @@
+"""What holds the bimorph's base and loads its tip: one frozen value that every model reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+from geometry.arrays import Complex, Floats
+
+#: Dynamic stiffness (n,) in N/m of a load that depends on the frequencies (n,) in Hz.
+Law: TypeAlias = Callable[[Floats], Complex]
+
+
+@dataclass(frozen=True)
+class Springs:
+    """What holds a base that is not clamped, as a stiffness c + jΩ d − Ω² θ.
+
+    Attributes
+    ----------
+    lateral_stiffness : float
+        N/m.
+    rotational_stiffness : float
+        N m/rad.
+    rotational_damping : float
+        N m s/rad.
+    rotational_inertia : float
+        kg m².
+    """
+
+    lateral_stiffness: float
+    rotational_stiffness: float
+    rotational_damping: float = 0.0
+    rotational_inertia: float = 0.0
+
+
+@dataclass(frozen=True)
+class TipLoad:
+    """What the tip moves laterally, as a stiffness c + jΩ d − Ω² m (N/m, N s/m, kg)."""
+
+    stiffness: float = 0.0
+    damping: float = 0.0
+    mass: float = 0.0
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Support and load of the lateral actuator; by default clamped and free.
+
+    Where many parameter sets are worked on at once, each number is an array over them.
+
+    Attributes
+    ----------
+    base : Springs or None
+        None holds the base rigidly.
+    tip : TipLoad or Law
+        Lateral load: constants, or a dynamic stiffness over frequency.
+    """
+
+    base: Springs | None = None
+    tip: TipLoad | Law = TipLoad()
+
+    @property
+    def conservative_tip(self) -> TipLoad:
+        """The load without damping, as statics and undamped modes see it.
+
+        A law of frequency has neither a constant stiffness nor a mass, and where it was
+        measured may not include 0 Hz: to them it is a free tip.
+        """
+        return replace(self.tip, damping=0.0) if isinstance(self.tip, TipLoad) else TipLoad()
+
+    @property
+    def lossless(self) -> Ends:
+        """The same without damping; see :attr:`conservative_tip`."""
+        base = self.base and replace(self.base, rotational_damping=0.0)
+        return Ends(base, self.conservative_tip)
+
+    @property
+    def rigid_motions(self) -> int:
+        """How many of the two rigid motions no spring resists: each spring stops one."""
+        if self.base is None:
+            return 0
+        springs = (
+            self.base.lateral_stiffness,
+            self.base.rotational_stiffness,
+            self.conservative_tip.stiffness,
+        )
+        return max(0, 2 - sum(stiffness > 0.0 for stiffness in springs))
+
+    def with_inertia(self, factor: Any) -> Ends:
+        """Return the same with all masses times `factor`, a number or (n,)."""
+        base, tip = self.base, self.tip
+        if base is not None:
+            base = replace(base, rotational_inertia=base.rotational_inertia * factor)
+        if isinstance(tip, TipLoad):
+            tip = replace(tip, mass=tip.mass * factor)
+        return Ends(base, tip)

@@ -1,0 +1,74 @@
+"""Support and load as one value: what statics, modes and other masses make of it."""
+
+import numpy as np
+import pytest
+
+from geometry.bimorph.ends import Ends, Springs, TipLoad
+from geometry.device.parameters import Load, Support
+from tmm.ports.terminations import ends_of, finger_stiffness
+
+SPRINGS = Springs(3e6, 0.24, rotational_damping=4.46e-6, rotational_inertia=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["clamped", "rod"])
+def test_rigid_supports_have_no_springs(kind):
+    """A clamp, and the rod's own lower end, whatever springs the scene states."""
+    assert ends_of(Support(kind=kind), Load()).base is None
+
+
+@pytest.mark.parametrize(
+    ("load", "tip"),
+    [
+        (Load(kind="none", mass=1.0, stiffness=1.0), TipLoad()),
+        (Load(kind="mass", mass=1e-5, stiffness=1.0), TipLoad(mass=1e-5)),
+        (
+            Load(kind="spring_damper", stiffness=5.0, damping=9.0, mass=1.0),
+            TipLoad(stiffness=5.0, damping=9.0),
+        ),
+        (Load(), finger_stiffness),
+    ],
+    ids=["none", "mass", "spring_damper", "finger"],
+)
+def test_only_what_the_kind_reads_is_taken(load, tip):
+    """The paper's springs are the support's; of a load the numbers of its kind alone count."""
+    assert ends_of(Support(), load) == Ends(SPRINGS, tip)
+
+
+def test_statics_and_modes_leave_damping_and_the_finger_out():
+    """The finger has no constant stiffness or mass: static values and modes are the free tip's."""
+    held = Springs(3e6, 0.24, rotational_inertia=1e-12)
+    assert Ends(SPRINGS, finger_stiffness).lossless == Ends(held)
+    loaded = Ends(SPRINGS, TipLoad(stiffness=5.0, damping=9.0, mass=1e-5))
+    assert loaded.lossless == Ends(held, TipLoad(stiffness=5.0, mass=1e-5))
+    assert Ends().lossless == Ends()
+
+
+@pytest.mark.parametrize(
+    ("ends", "loose"),
+    [
+        (Ends(), 0),
+        (Ends(SPRINGS), 0),
+        (Ends(Springs(0.0, 0.24)), 1),
+        (Ends(Springs(3e6, 0.0)), 1),
+        (Ends(Springs(0.0, 0.0)), 2),
+        (Ends(Springs(0.0, 0.0), finger_stiffness), 2),
+        (Ends(Springs(0.0, 0.0), TipLoad(mass=1.0)), 2),
+        (Ends(Springs(0.0, 0.0), TipLoad(stiffness=1.0)), 1),
+        (Ends(Springs(3e6, 0.0), TipLoad(stiffness=1.0)), 0),
+        (Ends(SPRINGS, TipLoad(stiffness=1.0)), 0),
+    ],
+)
+def test_each_spring_stops_one_rigid_motion(ends, loose):
+    """Masses, dampers and a load without a constant stiffness stop none."""
+    assert ends.rigid_motions == loose
+
+
+def test_masses_are_scaled_together():
+    """A factor on all masses, one for each point, leaves springs, dampers and laws as they are."""
+    factor = np.array([1.0, 2.0])
+    heavier = Ends(SPRINGS, TipLoad(5.0, 9.0, 1e-5)).with_inertia(factor)
+    assert heavier.base.rotational_inertia.tolist() == [1e-12, 2e-12]
+    assert heavier.base.rotational_damping == SPRINGS.rotational_damping
+    assert heavier.tip.mass.tolist() == [1e-5, 2e-5]
+    assert (heavier.tip.stiffness, heavier.tip.damping) == (5.0, 9.0)
+    assert Ends(None, finger_stiffness).with_inertia(2.0) == Ends(None, finger_stiffness)

@@ -1,0 +1,211 @@
+"""Rod, spring, contact, mass and coil: closed forms, and the invariants of whatever they join."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from geometry.bimorph.ends import Ends, Springs
+from geometry.device.parameters import Beam, Device, Support
+from tmm.beam.transfer import transfer_matrix as tmm
+from tmm.ports.elements import coil, contact, lumped_mass, rigid_rod, spring
+from tmm.ports.invariants import passivity_margin, reciprocity_error
+from tmm.ports.multiport import connect, hold, reduce, respond
+from tmm.ports.port import AXIAL, LATERAL, ROTATION
+from tmm.ports.terminations import attach
+
+FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e4])
+OMEGA = 2.0 * np.pi * FREQUENCIES
+HEAD = {"w_high": "w_low", "psi_high": "psi_low"}
+HEAD_TO_BASE = {"w_high": "w_base", "psi_high": "psi_base"}
+
+sizes = st.floats(1e-4, 1e-1)
+masses = st.floats(1e-9, 1e-1)
+
+
+def rod(length, mass=0.0, inertia=0.0, **keys):
+    return rigid_rod(FREQUENCIES, length=length, mass=mass, inertia=inertia, **keys)
+
+
+def bimorph(frequencies=FREQUENCIES, *, lossy=True):
+    return tmm.multiport(Device(), Support(), Beam(), frequencies, lossy=lossy)
+
+
+def on_top(lower, upper):
+    """Return one rod that stands on another, with the ports of a rod."""
+    joined = connect(lower, upper, HEAD, prefixes=("below", "above"))
+    ports = [f"above.{name}" for name in ("w_high", "psi_high", "link_force", "link_moment")]
+    found = reduce(joined, ("w_low", "psi_low", *ports))
+    return found.renamed({name: name.removeprefix("above.") for name in ports})
+
+
+def distance(one, other):
+    """Return the largest difference of two D, relative to the size of their rows and columns."""
+    size = np.sqrt(np.abs(other).max(axis=2))
+    return (np.abs(one - other) / (size[:, :, None] * size[:, None, :])).max()
+
+
+@given(st.tuples(sizes, masses, sizes), st.tuples(sizes, masses, sizes))
+def test_two_rods_are_one(lower, upper):
+    """Masses add, inertias by Steiner about the common centre, and the arm is the whole length."""
+    (l0, m0, r0), (l1, m1, r1) = lower, upper
+    j0, j1 = m0 * r0**2, m1 * r1**2
+    mass = m0 + m1
+    centre = (m0 * 0.5 * l0 + m1 * (l0 + 0.5 * l1)) / mass
+    inertia = j0 + m0 * (centre - 0.5 * l0) ** 2 + j1 + m1 * (l0 + 0.5 * l1 - centre) ** 2
+    joined = on_top(rod(l0, m0, j0), rod(l1, m1, j1))
+    assert distance(joined.stiffness, rod(l0 + l1, mass, inertia, centre=centre).stiffness) < 1e-14
+
+
+@given(sizes, masses, sizes, st.floats(-1.0, 2.0))
+def test_a_driven_rod_moves_as_one_body(length, mass, radius, share):
+    """A force and a moment at the foot: the centre accelerates, the body turns about it."""
+    c, inertia = share * length, mass * radius**2
+    f = np.array([10.0, 2e4])
+    body = rigid_rod(f, length=length, mass=mass, inertia=inertia, centre=c)
+    moved = respond(body, {}, {"w_low": 1.0, "psi_low": length}).motion
+    o2 = (2.0 * np.pi * f) ** 2
+    # about the centre the force has the moment c F: w' ≈ −ψ, so a push below turns by +
+    psi = -(length + c) / (inertia * o2)
+    w = -1.0 / (mass * o2) + c * psi
+    # rounding: of the parts, times the condition of translation against rotation
+    bound = 1e-13 * (1.0 + (length**2 + c**2) / radius**2)
+    turned = bound * (length + np.abs(c)) / (inertia * o2)
+    shifted = bound / (mass * o2) + (length + np.abs(c)) * turned
+    assert (np.abs(moved["psi_low"] - psi) < turned).all()
+    assert (np.abs(moved["w_low"] - w) < shifted).all()
+    # both ends have one rotation, and the head is behind by the arm
+    assert (np.abs(moved["psi_high"] - psi) < turned).all()
+    assert (np.abs(moved["w_high"] - (w - length * psi)) < shifted).all()
+
+
+def test_a_clamped_rod_holds_what_stands_on_it():
+    """A bimorph on a rod whose foot is held is clamped, and the link carries its reaction."""
+    machine = connect(rod(3e-3, 1e-3, 1e-9), bimorph(), HEAD_TO_BASE)
+    held = respond(hold(machine, "w_low", "psi_low"), {"voltage": 50.0})
+    alone = respond(bimorph(), {"voltage": 50.0, "w_base": 0.0, "psi_base": 0.0})
+    np.testing.assert_allclose(held.motion["w_tip"], alone.motion["w_tip"], rtol=1e-12)
+    # the rod's own ends are at rest, so what the link carries is what holds the base; at rest
+    # that is the difference of equal moments, so it is judged above 0 Hz
+    for link, base in (("link_force", "w_base"), ("link_moment", "psi_base")):
+        np.testing.assert_allclose(held.motion[link][1:], alone.effort[base][1:], rtol=1e-6)
+
+
+def test_a_rod_on_springs_is_an_oscillator():
+    """A rigid rod on a rotational spring at its foot: Ω² = c/(J + m c²)."""
+    length, mass, inertia, stiffness = 4e-3, 2e-4, 3e-10, 0.24
+    expected = np.sqrt(stiffness / (inertia + mass * (0.5 * length) ** 2))
+    f = expected / (2.0 * np.pi) * np.array([1.0 - 1e-6, 1.0 + 1e-6])
+    body = hold(rigid_rod(f, length=length, mass=mass, inertia=inertia), "w_low")
+    foot = hold(spring(f, ROTATION, stiffness=stiffness), "low")
+    mounted = reduce(connect(body, foot, {"psi_low": "high"}), ["psi_low"])
+    below, above = mounted["psi_low", "psi_low"].real
+    assert below > 0.0 > above
+
+
+def test_the_machine_loses_only_where_there_are_losses():
+    """Rod, bimorph and damped springs: the source's power is the sum of what each one takes."""
+    f = np.array([20.0, 400.0, 900.0])
+    body = rigid_rod(f, length=3e-3, mass=1e-4, inertia=1e-10)
+    parts = {
+        "bimorph": bimorph(f),
+        "foot": spring(f, ROTATION, stiffness=0.24, damping=4.46e-6, ends=("ground", "psi_foot")),
+        "slide": spring(f, LATERAL, stiffness=3e6, damping=0.1, ends=("wall", "w_foot")),
+    }
+    machine = connect(body, parts["bimorph"], HEAD_TO_BASE)
+    machine = connect(machine, parts["foot"], {"psi_low": "psi_foot"})
+    machine = connect(machine, parts["slide"], {"w_low": "w_foot"})
+    assert reciprocity_error(machine).max() < 1e-13
+    assert passivity_margin(machine).min() > -1e-13
+    r = respond(hold(machine, "ground", "wall"), {"voltage": 50.0})
+    half = 0.5 * 2.0 * np.pi * f
+    source = half * (1j * 50.0 * r.effort["voltage"]).real
+    turned, slid = (np.abs(r.motion[name]) ** 2 for name in ("psi_low", "w_low"))
+    dampers = half * 2.0 * np.pi * f * (4.46e-6 * turned + 0.1 * slid)
+    renamed = {"w_base": "w_high", "psi_base": "psi_high"}
+    motions = {n: r.motion[renamed.get(n, n)] for n in parts["bimorph"].names}
+    ceramic = respond(parts["bimorph"], motions)
+    signs = {p.name: p.pair.sign for p in parts["bimorph"].ports}
+    taken = sum(signs[n] * (ceramic.motion[n].conj() * ceramic.effort[n]).imag for n in motions)
+    np.testing.assert_allclose(source, dampers + half * taken, rtol=1e-10)
+    assert (dampers > 0.0).all()
+
+
+def test_springs_to_the_ground_are_the_paper_support():
+    """Springs joined to the base by name are what the ends attach."""
+    springs = Springs(3e6, 0.24, rotational_damping=4.46e-6)
+    lateral = spring(FREQUENCIES, LATERAL, stiffness=3e6, ends=("wall", "w"))
+    turning = spring(FREQUENCIES, ROTATION, stiffness=0.24, damping=4.46e-6, ends=("floor", "psi"))
+    machine = connect(connect(bimorph(), lateral, {"w_base": "w"}), turning, {"psi_base": "psi"})
+    found = hold(machine, "wall", "floor")
+    expected = attach(bimorph(), Ends(springs))
+    assert found.ports == expected.ports
+    assert distance(found.stiffness, expected.stiffness) < 1e-15
+
+
+@given(st.floats(1e-2, 1e8), st.floats(1e-2, 1e8), st.floats(0.0, 1.0))
+def test_springs_in_series(first, second, damping):
+    """Compliances add, dampers and all; force goes through unchanged."""
+    a = spring(FREQUENCIES, AXIAL, stiffness=first, damping=damping)
+    b = spring(FREQUENCIES, AXIAL, stiffness=second, ends=("low", "top"))
+    chain = reduce(connect(a, b.renamed({"low": "middle"}), {"high": "middle"}), ["low", "top"])
+    one = first + 1j * OMEGA * damping
+    expected = one * second / (one + second)
+    np.testing.assert_allclose(chain["top", "low"], -expected, rtol=1e-14)
+    # what the stiff end of a soft chain answers is the small difference of its own stiffness
+    lost = np.abs(chain["low", "low"] - expected)
+    assert (lost < 4.0 * np.finfo(float).eps * np.abs(one)).all()
+    assert chain.names == ("low", "top")
+
+
+def test_what_is_joined_must_be_of_one_kind():
+    """An axial spring is none across the axis."""
+    with pytest.raises(ValueError, match="different kinds"):
+        connect(rod(1e-3), spring(FREQUENCIES, AXIAL, stiffness=1.0), {"w_low": "low"})
+
+
+def test_a_mass_on_a_contact_resonates():
+    """On a linearised contact a mass has Ω² = k/m along the axis, and is free across it."""
+    stiffness, mass = 2e5, 1e-3
+    f = np.sqrt(stiffness / mass) / (2.0 * np.pi) * np.array([1.0 - 1e-9, 1.0, 1.0 + 1e-9])
+    touching = contact(f, normal=(stiffness, 0.3))
+    assert touching.names == ("u_low", "u_high", "w_low", "w_high")
+    machine = connect(touching, lumped_mass(f, AXIAL, mass), {"u_high": "mass"})
+    seen = hold(machine, "u_low", "w_low")
+    force = seen["u_high", "u_high"]
+    assert force.real[0] > 0.0 > force.real[2]
+    assert force[1].imag == pytest.approx(2.0 * np.pi * f[1] * 0.3, rel=1e-15)
+    assert not seen["w_high", "w_high"].any()
+
+
+def test_a_coil_has_its_time_constant():
+    """V = (jΩ R − Ω² L) q: at rest no voltage, and the current lags by arctan Ω L/R."""
+    keys = {"resistance": 60.0, "inductance": 2e-3}
+    assert coil(np.zeros(1), **keys)["charge", "charge"] == 0.0
+    driven = respond(coil(FREQUENCIES[1:], **keys), {}, {"charge": 1.0})
+    current = 1j * OMEGA[1:] * driven.motion["charge"]
+    np.testing.assert_allclose(current, 1.0 / (60.0 + 1j * OMEGA[1:] * 2e-3), rtol=1e-14)
+
+
+@given(
+    st.floats(0.0, 1e9),
+    st.floats(0.0, 1e3),
+    sizes,
+    masses,
+    st.floats(0.0, 1e3),
+    st.floats(0.0, 1.0),
+)
+def test_every_element_is_reciprocal_and_passive(stiffness, damping, length, mass, ohm, henry):
+    """Whatever its values, an element takes in no negative power, and 0 Hz is finite."""
+    elements = [
+        rod(length, mass, mass * length**2, centre=2.0 * length),
+        spring(FREQUENCIES, LATERAL, stiffness=stiffness, damping=damping),
+        contact(FREQUENCIES, normal=(stiffness, damping), tangential=(0.5 * stiffness, 0.0)),
+        lumped_mass(FREQUENCIES, ROTATION, mass),
+        coil(FREQUENCIES, resistance=ohm, inductance=henry),
+    ]
+    for element in elements:
+        assert np.isfinite(element.stiffness).all()
+        assert (reciprocity_error(element) == 0.0).all()
+        # a pair of equal and opposite entries has an eigenvalue 0, found to a rounding
+        assert (passivity_margin(element) >= -1e-15).all()
