@@ -12,6 +12,17 @@ Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
+class Measured:
+    """A value with its numerical error bar, both in the same SI unit; nan where there is none."""
+
+    value: float
+    bar: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "value", self.value + 0.0)  # no -0
+
+
+@dataclass(frozen=True)
 class Quantity:
     """One number, or array over frequency or mode, by one model.
 

@@ -7,7 +7,8 @@ from typing import Any
 
 from geometry import units as u
 from geometry.device import parameters as p
-from validation.catalogue.quantities import LATERAL_MODELS, MAGNETIC_MODELS, QUANTITIES
+from validation.catalogue.models import models_of
+from validation.catalogue.quantities import QUANTITIES
 from validation.scene.scene import ON_COMMAND_LINE, Scene
 
 #: Groups that only the models of the lateral actuator read.
@@ -57,9 +58,9 @@ def _not_asked(scene: Scene, key: str) -> str:
     group, models = key.split(".", 1)[0], f"with models = {', '.join(scene.models)}"
     if group == "mesh" and "magnetic3d" in scene.models:
         return ""
-    if group in _LATERAL and not set(scene.models) & set(LATERAL_MODELS):
+    if group in _LATERAL and not set(scene.models) & set(models_of("bimorph")):
         return f"{models}; ask for one of the lateral actuator, such as --model tmm, to use it"
-    magnetic = set(scene.models) & set(MAGNETIC_MODELS)
+    magnetic = set(scene.models) & set(models_of("reluctance"))
     around = group in ("coil", "sleeve", "gap") and scene.support.kind != "rod"
     if (group in _MAGNETIC or key in _MAGNETIC or around) and not magnetic:
         return f"{models}; ask for one of the normal actuator, such as --model network, to use it"
@@ -68,13 +69,14 @@ def _not_asked(scene: Scene, key: str) -> str:
 
 def _not_shown(scene: Scene, key: str) -> str:
     """Return why a key of the normal actuator has no effect on the quantities asked for."""
-    magnetic = set(scene.models) & set(MAGNETIC_MODELS)
+    magnetic = set(scene.models) & set(models_of("reluctance"))
     if not magnetic:
         return ""
     asked = f"with quantities = {', '.join(scene.quantities)}"
     moves = any("magnetic_map" in QUANTITIES[name].needs for name in scene.quantities)
     if key.startswith("spring.") and not moves:
-        return f"{asked}; ask for pull_in_current, holding_current or drop_out_current to use it"
+        of_stroke = [name for name, row in QUANTITIES.items() if "magnetic_map" in row.needs]
+        return f"{asked}; ask for {', '.join(of_stroke[:-1])} or {of_stroke[-1]} to use it"
     if key in _HEAT:
         return "on any quantity; tactgen report shows the coil's resistance and heat"
     if key in _FIELD_ONLY and magnetic == {"network"}:
@@ -116,7 +118,11 @@ def _only_on_rod(scene: Scene, key: str) -> bool:
     group = key.split(".", 1)[0]
     if group not in ("glue", "rod") or scene.support.kind == "rod":
         return False
-    if set(scene.models) & set(MAGNETIC_MODELS) and group == "rod" and key not in _MECHANICAL:
+    if (
+        set(scene.models) & set(models_of("reluctance"))
+        and group == "rod"
+        and key not in _MECHANICAL
+    ):
         return False
     layers = group == "glue" and scene.bimorph.glue_thickness and key != "glue.thickness"
     return not layers

@@ -6,10 +6,11 @@ import numpy as np
 
 from geometry.arrays import Floats
 from tmm.ports.multiport import Multiport
-from validation.engine.model import Model, Modes, Refined
+from validation.engine.model import Modes, Refined
+from validation.models.bimorph.model import BimorphModel
 
 
-class BeamModel(Model):
+class BeamModel(BimorphModel):
     """Timoshenko beam elements of order five."""
 
     name = "beam"
@@ -23,11 +24,11 @@ class BeamModel(Model):
 
     def ports(self) -> Refined[Multiport]:
         """Return D(Ω) with losses over the scene's frequencies."""
-        return self.stages.run("beam.ports", lambda: self._refined(self.frequencies, lossy=True))
+        return self.run("ports", lambda: self._refined(self.frequencies, lossy=True))
 
     def static(self) -> Refined[Multiport]:
         """Return the lossless D(0)."""
-        return self.stages.run("beam.static", lambda: self._refined(np.zeros(1), lossy=False))
+        return self.run("static", lambda: self._refined(np.zeros(1), lossy=False))
 
     def _refined(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
         from fem.beam import beam
@@ -42,7 +43,7 @@ class BeamModel(Model):
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes."""
-        short, opened = self.stages.run("beam.modes", self._both_modes)
+        short, opened = self.run("modes", self._both_modes)
         return opened if open_circuit else short
 
     def _both_modes(self) -> tuple[Refined[Modes], ...]:

@@ -13,8 +13,9 @@ from geometry.errors import InputError
 from geometry.meshing.mesh_cache import cache_folder
 from tmm.reluctance.coenergy.files import read_map, write_map
 from tmm.reluctance.coenergy.map import CoenergyMap
+from validation.engine.results import Measured
 from validation.models.reluctance.model import MagneticModel
-from validation.models.reluctance.point import MagneticPoint, Measured
+from validation.models.reluctance.point import MagneticPoint
 from validation.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ class _FieldModel(MagneticModel):
                 write_map(file, found)
             return found
 
-        return self.stages.run(f"{self.name}.map", work)
+        return self.run("map", work)
 
     def _fitted(
         self,
@@ -88,9 +89,7 @@ class AxisymmetricModel(_FieldModel):
     def field(self) -> FieldPoint:
         """Return the field at the scene's current and gap."""
         scene = self.scene
-        return self.stages.run(
-            "axisymmetric.point", lambda: self._solved(scene.coil.current, scene.gap)
-        )
+        return self.run("point", lambda: self._solved(scene.coil.current, scene.gap))
 
     def point(self) -> MagneticPoint:
         """Return the values at the scene's current and gap."""
@@ -136,9 +135,7 @@ class Magnetic3dModel(_FieldModel):
     def field(self) -> SolidPoint:
         """Return the field at the scene's current and gap."""
         scene = self.scene
-        return self.stages.run(
-            "magnetic3d.point", lambda: self._solved(scene.coil.current, scene.gap)
-        )
+        return self.run("point", lambda: self._solved(scene.coil.current, scene.gap))
 
     def point(self) -> MagneticPoint:
         """Return the values at the scene's current and gap."""
