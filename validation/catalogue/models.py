@@ -6,7 +6,7 @@ imported when the model runs and not before.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -34,6 +34,8 @@ class ModelRow:
         The equations it solves.
     stages : dict of str to tuple of str
         Its stages in the order in which they run, each with the scene keys that it reads.
+    rank : int
+        How much it knows compared with others of its actuator: the highest judges them.
     gives : dict of str to tuple of str
         What it can be asked for, each with the stages that the answer needs, in order.
     shortcut : str
@@ -50,6 +52,7 @@ class ModelRow:
     module: str
     kind: str
     theory: Theory
+    rank: int
     stages: Mapping[str, tuple[str, ...]]
     gives: Mapping[Need, tuple[str, ...]]
     shortcut: str = ""
@@ -100,23 +103,24 @@ def _row_stages(*modes: str) -> dict[str, tuple[str, ...]]:
 _ROWS = (
     ModelRow(
         "lumped", "static closed forms, consistent mass, one-mode circuit", "bimorph",
-        "validation.models.bimorph.rows", "LumpedModel", "beam",
-        _row_stages(), _ROW_GIVES, shortcut="the inertia is that of the static shapes", quick=True,
+        "validation.models.bimorph.rows", "LumpedModel", theory="beam", rank=1,
+        stages=_row_stages(), gives=_ROW_GIVES, quick=True,
+        shortcut="the inertia is that of the static shapes",
     ),
     ModelRow(
         "tmm", "exact Timoshenko transfer-matrix model (paper appendix A, corrected)", "bimorph",
-        "validation.models.bimorph.rows", "TmmModel", "beam",
-        _row_stages("modes"), _ROW_GIVES, quick=True,
+        "validation.models.bimorph.rows", "TmmModel", theory="beam", rank=2,
+        stages=_row_stages("modes"), gives=_ROW_GIVES, quick=True,
     ),
     ModelRow(
         "beam", "Timoshenko beam finite elements", "bimorph",
-        "validation.models.bimorph.beam", "BeamModel", "beam",
-        _row_stages("modes"), _ROW_GIVES, quick=True,
+        "validation.models.bimorph.beam", "BeamModel", theory="beam", rank=3,
+        stages=_row_stages("modes"), gives=_ROW_GIVES, quick=True,
     ),
     ModelRow(
         "solid", "3D piezoelectric solid finite elements", "bimorph",
-        "validation.models.bimorph.solid", "SolidModel", "solid",
-        {
+        "validation.models.bimorph.solid", "SolidModel", theory="solid", rank=5,
+        stages={
             "mesh": _SOLID,
             "assembly": _SOLID,
             "static": _SOLID,
@@ -124,7 +128,7 @@ _ROWS = (
             "modes_open": (*_SOLID, *_FIXED, "modes"),
             "ports": (*_SOLID, "frequency"),
         },
-        {
+        gives={
             "static": ("mesh", "assembly", "static"),
             "modes_short": ("mesh", "assembly", "modes_short"),
             "modes_open": ("mesh", "assembly", "modes_open"),
@@ -134,24 +138,27 @@ _ROWS = (
     ),
     ModelRow(
         "network", "lumped reluctance network with fringing, leakage and saturation", "reluctance",
-        "validation.models.reluctance.model", "NetworkModel", "circuit",
-        {"point": _MAGNETIC, "map": _MAP, "switching": _MAP}, _MAGNETIC_GIVES, quick=True,
+        "validation.models.reluctance.model", "NetworkModel", theory="circuit", rank=1,
+        stages={"point": _MAGNETIC, "map": _MAP, "switching": _MAP}, gives=_MAGNETIC_GIVES,
+        quick=True,
     ),
     ModelRow(
         "axisymmetric", "nonlinear magnetic field in the half section, finite elements",
-        "reluctance", "validation.models.reluctance.field", "AxisymmetricModel", "field",
-        {"point": (*_MAGNETIC, "accuracy"), "map": _MAP, "switching": (*_MAP, "accuracy")},
-        _MAGNETIC_GIVES, remedy="its finest grid was used, so accept the bar",
+        "reluctance", "validation.models.reluctance.field", "AxisymmetricModel",
+        theory="field", rank=3,
+        stages={"point": (*_MAGNETIC, "accuracy"), "map": _MAP, "switching": (*_MAP, "accuracy")},
+        gives=_MAGNETIC_GIVES, remedy="its finest grid was used, so accept the bar",
     ),
     ModelRow(
         "magnetic3d", "nonlinear magnetic field in 3D by vector and scalar potential",
-        "reluctance", "validation.models.reluctance.field", "Magnetic3dModel", "field",
-        {
+        "reluctance", "validation.models.reluctance.field", "Magnetic3dModel",
+        theory="field", rank=2,
+        stages={
             "point": (*_MAGNETIC, "accuracy", "mesh.kind", *_SLOT),
             "map": (*_MAP, "mesh.kind"),
             "switching": (*_MAP, "accuracy", "mesh.kind"),
         },
-        _MAGNETIC_GIVES, remedy="its finest mesh was used, so accept the bar",
+        gives=_MAGNETIC_GIVES, remedy="its finest mesh was used, so accept the bar",
     ),
 )  # fmt: skip
 
@@ -166,6 +173,11 @@ _ATTACHED = ("support", "load", "drive", "bimorph.wiring", "frequency")
 def models_of(actuator: Actuator) -> tuple[str, ...]:
     """Return the names of an actuator's models, cheapest first."""
     return tuple(name for name, row in MODELS.items() if row.actuator == actuator)
+
+
+def ranked(models: Iterable[str]) -> list[str]:
+    """Return models in the order of their rank; the last is what the others are held against."""
+    return sorted(models, key=lambda name: MODELS[name].rank)
 
 
 def gives(model: str, quantity: str) -> bool:

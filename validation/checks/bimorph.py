@@ -1,74 +1,11 @@
-"""What a check is, and those of the lateral actuator: one declarative row each, in four tiers.
-
-Tiers are never mixed.  The normal actuator's rows are in :mod:`validation.checks.reluctance`.
-The test suite, the report and the documentation read the same rows.  A row that is known
-not to agree says why; it is shown, not hidden, and not counted as passed.
-"""
+"""The checks of the lateral actuator as declarative rows; see :mod:`validation.checks.row`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
-from typing import Literal
 
 from validation.checks import bimorph_measurements as m
-
-Tier = Literal["code verification", "solution verification", "cross-model", "validation"]
-Subject = Literal["lateral", "normal"]
-Status = Literal["pass", "fail", "differs, explained"]
-
-
-@dataclass(frozen=True)
-class Check:
-    """One requirement with its reference and its tolerance.
-
-    Attributes
-    ----------
-    id, tier, requirement : str
-        The requirement is a sentence.
-    reference : float or (float, float)
-        Reference value in `unit`, or the range in which the value must lie.
-    tolerance : float
-        Accepted relative deviation from the value, or beyond the range.
-    reason : str
-        Why the tolerance is what it is.
-    measure : callable
-        Computes the value.
-    explained : str
-        Why the row is known to differ; empty where it must pass.
-    known : float
-        The deviation that the explanation was written for; another one fails.
-    heavy : bool
-        Whether it takes more than a few seconds.
-    subject : {"lateral", "normal"}
-        Which actuator it is about.
-    """
-
-    id: str
-    tier: Tier
-    requirement: str
-    reference: float | tuple[float, float]
-    unit: str
-    source: str
-    tolerance: float
-    reason: str
-    measure: Callable[[], float]
-    explained: str = ""
-    known: float = 0.0
-    heavy: bool = False
-    subject: Subject = "lateral"
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """A check with what came out."""
-
-    check: Check
-    measured: float
-    deviation: float
-    status: Status
-
+from validation.checks.row import Check
 
 #: What the bridge follows, by the rung's attribute.
 _BRIDGED = {
@@ -76,30 +13,6 @@ _BRIDGED = {
     "first_frequency": "first frequency on a clamp",
     "capacitance": "free capacitance",
 }
-
-#: How far a known deviation may move before its explanation no longer counts.
-_STILL = 0.02
-
-
-def run_check(check: Check) -> Outcome:
-    """Measure one row."""
-    measured = float(check.measure())
-    deviation = _deviation(measured, check.reference)
-    if abs(deviation) <= check.tolerance:
-        status: Status = "pass"
-    else:
-        still = check.explained and abs(deviation - check.known) <= _STILL
-        status = "differs, explained" if still else "fail"
-    return Outcome(check, measured, deviation, status)
-
-
-def _deviation(measured: float, reference: float | tuple[float, float]) -> float:
-    """Return the relative distance from a value, or from the nearer end of a range."""
-    if not isinstance(reference, tuple):
-        return measured / reference - 1.0
-    nearest = min(max(measured, reference[0]), reference[1])
-    return 0.0 if measured == nearest else measured / nearest - 1.0
-
 
 _EXACT = "60-digit solution of the beam's differential equations"
 _FOUR_CODES = "consensus of four public finite element codes on identical meshes"

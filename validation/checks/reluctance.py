@@ -1,4 +1,4 @@
-"""The checks of the normal actuator as declarative rows; see :mod:`validation.checks.bimorph`."""
+"""The checks of the normal actuator as declarative rows; see :mod:`validation.checks.row`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 from geometry.reluctance.team20 import MEASURED_FORCE
 from validation.checks import reluctance_measurements as m
-from validation.checks.bimorph import Check, Tier
+from validation.checks.row import Check, Tier
 
 
 def _row(

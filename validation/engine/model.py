@@ -71,7 +71,7 @@ class Model(ABC):
     def __init__(self, scene: Scene, stages: Stages) -> None:
         self.scene, self.stages = scene, stages
 
-    @classmethod
+    @classmethod  # noqa: B027  (most models take every scene)
     def check(cls, scene: Scene) -> None:
         """Refuse a scene that the model cannot take, before anything is computed.
 

@@ -46,7 +46,7 @@ def test_the_3d_map_switches_like_the_half_sections(tmp_path, monkeypatch):
         bar = float(solid.uncertainty) + float(half.uncertainty)
         assert abs(float(solid.value) - float(half.value)) <= bar
         assert bar < 0.06 * float(half.value)
-    maps = [solution.magnetic_models[m].map() for m in ("magnetic3d", "axisymmetric")]
+    maps = [solution.models[m].map() for m in ("magnetic3d", "axisymmetric")]
     for current, gap in ((0.05, 0.1e-3), (0.13, 0.2e-3), (0.02, 0.03e-3)):
         forces = [float(found.force(current, gap)) for found in maps]
         allowed = sum(found.interpolation_error.force for found in maps) + 0.03

@@ -9,7 +9,7 @@ import pytest
 
 from geometry.errors import InputError
 from tmm.reluctance.coenergy.files import read_map
-from validation.checks.bimorph import Outcome
+from validation.checks.row import Outcome
 from validation.checks.reluctance import MAGNETIC_CHECKS
 from validation.command_line.cli import main
 from validation.engine.solve import solve

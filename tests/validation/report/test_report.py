@@ -8,7 +8,8 @@ import pytest
 from geometry.cad import system_libraries
 from geometry.errors import InputError
 from geometry.meshing.mesh_files import read_mesh
-from validation.checks.bimorph import CHECKS, run_check
+from validation.checks.bimorph import CHECKS
+from validation.checks.row import run_check
 from validation.command_line.cli import main
 from validation.report.page import write_report
 from validation.scene.scene import load_scene

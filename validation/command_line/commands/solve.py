@@ -13,12 +13,24 @@ from validation.command_line.commands.common import Commands, scene_options, war
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("solve", help="compute quantities")
+    from validation.catalogue.models import MODELS
+    from validation.catalogue.quantities import QUANTITIES
+
+    meanings = "\n".join(f"  {q.name:26} {q.meaning} ({q.unit})" for q in QUANTITIES.values())
+    models = "\n".join(f"  {m.name:26} {m.description}" for m in MODELS.values())
+    parser = commands.add_parser(
+        "solve",
+        help="compute quantities",
+        epilog=f"models:\n{models}\n\nquantities:\n{meanings}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     scene_options(parser)
     parser.add_argument(
-        "--model", action="append", metavar="NAME", help="lumped, tmm, beam, solid or all"
+        "--model", action="append", metavar="NAME", help="one of the models below, or all"
     )
-    parser.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated")
+    parser.add_argument(
+        "--quantity", action="append", metavar="NAME", help="one below; may be repeated"
+    )
     parser.add_argument(
         "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz, for example 10:2000:200"
     )

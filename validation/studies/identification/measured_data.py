@@ -284,11 +284,12 @@ def _check_ascending(frequencies: Floats, lines: list[int], source: str) -> None
 def _values(kind: str, data: dict[str, Floats], lines: list[int], source: str) -> Numbers:
     """Return the curve, complex if its phase is known; no value may vanish."""
     if kind in data:
+        si = _unit_of_curve(kind).si
         for line, value in zip(lines, data[kind], strict=True):
             if value <= 0.0:
                 raise InputError(
-                    f"{source} line {line}: {kind} {value:g} {_unit_of_curve(kind).si} is not above "
-                    f"0 as a magnitude must be; remove the line, or give {kind}_re and {kind}_im"
+                    f"{source} line {line}: {kind} {value:g} {si} is not above 0 as a magnitude "
+                    f"must be; remove the line, or give {kind}_re and {kind}_im"
                 )
         if f"{kind}_phase" not in data:
             return data[kind]

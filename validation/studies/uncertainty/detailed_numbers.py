@@ -20,7 +20,9 @@ def detailed_numbers(
 
     Peaks are not searched for, and a model that takes long is not run again.
     """
-    scalars = {row.quantity: row.cells[-1] for row in compare(solution)}
+    scalars = {
+        row.quantity: row.cells[-1] for row in compare(scene, solution.quantities, "bimorph")
+    }
     responses = _responses(scene, solution, model, targets)
     found = {}
     for target in targets:

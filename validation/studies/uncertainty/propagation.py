@@ -20,6 +20,7 @@ from geometry.device.materials import PRINTED
 from geometry.device.parameters import spreads
 from tmm.beam.parametric import parameter_keys
 from tmm.beam.transfer.transfer_matrix import is_tapered
+from validation.catalogue.models import ranked
 from validation.engine.solve import Solution
 from validation.scene.parameter_list import show
 from validation.scene.scene import Scene
@@ -213,7 +214,7 @@ def section(scene: Scene, solution: Solution, announce: Callable[[str], None]) -
 
     rows = parameter_uncertainty(scene, announce=announce)
     parameters = uncertain_parameters(scene)
-    detailed = tuple(solution.models)[-1]
+    detailed = ranked(solution.models_of("bimorph"))[-1]
     omitted = left_out(scene, actuator(scene))
     return {
         "uncertainties": rows,
