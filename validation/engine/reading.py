@@ -65,7 +65,7 @@ def _at_ports(readout: Readout | PortMatrix, model: Model, refined: Refined[Mult
     ends = _ends(model)
     static = isinstance(readout, Readout) and readout.static
     ends = ends.lossless if static else ends
-    rounding: Any = round_off(attach(refined.fine, ends))
+    rounding: Any = round_off(attach(refined.fine, ends)) * (1.0 + refined.elimination)
 
     def wired(port: Multiport) -> Multiport:
         return in_series(port) if scene.bimorph.wiring == "series" else port

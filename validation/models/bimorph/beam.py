@@ -18,9 +18,6 @@ class BeamModel(BimorphModel):
         "difference from half as many elements (it bounds that mesh's error), and rounding of "
         "the elimination of inner unknowns"
     )
-    #: Rounding of the elimination: machine epsilon times the condition number, about 1e5,
-    #: of the scaled element matrices.
-    _ROUNDING = 2e-11
 
     def ports(self) -> Refined[Multiport]:
         """Return D(Ω) with losses over the scene's frequencies."""
@@ -35,11 +32,12 @@ class BeamModel(BimorphModel):
 
         s = self.scene
         n = beam.elements_for(s.device, float(frequencies.max()))
-        fine, coarse = (
-            beam.multiport(s.device, s.support, s.beam, frequencies, elements=e, lossy=lossy)
-            for e in (n, n // 2)
-        )
-        return Refined(fine, ((coarse, 1.0),), self._METHOD, self._ROUNDING)
+        levels = [
+            beam.assemble(s.device, s.support, s.beam, elements=e, lossy=lossy) for e in (n, n // 2)
+        ]
+        fine, coarse = (beam.condense(matrices, frequencies) for matrices in levels)
+        elimination = beam.inner_condition(levels[0])
+        return Refined(fine, ((coarse, 1.0),), self._METHOD, elimination=elimination)
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes."""
@@ -56,7 +54,7 @@ class BeamModel(BimorphModel):
         ]
         out = []
         for circuit in (False, True):
-            fine, coarse = (
+            (fine, rounding), (coarse, _) = (
                 beam.bending_frequencies(matrices, s.ends, s.modes, open_circuit=circuit)
                 for matrices in levels
             )
@@ -66,7 +64,7 @@ class BeamModel(BimorphModel):
                     Modes(fine, classes),
                     ((Modes(coarse, classes), 1.0),),
                     self._METHOD,
-                    self._ROUNDING,
+                    rounding,
                 )
             )
         return tuple(out)
