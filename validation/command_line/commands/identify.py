@@ -40,16 +40,12 @@ where that is safe, else by profile likelihood; an end that no data set is calle
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    from validation.catalogue.quantities import measurable
-
-    others = [f"{name} ({row.unit})" for name, row in measurable().items() if name != "velocity"]
     parser = commands.add_parser(
         "identify",
         help="fit support or other parameters to a measured curve",
-        description=_ABOUT.format(others=", ".join(others)),
-        epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.listing = _listing
     parser.add_argument("measured", metavar="MEASURED.csv", help="the measured curve")
     scene_options(parser, default="prototype")
     parser.add_argument(
@@ -68,6 +64,14 @@ def add(commands: Commands) -> None:
     parser.add_argument("--write", metavar="FILE.toml", help="scene with the fitted values")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
+
+
+def _listing() -> tuple[str, str]:
+    from validation.catalogue.quantities import measurable
+
+    units = {name: row.curve.example.split()[-1] for name, row in measurable().items() if row.curve}
+    others = [f"{name} ({unit})" for name, unit in units.items() if name != "velocity"]
+    return _ABOUT.format(others=", ".join(others)), _EXAMPLES
 
 
 def run(options: argparse.Namespace) -> int:

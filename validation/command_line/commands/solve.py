@@ -13,17 +13,12 @@ from validation.command_line.commands.common import Commands, scene_options, war
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    from validation.catalogue.models import MODELS
-    from validation.catalogue.quantities import QUANTITIES
-
-    meanings = "\n".join(f"  {q.name:26} {q.meaning} ({q.unit})" for q in QUANTITIES.values())
-    models = "\n".join(f"  {m.name:26} {m.description}" for m in MODELS.values())
     parser = commands.add_parser(
         "solve",
         help="compute quantities",
-        epilog=f"models:\n{models}\n\nquantities:\n{meanings}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.listing = _listing
     scene_options(parser)
     parser.add_argument(
         "--model", action="append", metavar="NAME", help="one of the models below, or all"
@@ -36,6 +31,15 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
+
+
+def _listing() -> tuple[str, str]:
+    from validation.catalogue.models import MODELS
+    from validation.catalogue.quantities import QUANTITIES
+
+    quantities = "\n".join(f"  {q.name:26} {q.meaning} ({q.unit})" for q in QUANTITIES.values())
+    models = "\n".join(f"  {m.name:26} {m.description}" for m in MODELS.values())
+    return "Compute quantities.", f"models:\n{models}\n\nquantities:\n{quantities}"
 
 
 def run(options: argparse.Namespace) -> int:
