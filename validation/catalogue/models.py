@@ -59,6 +59,11 @@ class ModelRow:
     quick: bool = False
     remedy: str = ""
 
+    def reads(self, group: str) -> bool:
+        """Return whether some stage reads a scene key of a group, or a key without one."""
+        keys = (key for read in self.stages.values() for key in read)
+        return any(key.split(".", maxsplit=1)[0] == group for key in keys)
+
     def stages_for(self, quantity: QuantityRow) -> tuple[str, ...]:
         """Return the names of the stages that a quantity needs, in order."""
         own = [f"{self.name}.{stage}" for need in quantity.needs for stage in self.gives[need]]

@@ -80,8 +80,8 @@ class NormalActuator:
     Parameters
     ----------
     solution : Solution
-        With models of the normal actuator.  If it holds no quantity that needs a map, maps come from the
-        network, which costs nothing.
+        With models of the normal actuator.  If it holds no quantity that needs a map, maps come
+        from the network, which costs nothing.
     announce : callable
         Told what is being done.
 

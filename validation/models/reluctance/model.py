@@ -19,6 +19,7 @@ from validation.engine.model import Model
 from validation.engine.results import Measured
 from validation.models.reluctance.point import MagneticPoint
 from validation.models.reluctance.switching import SwitchingCurrents, switching_currents
+from validation.models.reluctance.warnings import magnetic_warnings
 from validation.scene.files import leaves
 
 
@@ -31,8 +32,6 @@ class MagneticModel(Model):
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
         """Return which currents have no value, and whether the steel's curve was too short."""
-        from validation.models.reluctance.warnings import magnetic_warnings
-
         return magnetic_warnings(self, quantities)
 
     @abstractmethod
