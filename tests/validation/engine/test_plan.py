@@ -104,6 +104,19 @@ def test_what_ran_is_what_was_planned(model, quantity):
     assert set(solution.stages.seconds) == set(solution.plan.keys)
 
 
+def test_a_quantity_costs_what_its_stages_cost():
+    """Shared stages count in full for each quantity that needs them; others do not."""
+    scene, _ = load_scene("prototype", ["frequency=100", "modes=2"])
+    names = ("tip_velocity", "input_current", "coupling_factor")
+    solution = solve(scene, ("tmm", "lumped"), names)
+    seconds = solution.stages.seconds
+    for model in ("tmm", "lumped"):
+        for name in ("tip_velocity", "input_current"):
+            ports = seconds[f"{model}.ports"] + seconds["terminations"]
+            assert solution.get(name, model).seconds == pytest.approx(ports, rel=1e-12)  # a sum
+        assert solution.get("coupling_factor", model).seconds == seconds[f"{model}.modes"]
+
+
 def test_solid_plan_runs_as_planned():
     """The same for the solid, all quantities at once."""
     scene, _ = load_scene("j1", ["frequency=100", "mesh.level=2"])

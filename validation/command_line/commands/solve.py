@@ -69,7 +69,7 @@ def _wanted(options: argparse.Namespace) -> Iterator[str]:
     stated = (
         ("frequency", "frequency", options.frequency, "10:2000:200"),
         ("model", "models", options.model, "tmm"),
-        ("quantity", "quantities", options.quantity, "tip_velocity"),
+        ("quantity", "quantities", options.quantity, "all"),
     )
     for name, key, given, example in stated:
         if given is None:
