@@ -30,6 +30,7 @@ from validation.command_line.commands import (
     sensitivity,
     solve,
     stress,
+    verify,
 )
 from validation.command_line.commands.common import say
 
@@ -139,7 +140,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.set_defaults(run=lambda _: _help(parser))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
-        report, solve, design, sensitivity, identify, plan, export, stress, bench, scenes, init,
+        report, solve, design, sensitivity, identify, plan, export, verify, stress, bench, scenes,
+        init,
     ):  # fmt: skip
         command.add(commands)
     return parser

@@ -12,8 +12,6 @@ import numpy as np
 from geometry.arrays import Complex
 from tmm.ports.invariants import passivity_margin, reciprocity_error
 from tmm.ports.terminations import outside_finger_range
-from validation.checks.bimorph import CHECKS
-from validation.checks.row import Check, Outcome, run_check
 from validation.report.comparison import ComparedRow, compare
 from validation.models.bimorph.solid import SolidModel
 from validation.scene.parameter_list import ParameterRow, parameter_rows
@@ -122,22 +120,6 @@ class Study:
         """All scalar quantities that were asked for, of both actuators."""
         lateral = self.comparison if self.lateral else []
         return lateral + (self.normal.comparison if self.normal else [])
-
-    @cached_property
-    def outcomes(self) -> list[Outcome]:
-        """The suite's own checks of what the scene asks for, without the heavy ones if quick."""
-        rows: tuple[Check, ...] = CHECKS if self.lateral else ()
-        if self.normal:
-            from validation.checks.reluctance import MAGNETIC_CHECKS
-
-            rows += MAGNETIC_CHECKS
-        found = []
-        for check in rows:
-            if self.quick and check.heavy:
-                continue
-            self.announce(f"check {check.id}")
-            found.append(run_check(check))
-        return found
 
     @cached_property
     def invariants(self) -> list[dict[str, Any]]:
