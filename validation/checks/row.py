@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 Tier = Literal["code verification", "solution verification", "cross-model", "validation"]
-Subject = Literal["lateral", "normal"]
 Status = Literal["pass", "fail", "differs, explained"]
 
 
@@ -38,8 +37,8 @@ class Check:
         The deviation that the explanation was written for; another one fails.
     heavy : bool
         Whether it takes more than a few seconds.
-    subject : {"lateral", "normal"}
-        Which actuator it is about.
+    scene : str
+        The built-in scene whose report shows it; empty where it is about the suite alone.
     """
 
     id: str
@@ -54,7 +53,7 @@ class Check:
     explained: str = ""
     known: float = 0.0
     heavy: bool = False
-    subject: Subject = "lateral"
+    scene: str = ""
 
 
 @dataclass(frozen=True)

@@ -89,6 +89,7 @@ def _summary(study: Study) -> dict[str, Any]:
             "normal": _spread(study.normal.comparison if study.normal else []),
         },
         "invariants": study.invariants,
+        "failed": sum(o.status == "fail" for o in study.outcomes),
         "parameters": study.parameters,
         "bridge": study.rungs,
         "asked": study.asked,

@@ -12,6 +12,8 @@ import numpy as np
 from geometry.arrays import Complex
 from tmm.ports.invariants import passivity_margin, reciprocity_error
 from tmm.ports.terminations import outside_finger_range
+from validation.checks.row import Outcome, run_check
+from validation.checks.verification import group_rows
 from validation.report.comparison import ComparedRow, compare
 from validation.models.bimorph.solid import SolidModel
 from validation.scene.parameter_list import ParameterRow, parameter_rows
@@ -120,6 +122,20 @@ class Study:
         """All scalar quantities that were asked for, of both actuators."""
         lateral = self.comparison if self.lateral else []
         return lateral + (self.normal.comparison if self.normal else [])
+
+    @cached_property
+    def outcomes(self) -> list[Outcome]:
+        """The suite's checks that are about this very scene, if nothing of it was changed."""
+        if set(self.origins.values()) != {f"scene {self.scene.name}"}:
+            return []
+        groups = [g for g, asked in (("bimorph", self.lateral), ("reluctance", self.normal)) if asked]
+        rows = [c for g in groups for c in group_rows(g) if c.scene == self.scene.name]
+        found = []
+        for check in rows:
+            if not check.heavy:
+                self.announce(f"check {check.id}")
+                found.append(run_check(check))
+        return found
 
     @cached_property
     def invariants(self) -> list[dict[str, Any]]:

@@ -62,10 +62,10 @@ def test_deviation_is_relative_to_the_nearer_end_that_is_not_zero(measured, refe
     assert (outcome.status == "pass") is (deviation == 0.0)
 
 
-def test_rows_tell_which_actuator_they_are_about():
-    """A report shows those of what its scene asks for."""
-    assert {c.subject for c in CHECKS} == {"lateral"}
-    assert {c.subject for c in MAGNETIC_CHECKS} == {"normal"}
+def test_rows_tell_whose_report_shows_them():
+    """Those about a built-in scene are in its report, the others in none."""
+    assert {c.scene for c in CHECKS} == {"", "paper", "prototype", "j1"}
+    assert {c.scene for c in MAGNETIC_CHECKS} == {"", "reluctance"}
 
 
 def test_references_of_the_coils_are_maxwells():

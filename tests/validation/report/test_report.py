@@ -32,6 +32,7 @@ def test_report_is_complete_and_self_contained(tmp_path):
     assert html.count('<img src="data:image/png;base64,') == 7  # solids, mesh twice, four modes
     assert "<td>SV-1</td>" in html
     assert "<td>INV-4</td>" in html
+    assert "<td>SOL-1</td>" not in html  # about job J1 as it stands
     assert "normal actuator is reconstructed" not in html
     assert not any("network" in step or "axisymmetric" in step for step in steps)
     assert "picture of mode 4" in steps

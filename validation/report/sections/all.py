@@ -39,6 +39,7 @@ def _what(study: Study) -> Context:
 def _checks(study: Study) -> Context:
     return {
         "comparison": study.compared,
+        "outcomes": study.outcomes,
         "invariants": study.invariants,
         "invariant_tolerance": INVARIANT_TOLERANCE,
     }
