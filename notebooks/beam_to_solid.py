@@ -6,7 +6,7 @@
 
 # %%
 from validation.models.bimorph.bridge import bridge
-from validation.models.bimorph.bridge.ends import ends
+from validation.models.bimorph.bridge.end_effect import end_effect
 from validation.scene.scene import load_scene
 
 scene, _ = load_scene("paper", ["support.kind=clamped", "load.kind=none"])
@@ -49,7 +49,7 @@ for name in ("d32", "Poisson's effect"):
 # bimorph grows longer; what would be left at any length is unexplained, and nearly nothing.
 
 # %%
-found = ends(scene)
+found = end_effect(scene)
 print("ends:", [f"{100 * v:+.2f} %" for v in found.ends])
 print("left:", [f"{100 * v:+.3f} %" for v in found.rest])
 assert max(abs(v) for v in found.rest) < 5e-4

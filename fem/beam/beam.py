@@ -57,9 +57,25 @@ def multiport(
     elements : int
         Elements along the whole row.
     """
-    frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     matrices = assemble(device, support, beam, elements=elements, lossy=lossy)
+    return condense(matrices, np.atleast_1d(np.asarray(frequencies, dtype=float)))
+
+
+def condense(matrices: BeamMatrices, frequencies: Floats) -> Multiport:
+    """Return the matrices over the five ports at frequencies (n,) in Hz."""
     return Multiport(frequencies, _condense(matrices, 2.0 * np.pi * frequencies), BIMORPH)
+
+
+def inner_condition(matrices: BeamMatrices) -> float:
+    """Return the condition number of the stiffness matrix that :func:`condense` eliminates."""
+    inner = np.setdiff1d(np.arange(matrices.mass.shape[0]), matrices.ports)
+    return _scaled_condition(matrices.stiffness[np.ix_(inner, inner)].real)
+
+
+def _scaled_condition(matrix: Floats) -> float:
+    """Return the condition number of a matrix scaled to a unit diagonal, as rounding sees it."""
+    scale = 1.0 / np.sqrt(np.diag(matrix))
+    return float(np.linalg.cond(matrix * scale[:, None] * scale))
 
 
 def elements_for(device: Device, highest: float) -> int:
@@ -210,10 +226,18 @@ def bonded_tab(device: Device, beam: Beam, depth: float) -> Floats:
 
 def bending_frequencies(
     matrices: BeamMatrices, ends: Ends, count: int, *, open_circuit: bool
-) -> Floats:
+) -> tuple[Floats, float]:
     """Return the lowest elastic natural frequencies (Hz) of lossless matrices.
 
     Damping at the ends is left out.
+
+    Returns
+    -------
+    frequencies : (count,) array
+        Hz, ascending.
+    rounding : float
+        Bound of their relative rounding error: machine epsilon times the condition number of
+        the matrix that is inverted.
     """
     from scipy.linalg import eigh
 
@@ -237,10 +261,12 @@ def bending_frequencies(
     # the lowest values of (k, m) carry the rounding of the highest; as the highest of the
     # inverse pencil they are exact to a few digits of machine precision
     shift = float(elastic[0])
-    inverse = eigh(m, k + shift * m, eigvals_only=True, subset_by_index=_top(k.shape[0], count + 2))
+    shifted = k + shift * m
+    inverse = eigh(m, shifted, eigvals_only=True, subset_by_index=_top(k.shape[0], count + 2))
     values = np.sort(1.0 / inverse) - shift
     rigid = ends.rigid_motions
-    return np.asarray(np.sqrt(values[rigid : rigid + count]) / (2.0 * np.pi))
+    frequencies = np.sqrt(values[rigid : rigid + count]) / (2.0 * np.pi)
+    return frequencies, float(np.finfo(float).eps * _scaled_condition(shifted))
 
 
 def _top(size: int, count: int) -> list[int]:

@@ -6,77 +6,21 @@ natural frequency and the resonance peak.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Literal
-
 import numpy as np
 
 from geometry.arrays import Complex, Floats
 from tmm.beam.parametric import Actuator, Values, terminated
 from tmm.ports.invariants import symmetric_form
-from tmm.ports.multiport import Multiport, hold, respond
+from tmm.ports.multiport import hold
+from tmm.ports.readout import ELECTRICAL, Readout
 
 
-@dataclass(frozen=True)
-class Readout:
-    """How a quantity is read off the ports.
-
-    Attributes
-    ----------
-    port : str
-        Name of the port.
-    of : {"motion", "effort"}
-        Displacement-like variable, or force-like (charge at the electrical port).
-    rate : bool
-        Whether jΩ multiplies it.
-    static : bool
-        Whether it is that of the lossless model at 0 Hz, a real number.
-    unit_voltage : bool
-        Whether it is per volt.
-    held : tuple of str
-        Ports held at rest besides a clamped base.
-    """
-
-    port: str
-    of: Literal["motion", "effort"]
-    rate: bool = False
-    static: bool = False
-    unit_voltage: bool = False
-    held: tuple[str, ...] = ()
-
-
-_MECHANICAL = ("w_base", "psi_base", "w_tip", "psi_tip")
-
-READOUTS: dict[str, Readout] = {
-    "tip_displacement": Readout("w_tip", "motion"),
-    "tip_velocity": Readout("w_tip", "motion", rate=True),
-    "tip_rotation": Readout("psi_tip", "motion"),
-    "input_current": Readout("voltage", "effort", rate=True),
-    "admittance": Readout("voltage", "effort", rate=True, unit_voltage=True),
-    "blocked_force": Readout("w_tip", "effort", held=("w_tip",)),
-    "static_tip_displacement": Readout("w_tip", "motion", static=True),
-    "capacitance_free": Readout("voltage", "effort", static=True, unit_voltage=True),
-    "capacitance_blocked": Readout(
-        "voltage", "effort", static=True, unit_voltage=True, held=_MECHANICAL
-    ),
-}
-
-
-def drive(port: Multiport, read: Readout, voltage: Any) -> dict[str, Any]:
-    """Return what moves and what holds the terminated actuator for a readout."""
-    return {"voltage": voltage, **{name: 0.0 for name in read.held if name in port.names}}
-
-
-def evaluate(actuator: Actuator, quantity: str, values: Values, frequencies: Floats) -> Complex:
-    """Return one of :data:`READOUTS` at every point, (n,); static ones have no imaginary part."""
-    read = READOUTS[quantity]
+def evaluate(actuator: Actuator, read: Readout, values: Values, frequencies: Floats) -> Complex:
+    """Return what is read at every point, (n,); static quantities have no imaginary part."""
     frequencies = np.asarray(frequencies, dtype=float)
     at = np.zeros_like(frequencies) if read.static else frequencies
     port = terminated(actuator, values, at, lossless=read.static)
-    voltage = 1.0 if read.unit_voltage else actuator.with_values(values).drive.voltage
-    response = respond(port, drive(port, read, voltage))
-    found = (response.motion if read.of == "motion" else response.effort)[read.port]
-    return np.asarray(found * (2j * np.pi * frequencies if read.rate else 1.0))
+    return read.read(port, actuator.with_values(values).drive.voltage)
 
 
 #: Relative step of the difference quotient in Newton's method for natural frequencies, and
@@ -101,7 +45,7 @@ def first_frequency(
 
     def reduced(frequencies: Floats, given: Values) -> Floats:
         port = terminated(actuator, given, frequencies, lossless=True)
-        return symmetric_form(port if open_circuit else hold(port, "voltage")).real
+        return symmetric_form(port if open_circuit else hold(port, ELECTRICAL)).real
 
     at_rest = reduced(np.zeros(1), {})[0]
     scale = 1.0 / np.sqrt(np.abs(np.diag(at_rest)))
@@ -124,9 +68,9 @@ def first_frequency(
 
 
 def resonance_peak(
-    actuator: Actuator, values: Values, start: Floats, rounds: int = 5
+    actuator: Actuator, read: Readout, values: Values, start: Floats, rounds: int = 5
 ) -> tuple[Floats, Floats]:
-    """Return frequency (Hz) and height (m/s) of the tip velocity's first peak, both (n,).
+    """Return frequency (Hz) and height of the first peak of what is read, both (n,).
 
     For a free tip, whose peak lies close to the first short-circuit frequency `start` (n,).
     Each round narrows a grid of 17 frequencies eightfold around its highest.
@@ -137,7 +81,7 @@ def resonance_peak(
     spread = {key: np.repeat(np.broadcast_to(v, count), 17) for key, v in values.items()}
     for _ in range(rounds):
         trials = centre[:, None] * (1.0 + reach * offsets)
-        size = np.abs(evaluate(actuator, "tip_velocity", spread, trials.ravel()))
+        size = np.abs(evaluate(actuator, read, spread, trials.ravel()))
         level = np.log(size.reshape(count, 17))
         best = np.clip(level.argmax(axis=1), 1, 15)
         rows = np.arange(count)
@@ -146,4 +90,4 @@ def resonance_peak(
         shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
         centre = trials[rows, best] + shift * (trials[:, 1] - trials[:, 0])
         reach /= 8.0
-    return centre, np.abs(evaluate(actuator, "tip_velocity", values, centre))
+    return centre, np.abs(evaluate(actuator, read, values, centre))

@@ -35,53 +35,46 @@ from geometry.arrays import Complex, Floats, Numbers
 from geometry.errors import InputError
 from tmm.beam.modes import bending_frequencies
 from tmm.beam.parametric import Actuator, check_keys, parameter_keys, terminated
-from tmm.beam.port_quantities import READOUTS, drive, evaluate
+from tmm.beam.port_quantities import evaluate
 from tmm.beam.transfer.transfer_matrix import sections
 from tmm.ports.invariants import symmetric_form
 from tmm.ports.multiport import hold, respond
+from tmm.ports.readout import ELECTRICAL, Circuit, ModalReadout, Readout
 
 _RADIUS, _POINTS = 0.003, 16
 
-#: Quantities with a derivative; the frequencies are arrays over the modes.
-DIFFERENTIABLE = (
-    *READOUTS,
-    "short_circuit_frequencies",
-    "open_circuit_frequencies",
-    "coupling_factor",
-)
-
 #: The factor on Ω², treated as one more parameter; and the one that A does not hold.
 _SQUARED_FREQUENCY, _VOLTAGE = "squared frequency", "drive.voltage"
+#: Relative imaginary step in a frequency: its square is nothing beside 1.
+_IMAGINARY = 1e-30
 #: Points of contours worked out at once.
 _AT_ONCE = 20_000
 
 
 def values(
-    actuator: Actuator, quantity: str, frequencies: Floats | None = None, modes: int = 1
+    actuator: Actuator,
+    read: Readout | ModalReadout,
+    frequencies: Floats | None = None,
+    modes: int = 1,
 ) -> Numbers:
     """Return a quantity: (n,) over frequencies, (modes,), or (1,) for a single number.
 
     Raises
     ------
     InputError
-        If the quantity has no derivative here, or frequencies are missing.
+        If frequencies are missing.
     """
-    _check(quantity, frequencies)
-    if quantity in READOUTS:
-        at = np.zeros(1) if frequencies is None else np.asarray(frequencies, dtype=float)
-        found = evaluate(actuator, quantity, {}, at[:1] if READOUTS[quantity].static else at)
-        return np.asarray(found.real if READOUTS[quantity].static else found)
-    if quantity == "coupling_factor":
-        ratio = _frequencies(actuator, 1, open_circuit=False) / _frequencies(
-            actuator, 1, open_circuit=True
-        )
-        return np.sqrt(1.0 - ratio**2)
-    return _frequencies(actuator, modes, open_circuit=quantity.startswith("open"))
+    if isinstance(read, Readout):
+        found = evaluate(actuator, read, {}, _points(read, frequencies))
+        return np.asarray(found.real if read.static else found)
+    if read.combine is None:
+        return _frequencies(actuator, modes, read.circuits[0])
+    return np.asarray(read.combine(*(_frequencies(actuator, 1, c) for c in read.circuits)))
 
 
 def derivatives(
     actuator: Actuator,
-    quantity: str,
+    read: Readout | ModalReadout,
     keys: Sequence[str] | None = None,
     frequencies: Floats | None = None,
     modes: int = 1,
@@ -90,8 +83,8 @@ def derivatives(
 
     Parameters
     ----------
-    quantity : str
-        One of :data:`DIFFERENTIABLE`.
+    read : Readout or ModalReadout
+        How the quantity is read.
     keys : sequence of str, optional
         Scene keys such as ``piezo.s11``.
     frequencies : (n,) array, optional
@@ -107,25 +100,22 @@ def derivatives(
     Raises
     ------
     InputError
-        If the model does not depend smoothly on a key, the quantity has no derivative
-        here, or frequencies are missing.
+        If the model does not depend smoothly on a key, or frequencies are missing.
     """
-    _check(quantity, frequencies)
     if keys is None:
         keys = parameter_keys(actuator)
     else:
         check_keys(actuator, keys)
-    if quantity in READOUTS:
-        at = np.zeros(1) if frequencies is None else np.asarray(frequencies, dtype=float)
-        return _of_readout(actuator, quantity, keys, at)
-    if quantity == "coupling_factor":
-        return _of_coupling(actuator, keys)
-    return _of_frequencies(actuator, keys, modes, open_circuit=quantity.startswith("open"))
+    if isinstance(read, Readout):
+        return _of_readout(actuator, read, keys, _points(read, frequencies))
+    if read.combine is None:
+        return _of_frequencies(actuator, keys, modes, read.circuits[0])
+    return _of_combination(actuator, keys, read)
 
 
 def logarithmic_sensitivities(
     actuator: Actuator,
-    quantity: str,
+    read: Readout | ModalReadout,
     keys: Sequence[str] | None = None,
     frequencies: Floats | None = None,
     modes: int = 1,
@@ -134,8 +124,8 @@ def logarithmic_sensitivities(
 
     See :func:`derivatives`.
     """
-    value = values(actuator, quantity, frequencies, modes)
-    found = derivatives(actuator, quantity, keys, frequencies, modes)
+    value = values(actuator, read, frequencies, modes)
+    found = derivatives(actuator, read, keys, frequencies, modes)
     with np.errstate(invalid="ignore"):  # a quantity that is zero has no relative change
         return {
             key: np.asarray(actuator.value(key) * (slope / value).real)
@@ -143,13 +133,13 @@ def logarithmic_sensitivities(
         }
 
 
-def _check(quantity: str, frequencies: Floats | None) -> None:
-    if quantity not in DIFFERENTIABLE:
-        raise InputError(
-            f'quantity "{quantity}" has no derivative here; use one of {", ".join(DIFFERENTIABLE)}'
-        )
-    if quantity in READOUTS and not READOUTS[quantity].static and frequencies is None:
-        raise InputError(f"quantity {quantity} depends on frequency; state the frequencies in Hz")
+def _points(read: Readout, frequencies: Floats | None) -> Floats:
+    """Return the frequencies (n,) at which something is read; one, 0 Hz, for a static value."""
+    if read.static:
+        return np.zeros(1)
+    if frequencies is None:
+        raise InputError("a response depends on frequency; state the frequencies in Hz")
+    return np.asarray(frequencies, dtype=float)
 
 
 def _matrix_derivatives(
@@ -194,47 +184,55 @@ def _on_contours(
 
 
 def _of_readout(
-    actuator: Actuator, quantity: str, keys: Sequence[str], frequencies: Floats
+    actuator: Actuator, read: Readout, keys: Sequence[str], at: Floats
 ) -> dict[str, Numbers]:
-    read = READOUTS[quantity]
-    at = np.zeros(1) if read.static else frequencies
     port = terminated(actuator, {}, at, lossless=read.static)
-    driven = drive(port, read, 1.0 if read.unit_voltage else actuator.drive.voltage)
-    motion = respond(port, driven).motion
-    rate = 2j * np.pi * at if read.rate else 1.0
+    drive = read.drive(port, 1.0)
+    response = respond(port, drive)
+    variable, motion = read.variable(response), list(response.motion.values())
+    still, voltage = dict.fromkeys(drive, 0.0), actuator.drive.voltage
     found: dict[str, Numbers] = {}
     for key, slope in _matrix_derivatives(actuator, keys, at, lossless=read.static):
-        explicit = dict(
-            zip(port.names, np.einsum("nij,jn->in", slope, list(motion.values())), strict=True)
-        )
-        stepped = dict.fromkeys(driven, 0.0)
-        stepped["voltage"] = float(key == _VOLTAGE and not read.unit_voltage)
-        moved = respond(port, stepped, {name: -explicit[name] for name in port.others(driven)})
-        if read.of == "motion":
-            change = moved.motion[read.port]
-        else:
-            change = explicit[read.port] + moved.effort[read.port]
-        change = change * rate
-        found[key] = np.asarray(change.real if read.static else change)
+        explicit = dict(zip(port.names, np.einsum("nij,jn->in", slope, motion), strict=True))
+        moved = respond(port, still, {name: -explicit[name] for name in port.others(drive)})
+        change = read.variable(moved)
+        if read.of == "effort":
+            change = change + explicit[read.port]
+        found[key] = _scaled_change(read, variable, change, voltage, at)
+        if key == _VOLTAGE and not read.unit_voltage:  # which A does not hold
+            found[key] = read.scaled(variable, 1.0, at)
+        if read.static:
+            found[key] = found[key].real
     return found
 
 
-def _frequencies(actuator: Actuator, modes: int, *, open_circuit: bool) -> Floats:
+def _scaled_change(
+    read: Readout, variable: Complex, change: Complex, voltage: float, at: Floats
+) -> Complex:
+    """Return the change of the quantity with that of the port's variable per volt."""
+    if read.level is None:
+        return read.scaled(change, voltage, at)
+    # the level stays, so that the voltage that reaches it falls as the variable's size rises
+    with np.errstate(invalid="ignore", divide="ignore"):  # what does not respond has no voltage
+        return np.asarray(-read.scaled(variable, voltage, at) * (change / variable).real)
+
+
+def _frequencies(actuator: Actuator, modes: int, circuit: Circuit) -> Floats:
     pieces = sections(
         actuator.device, actuator.support, actuator.beam, lossy=False, segments=actuator.segments
     )
-    return bending_frequencies(pieces, actuator.ends, modes, open_circuit=open_circuit)
+    return bending_frequencies(pieces, actuator.ends, modes, open_circuit=circuit == "open")
 
 
 def _of_frequencies(
-    actuator: Actuator, keys: Sequence[str], modes: int, *, open_circuit: bool
+    actuator: Actuator, keys: Sequence[str], modes: int, circuit: Circuit
 ) -> dict[str, Numbers]:
-    at = _frequencies(actuator, modes, open_circuit=open_circuit)
+    at = _frequencies(actuator, modes, circuit)
     port = terminated(actuator, {}, at, lossless=True)
 
     def form(stiffness: Complex) -> Floats:
         moving = replace(port, stiffness=stiffness)
-        return symmetric_form(moving if open_circuit else hold(moving, "voltage")).real
+        return symmetric_form(moving if circuit == "open" else hold(moving, ELECTRICAL)).real
 
     here = form(port.stiffness)
     scale = 1.0 / np.sqrt(np.abs(here).max(axis=2))
@@ -250,12 +248,15 @@ def _of_frequencies(
     return {key: -0.5 * at * energies[key] / energies[_SQUARED_FREQUENCY] for key in keys}
 
 
-def _of_coupling(actuator: Actuator, keys: Sequence[str]) -> dict[str, Numbers]:
-    short, opened = (_frequencies(actuator, 1, open_circuit=c) for c in (False, True))
-    slopes = [_of_frequencies(actuator, keys, 1, open_circuit=c) for c in (False, True)]
-    ratio = short / opened
-    factor = np.sqrt(1.0 - ratio**2)
-    return {
-        key: -ratio / factor * (slopes[0][key] / opened - ratio * slopes[1][key] / opened)
-        for key in keys
-    }
+def _of_combination(
+    actuator: Actuator, keys: Sequence[str], read: ModalReadout
+) -> dict[str, Numbers]:
+    assert read.combine is not None
+    first = [_frequencies(actuator, 1, circuit) for circuit in read.circuits]
+    found: dict[str, Numbers] = {key: np.zeros(1) for key in keys}
+    for i, circuit in enumerate(read.circuits):
+        moved = [f * (1.0 + 1j * _IMAGINARY * (j == i)) for j, f in enumerate(first)]
+        by_log = read.combine(*moved).imag / _IMAGINARY  # exact: nothing is subtracted
+        for key, slope in _of_frequencies(actuator, keys, 1, circuit).items():
+            found[key] = found[key] + by_log * slope / first[i]
+    return found

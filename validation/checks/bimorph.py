@@ -1,74 +1,11 @@
-"""What a check is, and those of the lateral actuator: one declarative row each, in four tiers.
-
-Tiers are never mixed.  The normal actuator's rows are in :mod:`validation.checks.reluctance`.
-The test suite, the report and the documentation read the same rows.  A row that is known
-not to agree says why; it is shown, not hidden, and not counted as passed.
-"""
+"""The checks of the lateral actuator as declarative rows; see :mod:`validation.checks.row`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
-from typing import Literal
 
 from validation.checks import bimorph_measurements as m
-
-Tier = Literal["code verification", "solution verification", "cross-model", "validation"]
-Subject = Literal["lateral", "normal"]
-Status = Literal["pass", "fail", "differs, explained"]
-
-
-@dataclass(frozen=True)
-class Check:
-    """One requirement with its reference and its tolerance.
-
-    Attributes
-    ----------
-    id, tier, requirement : str
-        The requirement is a sentence.
-    reference : float or (float, float)
-        Reference value in `unit`, or the range in which the value must lie.
-    tolerance : float
-        Accepted relative deviation from the value, or beyond the range.
-    reason : str
-        Why the tolerance is what it is.
-    measure : callable
-        Computes the value.
-    explained : str
-        Why the row is known to differ; empty where it must pass.
-    known : float
-        The deviation that the explanation was written for; another one fails.
-    heavy : bool
-        Whether it takes more than a few seconds.
-    subject : {"lateral", "normal"}
-        Which actuator it is about.
-    """
-
-    id: str
-    tier: Tier
-    requirement: str
-    reference: float | tuple[float, float]
-    unit: str
-    source: str
-    tolerance: float
-    reason: str
-    measure: Callable[[], float]
-    explained: str = ""
-    known: float = 0.0
-    heavy: bool = False
-    subject: Subject = "lateral"
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """A check with what came out."""
-
-    check: Check
-    measured: float
-    deviation: float
-    status: Status
-
+from validation.checks.row import Check
 
 #: What the bridge follows, by the rung's attribute.
 _BRIDGED = {
@@ -76,30 +13,6 @@ _BRIDGED = {
     "first_frequency": "first frequency on a clamp",
     "capacitance": "free capacitance",
 }
-
-#: How far a known deviation may move before its explanation no longer counts.
-_STILL = 0.02
-
-
-def run_check(check: Check) -> Outcome:
-    """Measure one row."""
-    measured = float(check.measure())
-    deviation = _deviation(measured, check.reference)
-    if abs(deviation) <= check.tolerance:
-        status: Status = "pass"
-    else:
-        still = check.explained and abs(deviation - check.known) <= _STILL
-        status = "differs, explained" if still else "fail"
-    return Outcome(check, measured, deviation, status)
-
-
-def _deviation(measured: float, reference: float | tuple[float, float]) -> float:
-    """Return the relative distance from a value, or from the nearer end of a range."""
-    if not isinstance(reference, tuple):
-        return measured / reference - 1.0
-    nearest = min(max(measured, reference[0]), reference[1])
-    return 0.0 if measured == nearest else measured / nearest - 1.0
-
 
 _EXACT = "60-digit solution of the beam's differential equations"
 _FOUR_CODES = "consensus of four public finite element codes on identical meshes"
@@ -111,13 +24,13 @@ CHECKS: tuple[Check, ...] = (
         "TMM-1", "code verification",
         "The free 14 mm prototype at 1 V peaks at the frequency of the exact beam.",
         781.609168022148, "Hz", _EXACT, 1e-9, "the peak is located to 1e-9",
-        m.prototype_peak_frequency,
+        m.prototype_peak_frequency, scene="prototype",
     ),
     Check(
         "TMM-2", "code verification",
         "Its tip velocity at the peak is that of the exact beam.",
         0.0227950498840855, "m/s", _EXACT, 1e-9, "flat maximum, rounding only",
-        m.prototype_peak_velocity,
+        m.prototype_peak_velocity, scene="prototype",
     ),
     Check(
         "TMM-3", "code verification",
@@ -149,25 +62,25 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "SOL-1", "code verification",
         "The solid's static tip deflection on job J1 (default mesh).",
-        -6.7582e-7, "m/V", _FOUR_CODES, 1e-3, _J1_BAR, m.j1_default_deflection,
+        -6.7582e-7, "m/V", _FOUR_CODES, 1e-3, _J1_BAR, m.j1_default_deflection, scene="j1",
     ),
     Check(
         "SOL-2", "code verification",
         "The solid's first short-circuit frequency on job J1 (default mesh).",
-        1065.96, "Hz", _FOUR_CODES, 1e-3, _J1_BAR, m.j1_default_first_frequency,
+        1065.96, "Hz", _FOUR_CODES, 1e-3, _J1_BAR, m.j1_default_first_frequency, scene="j1",
     ),
     Check(
         "SOL-3", "code verification",
         "The solid's static tip deflection on job J1 (fine mesh).",
         -6.7582e-7, "m/V", _FOUR_CODES, 2e-4, "the accuracy claimed for the fine mesh",
-        m.j1_fine_deflection, heavy=True,
+        m.j1_fine_deflection, scene="j1", heavy=True,
     ),
     *(
         Check(
             f"SOL-{4 + i}", "code verification",
             f"The solid's short-circuit frequency number {i + 1} on job J1 (fine mesh).",
             reference, "Hz", _FOUR_CODES, 2e-4, "the accuracy claimed for the fine mesh",
-            partial(m.j1_fine_frequency, i), heavy=True,
+            partial(m.j1_fine_frequency, i), scene="j1", heavy=True,
         )
         for i, reference in enumerate((1065.96, 3329.10, 6642.85, 16267.0))
     ),
@@ -218,12 +131,12 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "PAP-1", "validation",
         "The finger's stiffness maximum is about 750 N/m near 900 Hz.",
-        750.0, "N/m", "paper section 7", 0.03, _PRINT, m.finger_stiffness_maximum,
+        750.0, "N/m", "paper section 7", 0.03, _PRINT, m.finger_stiffness_maximum, scene="paper",
     ),
     Check(
         "PAP-2", "validation",
         "The finger's damping starts at about 0.7 N s/m.",
-        0.7, "N s/m", "paper section 7", 0.05, _PRINT, m.finger_damping_start,
+        0.7, "N s/m", "paper section 7", 0.05, _PRINT, m.finger_damping_start, scene="paper",
         explained="the fit gives 0.82 N s/m at 10 Hz and passes 0.7 N s/m near 30 Hz; the text "
         "speaks of low frequencies in general",
         known=0.170,
@@ -234,20 +147,20 @@ CHECKS: tuple[Check, ...] = (
         "was measured over all frequencies with the normal actuator activated.",
         (13.6e-6, 72.4e-6), "m", "paper section 6, Fig 15 right", 0.0,
         "the span of the whole measured curve: necessary, not sufficient",
-        m.paper_start_deflection,
+        m.paper_start_deflection, scene="paper",
     ),
     Check(
         "PAP-5", "validation",
         "At 1000 Hz the simulated deflection lies below all that was measured (the paper says of "
         "its own simulation that it starts with the measurement and then falls below it).",
         (0.0, 13.6e-6), "m", "paper section 6, Fig 15 right", 0.0, "the paper's statement",
-        m.paper_end_deflection,
+        m.paper_end_deflection, scene="paper",
     ),
     Check(
         "PAP-6", "validation",
         "The line fitted to the deflection over frequency rises as the measured one does.",
         3.441e-8, "m/Hz", "paper section 6, Fig 15 right", 0.1, "four printed digits of a fit",
-        m.paper_slope,
+        m.paper_slope, scene="paper",
         explained="the model falls towards its minimum near 934 Hz, as the paper's simulation "
         "does; the measurement, under 50 g on skin imitation and not under a finger at 2.5 g, "
         "does not. The cause is not settled by the paper",
@@ -256,7 +169,7 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "PAP-7", "validation",
         "The voltage at which 2 um (threshold at the lowest frequency) is reached is about 8 V.",
-        8.0, "V", "paper section 6, Fig 17", 0.1, _PRINT, m.threshold_voltage_start,
+        8.0, "V", "paper section 6, Fig 17", 0.1, _PRINT, m.threshold_voltage_start, scene="paper",
         explained="8 V for 2 um is 12.5 um at 50 V, inside what the paper measured with the "
         "normal actuator not activated (3.1 to 24.8 um); the model has the stiffer fitted support "
         "and a finger pressed with 2.5 g instead of 50 g",
@@ -265,7 +178,7 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "PAP-8", "validation",
         "The voltage at which 0.2 um (the threshold at 250 Hz) is reached is about 3 V.",
-        3.0, "V", "paper section 6, Fig 17", 0.1, _PRINT, m.threshold_voltage_250,
+        3.0, "V", "paper section 6, Fig 17", 0.1, _PRINT, m.threshold_voltage_250, scene="paper",
         explained="3 V for 0.2 um is 3.3 um at 50 V, again inside the range of the normal actuator "
         "not activated; as PAP-7",
         known=-0.8444,

@@ -149,9 +149,9 @@ def field_variation(quantity: str) -> float:
 
 @cache
 def _ends_rest() -> Steps:
-    from validation.models.bimorph.bridge.ends import ends
+    from validation.models.bimorph.bridge.end_effect import end_effect
 
-    return ends(_scene("paper")).rest
+    return end_effect(_scene("paper")).rest
 
 
 def bridge_rest(quantity: str) -> float:

@@ -1,26 +1,13 @@
-"""The checks of the normal actuator as declarative rows; see :mod:`validation.checks.bimorph`."""
+"""The checks of the normal actuator as declarative rows; see :mod:`validation.checks.row`."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 from geometry.reluctance.team20 import MEASURED_FORCE
 from validation.checks import reluctance_measurements as m
-from validation.checks.bimorph import Check, Tier
-
-
-def _row(
-    name: str, tier: Tier, requirement: str, reference: float | tuple[float, float], unit: str,
-    source: str, tolerance: float, reason: str, measure: Callable[[], float], **others: Any,
-) -> Check:  # fmt: skip
-    return Check(
-        name, tier, requirement, reference, unit, source, tolerance, reason, measure,
-        subject="normal", **others,
-    )  # fmt: skip
-
+from validation.checks.row import Check
 
 _MAXWELL = "Maxwell, Treatise, art. 701: elliptic integrals over both sections"
 _OPEN = "the accuracy wanted; walls at eighty coil radii leave 2e-6"
@@ -35,38 +22,38 @@ _STRIPS = "0.1 % of mesh, 0.02 % for the bars' thickness, 0.01 % for the walls"
 _TEAM20 = "TEAM problem 20, table 6 of COMPEL 14 (1995) 57"
 
 _KNOWN: tuple[Check, ...] = (
-    _row(
+    Check(
         "COI-1", "code verification",
         "Two coaxial ring coils in air have Maxwell's mutual inductance.",
         1.6463772056050563e-4, "H", _MAXWELL, 1e-5, _OPEN, m.coils_mutual_inductance,
     ),
-    _row(
+    Check(
         "COI-2", "code verification",
         "The axial force between them, by virtual work, is the derivative of that.",
         -3.829353438769843e-2, "N", _MAXWELL, 1e-5, _OPEN, m.coils_force,
     ),
-    _row(
+    Check(
         "COI-3", "code verification",
         "So is the force by the stress in the air.",
         -3.829353438769843e-2, "N", _MAXWELL, 1e-5, _OPEN, m.coils_force_by_stress,
     ),
-    _row(
+    Check(
         "SOL-B", "code verification",
         "Inside a thick infinite solenoid (10 to 20 mm, 1 A/mm²) B is µ0 J (r2 − r1).",
         4e-3 * math.pi, "T", _VM172, 18.0**-5, _ORDER6, m.solenoid_bore,
     ),
-    _row(
+    Check(
         "SOL-P", "code verification",
         "Its whole profile is µ0 J (r2 − r) in the winding and nothing outside.",
         (0.0, 18.0**-5), "1", _VM172, 0.0, _ORDER6, m.solenoid_profile_error,
     ),
-    _row(
+    Check(
         "SOL-L", "code verification",
         "A long core with µr = 1000 in it, at 100 A/m, has µ0 µr H.",
         4e-2 * math.pi, "T", "Ampère's law", 2e-8, _CORE, m.linear_core,
     ),
     *(
-        _row(
+        Check(
             f"SOL-S{number}", "code verification",
             f"A long core of saturating steel at {field:g} A/m has the B of its curve.",
             exact, "T", "Ampère's law; " + source, 2e-8, _CORE, partial(m.saturating_core, field),
@@ -80,29 +67,29 @@ _KNOWN: tuple[Check, ...] = (
             start=1,
         )
     ),
-    _row(
+    Check(
         "VM213-1", "code verification",
         "The circuit's solver finds the co-energy of a core with B ∝ √H at 0.2 A.",
         1.0 / 30.0, "J", _VM213, 1e-11, "Newton's 1e-12, and rounding", m.ladder_coenergy,
     ),
-    _row(
+    Check(
         "VM213-2", "code verification",
         "Its stored energy iλ − W' is half of that.",
         1.0 / 60.0, "J", _VM213, 1e-11, "Newton's 1e-12, and rounding", m.ladder_energy,
     ),
-    _row(
+    Check(
         "VM213-3", "code verification",
         "A co-energy map of the same transformer has that co-energy.",
         1.0 / 30.0, "J", _VM213, 1e-3, "no spline follows the root's infinite slope at 0 A",
         m.map_coenergy,
     ),
-    _row(
+    Check(
         "VM213-4", "code verification",
         "And that energy.",
         1.0 / 60.0, "J", _VM213, 3e-3, "as VM213-3, with λ a derivative more", m.map_energy,
     ),
     *(
-        _row(
+        Check(
             f"BALL-{name}", "code verification",
             f"The mean B in a ball (µr = 1000) in a uniform field, in 3D by {name}, is exact.",
             1.0, "1", _BALL, 1e-3, _BALL_REASON, partial(m.ball_mean, name),
@@ -110,27 +97,27 @@ _KNOWN: tuple[Check, ...] = (
         for name in ("A", "phi")
     ),
     *(
-        _row(
+        Check(
             f"VM188-{name}", "code verification",
             f"Two long conductors with 24 A repel as published, in 3D by {name}.",
             9.684e-3, "N/m", _VM188, 1.5e-3, _STRIPS, partial(m.conductor_force, name),
         )
         for name in ("A", "phi")
     ),
-    _row(
+    Check(
         "LOOP-1", "code verification",
         "The network's flux linkage and force do no net work around a loop of current and gap.",
         (0.0, 1e-6), "1", "both belong to one co-energy", 0.0,
         "relative to one side's work; kinks of the steel's curve under the quadrature",
         m.network_loop_work,
     ),
-    _row(
+    Check(
         "LOOP-2", "code verification",
         "Nor do those of the co-energy map made from it.",
         (0.0, 1e-6), "1", "both belong to one co-energy", 0.0, "as LOOP-1",
         m.network_map_loop_work,
     ),
-    _row(
+    Check(
         "LOOP-3", "code verification",
         "Nor those of the map made from the axisymmetric field.",
         (0.0, 1e-6), "1", "both belong to one co-energy", 0.0, "as LOOP-1",
@@ -146,7 +133,7 @@ def _at(state: int) -> str:
 
 _ROUTES: tuple[Check, ...] = (
     *(
-        _row(
+        Check(
             f"FORCE-{1 + state}", "solution verification",
             f"Stress in the air and virtual work give one force of the device {_at(state)}.",
             1.0, "1", "two routes to one force", 1e-3, "the accuracy wanted of the force",
@@ -155,7 +142,7 @@ _ROUTES: tuple[Check, ...] = (
         for state in range(len(m.STATES))
     ),
     *(
-        _row(
+        Check(
             f"FORCE-D{1 + state}", "solution verification",
             f"The force {_at(state)} is −ΔW'/Δg between gaps that are meshed separately.",
             1.0, "1", "difference quotient", 2e-3,
@@ -181,13 +168,13 @@ _FORCE_DEVIATIONS = (0.173, 0.0, 0.0, 0.238)
 _LINKAGE_DEVIATIONS = (-0.059, -0.092, -0.071, -0.057)
 
 _MODELS: tuple[Check, ...] = (
-    _row(
+    Check(
         "NET-F0", "cross-model",
         f"Network and field agree in the force with straight iron (µr = 1000) {_at(0)}.",
         1.0, "1", "axisymmetric field", 0.05, _DESIGN, m.network_over_field_straight_iron,
     ),
     *(
-        _row(
+        Check(
             f"NET-F{1 + state}", "cross-model",
             f"Network and field agree in the force {_at(state)}.",
             1.0, "1", "axisymmetric field", 0.05, _DESIGN,
@@ -197,7 +184,7 @@ _MODELS: tuple[Check, ...] = (
         for state, known in enumerate(_FORCE_DEVIATIONS)
     ),
     *(
-        _row(
+        Check(
             f"NET-L{1 + state}", "cross-model",
             f"Network and field agree in the flux linkage {_at(state)}.",
             1.0, "1", "axisymmetric field", 0.05, _DESIGN,
@@ -220,7 +207,7 @@ _MORE_FORCE = (
 
 _VALIDATION: tuple[Check, ...] = (
     *(
-        _row(
+        Check(
             f"TEAM20-A{1 + number}", "validation",
             f"The pole of TEAM problem 20 is pulled as measured at {current:g} ampere-turns, by "
             "second-order edge elements.",
@@ -229,7 +216,7 @@ _VALIDATION: tuple[Check, ...] = (
         for number, (current, force) in enumerate(MEASURED_FORCE.items())
     ),
     *(
-        _row(
+        Check(
             f"TEAM20-M{1 + number}", "validation",
             f"So is the best estimate of the converged force at {current:g} ampere-turns, the mean "
             "of both potentials, whose errors mostly have opposite signs.",
@@ -241,26 +228,27 @@ _VALIDATION: tuple[Check, ...] = (
         )
         for number, (current, force) in enumerate(MEASURED_FORCE.items())
     ),
-    _row(
+    Check(
         "PAP-9", "validation",
         "At 130 mA and the 0.2 mm gap the pull is the 110 mN of the spring.  It confirms nothing: "
         "the paper gives neither turns nor iron, and 849 turns were chosen to give this force.",
         0.110, "N", "paper section 5.1", 0.5e-3 / 110e-3, "the last printed digit",
-        m.paper_force,
+        m.paper_force, scene="reluctance",
     ),
-    _row(
+    Check(
         "PAP-10", "validation",
         "50 mA hold the rod firmly at its lower stop: the spring has less force there than the "
         "magnet.",
         (0.0, 1.0), "1", "paper, set-up of the lateral actuator's measurements", 0.0,
         "a statement without a number; the lower stop's 20 µm and the spring's 100 N/m are assumed",
-        m.spring_over_pull_held,
+        m.spring_over_pull_held, scene="reluctance",
     ),
-    _row(
+    Check(
         "PAP-11", "validation",
         "120 mA pull the rod down from the 0.2 mm gap, as in the measurement over time.",
         (0.0, 1.0), "1", "paper, set-up of the tactile generator's measurement", 0.0,
         "a statement without a number", m.spring_over_pull_at_upper_stop,
+        scene="reluctance",
         explained="the device is reconstructed from the other statement, that about 130 mA are "
         "needed at 0.2 mm against 110 mN; the paper's actuator then had a smaller gap, a weaker "
         "spring (it is set by screws), or needs less than 130 mA",

@@ -12,7 +12,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -32,11 +32,21 @@ from validation.command_line.commands import (
     sensitivity,
     solve,
     stress,
+    verify,
 )
 from validation.command_line.commands.common import say
 
 
 class _Parser(argparse.ArgumentParser):
+    #: Makes description and epilog when help is asked for: what they list costs an import.
+    listing: Callable[[], tuple[str, str]] | None = None
+
+    def format_help(self) -> str:
+        """Return the help text, with what is listed in it."""
+        if self.listing is not None:
+            self.description, self.epilog = self.listing()
+        return super().format_help()
+
     def error(self, message: str) -> NoReturn:
         """Report a usage error the way all bad input is reported."""
         raise InputError(f"{message}; see {self.prog} --help")
@@ -133,8 +143,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.set_defaults(run=lambda _: _help(parser))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
-        report, solve, design, sensitivity, identify, plan, export, stress, bench, scenes, cache,
-        init,
+        report, solve, design, sensitivity, identify, plan, export, verify, stress, bench, scenes,
+        cache, init,
     ):  # fmt: skip
         command.add(commands)
     return parser

@@ -44,7 +44,7 @@ def format_value(value: Any) -> str:
 
 
 def _rows(q: Quantity) -> list[tuple[str, str, str]]:
-    if q.name == "dynamic_stiffness":
+    if q.value.ndim > 1:
         return [("", f"5x5 at {len(q.frequency or ())} frequencies: --json", "")]
     if q.value.ndim == 0:
         bar = "-" if np.isnan(q.uncertainty) else f"{float(q.uncertainty):.1e}"

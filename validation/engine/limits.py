@@ -7,18 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from geometry.errors import InputError
+from tmm.ports.readout import Readout
 from tmm.ports.terminations import FINGER_RANGE, outside_finger_range
 from validation.catalogue.detection import DISPLAY_THRESHOLD
+from validation.catalogue.models import MODELS
 from validation.catalogue.quantities import QUANTITIES
 from validation.engine.results import Quantity
 from validation.scene.scene import Scene
-
-#: Models whose mesh follows the accuracy wanted, with what to do when that is not enough.
-_JUDGED = {
-    "solid": "raise mesh.level (at most 5) or accept the bar",
-    "axisymmetric": "its finest grid was used, so accept the bar",
-    "magnetic3d": "its finest mesh was used, so accept the bar",
-}
 
 #: Largest displacement (share of the length) that linear theory of bending is about.
 _SMALL_DEFLECTION = 0.1
@@ -27,17 +22,17 @@ _SMALL_DEFLECTION = 0.1
 def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
     """Return warnings that name the quantities whose error bar exceeds what was asked for."""
     warnings = []
-    for model, remedy in _JUDGED.items():
+    for model in (row for row in MODELS.values() if row.remedy):
         missed = [
             text
             for q in found
-            if q.model == model and q.name != "dynamic_stiffness"
+            if q.model == model.name and q.value.ndim < 2  # entries of a matrix may be small
             if (text := _excess(q, scene.accuracy))
         ]
         if missed:
             warnings.append(
-                f"the {model} model's error bar exceeds the {100.0 * scene.accuracy:g} % asked "
-                f"for in {', '.join(missed)}; {remedy}"
+                f"the {model.name} model's error bar exceeds the {100.0 * scene.accuracy:g} % "
+                f"asked for in {', '.join(missed)}; {model.remedy}"
             )
     return tuple(warnings)
 
@@ -50,7 +45,7 @@ def deflection_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, .
         (
             float(np.nanmax(np.abs(q.value)))
             for q in found
-            if q.name in ("tip_displacement", "static_tip_displacement")
+            if _is_deflection(QUANTITIES[q.name].read)
         ),
         default=0.0,
     )
@@ -62,6 +57,14 @@ def deflection_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, .
         "models are linear, so this says no more than that there is a resonance or too much voltage"
     )
     return (sentence,)
+
+
+def _is_deflection(read: object) -> bool:
+    """Return whether something is the tip's displacement at the drive voltage."""
+    match read:
+        case Readout(port=port, of="motion", rate=0, unit_voltage=False):
+            return port == "w_tip"
+    return False
 
 
 def _excess(q: Quantity, accuracy: float) -> str:
@@ -93,10 +96,7 @@ def check_held(scene: Scene, quantities: Sequence[str]) -> None:
     at_rest = [
         name
         for name in quantities
-        if name in ("static_tip_displacement", "capacitance_free")
-        or (
-            QUANTITIES[name].by_frequency and name != "dynamic_stiffness" and 0.0 in scene.frequency
-        )
+        if QUANTITIES[name].held_by_support and (QUANTITIES[name].static or 0.0 in scene.frequency)
     ]
     if at_rest:
         raise InputError(
@@ -135,28 +135,29 @@ def load_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
     return (warning,)
 
 
-def threshold_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
+def level_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
     """Check the frequencies against the range of the detection threshold.
 
-    Returns a warning if some lie outside, where the threshold voltage has no value.
+    Returns a warning if some lie outside, where the voltage that reaches it has no value.
 
     Raises
     ------
     InputError
         If all of them do and nothing else was asked for.
     """
+    asked = [name for name in quantities if QUANTITIES[name].has_level]
     outside = DISPLAY_THRESHOLD.outside(np.asarray(scene.frequency))
-    if "threshold_voltage" not in quantities or not outside.any():
+    if not asked or not outside.any():
         return ()
     low, high = DISPLAY_THRESHOLD.range
-    if outside.all() and set(quantities) == {"threshold_voltage"}:
+    if outside.all() and set(quantities) == set(asked):
         raise InputError(
             f"frequency = {scene.frequency[0]:g} Hz is outside the range of the detection "
             f"threshold ({low:g} to {high:g} Hz); choose frequencies inside it"
         )
     warning = (
         f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which the "
-        f"detection threshold is stated ({low:g} to {high:g} Hz); threshold_voltage has no value "
-        "there"
+        f"detection threshold is stated ({low:g} to {high:g} Hz); {' and '.join(asked)} has no "
+        "value there"
     )
     return (warning,)

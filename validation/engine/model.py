@@ -1,21 +1,21 @@
-"""What the four models of the lateral actuator have in common: one interface.
+"""What a model is, of whichever actuator: it answers what quantities are read from.
 
-Each gives, with the means to judge its numerical error: D(Ω) over the scene's
-frequencies, the lossless D(0), and the lossless modes.
+The answers to "static" and "harmonic" are Refined[Multiport], parallel wiring; to "modes_short"
+and "modes_open" Refined[Modes]; the normal actuator's hold a Measured for each value.
 """
 
 from __future__ import annotations
 
 import importlib
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Generic, TypeVar
-
-import numpy as np
+from typing import Any, ClassVar, Generic, TypeVar
 
 from geometry.arrays import Floats
 from geometry.store.values import storable
-from tmm.ports.multiport import Multiport
+from validation.catalogue.models import MODELS
+from validation.catalogue.needs import Need
 from validation.engine.stages import Stages
 from validation.scene.scene import Scene
 
@@ -38,12 +38,16 @@ class Refined(Generic[T]):
         How the error bar comes about, for the reader.
     rounding : float or (n,) array
         Relative rounding error beyond that of the port equations; of modes, one for each.
+    elimination : float
+        Condition number of an elimination that made a matrix over ports: its rounding is in
+        every entry, and the port equations magnify it as they do their own.
     """
 
     fine: T
     coarser: tuple[tuple[T, float], ...]
     method: str
     rounding: Floats | float = 0.0
+    elimination: float = 0.0
 
 
 @storable
@@ -63,38 +67,47 @@ class Modes:
 
 
 class Model(ABC):
-    """One model of the scene's lateral actuator; results are computed at most once."""
+    """One model of a scene's actuator; results are computed at most once.
 
-    name: str
+    What it gives, by which stages, and what each stage reads stands in its row of
+    :data:`validation.catalogue.models.MODELS`.
+    """
+
+    name: ClassVar[str]
 
     def __init__(self, scene: Scene, stages: Stages) -> None:
         self.scene, self.stages = scene, stages
-        self.frequencies = np.asarray(scene.frequency, dtype=float)
+
+    @classmethod  # noqa: B027  (most models take every scene)
+    def check(cls, scene: Scene) -> None:
+        """Refuse a scene that the model cannot take, before anything is computed.
+
+        Raises
+        ------
+        InputError
+            With the remedy.
+        """
 
     @abstractmethod
-    def ports(self) -> Refined[Multiport]:
-        """Return D(Ω) with losses over the scene's frequencies, parallel wiring."""
+    def answer(self, need: Need) -> Any:
+        """Return what quantities with this need are read from."""
 
-    @abstractmethod
-    def static(self) -> Refined[Multiport]:
-        """Return the lossless D(0), parallel wiring."""
+    def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
+        """Return what the reader of these quantities must be told."""
+        return ()
 
-    @abstractmethod
-    def modes(self, *, open_circuit: bool) -> Refined[Modes]:
-        """Return the lossless modes on the scene's support."""
+    def run(self, stage: str, work: Callable[[], T]) -> T:
+        """Return the result of one of the row's stages, computed the first time."""
+        return self.stages.run(f"{self.name}.{stage}", work)
 
 
-#: Where each model is.
-_CLASSES = {
-    "lumped": ("validation.models.bimorph.rows", "LumpedModel"),
-    "tmm": ("validation.models.bimorph.rows", "TmmModel"),
-    "beam": ("validation.models.bimorph.beam", "BeamModel"),
-    "solid": ("validation.models.bimorph.solid", "SolidModel"),
-}
+def model_class(name: str) -> type[Model]:
+    """Return the class of a model; its module is loaded now and not before."""
+    row = MODELS[name]
+    found: type[Model] = getattr(importlib.import_module(row.module), row.kind)
+    return found
 
 
 def make_model(name: str, scene: Scene, stages: Stages) -> Model:
-    """Return the named model of a scene; its module is loaded now and not before."""
-    module, kind = _CLASSES[name]
-    model: Model = getattr(importlib.import_module(module), kind)(scene, stages)
-    return model
+    """Return the named model of a scene."""
+    return model_class(name)(scene, stages)

@@ -8,7 +8,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.store.values import storable
+
 Array = NDArray[Any]
+
+
+@storable
+@dataclass(frozen=True)
+class Measured:
+    """A value with its numerical error bar, both in the same SI unit; nan where there is none."""
+
+    value: float
+    bar: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "value", self.value + 0.0)  # no -0
 
 
 @dataclass(frozen=True)

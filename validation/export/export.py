@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 from geometry.device.parameters import Device
 from geometry.errors import InputError
 from geometry.files import written_whole
-from validation.catalogue.quantities import MAGNETIC_MODELS, gives
+from validation.catalogue.models import MODELS, models_of
+from validation.catalogue.quantities import QUANTITIES
 from validation.export.ports import check_state_space, write_port_files
 from validation.scene.scene import Scene
 
@@ -64,7 +65,7 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
 
 def _refuse_without_lateral(scene: Scene) -> None:
     """Refuse ports of a scene that is about the normal actuator alone."""
-    if set(scene.models) <= set(MAGNETIC_MODELS):
+    if set(scene.models) <= set(models_of("reluctance")):
         raise InputError(
             f"models = {','.join(scene.models)} have no bimorph to reduce to its ports; "
             'name another scene, such as "paper", or set models=solid'
@@ -123,7 +124,7 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
 
 def _magnetic_model(scene: Scene) -> str:
     """Return the scene's most detailed model that has a co-energy map."""
-    able = [name for name in MAGNETIC_MODELS if gives(name, "holding_current")]
+    able = [name for name, row in MODELS.items() if "magnetic_map" in row.gives]
     found = [name for name in able if name in scene.models]
     if not found:
         raise InputError(
@@ -134,13 +135,17 @@ def _magnetic_model(scene: Scene) -> str:
 
 
 def _map(scene: Scene, announce: Callable[[str], None]) -> CoenergyMap:
+    from validation.engine.model import make_model
     from validation.engine.plan import make_plan
     from validation.engine.stages import Stages
-    from validation.models.reluctance.registry import make_magnetic_model
+    from validation.models.reluctance.model import MagneticModel
 
     name = _magnetic_model(scene)
-    plan = make_plan(scene, (name,), ("holding_current",))
-    return make_magnetic_model(name, scene, Stages(plan.keys, announce)).map()
+    quantities = [q for q, row in QUANTITIES.items() if "magnetic_map" in row.needs]
+    plan = make_plan(scene, (name,), quantities)
+    model = make_model(name, scene, Stages(plan.keys, announce))
+    assert isinstance(model, MagneticModel)
+    return model.map()
 
 
 def scene_solids(scene: Scene) -> dict[str, Any]:
@@ -150,7 +155,7 @@ def scene_solids(scene: Scene) -> dict[str, Any]:
 
     if scene.support.kind == "rod":
         return build_solids(scene.device, None, "rod")
-    if set(scene.models) <= set(MAGNETIC_MODELS):
+    if set(scene.models) <= set(models_of("reluctance")):
         return normal_actuator_solids(scene.device)
     return build_solids(scene.device, BIMORPH, "alone")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -13,21 +13,20 @@ from geometry.arrays import Floats
 from geometry.errors import InputError
 from geometry.device.parameters import Device
 from tmm.reluctance.coenergy.map import CoenergyMap
-from validation.report.comparison import Cell, ComparedRow, Verdict
+from validation.report.comparison import ComparedRow, compare
 from validation.models.reluctance.field import AxisymmetricModel
 from validation.models.reluctance.model import MagneticModel, NetworkModel
 from validation.models.reluctance.point import MagneticPoint
 from validation.models.reluctance.switching import SwitchingCurrents
+from validation.engine.model import Model
 from validation.engine.plan import Plan
-from validation.catalogue.quantities import MAGNETIC_MODELS, QUANTITIES
+from validation.catalogue.models import MODELS, ranked
+from validation.catalogue.quantities import QUANTITIES
 from validation.engine.results import Quantity
 from validation.engine.solve import Solution, solve
 
 if TYPE_CHECKING:
     from fem.reluctance.axisymmetric.actuator import FieldPoint
-
-#: Quantities that need a whole map; for the field, the better part of a minute.
-MAP_QUANTITIES = tuple(name for name, q in QUANTITIES.items() if "magnetic_map" in q.needs)
 
 #: Curves of a family: shares of the scene's current.
 _SHARES = (0.25, 0.5, 0.75, 1.0, 1.25)
@@ -36,12 +35,6 @@ _GAPS = 4
 #: Order of the field points that are drawn into the quick version's curves: 0.2 % in force.
 _POINT_ORDER = 3
 
-_TUBES = (
-    "flux runs in tubes of assumed shape; left out are the field outside the sleeve but for tubes "
-    "that start on the head, the field below the flange, and the shaft between collar and head "
-    "as a source of leakage"
-)
-_SAME_FIELD = "both solve the same field, so their error bars should cover this; not understood"
 #: What each refinement of the network means, by its name there.
 _MEANING = {
     "one straight gap, perfect iron": "all ampere-turns stand across one gap with a uniform "
@@ -87,8 +80,8 @@ class NormalActuator:
     Parameters
     ----------
     solution : Solution
-        With magnetic models.  If it holds no quantity that needs a map, maps come from the
-        network, which costs nothing.
+        With models of the normal actuator.  If it holds no quantity that needs a map, maps come
+        from the network, which costs nothing.
     announce : callable
         Told what is being done.
 
@@ -121,36 +114,46 @@ class NormalActuator:
     @property
     def models(self) -> tuple[str, ...]:
         """Models asked for, cheapest first."""
-        return tuple(name for name in MAGNETIC_MODELS if name in self.solution.magnetic_models)
+        asked = self.solution.models_of("reluctance")
+        return tuple(name for name in MODELS if name in asked)
 
     @property
     def reference(self) -> str:
-        """The model that others are held against: the half section's field, the most accurate."""
-        return AxisymmetricModel.name if self.field_model else self.models[-1]
+        """The model that others are held against."""
+        return ranked(self.models)[-1]
 
     @property
     def field_model(self) -> AxisymmetricModel | None:
         """The field model, if the scene asks for it."""
-        model = self.solution.magnetic_models.get(AxisymmetricModel.name)
+        model = self.solution.models.get(AxisymmetricModel.name)
         return model if isinstance(model, AxisymmetricModel) else None
 
     @property
     def has_field(self) -> bool:
         """Whether a model that solves the field is asked for."""
-        return self.reference != NetworkModel.name
+        return MODELS[self.reference].theory == "field"
 
     @cached_property
     def mapped(self) -> Solution:
         """The solution whose models have maps."""
-        if any(q.name in MAP_QUANTITIES for q in self.solution.quantities):
+        if any(needs_map(q.name) for q in self.solution.quantities):
             return self.solution
-        return solve(self.scene, ("network",), MAP_QUANTITIES, self.announce, reuse=self.solution)
+        names = [name for name in QUANTITIES if needs_map(name)]
+        return solve(self.scene, (NetworkModel.name,), names, self.announce, reuse=self.solution)
 
     @cached_property
     def maps(self) -> dict[str, CoenergyMap]:
         """Co-energy map by model, the most detailed last."""
-        models = self.mapped.magnetic_models
-        return {name: models[name].map() for name in MAGNETIC_MODELS if name in models}
+        return {name: model.map() for name, model in self._mapped_models.items()}
+
+    @property
+    def _mapped_models(self) -> dict[str, MagneticModel]:
+        models = self.mapped.models
+        return {
+            name: model
+            for name in MODELS
+            if isinstance(model := models.get(name), MagneticModel)
+        }
 
     @property
     def pull(self) -> CoenergyMap:
@@ -168,19 +171,12 @@ class NormalActuator:
         found = self.solution.quantities
         if self.mapped is not self.solution:
             found += self.mapped.quantities
-        return tuple(q for q in found if QUANTITIES[q.name].magnetic)
+        return tuple(q for q in found if QUANTITIES[q.name].actuator == "reluctance")
 
     @cached_property
     def comparison(self) -> list[ComparedRow]:
         """All quantities by all models; the one they are held against stands last."""
-        order = [*(name for name in MAGNETIC_MODELS if name != self.reference), self.reference]
-        rows = []
-        for name in QUANTITIES:
-            by_model = {q.model: q for q in self.quantities if q.name == name}
-            found = [by_model[model] for model in order if model in by_model]
-            if found:
-                rows.append(ComparedRow(name, found[0].unit, _cells(found)))
-        return rows
+        return compare(self.scene, self.quantities, "reluctance")
 
     @cached_property
     def bridge(self) -> list[BridgeStep]:
@@ -211,7 +207,7 @@ class NormalActuator:
     @cached_property
     def switching(self) -> dict[str, SwitchingCurrents]:
         """Switching currents by model."""
-        return {name: self.mapped.magnetic_models[name].switching() for name in self.maps}
+        return {name: model.switching() for name, model in self._mapped_models.items()}
 
     @property
     def currents(self) -> Floats:
@@ -238,14 +234,15 @@ class NormalActuator:
 
     def point_by_reference(self, current: float, gap: float) -> MagneticPoint:
         """Return a point (A, m) by the model that others are held against."""
-        return self._point(self.solution.magnetic_models[self.reference], current, gap)
+        return self._point(self.solution.models[self.reference], current, gap)
 
     def point_by_map_model(self, current: float, gap: float) -> MagneticPoint:
         """Return a point (A, m) by the model whose map is shown."""
-        return self._point(self.mapped.magnetic_models[self.pull_model], current, gap)
+        return self._point(self.mapped.models[self.pull_model], current, gap)
 
-    def _point(self, model: MagneticModel, current: float, gap: float) -> MagneticPoint:
+    def _point(self, model: Model, current: float, gap: float) -> MagneticPoint:
         """Return a point, solved once; the scene's own is the one behind its quantities."""
+        assert isinstance(model, MagneticModel)
         key = (model.name, current, gap)
         if key not in self._points:
             own = (current, gap) == (self.current, self.gap)
@@ -262,20 +259,6 @@ class NormalActuator:
         return Plan(run, tuple(skip for skip in plan.skipped if skip.stage not in names))
 
 
-def _cells(found: Sequence[Quantity]) -> tuple[Cell, ...]:
-    """Judge each model by the last one."""
-    base = found[-1]
-    cells = []
-    for q in found:
-        value, bar = float(q.value), float(q.uncertainty)
-        difference = value / float(base.value) - 1.0 if base.value else np.nan
-        covered = abs(value - float(base.value)) <= bar + float(base.uncertainty)
-        # a current that no model reaches is agreed upon, too
-        covered |= np.isnan(value) and np.isnan(float(base.value))
-        verdict: Verdict = "reference" if q is base else "agrees" if covered else "differs"
-        why = ""
-        if verdict == "differs":
-            tubes = q.model == NetworkModel.name
-            verdict, why = ("model form", _TUBES) if tubes else ("differs", _SAME_FIELD)
-        cells.append(Cell(q.model, value, bar, difference, verdict, why))
-    return tuple(cells)
+def needs_map(quantity: str) -> bool:
+    """Return whether a quantity needs a whole map: of a field, the better part of a minute."""
+    return "magnetic_map" in QUANTITIES[quantity].needs

@@ -80,8 +80,6 @@ def _page(study: Study, started: float) -> str:
 
 def _summary(study: Study) -> dict[str, Any]:
     """Return what the head of the page says about the whole."""
-    outcomes = study.outcomes
-    statuses = ("pass", "differs, explained", "fail")
     most_detailed = [row.cells[-1] for row in study.compared]
     return {
         "lateral_rows": study.comparison if study.lateral else [],
@@ -91,10 +89,10 @@ def _summary(study: Study) -> dict[str, Any]:
             "normal": _spread(study.normal.comparison if study.normal else []),
         },
         "invariants": study.invariants,
+        "failed": sum(o.status == "fail" for o in study.outcomes),
         "parameters": study.parameters,
         "bridge": study.rungs,
         "asked": study.asked,
-        "counts": {s: sum(o.status == s for o in outcomes) for s in statuses},
         "bars": len(most_detailed),
         "missed": sum(c.uncertainty > study.scene.accuracy * abs(c.value) for c in most_detailed),
     }

@@ -12,16 +12,18 @@ import numpy as np
 from geometry.arrays import Complex
 from tmm.ports.invariants import passivity_margin, reciprocity_error
 from tmm.ports.terminations import outside_finger_range
-from validation.checks.bimorph import CHECKS, Check, Outcome, run_check
+from validation.checks.row import Outcome, run_check
+from validation.checks.verification import group_rows
 from validation.report.comparison import ComparedRow, compare
 from validation.models.bimorph.solid import SolidModel
 from validation.scene.parameter_list import ParameterRow, parameter_rows
 from validation.engine.plan import Plan, check_models
-from validation.catalogue.quantities import MAGNETIC_MODELS, QUANTITIES, gives
-from validation.report.normal_actuator import NormalActuator
+from validation.catalogue.bimorph import TIP_DISPLACEMENT
+from validation.catalogue.models import MODELS, gives
+from validation.catalogue.quantities import QUANTITIES
+from validation.report.normal_actuator import NormalActuator, needs_map
 from validation.scene.scene import Scene
 from validation.engine.solve import Solution, solve
-from validation.engine.stages import READS
 
 if TYPE_CHECKING:
     from validation.models.bimorph.bridge import Rung
@@ -43,9 +45,14 @@ class LoadCase:
     title: str
     solution: Solution
 
+    @property
+    def models(self) -> tuple[str, ...]:
+        """Models that give the response."""
+        return tuple(self.solution.by_model(TIP_DISPLACEMENT.name))
+
     def curve(self, model: str) -> Complex:
         """Return the tip displacement (n,); nan where the load model does not reach."""
-        values = self.solution.get("tip_displacement", model).value
+        values = self.solution.get(TIP_DISPLACEMENT.name, model).value
         outside = outside_finger_range(
             self.solution.scene.load, np.asarray(self.solution.scene.frequency)
         )
@@ -53,7 +60,7 @@ class LoadCase:
 
     def summary(self, model: str) -> dict[str, float]:
         """Return largest and first displacement (m), where (Hz), and the widest bar."""
-        q = self.solution.get("tip_displacement", model)
+        q = self.solution.get(TIP_DISPLACEMENT.name, model)
         size = np.abs(self.curve(model))
         at = int(np.nanargmax(size))
         known = np.isfinite(size) & (size > 0.0)
@@ -82,12 +89,12 @@ class Study:
     @property
     def lateral(self) -> bool:
         """Whether the scene asks for the lateral actuator."""
-        return bool(self.solution.models)
+        return bool(self.solution.models_of("bimorph"))
 
     @cached_property
     def normal(self) -> NormalActuator | None:
         """The normal actuator, if the scene asks for it."""
-        asked = self.solution.magnetic_models
+        asked = self.solution.models_of("reluctance")
         return NormalActuator(self.solution, self.announce) if asked else None
 
     @property
@@ -108,7 +115,7 @@ class Study:
     @cached_property
     def comparison(self) -> list[ComparedRow]:
         """All scalar quantities of the lateral actuator by all its models."""
-        return compare(self.solution, self.rungs)
+        return compare(self.scene, self.solution.quantities, "bimorph", self.rungs)
 
     @property
     def compared(self) -> list[ComparedRow]:
@@ -118,26 +125,26 @@ class Study:
 
     @cached_property
     def outcomes(self) -> list[Outcome]:
-        """The suite's own checks of what the scene asks for, without the heavy ones if quick."""
-        rows: tuple[Check, ...] = CHECKS if self.lateral else ()
-        if self.normal:
-            from validation.checks.reluctance import MAGNETIC_CHECKS
-
-            rows += MAGNETIC_CHECKS
+        """The suite's checks that are about this very scene, if nothing of it was changed."""
+        if set(self.origins.values()) != {f"scene {self.scene.name}"}:
+            return []
+        groups = [g for g, asked in (("bimorph", self.lateral), ("reluctance", self.normal)) if asked]
+        rows = [c for g in groups for c in group_rows(g) if c.scene == self.scene.name]
         found = []
         for check in rows:
-            if self.quick and check.heavy:
-                continue
-            self.announce(f"check {check.id}")
-            found.append(run_check(check))
+            if not check.heavy:
+                self.announce(f"check {check.id}")
+                found.append(run_check(check))
         return found
 
     @cached_property
     def invariants(self) -> list[dict[str, Any]]:
         """How reciprocal and how passive each model's five ports are over the sweep."""
         found = []
-        for name, model in self.solution.models.items():
-            port = model.ports().fine
+        for name, model in self.solution.models_of("bimorph").items():
+            if "harmonic" not in MODELS[name].gives:
+                continue
+            port = model.answer("harmonic").fine
             asymmetry = float(reciprocity_error(port).max())
             margin = float(passivity_margin(port).min())
             holds = asymmetry < INVARIANT_TOLERANCE and margin > -INVARIANT_TOLERANCE
@@ -160,7 +167,7 @@ class Study:
         self.announce(f"response: {titles[other]}")
         load = self.scene.load.model_copy(update={"kind": other})
         changed = self.scene.model_copy(update={"load": load})
-        again = solve(changed, quantities=("tip_displacement",), reuse=self.solution)
+        again = solve(changed, quantities=(TIP_DISPLACEMENT.name,), reuse=self.solution)
         return [LoadCase(kind, titles[kind], self.solution), LoadCase(other, titles[other], again)]
 
     @cached_property
@@ -172,7 +179,7 @@ class Study:
             if self.scene.support.kind == "rod":
                 keys |= {"glue", "rod", "coil", "sleeve", "gap"}
         if self.normal:
-            keys |= {*READS["network.map"], "coil", "steel"}
+            keys |= {*MODELS["network"].stages["map"], "coil", "steel"}
         unread = set() if self.scene.steel.curve == "linear" else {"steel.relative_permeability"}
         rows = parameter_rows(self.scene, self.origins)
         return [r for r in rows if {r.key, r.key.split(".")[0]} & keys and r.key not in unread]
@@ -200,13 +207,16 @@ def _prepared(scene: Scene, quick: bool) -> Scene:
         If the scene asks for a quantity that none of its models can compute.
     """
     check_models(scene.models, scene.quantities)
-    kinds = {QUANTITIES[name].magnetic for name in scene.quantities}
-    models = tuple(name for name in scene.models if (name in MAGNETIC_MODELS) in kinds)
+    about = {QUANTITIES[name].actuator for name in scene.quantities}
+    models = tuple(name for name in scene.models if MODELS[name].actuator in about)
     quantities = tuple(name for name in QUANTITIES if any(gives(m, name) for m in models))
-    if quick and "axisymmetric" in models:
-        quantities = tuple(
-            name for name in quantities if "magnetic_map" not in QUANTITIES[name].needs
+    if quick:
+        slow = any(
+            needs_map(name) and gives(model, name) and not MODELS[model].quick
+            for name in quantities
+            for model in models
         )
+        quantities = tuple(name for name in quantities if not (slow and needs_map(name)))
     changes: dict[str, Any] = {"models": models, "quantities": quantities}
     low, high = min(scene.frequency), max(scene.frequency)
     if low < high and len(scene.frequency) < _PLOT_POINTS:

@@ -7,7 +7,8 @@ from typing import Any
 
 from geometry import units as u
 from geometry.device import parameters as p
-from validation.catalogue.quantities import LATERAL_MODELS, MAGNETIC_MODELS, QUANTITIES
+from validation.catalogue.models import MODELS, models_of
+from validation.catalogue.quantities import QUANTITIES
 from validation.scene.scene import ON_COMMAND_LINE, Scene
 
 #: Groups that only the models of the lateral actuator read.
@@ -55,11 +56,11 @@ def scene_warnings(
 def _not_asked(scene: Scene, key: str) -> str:
     """Return why a key has no effect on the models asked for."""
     group, models = key.split(".", 1)[0], f"with models = {', '.join(scene.models)}"
-    if group == "mesh" and "magnetic3d" in scene.models:
+    if group == "mesh" and _read_by_magnetic(scene, "mesh"):
         return ""
-    if group in _LATERAL and not set(scene.models) & set(LATERAL_MODELS):
+    if group in _LATERAL and not set(scene.models) & set(models_of("bimorph")):
         return f"{models}; ask for one of the lateral actuator, such as --model tmm, to use it"
-    magnetic = set(scene.models) & set(MAGNETIC_MODELS)
+    magnetic = set(scene.models) & set(models_of("reluctance"))
     around = group in ("coil", "sleeve", "gap") and scene.support.kind != "rod"
     if (group in _MAGNETIC or key in _MAGNETIC or around) and not magnetic:
         return f"{models}; ask for one of the normal actuator, such as --model network, to use it"
@@ -68,17 +69,19 @@ def _not_asked(scene: Scene, key: str) -> str:
 
 def _not_shown(scene: Scene, key: str) -> str:
     """Return why a key of the normal actuator has no effect on the quantities asked for."""
-    magnetic = set(scene.models) & set(MAGNETIC_MODELS)
+    magnetic = set(scene.models) & set(models_of("reluctance"))
     if not magnetic:
         return ""
     asked = f"with quantities = {', '.join(scene.quantities)}"
     moves = any("magnetic_map" in QUANTITIES[name].needs for name in scene.quantities)
     if key.startswith("spring.") and not moves:
-        return f"{asked}; ask for pull_in_current, holding_current or drop_out_current to use it"
+        of_stroke = [name for name, row in QUANTITIES.items() if "magnetic_map" in row.needs]
+        return f"{asked}; ask for {', '.join(of_stroke[:-1])} or {of_stroke[-1]} to use it"
     if key in _HEAT:
         return "on any quantity; tactgen report shows the coil's resistance and heat"
-    if key in _FIELD_ONLY and magnetic == {"network"}:
-        return "with models = network; ask for --model axisymmetric to use it"
+    if key in _FIELD_ONLY and all(MODELS[name].theory == "circuit" for name in magnetic):
+        field = next(name for name, row in MODELS.items() if row.theory == "field")
+        return f"with models = {', '.join(sorted(magnetic))}; ask for --model {field} to use it"
     return ""
 
 
@@ -105,10 +108,16 @@ def _idle(scene: Scene, key: str) -> str:
     tetrahedra = scene.mesh.kind == "tetwild" or support == "rod"
     if key == "mesh.time_limit" and not tetrahedra:
         return f'with mesh.kind = "{scene.mesh.kind}"; set mesh.kind = "tetwild" to use it'
-    graded = {"axisymmetric", "magnetic3d"} & set(scene.models)
+    graded = _read_by_magnetic(scene, "accuracy")
     if key == "accuracy" and scene.mesh.level and not graded:
         return f"with mesh.level = {scene.mesh.level}; leave mesh.level out to use it"
     return ""
+
+
+def _read_by_magnetic(scene: Scene, group: str) -> bool:
+    """Return whether a model of the normal actuator that is asked for reads a group."""
+    asked = (MODELS[name] for name in scene.models)
+    return any(row.actuator == "reluctance" and row.reads(group) for row in asked)
 
 
 def _only_on_rod(scene: Scene, key: str) -> bool:
@@ -116,7 +125,11 @@ def _only_on_rod(scene: Scene, key: str) -> bool:
     group = key.split(".", 1)[0]
     if group not in ("glue", "rod") or scene.support.kind == "rod":
         return False
-    if set(scene.models) & set(MAGNETIC_MODELS) and group == "rod" and key not in _MECHANICAL:
+    if (
+        set(scene.models) & set(models_of("reluctance"))
+        and group == "rod"
+        and key not in _MECHANICAL
+    ):
         return False
     layers = group == "glue" and scene.bimorph.glue_thickness and key != "glue.thickness"
     return not layers

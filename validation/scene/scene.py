@@ -21,13 +21,8 @@ from geometry.device.checks import check_actuator, check_bimorph
 from geometry.errors import InputError
 from geometry.units import quoted
 from tmm.ports.terminations import ends_of
-from validation.catalogue.quantities import (
-    LATERAL_MODELS,
-    LATERAL_QUANTITIES,
-    MODELS,
-    QUANTITIES,
-    gives,
-)
+from validation.catalogue.models import MODELS, gives, models_of
+from validation.catalogue.quantities import QUANTITIES, quantities_of
 from validation.scene.files import (
     assign,
     checked_name,
@@ -109,9 +104,11 @@ class Scene(p.Device):
         validate_default=True,
         description="list of frequencies, or START:STOP:N[:log]",
     )
-    models: tuple[str, ...] = Field(default=tuple(LATERAL_MODELS), description="models asked for")
+    models: tuple[str, ...] = Field(
+        default_factory=lambda: models_of("bimorph"), description="models asked for"
+    )
     quantities: tuple[str, ...] = Field(
-        default=LATERAL_QUANTITIES, description="quantities asked for"
+        default_factory=lambda: quantities_of("bimorph"), description="quantities asked for"
     )
 
     @property
@@ -180,7 +177,7 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
     except ValidationError as error:
         raise InputError(sentence(error)) from None
     scene.piezo.ceramic().check_admissible()
-    if set(scene.models) & set(LATERAL_MODELS) or scene.support.kind == "rod":
+    if set(scene.models) & set(models_of("bimorph")) or scene.support.kind == "rod":
         check_bimorph(scene.device, scene.support)
     check_actuator(scene.device)
     _check_mesh(scene)

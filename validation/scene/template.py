@@ -6,6 +6,8 @@ from pathlib import Path
 
 from geometry.errors import InputError
 from geometry.files import written_whole
+from validation.catalogue.models import MODELS, models_of
+from validation.catalogue.quantities import QUANTITIES
 from validation.scene.parameter_list import ParameterRow, parameter_rows
 from validation.scene.scene import load_scene
 
@@ -16,12 +18,6 @@ _HEAD = """\
 
 description = "my what-if"
 """
-#: Keys whose TOML value is a bare number, a list or text of another form.
-_WRITTEN = {
-    "frequency": '"10 Hz:1000 Hz:100:log"',
-    "models": '["lumped", "tmm", "beam", "solid"]',
-    "quantities": '["all"]',
-}
 _SKIPPED = ("name", "description")
 
 
@@ -58,12 +54,23 @@ def template() -> str:
     return "\n".join(lines) + "\n"
 
 
+def _written() -> dict[str, tuple[str, str]]:
+    """Return the keys whose TOML value is a list or text of another form, with what to add."""
+    usual = ", ".join(f'"{name}"' for name in models_of("bimorph"))
+    return {
+        "frequency": ('"10 Hz:1000 Hz:100:log"', ""),
+        "models": (f"[{usual}]", f": all, or of {', '.join(MODELS)}"),
+        "quantities": ('["all"]', f": all, or of {', '.join(QUANTITIES)}"),
+    }
+
+
 def _line(row: ParameterRow, name: str) -> str:
-    value = _WRITTEN.get(row.key) or (row.text if _is_number(row.text) else f'"{row.text}"')
+    written, choices = _written().get(row.key, ("", ""))
+    value = written or (row.text if _is_number(row.text) else f'"{row.text}"')
     if row.text == "derived":
         value = '"13 GPa"'
     source = f"  [{row.source}]" if row.source else ""
-    return f"# {name} = {value}    # {row.meaning}{source}"
+    return f"# {name} = {value}    # {row.meaning}{choices}{source}"
 
 
 def _is_number(text: str) -> bool:

@@ -66,14 +66,14 @@ def response_plot(
         top, bottom, ratio = (axes[row][column] for row in range(3))
         reference = np.abs(models[list(models)[-1]])
         for model, values in models.items():
-            top.plot(frequencies, np.abs(values) * 1e6, label=model, **MODEL_STYLE[model])
+            top.plot(frequencies, np.abs(values) * 1e6, label=model, **MODEL_STYLE.get(model, {}))
             phase = np.rad2deg(np.unwrap(np.angle(values)))
             # ±180° at the start is a matter of rounding
             phase += 360.0 * np.round((first_phase[case] - phase[0]) / 360.0)
-            bottom.plot(frequencies, phase, **MODEL_STYLE[model])
+            bottom.plot(frequencies, phase, **MODEL_STYLE.get(model, {}))
             with np.errstate(invalid="ignore"):  # 0/0 where nothing moves
                 difference = 100.0 * (np.abs(values) / reference - 1.0)
-            ratio.plot(frequencies, difference, **MODEL_STYLE[model])
+            ratio.plot(frequencies, difference, **MODEL_STYLE.get(model, {}))
         ratio.set_ylim(-25.0, 25.0)
         if any(np.nanmax(np.abs(v)) > 0.0 for v in models.values()):
             top.set_yscale("log")

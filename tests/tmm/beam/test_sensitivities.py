@@ -13,12 +13,23 @@ import pytest
 from geometry.device.materials import EPS0
 from geometry.errors import InputError
 from tmm.beam.parametric import Actuator, parameter_keys
-from tmm.beam.port_quantities import READOUTS, evaluate, first_frequency, resonance_peak
-from tmm.beam.sensitivities import DIFFERENTIABLE, derivatives, logarithmic_sensitivities, values
+from tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
+from tmm.beam.sensitivities import derivatives, logarithmic_sensitivities, values
+from tmm.ports.readout import ModalReadout, Readout
 from tmm.ports.terminations import finger_spring_damper
+from validation.catalogue.detection import DISPLAY_THRESHOLD
+from validation.catalogue.quantities import QUANTITIES
 from validation.checks.cases import reference_beam as reference
 from validation.scene.scene import load_scene
 
+#: How each quantity with a derivative is read, by its name.
+READS = {
+    name: row.read
+    for name, row in QUANTITIES.items()
+    if isinstance(row.read, Readout | ModalReadout)
+}
+STATIC = [name for name in READS if QUANTITIES[name].static]
+VELOCITY = READS["tip_velocity"]
 #: Relative step of the difference quotients: their error is its square, 1e-50.
 STEP = mp.mpf(10) ** -25
 
@@ -64,11 +75,16 @@ def exact_matrix(device, changed, frequency, lossless=False):
     return p, omega, d
 
 
+def threshold(frequency):
+    return mp.mpf(float(DISPLAY_THRESHOLD.at(np.array([max(frequency, 10.0)]))[0]))
+
+
 def exact(device, quantity, changed, frequency):
-    """Return a quantity of READOUTS with 60 digits or more."""
-    static = READOUTS[quantity].static
+    """Return a quantity with 60 digits or more."""
+    static = quantity in STATIC
     p, omega, d = exact_matrix(device, changed, 0 if static else frequency, lossless=static)
-    voltage = p["drive.voltage"] if quantity not in ("admittance", "capacitance_free") else 1
+    per_volt = ("admittance", "capacitance_free", "threshold_voltage")
+    voltage = 1 if quantity in per_volt else p["drive.voltage"]
     free = [0, 1, 3] if quantity == "blocked_force" else [0, 1, 2, 3]
     if quantity == "capacitance_blocked":
         return d[4, 4]
@@ -86,6 +102,7 @@ def exact(device, quantity, changed, frequency):
         "admittance": mp.j * omega * reaction,
         "capacitance_free": reaction,
         "blocked_force": reaction,
+        "threshold_voltage": threshold(frequency) / abs(x.get(2, mp.inf)),
     }[quantity]
 
 
@@ -106,7 +123,8 @@ CASES = [
     (PAPER, "blocked_force", 250.0),
     (PAPER, "tip_rotation", 100.0),
     (PAPER, "admittance", 100.0),
-    *((PAPER, q, 0.0) for q in READOUTS if READOUTS[q].static),
+    (PAPER, "threshold_voltage", 250.0),
+    *((PAPER, name, 0.0) for name in STATIC),
 ]
 
 
@@ -120,10 +138,10 @@ def test_every_derivative_is_exact(device, quantity, frequency):
     Relative to the derivative, or to 1e-4 of quantity over parameter where it is smaller:
     there it is a difference of terms that cancel, and 1e-12 is rounding.
     """
-    at = None if READOUTS[quantity].static else np.array([frequency])
-    found = derivatives(device, quantity, KEYS, at)
+    at = None if quantity in STATIC else np.array([frequency])
+    found = derivatives(device, READS[quantity], KEYS, at)
     value = exact(device, quantity, ("", 0), frequency)
-    assert values(device, quantity, at)[0] == pytest.approx(complex(value), rel=1e-10)
+    assert values(device, READS[quantity], at)[0] == pytest.approx(complex(value), rel=1e-10)
     for key in KEYS:
         more, less = (exact(device, quantity, (key, sign), frequency) for sign in (1, -1))
         slope = (more - less) / (2 * STEP * device.value(key))
@@ -136,14 +154,14 @@ def test_every_derivative_is_exact(device, quantity, frequency):
 @mp.workdps(reference.DIGITS)
 def test_derivatives_of_the_first_frequency_are_exact(open_circuit):
     """Implicit differentiation of det S = 0 against moved roots, to 1e-8."""
-    name = "open_circuit_frequencies" if open_circuit else "short_circuit_frequencies"
-    start = float(values(PROTOTYPE, name)[0])
+    read = READS["open_circuit_frequencies" if open_circuit else "short_circuit_frequencies"]
+    start = float(values(PROTOTYPE, read)[0])
     keys = (
         "bimorph.length", "bimorph.piezo_thickness", "piezo.s11", "piezo.density", "piezo.d31",
         "piezo.eps33", "shim.shear_modulus", "support.rotational_stiffness",
         "support.rotational_inertia",
     )  # fmt: skip
-    found = derivatives(PROTOTYPE, name, keys)
+    found = derivatives(PROTOTYPE, read, keys)
     for key in keys:
         more, less = (
             exact_frequency(PROTOTYPE, (key, sign), start, open_circuit=open_circuit)
@@ -159,10 +177,10 @@ def test_coupling_factor_follows_from_both_frequencies():
     key, step = "piezo.eps33", 1e-4
     usual = PAPER.value(key)
     more, less = (
-        values(PAPER.with_values({key: usual * (1 + s)}), "coupling_factor")[0]
+        values(PAPER.with_values({key: usual * (1 + s)}), READS["coupling_factor"])[0]
         for s in (step, -step)
     )
-    found = derivatives(PAPER, "coupling_factor", [key])[key][0]
+    found = derivatives(PAPER, READS["coupling_factor"], [key])[key][0]
     # the quotient's own error is step² = 1e-8, and rounding of f over step: 1e-13/k²/1e-4
     assert found == pytest.approx((more - less) / (2 * step * usual), rel=1e-6)
 
@@ -189,14 +207,14 @@ def test_rows_of_pieces_and_other_ends(name):
     """
     device, at = ROWS[name], np.array([40.0, 120.0])
     keys = parameter_keys(device)
-    found = derivatives(device, "tip_velocity", keys, at)
-    usual = values(device, "tip_velocity", at)
+    found = derivatives(device, VELOCITY, keys, at)
+    usual = values(device, VELOCITY, at)
     for key in keys:
         p = device.value(key)
         quotients = []
         for step in (1e-3, 2e-3):
             more, less = (
-                evaluate(device.with_values({key: p * (1 + s)}), "tip_velocity", {}, at)
+                evaluate(device.with_values({key: p * (1 + s)}), VELOCITY, {}, at)
                 for s in (step, -step)
             )
             quotients.append((more - less) / (2 * step * p))
@@ -222,7 +240,7 @@ def test_published_sensitivities_of_the_first_frequency():
 
     Two digits are stated: half a unit of the second.
     """
-    found = logarithmic_sensitivities(PROTOTYPE, "short_circuit_frequencies")
+    found = logarithmic_sensitivities(PROTOTYPE, READS["short_circuit_frequencies"])
     assert found["piezo.density"][0] == pytest.approx(-0.46, abs=0.005)
     assert found["support.rotational_stiffness"][0] == pytest.approx(0.43, abs=0.005)
     for key in ("piezo.eps33", "piezo.quality_factor", "piezo.loss_tangent", "shim.shear_modulus",
@@ -235,26 +253,26 @@ def test_published_sensitivities_of_the_first_frequency():
 
 def test_published_sensitivities_of_peak_and_minimum():
     """Peak velocity at 14 mm by d_s and c_s; the loaded 20 mm actuator at 1 kHz by c_s and ρ_p."""
-    start = values(PROTOTYPE, "short_circuit_frequencies")
-    at, _ = resonance_peak(PROTOTYPE, {}, start)
-    peak = logarithmic_sensitivities(PROTOTYPE, "tip_velocity", None, at)
+    start = values(PROTOTYPE, READS["short_circuit_frequencies"])
+    at, _ = resonance_peak(PROTOTYPE, VELOCITY, {}, start)
+    peak = logarithmic_sensitivities(PROTOTYPE, VELOCITY, None, at)
     assert peak["support.rotational_damping"][0] == pytest.approx(-0.96, abs=0.005)
     assert peak["support.rotational_stiffness"][0] == pytest.approx(1.1, abs=0.05)
-    loaded = logarithmic_sensitivities(PAPER, "tip_displacement", None, np.array([1000.0]))
+    loaded = logarithmic_sensitivities(PAPER, READS["tip_displacement"], None, np.array([1000.0]))
     assert loaded["support.rotational_stiffness"][0] == pytest.approx(-4.1, abs=0.05)
     assert loaded["piezo.density"][0] == pytest.approx(4.6, abs=0.05)
 
 
 def test_scaling():
     """Two exact laws: static deflection goes as l², motion as the voltage."""
-    static = logarithmic_sensitivities(PAPER, "static_tip_displacement")
+    static = logarithmic_sensitivities(PAPER, READS["static_tip_displacement"])
     # shear does not bend a beam under pure moment, and the springs carry no force
     assert static["bimorph.length"][0] == pytest.approx(2.0, rel=1e-11)
     assert abs(static["beam.shear_correction"][0]) < 1e-11
     assert static["drive.voltage"][0] == pytest.approx(1.0, rel=1e-11)
     # a factor on all stiffnesses of a clamped, lossless beam: f as its square root
     clamped = actuator("prototype", "support.kind=clamped")
-    found = logarithmic_sensitivities(clamped, "short_circuit_frequencies", modes=3)
+    found = logarithmic_sensitivities(clamped, READS["short_circuit_frequencies"], modes=3)
     densities = found["piezo.density"] + found["shim.density"]
     np.testing.assert_allclose(densities, -0.5, rtol=1e-10)
 
@@ -264,33 +282,32 @@ def test_sampled_first_frequency_is_the_counted_one():
     points = {"piezo.density": np.array([6000.0, 7900.0, 9000.0]), "bimorph.length": 0.014}
     points["support.rotational_stiffness"] = np.array([0.05, 0.24, 1.0])
     for name, circuit in (("short_circuit_frequencies", False), ("open_circuit_frequencies", True)):
-        start = np.full(3, values(PROTOTYPE, name)[0])
+        start = np.full(3, values(PROTOTYPE, READS[name])[0])
         found = first_frequency(PROTOTYPE, points, start, open_circuit=circuit)
         for i in range(3):
             one = PROTOTYPE.with_values(
                 {k: float(np.ravel(v)[i % np.size(v)]) for k, v in points.items()}
             )
             # counting converges to 1e-14, Newton to 1e-12
-            assert found[i] == pytest.approx(values(one, name)[0], rel=1e-11)
+            assert found[i] == pytest.approx(values(one, READS[name])[0], rel=1e-11)
 
 
 def test_resonance_peak_is_a_maximum():
     """The peak lies where the stored frequency and height say, and beside it is less."""
-    start = values(PROTOTYPE, "short_circuit_frequencies")
-    at, height = resonance_peak(PROTOTYPE, {}, start)
+    start = values(PROTOTYPE, READS["short_circuit_frequencies"])
+    at, height = resonance_peak(PROTOTYPE, VELOCITY, {}, start)
     assert at[0] == pytest.approx(781.609, abs=5e-4)  # digits stated
     assert height[0] == pytest.approx(22.795e-3, abs=5e-7)
-    beside = np.abs(values(PROTOTYPE, "tip_velocity", at[0] * np.array([1 - 1e-5, 1 + 1e-5])))
+    beside = np.abs(values(PROTOTYPE, VELOCITY, at[0] * np.array([1 - 1e-5, 1 + 1e-5])))
     assert (beside < height[0]).all()
 
 
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: derivatives(PAPER, "tip_velocity", ["coil.turns"], np.ones(1)), "coil.turns"),
-        (lambda: derivatives(PAPER, "tip_velocity", ["bimorph.tab_length"], np.ones(1)), "than 0"),
-        (lambda: derivatives(PAPER, "tip_velocity", ["piezo.s11"]), "frequencies in Hz"),
-        (lambda: values(PAPER, "dynamic_stiffness", np.ones(1)), "has no derivative"),
+        (lambda: derivatives(PAPER, VELOCITY, ["coil.turns"], np.ones(1)), "coil.turns"),
+        (lambda: derivatives(PAPER, VELOCITY, ["bimorph.tab_length"], np.ones(1)), "than 0"),
+        (lambda: derivatives(PAPER, VELOCITY, ["piezo.s11"]), "frequencies in Hz"),
     ],
 )
 def test_what_has_no_derivative_is_refused(call, words):
@@ -301,7 +318,7 @@ def test_what_has_no_derivative_is_refused(call, words):
 
 def test_every_quantity_is_differentiable_by_default_keys():
     """All scalars and responses of the catalogue answer for all parameters."""
-    for quantity in DIFFERENTIABLE:
-        found = derivatives(PAPER, quantity, None, np.array([100.0]))
+    for read in READS.values():
+        found = derivatives(PAPER, read, None, np.array([100.0]))
         assert set(found) == set(KEYS)
         assert all(np.isfinite(v).all() for v in found.values())

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from geometry.bimorph.ends import Ends, Springs
 from geometry.device.parameters import Beam, Device, Support
+from tmm.beam.section.section import Section
 from tmm.beam.transfer import transfer_matrix as tmm
 from tmm.ports.elements import coil, contact, lumped_mass, rigid_rod, spring
 from tmm.ports.invariants import passivity_margin, reciprocity_error
@@ -89,6 +90,23 @@ def test_a_clamped_rod_holds_what_stands_on_it():
     # that is the difference of equal moments, so it is judged above 0 Hz
     for link, base in (("link_force", "w_base"), ("link_moment", "psi_base")):
         np.testing.assert_allclose(held.motion[link][1:], alone.effort[base][1:], rtol=1e-6)
+
+
+def test_a_rod_is_a_beam_that_does_not_bend():
+    """Under a bimorph it does what a stretch of ever stiffer beam tends to in the row."""
+    length, m, rho_i = 3e-3, 0.05, 1e-7
+    ((section, above),) = tmm.sections(Device(), Support(), Beam(), lossy=True)
+    body = rod(length, m * length, m * length**3 / 12.0 + rho_i * length)
+    joined = connect(body, bimorph(), HEAD_TO_BASE)
+    found = reduce(joined, ("w_low", "psi_low", "w_tip", "psi_tip", "voltage"))
+    left = []
+    for times in (1e4, 1e6):
+        stiff = Section(EI=times * section.EI.real, GA=times * section.GA, m=m, rhoI=rho_i)
+        row = tmm.chain([(stiff, length), (section, above)], FREQUENCIES)
+        left.append(distance(found.stiffness, row.stiffness))
+    # nothing is left but the beam's compliance, and that is a hundred times less
+    assert left[0] / left[1] == pytest.approx(100.0, rel=1e-2)
+    assert left[1] < 1e-5
 
 
 def test_a_rod_on_springs_is_an_oscillator():

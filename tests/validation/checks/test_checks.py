@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from validation.checks.bimorph import CHECKS, run_check
+from validation.checks.bimorph import CHECKS
 from validation.checks.cases.magnetics import coaxial_coils, square_law
 from validation.checks.reluctance import MAGNETIC_CHECKS
+from validation.checks.row import run_check
 
 ALL = (*CHECKS, *MAGNETIC_CHECKS)
 
@@ -40,10 +41,31 @@ def test_explained_rows_can_fail():
                 assert run_check(moved).status == "fail"
 
 
-def test_rows_tell_which_actuator_they_are_about():
-    """A report shows those of what its scene asks for."""
-    assert {c.subject for c in CHECKS} == {"lateral"}
-    assert {c.subject for c in MAGNETIC_CHECKS} == {"normal"}
+@pytest.mark.parametrize(
+    ("measured", "reference", "deviation"),
+    [
+        (1.1, 1.0, 0.1),
+        (1.5, (1.0, 2.0), 0.0),
+        (2.2, (1.0, 2.0), 0.1),
+        (0.0, (0.0, 2.0), 0.0),
+        (-0.5, (0.0, 2.0), -0.25),  # below 0: relative to the range's other end
+        (0.5, (-2.0, 0.0), 0.25),
+        (0.0, 0.0, 0.0),
+        (1e-9, 0.0, math.inf),
+    ],
+)
+def test_deviation_is_relative_to_the_nearer_end_that_is_not_zero(measured, reference, deviation):
+    """A range from 0 has a deviation on both sides; nothing is relative to 0 itself."""
+    row = replace(CHECKS[0], reference=reference, tolerance=0.0, measure=lambda: measured)
+    outcome = run_check(row)
+    assert outcome.deviation == pytest.approx(deviation, rel=1e-12)  # rounding
+    assert (outcome.status == "pass") is (deviation == 0.0)
+
+
+def test_rows_tell_whose_report_shows_them():
+    """Those about a built-in scene are in its report, the others in none."""
+    assert {c.scene for c in CHECKS} == {"", "paper", "prototype", "j1"}
+    assert {c.scene for c in MAGNETIC_CHECKS} == {"", "reluctance"}
 
 
 def test_references_of_the_coils_are_maxwells():

@@ -3,10 +3,11 @@
 import pytest
 
 from geometry.errors import InputError
-from validation.catalogue.quantities import MODELS, QUANTITIES, gives
+from validation.catalogue.models import MODELS, gives, stage_reads
+from validation.catalogue.quantities import QUANTITIES
 from validation.engine.plan import make_plan
 from validation.engine.solve import solve
-from validation.engine.stages import READS, Stages, stage_key
+from validation.engine.stages import Stages, stage_key
 from validation.scene.scene import load_scene
 
 #: Quantities of the normal actuator at one current and gap.
@@ -105,6 +106,19 @@ def test_what_ran_is_what_was_planned(model, quantity):
     assert set(solution.stages.seconds) == set(solution.plan.keys)
 
 
+def test_a_quantity_costs_what_its_stages_cost():
+    """Shared stages count in full for each quantity that needs them; others do not."""
+    scene, _ = load_scene("prototype", ["frequency=100", "modes=2"])
+    names = ("tip_velocity", "input_current", "coupling_factor")
+    solution = solve(scene, ("tmm", "lumped"), names)
+    seconds = solution.stages.seconds
+    for model in ("tmm", "lumped"):
+        for name in ("tip_velocity", "input_current"):
+            ports = seconds[f"{model}.ports"] + seconds["terminations"]
+            assert solution.get(name, model).seconds == pytest.approx(ports, rel=1e-12)  # a sum
+        assert solution.get("coupling_factor", model).seconds == seconds[f"{model}.modes"]
+
+
 @pytest.mark.usefixtures("own_store")
 def test_solid_plan_runs_as_planned():
     """The same for the solid, all quantities at once."""
@@ -133,20 +147,20 @@ MAGNETIC = {
         ("coil.length=1.9mm", MAGNETIC),
         ("gap=0.15mm", MAGNETIC),
         ("steel.curve=linear", MAGNETIC),
-        ("rod.density=7800kg/m^3", set(READS) - MAGNETIC - {"terminations"}),
+        ("rod.density=7800kg/m^3", set(stage_reads()) - MAGNETIC - {"terminations"}),
         ("load.kind=none", {"terminations", "lumped.modes", "tmm.modes", "beam.modes"}
          | {"solid.modes_short", "solid.modes_open"}),
         ("modes=3", {"tmm.modes", "beam.modes", "solid.modal", "solid.modes_short"}
          | {"solid.modes_open"}),
-        ("piezo.density=7800kg/m^3", set(READS) - MAGNETIC - {"terminations"}),
-        ("bimorph.length=21mm", set(READS) - MAGNETIC - {"terminations"}),
+        ("piezo.density=7800kg/m^3", set(stage_reads()) - MAGNETIC - {"terminations"}),
+        ("bimorph.length=21mm", set(stage_reads()) - MAGNETIC - {"terminations"}),
     ],
 )  # fmt: skip
 def test_keys_change_with_the_inputs_that_a_stage_reads(override, stale):
     """A changed voltage re-meshes nothing; a changed coil turns no piezo matrix stale."""
     before, _ = load_scene("paper")
     after, _ = load_scene("paper", [override])
-    changed = {s for s in READS if stage_key(s, before) != stage_key(s, after)}
+    changed = {s for s in stage_reads() if stage_key(s, before) != stage_key(s, after)}
     assert changed == stale
 
 
@@ -165,5 +179,5 @@ def test_results_are_reused_when_their_inputs_are_the_same():
 
 def test_every_model_and_quantity_has_a_description():
     """The catalogue is complete."""
-    assert all(MODELS.values())
+    assert all(row.description for row in MODELS.values())
     assert all(q.meaning and q.unit and q.needs for q in QUANTITIES.values())

@@ -9,9 +9,11 @@ import pytest
 
 from geometry.store.sources import source_digest
 from geometry.store.store import holdings
-from validation.catalogue.quantities import QUANTITIES, gives
+from validation.catalogue.models import gives, stage_code, stage_reads
+from validation.catalogue.quantities import QUANTITIES
+from validation.engine import stages
 from validation.engine.solve import as_json, solve
-from validation.engine.stages import KEPT, READS, Stages
+from validation.engine.stages import Stages
 from validation.scene.scene import load_scene
 
 #: Solid and fields, small.
@@ -34,15 +36,15 @@ def answers(name, *overrides, announce=lambda _: None):
 
 def test_declarations_are_whole(own_store):
     """What is kept is a stage, and every module that it names has a source."""
-    assert set(KEPT) <= set(READS)
-    for modules in set(KEPT.values()):
+    assert set(stage_code()) <= set(stage_reads())
+    for modules in set(stage_code().values()):
         assert len(source_digest(modules, own_store)) == 64
 
 
 @pytest.mark.usefixtures("own_store")
 def test_only_what_is_declared_is_kept(monkeypatch):
     """Found by the next run under the same key; computed again under another, or if not kept."""
-    monkeypatch.setitem(KEPT, "tmm.static", ("tmm.beam",))
+    monkeypatch.setattr(stages, "stage_code", lambda: {"tmm.static": ("tmm.beam",)})
     computed, announced = [], []
 
     def work():
@@ -97,7 +99,8 @@ def test_answers_from_the_store_load_no_solver():
     script = (
         "import json, sys; from validation.scene.scene import load_scene; "
         "from validation.engine.solve import solve; "
-        "from validation.catalogue.quantities import QUANTITIES, gives\n"
+        "from validation.catalogue.models import gives; "
+        "from validation.catalogue.quantities import QUANTITIES\n"
         "for name, overrides in json.loads(sys.argv[1]):\n"
         "    scene, _ = load_scene(name, overrides)\n"
         "    solve(scene, None, [q for q in QUANTITIES if gives(scene.models[0], q)])\n"
@@ -132,7 +135,7 @@ def test_one_scene_at_once_is_solved_once():
         found.append(json.loads(out))
     (ran, values), (other_ran, other_values) = found
     assert values == other_values
-    computed = [stage for stage in (*ran, *other_ran) if stage in KEPT]
+    computed = [stage for stage in (*ran, *other_ran) if stage in stage_code()]
     assert sorted(computed) == sorted(set(computed))
     assert {"solid.static", "solid.modal", "solid.ports"} <= set(computed)
     assert holdings()["solid.static"].entries == 1

@@ -13,7 +13,7 @@ from tmm.beam.section.shear_correction import energy_shear_correction
 from validation.models.bimorph.bridge import bridge
 from validation.models.bimorph.bridge.assumptions import Assumptions
 from validation.models.bimorph.bridge.beam_values import beam_values
-from validation.models.bimorph.bridge.ends import ends
+from validation.models.bimorph.bridge.end_effect import end_effect
 from validation.models.bimorph.bridge.rung import Values
 from validation.models.bimorph.bridge.solid_values import SolidCase, far_section, solve_solid
 from validation.models.bimorph.bridge.width import width_study
@@ -132,7 +132,7 @@ def test_nothing_is_left_unexplained(material):
 
     The rest is of the third order in thickness over length, and of the coarsest bricks.
     """
-    found = ends(clamped(f"piezo.material={material}"), level=0)
+    found = end_effect(clamped(f"piezo.material={material}"), level=0)
     assert np.abs(found.rest).max() < 5e-4
     assert abs(found.effect.deflection) > 5e-3
 

@@ -9,8 +9,9 @@ from geometry.device.parameters import Coil, Device, Spring
 from tmm.reluctance.coenergy.fit import fit
 from tmm.reluctance.coenergy.map import Samples
 from tmm.reluctance.network import network_samples
+from validation.engine.results import Measured
 from validation.engine.solve import as_json, solve
-from validation.models.reluctance.point import MagneticPoint, Measured
+from validation.models.reluctance.point import MagneticPoint
 from validation.models.reluctance.switching import switching_currents
 from validation.scene.scene import load_scene
 

@@ -5,10 +5,10 @@ import pytest
 
 from fem.reluctance.three_d import actuator
 from fem.reluctance.three_d.actuator import SolidPoint, SolidValues
+from validation.engine.model import make_model
 from validation.engine.plan import make_plan
 from validation.engine.solve import solve
 from validation.engine.stages import Stages
-from validation.models.reluctance.registry import make_magnetic_model
 from validation.scene.scene import load_scene
 
 
@@ -28,11 +28,11 @@ def test_an_interrupted_map_goes_on_where_it_was(tmp_path, monkeypatch):
     scene, _ = load_scene("reluctance", ["models=magnetic3d"])
     plan = make_plan(scene, ("magnetic3d",), ("pull_in_current",))
     with pytest.raises(KeyboardInterrupt):
-        make_magnetic_model("magnetic3d", scene, Stages(plan.keys)).map()
-    found = make_magnetic_model("magnetic3d", scene, Stages(plan.keys)).map()
+        make_model("magnetic3d", scene, Stages(plan.keys)).map()
+    found = make_model("magnetic3d", scene, Stages(plan.keys)).map()
     gaps = [gap for gap in solved if gap != "interrupted"]
     assert gaps == found.samples.gap.tolist()  # each once
-    again = make_magnetic_model("magnetic3d", scene, Stages(plan.keys)).map()
+    again = make_model("magnetic3d", scene, Stages(plan.keys)).map()
     assert len(solved) == len(gaps) + 1
     assert np.array_equal(again.coefficients, found.coefficients)
 
@@ -65,7 +65,7 @@ def test_the_3d_map_switches_like_the_half_sections(tmp_path, monkeypatch):
         bar = float(solid.uncertainty) + float(half.uncertainty)
         assert abs(float(solid.value) - float(half.value)) <= bar
         assert bar < 0.06 * float(half.value)
-    maps = [solution.magnetic_models[m].map() for m in ("magnetic3d", "axisymmetric")]
+    maps = [solution.models[m].map() for m in ("magnetic3d", "axisymmetric")]
     for current, gap in ((0.05, 0.1e-3), (0.13, 0.2e-3), (0.02, 0.03e-3)):
         forces = [float(found.force(current, gap)) for found in maps]
         allowed = sum(found.interpolation_error.force for found in maps) + 0.03

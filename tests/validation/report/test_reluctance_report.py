@@ -9,8 +9,6 @@ import pytest
 
 from geometry.errors import InputError
 from tmm.reluctance.coenergy.files import read_map
-from validation.checks.bimorph import Outcome
-from validation.checks.reluctance import MAGNETIC_CHECKS
 from validation.command_line.cli import main
 from validation.engine.solve import solve
 from validation.export.export import normal_actuator_solids, scene_solids
@@ -40,10 +38,8 @@ def words(html):
 
 @pytest.fixture(scope="module")
 def reluctance(tmp_path_factory):
-    """The quick report of the built-in scene; checks have tests of their own and are not run."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("validation.report.study.run_check", lambda c: Outcome(c, 1.0, 0.0, "pass"))
-        return make(tmp_path_factory.mktemp("reluctance"), "reluctance")
+    """The quick report of the built-in scene."""
+    return make(tmp_path_factory.mktemp("reluctance"), "reluctance")
 
 
 @pytest.fixture(scope="module")
@@ -52,26 +48,19 @@ def at_a_point():
     return actuator("accuracy=1%", quantities=("magnetic_force", "incremental_inductance"))
 
 
-@pytest.fixture
-def without_checks(monkeypatch):
-    """Leave out the suite's checks, which have tests of their own."""
-    monkeypatch.setattr("validation.report.study.CHECKS", ())
-    monkeypatch.setattr("validation.checks.reluctance.MAGNETIC_CHECKS", ())
-
-
 def actuator(*overrides, models=None, quantities=None):
     scene, _ = load_scene("reluctance", overrides)
     return NormalActuator(solve(scene, models, quantities), lambda _: None)
 
 
 def test_report_is_complete_and_self_contained(reluctance):
-    """Sections of the normal actuator only, all its light checks, pictures inside the page."""
+    """Sections of the normal actuator only, its checks, pictures inside the page."""
     html, _ = reluctance
     assert ids(html) == ["what", *NORMAL, "checks", "parameters", "plan"]
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert html.count('<img src="data:image/png;base64,') == 1  # rod, coil and sleeve
     assert html.count("<figure><svg") == 5  # bridge, field, forces, fluxes, switching
-    assert all(f"<td>{c.id}</td>" in html for c in MAGNETIC_CHECKS if not c.heavy)
+    assert all(f"<td>{name}</td>" in html for name in ("SV-1", "PAP-9"))
     assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", words(html))
 
 
@@ -116,7 +105,7 @@ def test_quick_report_solves_no_map_of_the_field(reluctance):
     assert re.search(r"<td>network.map</td><td class=\"n\">[\d.]+</td>", plan)
 
 
-def test_network_alone(tmp_path, without_checks):
+def test_network_alone(tmp_path):
     """Without the field there is no picture of it, and the bridge ends at the network."""
     html, steps = make(tmp_path, "reluctance", "models=network")
     assert ids(html) == [
@@ -131,9 +120,7 @@ def test_network_alone(tmp_path, without_checks):
     assert not any("axisymmetric" in step or "field" in step for step in steps)
 
 
-def shown(tmp_path, monkeypatch, *overrides):
-    monkeypatch.setattr("validation.report.study.CHECKS", ())
-    monkeypatch.setattr("validation.checks.reluctance.MAGNETIC_CHECKS", ())
+def shown(tmp_path, *overrides):
     text = words(make(tmp_path, "reluctance", "models=network", *overrides)[0])
     assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", text)
     return text
@@ -161,9 +148,9 @@ def shown(tmp_path, monkeypatch, *overrides):
         (("spring.preload=0 N", "spring.stiffness=0 N/m"), ("no spring force",), ("snaps",)),
     ],
 )  # fmt: skip
-def test_words_follow_the_spring(tmp_path, monkeypatch, overrides, there, not_there):
+def test_words_follow_the_spring(tmp_path, overrides, there, not_there):
     """What is said of switching, turns and preload is true of this scene, not of the usual one."""
-    text = shown(tmp_path, monkeypatch, *overrides)
+    text = shown(tmp_path, *overrides)
     for wanted in there:
         assert wanted in text, wanted
     for wrong in not_there:
@@ -175,7 +162,7 @@ def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
     """Words instead of a number wherever pull-in is shown, and no picture fails."""
     small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)
     monkeypatch.setattr("tmm.reluctance.coenergy.range.map_grid", lambda _: small)
-    text = shown(tmp_path, monkeypatch, "coil.current=40 mA")
+    text = shown(tmp_path, "coil.current=40 mA")
     assert "No current up to 60 mA draws the rod down" in text
     assert "not reached" in text
     assert "snaps down" not in text
@@ -247,7 +234,7 @@ def test_quantity_without_a_model_is_refused(tmp_path):
 
 
 @pytest.mark.heavy
-def test_report_of_both_actuators(tmp_path, without_checks):
+def test_report_of_both_actuators(tmp_path):
     """All sections, both kinds of cards, parameters of both."""
     html, _ = make(tmp_path, "paper", "models=lumped,tmm,network,axisymmetric", BOTH)
     assert ids(html) == [
@@ -269,7 +256,6 @@ from validation.report.sections.all import sections
 from validation.scene.scene import load_scene
 scene, origins = load_scene("prototype", ("models=lumped,tmm",))
 made = study.Study(scene, origins, lambda _: None, quick=True)
-study.CHECKS = ()
 for section in sections(made):
     if section.id not in ("stress", "uncertainty", "length", "voltage"):  # slow, closed forms
         section.context(made)
@@ -279,11 +265,9 @@ print(*sys.modules)
 NORMAL_ONLY = """
 import sys
 from pathlib import Path
-import validation.checks.reluctance as rows
 from validation.report.page import write_report
 from validation.scene.scene import load_scene
 scene, origins = load_scene("reluctance", ("models=network",))
-rows.MAGNETIC_CHECKS = ()
 write_report(scene, origins, Path(sys.argv[1]), True, lambda _: None)
 print(*sys.modules)
 """

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from geometry.errors import InputError
+from validation.catalogue.quantities import measurable
 from validation.engine.solve import solve
 from validation.scene.scene import load_scene
 from validation.studies.identification.curve_fit import Misfit
 from validation.studies.identification.curve_model import curve_model, sensitivities
 from validation.studies.identification.fit_parameters import fit_parameter, with_values
 from validation.studies.identification.identify import identify
-from validation.studies.identification.measured_curve import QUANTITY, MeasuredCurve
+from validation.studies.identification.measured_curve import MeasuredCurve
 
 PROTOTYPE, ORIGINS = load_scene("prototype")
 TRUTH = {"c_s": 0.24, "d_s": 4.46e-6, "c_sl": 3e6, "theta": 1e-12, "rho_p": 7900.0}
@@ -32,7 +33,7 @@ def synthetic(
     frequencies=FREQUENCIES,
 ):
     """Return a curve of the model with Gaussian noise, `level` of each value or of the largest."""
-    exact = curve_model(scene, QUANTITY[kind], frequencies, ())(np.zeros(0))
+    exact = curve_model(scene, measurable()[kind].name, frequencies, ())(np.zeros(0))
     exact = exact if phase else np.abs(exact)
     rng = np.random.default_rng(seed)
     errors = rng.standard_normal(exact.shape)
@@ -61,7 +62,7 @@ def test_model_is_that_of_solve():
         scene, _ = load_scene(
             "prototype", [f"bimorph.wiring={wiring}", "frequency=10,781,2000", "drive.voltage=3V"]
         )
-        for quantity in QUANTITY.values():
+        for quantity in (row.name for row in measurable().values()):
             expected = solve(scene, ["tmm"], [quantity]).get(quantity, "tmm").value
             model = curve_model(scene, quantity, np.array(scene.frequency), ())
             np.testing.assert_allclose(model(np.zeros(0)), expected, rtol=1e-12)

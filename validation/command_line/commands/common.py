@@ -42,11 +42,11 @@ def lateral_scene(
         asked for.
     """
     from geometry.errors import InputError
-    from validation.catalogue.quantities import LATERAL_MODELS
+    from validation.catalogue.models import models_of
     from validation.scene.scene import load_scene
 
     scene, origins = load_scene(name, list(overrides))
-    if not set(scene.models) & set(LATERAL_MODELS):
+    if not set(scene.models) & set(models_of("bimorph")):
         raise InputError(
             f"models = {', '.join(scene.models)} in scene {scene.name} are all of the normal "
             f"actuator, and {command} is about the lateral one; take the scene paper or --set "

@@ -20,11 +20,11 @@ MEASURED.csv has a header that names each column with its unit:
   uncertainty (mm/s)           optional: one standard deviation of each point, or
   weight                       optional: how much a point counts; only ratios matter, the
                                variance of its noise goes as 1/weight, 0 leaves it out
-Instead of velocity: displacement (um), admittance (S) or current (A).  Comma, semicolon or tab
+Instead of velocity: {others}.  Comma, semicolon or tab
 between columns, a decimal point, comments from # to the end of a line.  Amplitudes are peak
-values, the phase is that against the voltage, with the time factor exp(+j omega t).  Velocity,
-displacement and current are those at the scene's drive.voltage (1 V in prototype): set another
-with --set drive.voltage=5V.
+values, the phase is that against the voltage, with the time factor exp(+j omega t).  All but
+the admittance are those at the scene's drive.voltage (1 V in prototype): set another with
+--set drive.voltage=5V.
 """
 _EXAMPLES = """\
 NAME is c_s, c_sl, d_s, theta, rho_p or a scene key such as piezo.quality_factor.  START is the
@@ -43,10 +43,9 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser(
         "identify",
         help="fit support or other parameters to a measured curve",
-        description=_ABOUT,
-        epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.listing = _listing
     parser.add_argument("measured", metavar="MEASURED.csv", help="the measured curve")
     scene_options(parser, default="prototype")
     parser.add_argument(
@@ -65,6 +64,14 @@ def add(commands: Commands) -> None:
     parser.add_argument("--write", metavar="FILE.toml", help="scene with the fitted values")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
+
+
+def _listing() -> tuple[str, str]:
+    from validation.catalogue.quantities import measurable
+
+    units = {name: row.curve.example.split()[-1] for name, row in measurable().items() if row.curve}
+    others = [f"{name} ({unit})" for name, unit in units.items() if name != "velocity"]
+    return _ABOUT.format(others=", ".join(others)), _EXAMPLES
 
 
 def run(options: argparse.Namespace) -> int:

@@ -22,15 +22,6 @@ if TYPE_CHECKING:
     from validation.studies.uncertainty.propagation import Uncertainty
     from validation.studies.uncertainty.table import SensitivityColumn
 
-#: Asked for unless --quantity says otherwise.
-_DEFAULT = (
-    "static_tip_displacement",
-    "short_circuit_frequencies",
-    "coupling_factor",
-    "capacitance_free",
-    "tip_displacement",
-)
-
 
 def add(commands: Commands) -> None:
     """Declare the command."""
@@ -62,19 +53,19 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from validation.command_line.progress import announcer
-    from validation.engine.limits import load_warnings, threshold_warnings
+    from validation.engine.limits import level_warnings, load_warnings
     from validation.scene.idle_keys import scene_warnings
     from validation.studies.uncertainty.headline_numbers import actuator
     from validation.studies.uncertainty.propagation import parameter_uncertainty
     from validation.studies.uncertainty.table import sensitivity_columns, thinned
     from validation.studies.uncertainty.varied_keys import left_out
 
-    names = ",".join(options.quantity or _DEFAULT)
+    names = ",".join(options.quantity or _default())
     wanted = (f"frequency={options.frequency}", f"quantities={names}")
     scene, origins = lateral_scene(options.scene, [*options.overrides, *wanted], "sensitivity")
     warn(scene_warnings(scene, origins))
     columns = sensitivity_columns(scene, options.key)
-    warn(load_warnings(scene, scene.quantities) + threshold_warnings(scene, scene.quantities))
+    warn(load_warnings(scene, scene.quantities) + level_warnings(scene, scene.quantities))
     omitted = left_out(scene, actuator(scene)) if options.sobol or not options.key else ""
     if omitted:
         say(f"note: {omitted}")
@@ -93,6 +84,20 @@ def run(options: argparse.Namespace) -> int:
         if uncertain:
             _print_uncertainty(uncertain)
     return 0
+
+
+def _default() -> tuple[str, ...]:
+    """Return what is asked for unless --quantity says otherwise."""
+    from validation.catalogue import bimorph
+
+    rows = (
+        bimorph.STATIC_TIP_DISPLACEMENT,
+        bimorph.SHORT_CIRCUIT_FREQUENCIES,
+        bimorph.COUPLING_FACTOR,
+        bimorph.CAPACITANCE_FREE,
+        bimorph.TIP_DISPLACEMENT,
+    )
+    return tuple(row.name for row in rows)
 
 
 def _as_json(

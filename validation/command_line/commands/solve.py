@@ -13,17 +13,33 @@ from validation.command_line.commands.common import Commands, scene_options, war
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("solve", help="compute quantities")
+    parser = commands.add_parser(
+        "solve",
+        help="compute quantities",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.listing = _listing
     scene_options(parser)
     parser.add_argument(
-        "--model", action="append", metavar="NAME", help="lumped, tmm, beam, solid or all"
+        "--model", action="append", metavar="NAME", help="one of the models below, or all"
     )
-    parser.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated")
+    parser.add_argument(
+        "--quantity", action="append", metavar="NAME", help="one below; may be repeated"
+    )
     parser.add_argument(
         "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz, for example 10:2000:200"
     )
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
+
+
+def _listing() -> tuple[str, str]:
+    from validation.catalogue.models import MODELS
+    from validation.catalogue.quantities import QUANTITIES
+
+    quantities = "\n".join(f"  {q.name:26} {q.meaning} ({q.unit})" for q in QUANTITIES.values())
+    models = "\n".join(f"  {m.name:26} {m.description}" for m in MODELS.values())
+    return "Compute quantities.", f"models:\n{models}\n\nquantities:\n{quantities}"
 
 
 def run(options: argparse.Namespace) -> int:
@@ -53,7 +69,7 @@ def _wanted(options: argparse.Namespace) -> Iterator[str]:
     stated = (
         ("frequency", "frequency", options.frequency, "10:2000:200"),
         ("model", "models", options.model, "tmm"),
-        ("quantity", "quantities", options.quantity, "tip_velocity"),
+        ("quantity", "quantities", options.quantity, "all"),
     )
     for name, key, given, example in stated:
         if given is None:

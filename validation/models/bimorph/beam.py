@@ -6,10 +6,11 @@ import numpy as np
 
 from geometry.arrays import Floats
 from tmm.ports.multiport import Multiport
-from validation.engine.model import Model, Modes, Refined
+from validation.engine.model import Modes, Refined
+from validation.models.bimorph.model import BimorphModel
 
 
-class BeamModel(Model):
+class BeamModel(BimorphModel):
     """Timoshenko beam elements of order five."""
 
     name = "beam"
@@ -17,32 +18,30 @@ class BeamModel(Model):
         "difference from half as many elements (it bounds that mesh's error), and rounding of "
         "the elimination of inner unknowns"
     )
-    #: Rounding of the elimination: machine epsilon times the condition number, about 1e5,
-    #: of the scaled element matrices.
-    _ROUNDING = 2e-11
 
     def ports(self) -> Refined[Multiport]:
         """Return D(Ω) with losses over the scene's frequencies."""
-        return self.stages.run("beam.ports", lambda: self._refined(self.frequencies, lossy=True))
+        return self.run("ports", lambda: self._refined(self.frequencies, lossy=True))
 
     def static(self) -> Refined[Multiport]:
         """Return the lossless D(0)."""
-        return self.stages.run("beam.static", lambda: self._refined(np.zeros(1), lossy=False))
+        return self.run("static", lambda: self._refined(np.zeros(1), lossy=False))
 
     def _refined(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
         from fem.beam import beam
 
         s = self.scene
         n = beam.elements_for(s.device, float(frequencies.max()))
-        fine, coarse = (
-            beam.multiport(s.device, s.support, s.beam, frequencies, elements=e, lossy=lossy)
-            for e in (n, n // 2)
-        )
-        return Refined(fine, ((coarse, 1.0),), self._METHOD, self._ROUNDING)
+        levels = [
+            beam.assemble(s.device, s.support, s.beam, elements=e, lossy=lossy) for e in (n, n // 2)
+        ]
+        fine, coarse = (beam.condense(matrices, frequencies) for matrices in levels)
+        elimination = beam.inner_condition(levels[0])
+        return Refined(fine, ((coarse, 1.0),), self._METHOD, elimination=elimination)
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes."""
-        short, opened = self.stages.run("beam.modes", self._both_modes)
+        short, opened = self.run("modes", self._both_modes)
         return opened if open_circuit else short
 
     def _both_modes(self) -> tuple[Refined[Modes], ...]:
@@ -55,7 +54,7 @@ class BeamModel(Model):
         ]
         out = []
         for circuit in (False, True):
-            fine, coarse = (
+            (fine, rounding), (coarse, _) = (
                 beam.bending_frequencies(matrices, s.ends, s.modes, open_circuit=circuit)
                 for matrices in levels
             )
@@ -65,7 +64,7 @@ class BeamModel(Model):
                     Modes(fine, classes),
                     ((Modes(coarse, classes), 1.0),),
                     self._METHOD,
-                    self._ROUNDING,
+                    rounding,
                 )
             )
         return tuple(out)

@@ -14,8 +14,9 @@ from tmm.beam import lumped
 from tmm.beam.modes import NaturalFrequencies, natural_frequencies
 from tmm.beam.transfer import transfer_matrix
 from tmm.ports.multiport import Multiport
-from validation.engine.model import Model, Modes, Refined
+from validation.engine.model import Modes, Refined
 from validation.engine.refinement import SAFETY
+from validation.models.bimorph.model import BimorphModel
 
 #: Ratio of a size at both ends of a segment from which on its order is not that of a smooth
 #: taper: (ratio − 1)⁴ is then no longer small.
@@ -24,7 +25,7 @@ _STEEP = 1.5
 T = TypeVar("T")
 
 
-class RowModel(Model):
+class RowModel(BimorphModel):
     """Closed forms for a row of beams, in which tapers are divided into segments."""
 
     _METHOD: str
@@ -75,7 +76,7 @@ class LumpedModel(RowModel):
                 )
             )
 
-        return self.stages.run("lumped.ports", work)
+        return self.run("ports", work)
 
     def static(self) -> Refined[Multiport]:
         """Return the lossless D(0)."""
@@ -88,11 +89,11 @@ class LumpedModel(RowModel):
                 )
             )
 
-        return self.stages.run("lumped.static", work)
+        return self.run("static", work)
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes."""
-        short, opened = self.stages.run("lumped.modes", self._both_modes)
+        short, opened = self.run("modes", self._both_modes)
         return opened if open_circuit else short
 
     def circuit(self, *, open_circuit: bool = False) -> lumped.EquivalentCircuit:
@@ -133,7 +134,7 @@ class TmmModel(RowModel):
                 )
             )
 
-        return self.stages.run("tmm.ports", work)
+        return self.run("ports", work)
 
     def static(self) -> Refined[Multiport]:
         """Return the lossless D(0)."""
@@ -146,11 +147,11 @@ class TmmModel(RowModel):
                 )
             )
 
-        return self.stages.run("tmm.static", work)
+        return self.run("static", work)
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes."""
-        short, opened = self.stages.run("tmm.modes", self._both_modes)
+        short, opened = self.run("modes", self._both_modes)
         return opened if open_circuit else short
 
     def _both_modes(self) -> tuple[Refined[Modes], ...]:

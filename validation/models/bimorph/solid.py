@@ -10,9 +10,10 @@ import numpy as np
 
 from geometry.store.values import storable
 from tmm.ports.multiport import Multiport
-from validation.engine.model import Model, Modes, Refined
+from validation.engine.model import Modes, Refined
 from validation.engine.refinement import SAFETY, least_difference
 from validation.models.bimorph.lowest_modes import MeshModes, lowest_modes, solve_modes
+from validation.models.bimorph.model import BimorphModel
 
 if TYPE_CHECKING:
     from fem.bimorph.modes import SolidMode
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from geometry.meshing.mesh import Mesh
     from validation.models.bimorph.adaptive_meshes import AdaptedPair
     from validation.models.bimorph.meshes import BrickPair
+    from validation.scene.scene import Scene
 
 
 @storable
@@ -50,17 +52,24 @@ class SolidModes:
     method: str
 
 
-class SolidModel(Model):
+class SolidModel(BimorphModel):
     """The piezoelectric solid on two meshes, so that its error shows."""
 
     name = "solid"
+
+    @classmethod
+    def check(cls, scene: Scene) -> None:
+        """Refuse a bimorph that the scene's kind of mesh does not know."""
+        from validation.models.bimorph.meshes import check_meshable
+
+        check_meshable(scene)
 
     @property
     def mesh_pair(self) -> BrickPair | AdaptedPair:
         """The finer mesh, and a coarser one to judge it by."""
         from validation.models.bimorph.meshes import mesh_pair
 
-        return self.stages.run("solid.mesh", lambda: mesh_pair(self.scene))
+        return self.run("mesh", lambda: mesh_pair(self.scene))
 
     def meshes(self) -> tuple[Mesh | Bricks, Mesh | Bricks]:
         """Return the finer and the coarser mesh."""
@@ -69,7 +78,7 @@ class SolidModel(Model):
     def systems(self) -> tuple[SolidSystem, SolidSystem]:
         """Return the lossless systems on the finer and the coarser mesh."""
         pair = self.mesh_pair
-        return self.stages.run("solid.assembly", lambda: pair.systems)
+        return self.run("assembly", lambda: pair.systems)
 
     def static(self) -> Refined[Multiport]:
         """Return the lossless D(0)."""
@@ -80,11 +89,11 @@ class SolidModel(Model):
             fine, coarse = (static_multiport(system) for system in self.systems())
             return self._two_meshes(fine, coarse, self._rounding(fine))
 
-        return self.stages.run("solid.static", work)
+        return self.run("static", work)
 
     def ports(self) -> Refined[Multiport]:
         """Return D(Ω) with losses over the scene's frequencies."""
-        return self.stages.run("solid.ports", self._reduced)
+        return self.run("ports", self._reduced)
 
     def _reduced(self) -> Refined[Multiport]:
         from fem.bimorph.reduction.kept import reduced_solid
@@ -107,8 +116,8 @@ class SolidModel(Model):
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes."""
-        return self.stages.run(
-            "solid.modes_open" if open_circuit else "solid.modes_short",
+        return self.run(
+            "modes_open" if open_circuit else "solid.modes_short",
             lambda: self._modes(open_circuit=open_circuit),
         )
 
@@ -156,7 +165,7 @@ class SolidModel(Model):
                 method=pair.method,
             )
 
-        return self.stages.run("solid.modal", work)
+        return self.run("modal", work)
 
     def _lowest(self, *, open_circuit: bool) -> tuple[list[BareMode], list[BareMode]]:
         modal = self._modal()

@@ -13,9 +13,10 @@ from geometry.arrays import Floats
 from geometry.errors import InputError
 from geometry.store.store import kept
 from tmm.reluctance.coenergy.map import CoenergyMap
-from validation.engine.stages import KEPT
+from validation.catalogue.models import stage_code
+from validation.engine.results import Measured
 from validation.models.reluctance.model import MagneticModel
-from validation.models.reluctance.point import MagneticPoint, Measured
+from validation.models.reluctance.point import MagneticPoint
 from validation.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ class AxisymmetricModel(_FieldModel):
     def point(self) -> MagneticPoint:
         """Return the values at the scene's current and gap."""
         scene = self.scene
-        return self.stages.run("axisymmetric.point", lambda: self.at(scene.coil.current, scene.gap))
+        return self.run("point", lambda: self.at(scene.coil.current, scene.gap))
 
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Return the values at a current (A) and gap (m)."""
@@ -117,7 +118,7 @@ class Magnetic3dModel(_FieldModel):
     def point(self) -> MagneticPoint:
         """Return the values at the scene's current and gap."""
         scene = self.scene
-        return self.stages.run("magnetic3d.point", lambda: self.at(scene.coil.current, scene.gap))
+        return self.run("point", lambda: self.at(scene.coil.current, scene.gap))
 
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Return the values at a current (A) and gap (m)."""
@@ -156,7 +157,7 @@ class Magnetic3dModel(_FieldModel):
                 kept(
                     "magnetic3d.row",
                     (self.stages.keys["magnetic3d.map"], gap),
-                    KEPT["magnetic3d.map"],
+                    stage_code()["magnetic3d.map"],
                     partial(solve_row, device, gap, currents, sector),
                     announce=announce,
                 )

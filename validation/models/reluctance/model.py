@@ -6,26 +6,33 @@ rod moves are looked up in the map and then solved for at single points, whichev
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from tmm.reluctance.coenergy.map import CoenergyMap
-from validation.engine.stages import READS, Stages
-from validation.models.reluctance.point import MagneticPoint, Measured
+from validation.catalogue.models import MODELS
+from validation.catalogue.needs import Need
+from validation.engine.model import Model
+from validation.engine.results import Measured
+from validation.models.reluctance.point import MagneticPoint
 from validation.models.reluctance.switching import SwitchingCurrents, switching_currents
+from validation.models.reluctance.warnings import magnetic_warnings
 from validation.scene.files import leaves
-from validation.scene.scene import Scene
 
 
-class MagneticModel(ABC):
-    """One model of the scene's normal actuator; results are computed at most once."""
+class MagneticModel(Model):
+    """One model of the scene's normal actuator."""
 
-    name: str
+    def answer(self, need: Need) -> MagneticPoint | SwitchingCurrents:
+        """Return what quantities with this need are read from."""
+        return self.point() if need == "magnetic_point" else self.switching()
 
-    def __init__(self, scene: Scene, stages: Stages) -> None:
-        self.scene, self.stages = scene, stages
+    def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
+        """Return which currents have no value, and whether the steel's curve was too short."""
+        return magnetic_warnings(self, quantities)
 
     @abstractmethod
     def at(self, current: float, gap: float) -> MagneticPoint:
@@ -41,7 +48,7 @@ class MagneticModel(ABC):
 
     def map(self) -> CoenergyMap:
         """Return the co-energy map over the stroke."""
-        return self.stages.run(f"{self.name}.map", self._map)
+        return self.run("map", self._map)
 
     def switching(self) -> SwitchingCurrents:
         """Return the currents at which the rod moves."""
@@ -49,11 +56,11 @@ class MagneticModel(ABC):
         def work() -> SwitchingCurrents:
             return switching_currents(self.scene.device, self.map(), self.at)
 
-        return self.stages.run(f"{self.name}.switching", work)
+        return self.run("switching", work)
 
     def _described(self) -> str:
         """Return the scene's name and what of it the samples depend on, in SI units."""
-        wanted = READS[f"{self.name}.point"]
+        wanted = MODELS[self.name].stages["point"]
         groups = self.scene.model_dump(include={path.split(".")[0] for path in wanted})
         read = [f"scene {self.scene.name}"]
         for key, value in leaves(groups):
@@ -71,7 +78,7 @@ class NetworkModel(MagneticModel):
     def point(self) -> MagneticPoint:
         """Return the values at the scene's current and gap."""
         scene = self.scene
-        return self.stages.run("network.point", lambda: self.at(scene.coil.current, scene.gap))
+        return self.run("point", lambda: self.at(scene.coil.current, scene.gap))
 
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Return the values at a current (A) and gap (m)."""

@@ -6,18 +6,7 @@ import math
 from dataclasses import dataclass
 
 from geometry.store.values import storable
-
-
-@storable
-@dataclass(frozen=True)
-class Measured:
-    """A value with its numerical error bar, both in the same SI unit; nan where there is none."""
-
-    value: float
-    bar: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "value", self.value + 0.0)  # no -0
+from validation.engine.results import Measured
 
 
 @storable

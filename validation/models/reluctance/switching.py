@@ -17,7 +17,8 @@ from geometry.device.parameters import Device
 from geometry.store.values import storable
 from tmm.reluctance.coenergy.map import CoenergyMap
 from tmm.reluctance.switching import Switching, spring_force, switching
-from validation.models.reluctance.point import MagneticPoint, Measured
+from validation.engine.results import Measured
+from validation.models.reluctance.point import MagneticPoint
 
 #: Solves one current (A) at one gap (m).
 Solver = Callable[[float, float], MagneticPoint]

@@ -2,47 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from validation.catalogue.quantities import QUANTITIES
-from validation.models.reluctance.model import MagneticModel
-from validation.models.reluctance.registry import SWITCHING
-from validation.models.reluctance.switching import SwitchingCurrents
+from validation.catalogue.row import AnswerReadout
 from validation.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from validation.models.reluctance.model import MagneticModel
 
 #: Share of the iron beyond the end of its curve that is worth a word: less is a corner or two.
 _WORTH_A_WORD = 0.01
 
 
-def magnetic_warnings(
-    models: Iterable[MagneticModel], quantities: Sequence[str]
-) -> tuple[str, ...]:
-    """Return what the answers of these models to these quantities leave to say."""
+def magnetic_warnings(model: MagneticModel, quantities: Sequence[str]) -> tuple[str, ...]:
+    """Return what the answers of a model to these quantities leave to say."""
     found: list[str] = []
-    for model in models:
-        beyond = 0.0
-        moves = [name for name in quantities if name in SWITCHING]
-        if moves:
-            currents = model.switching()
-            beyond = currents.beyond_table
-            missing = [n for n in moves if np.isnan(getattr(currents, SWITCHING[n]).value)]
-            if missing:
-                found.append(_unreached(model, missing, currents))
-        if any("magnetic_point" in QUANTITIES[name].needs for name in quantities):
-            beyond = max(beyond, model.point().beyond_table)
-        if beyond > _WORTH_A_WORD:
-            found.append(_too_short(model.scene, model.name, beyond))
+    beyond = 0.0
+    of_stroke = _read_off("magnetic_map", quantities)
+    if of_stroke:
+        currents = model.switching()
+        beyond = currents.beyond_table
+        missing = [name for name, read in of_stroke.items() if np.isnan(read.of(currents).value)]
+        if missing:
+            found.append(_unreached(model, missing, currents.limit))
+    if _read_off("magnetic_point", quantities):
+        beyond = max(beyond, model.point().beyond_table)
+    if beyond > _WORTH_A_WORD:
+        found.append(_too_short(model.scene, model.name, beyond))
     return tuple(found)
 
 
-def _unreached(model: MagneticModel, missing: Sequence[str], found: SwitchingCurrents) -> str:
+def _read_off(need: str, quantities: Sequence[str]) -> dict[str, AnswerReadout]:
+    reads = {name: QUANTITIES[name].read for name in quantities}
+    return {
+        name: read
+        for name, read in reads.items()
+        if isinstance(read, AnswerReadout) and read.need == need
+    }
+
+
+def _unreached(model: MagneticModel, missing: Sequence[str], limit: float) -> str:
     spring = model.scene.spring
     have = "have" if len(missing) > 1 else "has"
     return (
         f"{' and '.join(missing)} {have} no value in the model {model.name}: with up to "
-        f"{found.limit * 1e3:.3g} mA the pull does not reach the spring's force everywhere "
+        f"{limit * 1e3:.3g} mA the pull does not reach the spring's force everywhere "
         f"(spring.preload = {spring.preload * 1e3:g} mN, spring.stiffness = "
         f"{spring.stiffness:g} N/m); use a softer spring, a smaller gap or more coil.turns"
     )

@@ -25,7 +25,7 @@ def sections(study: Study) -> tuple[Section, ...]:
         found += NORMAL
     return (
         *found,
-        Section("checks", "Checks in four tiers", _checks),
+        Section("checks", "Checks of this scene", _checks),
         *after,
         Section("parameters", "Parameters and assumptions", _parameters),
         Section("plan", "What ran, what was skipped, what it cost", _plan),

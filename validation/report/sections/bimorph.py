@@ -6,6 +6,9 @@ import numpy as np
 
 from validation.checks.paper import audit
 from validation.view import plots
+from validation.catalogue.bimorph import OPEN_CIRCUIT_FREQUENCIES, SHORT_CIRCUIT_FREQUENCIES
+from validation.catalogue.models import MODELS, ranked
+from validation.catalogue.quantities import QUANTITIES, quantities_of
 from validation.report.comparison import UNEXPLAINED, compare
 from validation.studies.design import excitation_voltage, length_section
 from validation.report.sections import gallery
@@ -20,7 +23,18 @@ from validation.studies.uncertainty import propagation
 
 
 def _models(study: Study) -> Context:
-    return {"comparison": study.comparison, "unexplained": UNEXPLAINED, "tet": _tetrahedra(study)}
+    methods = {
+        q.model: q.uncertainty_method
+        for q in study.solution.quantities
+        if MODELS[q.model].theory == "solid" and QUANTITIES[q.name].static
+    }
+    return {
+        "comparison": study.comparison,
+        "models": ranked(study.solution.models_of("bimorph")),
+        "methods": methods,
+        "unexplained": UNEXPLAINED,
+        "tet": _tetrahedra(study),
+    }
 
 
 def _tetrahedra(study: Study) -> Context | None:
@@ -32,14 +46,14 @@ def _tetrahedra(study: Study) -> Context | None:
         return None
     study.announce("solid on a tetwild mesh")
     mesh = scene.mesh.model_copy(update={"kind": "tetwild"})
-    names = ("static_tip_displacement", "short_circuit_frequencies", "capacitance_free")
+    names = tuple(name for name in quantities_of("bimorph") if QUANTITIES[name].headline)
     other = solve(scene.model_copy(update={"mesh": mesh}), ("solid",), names, study.announce)
     model = other.models["solid"]
     assert isinstance(model, SolidModel)
     shown = cells_of(model.meshes()[0])
     return {
-        "rows": compare(other),
-        "reference": {row.quantity: row.cells[-1] for row in compare(study.solution)},
+        "rows": compare(scene, other.quantities, "bimorph"),
+        "reference": {row.quantity: row.cells[-1] for row in study.comparison},
         "cells": shown.cells.shape[0],
         "png": gallery.close_up(shown),
     }
@@ -48,12 +62,17 @@ def _tetrahedra(study: Study) -> Context | None:
 def _modes(study: Study) -> Context:
     lumped = study.solution.models.get("lumped")
     circuit = lumped.circuit() if isinstance(lumped, LumpedModel) else None
-    return {"modes": gallery.modes(study), "circuit": circuit}
+    short, opened = (
+        study.solution.by_model(row.name)
+        for row in (SHORT_CIRCUIT_FREQUENCIES, OPEN_CIRCUIT_FREQUENCIES)
+    )
+    both = {model: (short[model], opened[model]) for model in short if model in opened}
+    return {"modes": gallery.modes(study), "frequencies": both, "circuit": circuit}
 
 
 def _response(study: Study) -> Context:
     cases = study.cases
-    curves = {case.name: {m: case.curve(m) for m in case.solution.models} for case in cases}
+    curves = {case.name: {m: case.curve(m) for m in case.models} for case in cases}
     titles = {case.name: case.title for case in cases}
     frequency = np.asarray(study.scene.frequency)
     return {"cases": cases, "response": plots.response_plot(frequency, curves, titles)}

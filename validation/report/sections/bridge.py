@@ -55,14 +55,14 @@ def _of(study: Study, material: str) -> Scene:
 
 
 def _one_material(study: Study, name: str, rungs: list[Rung]) -> dict[str, Any]:
-    from validation.models.bimorph.bridge.ends import ends
+    from validation.models.bimorph.bridge.end_effect import end_effect
 
     study.announce(f"bridge: ends, {name}")
     return {
         "material": name,
         "rungs": rungs,
         "plot": plots.bridge_plot(rungs, "solid against TMM"),
-        "ends": None if study.quick else ends(_of(study, name)),
+        "ends": None if study.quick else end_effect(_of(study, name)),
     }
 
 

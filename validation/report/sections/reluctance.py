@@ -14,7 +14,7 @@ from tmm.reluctance.coil_heat import thermal_statement
 from tmm.reluctance.switching import Equilibrium, equilibria, finger_force, spring_force
 from validation.models.reluctance.field import AxisymmetricModel
 from validation.models.reluctance.model import NetworkModel
-from validation.models.reluctance.point import Measured
+from validation.engine.results import Measured
 from validation.models.reluctance.switching import SwitchingCurrents
 from validation.report.normal_actuator import NormalActuator
 from validation.report.sections.section import Context, Section

@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from geometry.arrays import Complex, Floats, Ints
-from tmm.beam.parametric import terminated
-from tmm.ports.multiport import respond
+from tmm.beam.port_quantities import evaluate
+from validation.catalogue.bimorph import TIP_DISPLACEMENT
 from validation.catalogue.detection import (
     DISPLAY_THRESHOLD,
     HIGHEST_SUBJECT,
@@ -39,6 +39,8 @@ Wiring = Literal["parallel", "series"]
 Case = tuple[Wiring, Literal["loaded", "free"]]
 WIRINGS: tuple[Wiring, ...] = ("parallel", "series")
 CASES: tuple[Case, ...] = tuple((wiring, load) for wiring in WIRINGS for load in ("loaded", "free"))
+
+_PER_VOLT = replace(TIP_DISPLACEMENT.port_readout, unit_voltage=True)
 
 
 @dataclass(frozen=True)
@@ -217,7 +219,7 @@ def _per_volt(scene: Scene, case: Case, frequencies: Floats) -> Complex:
         changed = scene.model_copy(update={"load": scene.load.model_copy(update={"kind": "none"})})
     bimorph = scene.bimorph.model_copy(update={"wiring": wiring})
     device = actuator(changed.model_copy(update={"bimorph": bimorph}))
-    return respond(terminated(device, {}, frequencies), {"voltage": 1.0}).motion["w_tip"]
+    return evaluate(device, _PER_VOLT, {}, frequencies)
 
 
 def _stated(paper: StatedVoltage, grid: Floats, voltages: dict[Case, Floats]) -> Stated:

@@ -25,6 +25,7 @@ from geometry.arrays import Floats
 from tmm.beam.parametric import Actuator, parameter_keys
 from tmm.beam.sensitivities import logarithmic_sensitivities
 from tmm.ports.terminations import finger_spring_damper
+from validation.catalogue.bimorph import TIP_DISPLACEMENT
 from validation.scene.parameter_list import parameter_rows
 from validation.studies.design.aim import Aim
 from validation.studies.design.length_design import Design
@@ -128,7 +129,7 @@ def _keys(device: Actuator) -> tuple[str, ...]:
 
 def _slopes(device: Actuator, keys: tuple[str, ...], at: Floats) -> dict[str, float]:
     """Return d ln|w_tip| / d ln p at one frequency."""
-    found = logarithmic_sensitivities(device, "tip_displacement", keys, at)
+    found = logarithmic_sensitivities(device, TIP_DISPLACEMENT.port_readout, keys, at)
     return {key: float(value[0]) for key, value in found.items()}
 
 

@@ -12,8 +12,9 @@ import numpy as np
 
 from geometry.arrays import Floats, Ints
 from geometry.errors import InputError
-from tmm.beam.parametric import Actuator, check_length_free, terminated
-from tmm.ports.multiport import respond
+from tmm.beam.parametric import Actuator, check_length_free
+from tmm.beam.port_quantities import evaluate
+from validation.catalogue.bimorph import TIP_DISPLACEMENT
 from validation.scene.scene import Scene
 
 #: Frequencies of the map over the band; minima between them are located by narrowing.
@@ -80,9 +81,10 @@ def actuator(scene: Scene) -> Actuator:
 def tip_amplitude(device: Actuator, lengths: Floats, frequencies: Floats) -> Floats:
     """Return |w_tip| (m); lengths (m) and frequencies (Hz) broadcast against each other."""
     l, f = np.broadcast_arrays(np.asarray(lengths, float), np.asarray(frequencies, float))
-    port = terminated(device, {"bimorph.length": l.ravel()}, f.ravel())
-    response = respond(port, {"voltage": device.drive.voltage})
-    return np.asarray(np.abs(response.motion["w_tip"]).reshape(l.shape))
+    moved = evaluate(
+        device, TIP_DISPLACEMENT.port_readout, {"bimorph.length": l.ravel()}, f.ravel()
+    )
+    return np.asarray(np.abs(moved).reshape(l.shape))
 
 
 def band_points(band: tuple[float, float], points: int = _POINTS) -> Floats:

@@ -9,6 +9,7 @@ import numpy as np
 
 from geometry.errors import InputError
 from tmm.beam.sensitivities import logarithmic_sensitivities
+from validation.catalogue.bimorph import TIP_DISPLACEMENT
 from validation.scene.scene import Scene
 from validation.studies.design import wording
 from validation.studies.design.aim import PAPER_LENGTHS, Aim
@@ -110,6 +111,8 @@ def _cases(scene: Scene) -> list[tuple[str, str, Design]]:
 def _at_band_end(scene: Scene) -> dict[str, Any]:
     """Return how ill-conditioned the deflection is at the band's end, for the scene's length."""
     at = Aim().band[1]
-    slopes = logarithmic_sensitivities(actuator(scene), "tip_displacement", None, np.array([at]))
+    slopes = logarithmic_sensitivities(
+        actuator(scene), TIP_DISPLACEMENT.port_readout, None, np.array([at])
+    )
     strongest = sorted(slopes.items(), key=lambda item: -abs(float(item[1][0])))[:4]
     return {"frequency": at, "slopes": [(key, float(value[0])) for key, value in strongest]}

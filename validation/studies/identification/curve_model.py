@@ -13,8 +13,9 @@ import numpy as np
 
 from geometry.arrays import Complex, Floats, Ints
 from tmm.beam.transfer.transfer_matrix import multiport
-from tmm.ports.multiport import Multiport, in_series, respond
+from tmm.ports.multiport import Multiport, in_series
 from tmm.ports.terminations import attach
+from validation.catalogue.quantities import QUANTITIES
 from validation.scene.scene import Scene
 from validation.studies.identification.fit_parameters import with_values
 
@@ -33,7 +34,7 @@ class CurveModel:
     scene : Scene
         Everything that is not varied.
     quantity : str
-        ``tip_velocity``, ``tip_displacement``, ``admittance`` or ``input_current``.
+        Name of one that is read off the ports.
     frequencies : (n,) array
         Hz.
     keys : tuple of str
@@ -53,13 +54,8 @@ class CurveModel:
         scene = with_values(self.scene, dict(zip(self.keys, map(float, values), strict=True)))
         f = self.frequencies
         port = self.port if self.port is not None else _wired_port(scene, f)
-        voltage = 1.0 if self.quantity == "admittance" else scene.drive.voltage
-        response = respond(attach(port, scene.ends), {"voltage": voltage})
-        if self.quantity == "tip_displacement":
-            return response.motion["w_tip"]
-        velocity = self.quantity == "tip_velocity"
-        moving = response.motion["w_tip"] if velocity else response.effort["voltage"]
-        return np.asarray(2j * np.pi * f * moving)
+        read = QUANTITIES[self.quantity].port_readout
+        return read.read(attach(port, scene.ends), scene.drive.voltage)
 
     def thinned(self, most: int) -> tuple[CurveModel, Ints]:
         """Return the model at no more than `most` of its frequencies, and their positions."""

@@ -39,7 +39,7 @@ from validation.studies.identification.identifiability import (
     statistics,
     vague,
 )
-from validation.studies.identification.measured_curve import QUANTITY, MeasuredCurve
+from validation.studies.identification.measured_curve import MeasuredCurve
 from validation.studies.identification.profile_likelihood import profile_interval
 
 #: Kinds of noise that may be asked for where no uncertainty is stated.
@@ -173,7 +173,7 @@ def identify(
     parameters = _parameters(scene, fit)
     curve = data.at(data.used)
     _check_points(curve, parameters)
-    quantity = QUANTITY[curve.kind]
+    quantity = curve.quantity.name
     at_data = scene.model_copy(update={"frequency": tuple(map(float, curve.frequencies))})
     warnings = list(load_warnings(at_data, (quantity,)))
     start = with_values(scene, {p.key: p.start for p in parameters})

@@ -7,24 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Bools, Floats, Ints, Numbers
-from geometry.units import Unit
-
-#: Largest plausible magnitude of any curve (SI).
-LARGEST = 1e3
-#: What can be measured: kind of unit, smallest and largest plausible magnitude (SI).
-CURVES: dict[str, Unit] = {
-    "velocity": Unit("m/s", "velocity", "12.3 mm/s", limits=(1e-12, LARGEST)),
-    "displacement": Unit("m", "displacement", "12.3 um", limits=(1e-15, LARGEST)),
-    "admittance": Unit("S", "admittance", "12.3 uS", limits=(1e-15, LARGEST)),
-    "current": Unit("A", "current", "12.3 uA", limits=(1e-15, LARGEST)),
-}
-#: The quantity of `tactgen solve` that each curve is compared with.
-QUANTITY = {
-    "velocity": "tip_velocity",
-    "displacement": "tip_displacement",
-    "admittance": "admittance",
-    "current": "input_current",
-}
+from validation.catalogue.quantities import measurable
+from validation.catalogue.row import QuantityRow
 
 
 @dataclass(frozen=True)
@@ -36,7 +20,7 @@ class MeasuredCurve:
     source : str
         Name of the file, for messages.
     kind : str
-        ``velocity``, ``displacement``, ``admittance`` or ``current``.
+        One of :func:`validation.catalogue.quantities.measurable`, such as ``velocity``.
     frequencies : (n,) array
         Hz, ascending, above 0.
     values : (n,) array
@@ -85,4 +69,9 @@ class MeasuredCurve:
     @property
     def unit(self) -> str:
         """SI unit of the values."""
-        return CURVES[self.kind].si
+        return self.quantity.unit
+
+    @property
+    def quantity(self) -> QuantityRow:
+        """The quantity of `tactgen solve` that the curve is compared with."""
+        return measurable()[self.kind]

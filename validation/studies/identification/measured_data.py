@@ -19,14 +19,14 @@ from pydantic import BeforeValidator, TypeAdapter, ValidationError
 from geometry.arrays import Floats, Numbers
 from geometry.errors import InputError
 from geometry.units import Unit, quoted
+from validation.catalogue.quantities import measurable
 from validation.scene.wording import nearest
-from validation.studies.identification.measured_curve import CURVES, LARGEST, MeasuredCurve
+from validation.studies.identification.measured_curve import MeasuredCurve
 
 _FREQUENCY = Unit("Hz", "frequency", "500 Hz", limits=(1e-6, 1e7))
 _PHASE = Unit("rad", "phase", "30 deg", limits=(0.0, 1e4))
 _WEIGHT = Unit("", "weight", "1", limits=(1e-12, 1e12))
 _PARTS = ("", "_re", "_im", "_phase")
-_KNOWN = ("frequency", *(c + p for c in CURVES for p in _PARTS), "uncertainty", "weight")
 _EXAMPLE = "frequency (Hz), velocity (mm/s)"
 _HEADING = re.compile(r"(?P<name>[^()\[\]]*)(?:[(\[](?P<unit>.*)[)\]])?\s*")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,4})?", re.IGNORECASE | re.ASCII)
@@ -64,7 +64,7 @@ def read_measured(path: str | Path) -> MeasuredCurve:
     }
     lines = [line for line, _ in rows]
     _check_ascending(data["frequency"], lines, source)
-    kind = next(c for c in CURVES if c in data or f"{c}_re" in data)
+    kind = next(c for c in measurable() if c in data or f"{c}_re" in data)
     return MeasuredCurve(
         source=source,
         kind=kind,
@@ -107,7 +107,7 @@ def _table(text: str, source: str) -> tuple[_Row, list[_Row]]:
     counts = Counter(c for c in lines[0][1] if c in ",;\t")
     separator = counts.most_common(1)[0][0] if counts else ","
     (number, header), *rows = [(at, _cells(line, separator, at, source)) for at, line in lines]
-    if not any(_plain_name(cell) in _KNOWN for cell in header):
+    if not any(_plain_name(cell) in _known() for cell in header):
         what = "numbers" if all(_NUMBER.fullmatch(cell) for cell in header) else "other text"
         raise InputError(
             f"{source} line {number} holds {what} where the column names should be; begin the "
@@ -139,6 +139,12 @@ def _cells(line: str, separator: str, number: int, source: str) -> list[str]:
         ) from None
 
 
+def _known() -> tuple[str, ...]:
+    """Return the names that a column may have."""
+    curves = (curve + part for curve in measurable() for part in _PARTS)
+    return ("frequency", *curves, "uncertainty", "weight")
+
+
 def _plain_name(heading: str) -> str:
     """Return a column's name without its unit, or nothing if it cannot be read."""
     parts = _HEADING.fullmatch(heading)
@@ -151,9 +157,9 @@ def _columns(names: list[str], where: str) -> dict[str, tuple[int, float, Unit]]
     units: dict[str, str] = {}
     for at, text in enumerate(names):
         parts, name = _HEADING.fullmatch(text), _plain_name(text)
-        if name not in _KNOWN or parts is None:
+        if name not in _known() or parts is None:
             raise InputError(
-                f"{where}: column {at + 1} {quoted(text)} is unknown{nearest(name, _KNOWN)}; "
+                f"{where}: column {at + 1} {quoted(text)} is unknown{nearest(name, _known())}; "
                 f"name the columns like {_EXAMPLE} and remove those that are not needed"
             )
         if name in found:
@@ -171,11 +177,11 @@ def _the_curve(names: dict[str, tuple[int, float, Unit]], where: str) -> str:
     """Return which curve the columns hold; there must be one, completely."""
     if "frequency" not in names:
         raise InputError(f'{where}: there is no frequency column; add one named "frequency (Hz)"')
-    kinds = [c for c in CURVES if any(c + part in names for part in _PARTS)]
+    kinds = [c for c in measurable() if any(c + part in names for part in _PARTS)]
     if not kinds:
         raise InputError(
             f"{where}: there is no measured curve; add a column such as "
-            f'"velocity (mm/s)"; known are {", ".join(CURVES)}'
+            f'"velocity (mm/s)"; known are {", ".join(measurable())}'
         )
     if len(kinds) > 1:
         raise InputError(
@@ -201,8 +207,16 @@ def _unit_of(name: str, curve: str) -> Unit:
         return _WEIGHT
     if name.endswith("_phase"):
         return _PHASE
+    unit = _unit_of_curve(curve)
+    _, largest = unit.limits or (0.0, np.inf)
     # one part of a complex number may be as small as it likes
-    return CURVES[curve] if name == curve else replace(CURVES[curve], limits=(0.0, LARGEST))
+    return unit if name == curve else replace(unit, limits=(0.0, largest))
+
+
+def _unit_of_curve(curve: str) -> Unit:
+    unit = measurable()[curve].curve
+    assert unit is not None
+    return unit
 
 
 def _scale(name: str, text: str, unit: Unit, where: str) -> float:
@@ -270,11 +284,12 @@ def _check_ascending(frequencies: Floats, lines: list[int], source: str) -> None
 def _values(kind: str, data: dict[str, Floats], lines: list[int], source: str) -> Numbers:
     """Return the curve, complex if its phase is known; no value may vanish."""
     if kind in data:
+        si = _unit_of_curve(kind).si
         for line, value in zip(lines, data[kind], strict=True):
             if value <= 0.0:
                 raise InputError(
-                    f"{source} line {line}: {kind} {value:g} {CURVES[kind].si} is not above 0 as a "
-                    f"magnitude must be; remove the line, or give {kind}_re and {kind}_im"
+                    f"{source} line {line}: {kind} {value:g} {si} is not above 0 as a magnitude "
+                    f"must be; remove the line, or give {kind}_re and {kind}_im"
                 )
         if f"{kind}_phase" not in data:
             return data[kind]

@@ -14,7 +14,6 @@ from geometry.files import written_whole
 from geometry.units import quoted
 from validation.studies.identification.curve_model import curve_model
 from validation.studies.identification.identify import Identification
-from validation.studies.identification.measured_curve import QUANTITY
 from validation.view.formats import engineering
 
 if TYPE_CHECKING:
@@ -122,7 +121,7 @@ def _draw_curves(axes: Any, found: Identification) -> None:
     low, high = float(curve.frequencies[0]), float(curve.frequencies[-1])
     spaced = (np.geomspace(low, high, _SMOOTH), np.linspace(low, high, _SMOOTH))
     f = np.unique(np.clip(np.concatenate(spaced), low, high))  # geomspace rounds its ends
-    quantity, none = QUANTITY[curve.kind], np.zeros(0)
+    quantity, none = curve.quantity.name, np.zeros(0)
     before, after = (curve_model(s, quantity, f, ())(none) for s in (found.start, found.scene))
     factor, unit = _shown(np.abs(after), curve.unit)
     many = curve.frequencies.size > _MANY

@@ -7,14 +7,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
 from geometry.arrays import Floats
 from tmm.beam.parametric import Actuator
-from tmm.beam.port_quantities import READOUTS, evaluate, first_frequency, resonance_peak
+from tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
 from tmm.beam.sensitivities import derivatives, values
+from tmm.ports.readout import Circuit, ModalReadout, Readout
+from validation.catalogue.bimorph import TIP_DISPLACEMENT, TIP_VELOCITY
 from validation.catalogue.quantities import QUANTITIES
+from validation.catalogue.row import QuantityRow
 from validation.engine.solve import Solution, solve
 from validation.scene.scene import Scene
 
@@ -28,24 +32,29 @@ _SEGMENTS = 4
 #: Rounds of the search for the peak.
 _ROUNDS = 5
 
-_SCALARS = (
-    "static_tip_displacement",
-    "short_circuit_frequencies",
-    "open_circuit_frequencies",
-    "coupling_factor",
-    "capacitance_free",
-)
+#: The resonance whose peak is a headline number: that of a free tip.
+_RESONANCE = TIP_VELOCITY
 
 
 @dataclass(frozen=True)
 class Target:
-    """A headline number: a quantity, by magnitude, at a frequency (Hz) if it has one."""
+    """A headline number: a quantity, by magnitude, at a frequency (Hz) if it has one.
 
-    quantity: str
+    `peak` is set for a number about the quantity's resonance instead.
+    """
+
+    quantity: QuantityRow
     label: str
     unit: str
     frequency: float | None = None
     ill_conditioned: bool = False
+    peak: Literal["", "frequency", "height"] = ""
+
+    @property
+    def read(self) -> Readout | ModalReadout:
+        """How the quantity is read."""
+        assert isinstance(self.quantity.read, Readout | ModalReadout)
+        return self.quantity.read
 
 
 def actuator(scene: Scene) -> Actuator:
@@ -57,32 +66,27 @@ def targets(scene: Scene) -> tuple[Target, ...]:
     """Return the headline numbers that this scene has."""
     held = not scene.ends.rigid_motions
     active = scene.piezo.d31 != 0.0
-    labels = {
-        "static_tip_displacement": "static tip displacement",
-        "short_circuit_frequencies": "first frequency, short circuit",
-        "open_circuit_frequencies": "first frequency, open circuit",
-        "coupling_factor": "coupling factor",
-        "capacitance_free": "free capacitance",
-    }
-    found = [
-        Target(name, labels[name], QUANTITIES[name].unit)
-        for name in _SCALARS
-        if (held or name not in ("static_tip_displacement", "capacitance_free"))
-        and (active or name not in ("static_tip_displacement", "coupling_factor"))
+    rows = [
+        row
+        for row in QUANTITIES.values()
+        if row.varied
+        and (active or not row.is_transduced)
+        and (held or not (row.static and row.held_by_support))
     ]
-    if active:
-        found += [
-            Target("tip_displacement", f"tip displacement, {f:g} Hz", "m", f) for f in FREQUENCIES
-        ]
+    found = [Target(row, row.label, row.unit) for row in rows if not row.by_frequency]
+    found += [_response(row, f) for row in rows if row.by_frequency for f in FREQUENCIES]
     if active and scene.load.kind == "none":
         found += [
-            Target("peak_frequency", "peak frequency", "Hz"),
-            Target("peak_velocity", "peak tip velocity", "m/s"),
+            Target(_RESONANCE, "peak frequency", "Hz", peak="frequency"),
+            Target(_RESONANCE, "peak tip velocity", _RESONANCE.unit, peak="height"),
         ]
     if active and scene.load.kind == "finger":
-        f = ILL_CONDITIONED
-        found.append(Target("tip_displacement", f"tip displacement, {f:g} Hz", "m", f, True))
+        found.append(replace(_response(TIP_DISPLACEMENT, ILL_CONDITIONED), ill_conditioned=True))
     return tuple(found)
+
+
+def _response(row: QuantityRow, frequency: float) -> Target:
+    return Target(row, f"{row.label}, {frequency:g} Hz", row.unit, frequency)
 
 
 class HeadlineNumbers:
@@ -94,16 +98,13 @@ class HeadlineNumbers:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.actuator = replace(actuator(scene), segments=_SEGMENTS)
+        self._first: dict[Circuit, float] = {}
 
-    @cached_property
-    def short(self) -> float:
-        """First short-circuit frequency (Hz)."""
-        return float(values(self.actuator, "short_circuit_frequencies")[0])
-
-    @cached_property
-    def opened(self) -> float:
-        """First open-circuit frequency (Hz)."""
-        return float(values(self.actuator, "open_circuit_frequencies")[0])
+    def first(self, circuit: Circuit) -> float:
+        """Return the first natural frequency (Hz)."""
+        if circuit not in self._first:
+            self._first[circuit] = float(values(self.actuator, ModalReadout((circuit,)))[0])
+        return self._first[circuit]
 
     @cached_property
     def peak(self) -> tuple[float, float]:
@@ -111,16 +112,15 @@ class HeadlineNumbers:
         return self._peak_of(actuator(self.scene))
 
     def _peak_of(self, of: Actuator) -> tuple[float, float]:
-        at, size = resonance_peak(of, {}, np.array([self.short]), rounds=_ROUNDS)
-        return float(at[0]), float(size[0])
+        return _peak(of, self.first("short"), _ROUNDS)
 
     @cached_property
     def solution(self) -> Solution:
         """The same numbers as everywhere else, with their error bars."""
         at = [*FREQUENCIES, ILL_CONDITIONED, *([self.peak[0]] if self._free else [])]
-        names = {t.quantity for t in targets(self.scene)} & set(QUANTITIES)
+        names = {t.quantity.name for t in targets(self.scene)}
         changed = self.scene.model_copy(update={"frequency": tuple(at)})
-        return solve(changed, ("tmm",), (*sorted(names), "tip_velocity"))
+        return solve(changed, ("tmm",), sorted(names))
 
     @property
     def _free(self) -> bool:
@@ -128,17 +128,14 @@ class HeadlineNumbers:
 
     def value_and_bar(self, target: Target) -> tuple[float, float]:
         """Return the number and its numerical error bar, absolute."""
-        if target.quantity == "peak_frequency":
-            before, _ = resonance_peak(
-                actuator(self.scene), {}, np.array([self.peak[0]]), rounds=_ROUNDS - 1
-            )
-            return self.peak[0], abs(float(before[0]) - self.peak[0])
-        if target.quantity == "peak_velocity":
-            found, i = self.solution.get("tip_velocity", "tmm"), -1
-        else:
-            found, i = self.solution.get(target.quantity, "tmm"), 0
-            if target.frequency is not None:
-                i = (*FREQUENCIES, ILL_CONDITIONED).index(target.frequency)
+        if target.peak == "frequency":
+            before, _ = _peak(actuator(self.scene), self.peak[0], _ROUNDS - 1)
+            return self.peak[0], abs(before - self.peak[0])
+        found, i = self.solution.get(target.quantity.name, "tmm"), 0
+        if target.peak:
+            i = -1
+        elif target.frequency is not None:
+            i = (*FREQUENCIES, ILL_CONDITIONED).index(target.frequency)
         value, bar = np.atleast_1d(found.value)[i], np.atleast_1d(found.uncertainty)[i]
         return float(np.abs(value)), float(bar)
 
@@ -146,11 +143,11 @@ class HeadlineNumbers:
         self, target: Target, keys: tuple[str, ...]
     ) -> tuple[float, dict[str, float]]:
         """Return the number of `actuator` and its derivative by each key."""
-        if target.quantity.startswith("peak"):
+        if target.peak:
             return self._peak_and_slopes(target, keys)
         at = None if target.frequency is None else np.array([target.frequency])
-        value = values(self.actuator, target.quantity, at)[0]
-        slopes = derivatives(self.actuator, target.quantity, keys, at)
+        value = values(self.actuator, target.read, at)[0]
+        slopes = derivatives(self.actuator, target.read, keys, at)
         return float(abs(value)), {
             key: float((np.conj(value) * slope[0]).real / abs(value))
             for key, slope in slopes.items()
@@ -167,12 +164,12 @@ class HeadlineNumbers:
         frequency, height = self._peak_of(self.actuator)
         step = 1e-4 * frequency
         at = frequency + step * np.array([-1.0, 0.0, 1.0])
-        velocity = values(self.actuator, "tip_velocity", at)
+        velocity = values(self.actuator, target.read, at)
         relative = {
             key: (slope / velocity).real
-            for key, slope in derivatives(self.actuator, "tip_velocity", keys, at).items()
+            for key, slope in derivatives(self.actuator, target.read, keys, at).items()
         }
-        if target.quantity == "peak_velocity":
+        if target.peak == "height":
             return height, {key: float(height * r[1]) for key, r in relative.items()}
         level = np.log(np.abs(velocity))
         curvature = (level[0] - 2.0 * level[1] + level[2]) / step
@@ -181,36 +178,51 @@ class HeadlineNumbers:
         }
 
 
+def _peak(of: Actuator, start: float, rounds: int) -> tuple[float, float]:
+    read = _RESONANCE.port_readout
+    at, size = resonance_peak(of, read, {}, np.array([start]), rounds=rounds)
+    return float(at[0]), float(size[0])
+
+
 class SampledNumbers:
-    """The headline numbers at every sample; frequencies of modes are found once."""
+    """The headline numbers at every sample; frequencies of modes are found once.
 
-    def __init__(self, device: Actuator, points: dict[str, Floats]) -> None:
-        self._actuator, self._points = device, points
+    Parameters
+    ----------
+    numbers : HeadlineNumbers
+        Whose actuator is sampled.
+    points : dict of str to (n,) array
+        Values by scene key.
+    """
+
+    def __init__(self, numbers: HeadlineNumbers, points: dict[str, Floats]) -> None:
+        self._numbers, self._points = numbers, points
         self._size = next(iter(points.values())).size
-        self._known: dict[str, Floats] = {}
+        self._modes: dict[Circuit, Floats] = {}
 
-    def of(self, target: Target, numbers: HeadlineNumbers) -> Floats:
-        """Return the target's value at each sample."""
-        if target.quantity in READOUTS:
+    def of(self, target: Target) -> Floats:
+        """Return the target's value (n,) at each sample."""
+        if target.peak:
+            return self._peaks[int(target.peak == "height")]
+        read = target.read
+        if isinstance(read, Readout):
             at = np.full(self._size, target.frequency or 0.0)
-            return np.abs(evaluate(self._actuator, target.quantity, self._points, at))
-        if target.quantity == "short_circuit_frequencies":
-            return self._mode(numbers.short, open_circuit=False)
-        if target.quantity == "open_circuit_frequencies":
-            return self._mode(numbers.opened, open_circuit=True)
-        short = self._mode(numbers.short, open_circuit=False)
-        if target.quantity == "coupling_factor":
-            return np.asarray(
-                np.sqrt(1.0 - (short / self._mode(numbers.opened, open_circuit=True)) ** 2)
-            )
-        if "peak" not in self._known:
-            self._known["peak"] = np.array(resonance_peak(self._actuator, self._points, short, 3))
-        return np.asarray(self._known["peak"][int(target.quantity == "peak_velocity")])
+            return np.abs(evaluate(self._numbers.actuator, read, self._points, at))
+        first = [self._mode(circuit) for circuit in read.circuits]
+        return np.asarray(read.combine(*first)) if read.combine else first[0]
 
-    def _mode(self, start: float, *, open_circuit: bool) -> Floats:
-        name = "open" if open_circuit else "short"
-        if name not in self._known:
-            self._known[name] = first_frequency(
-                self._actuator, self._points, np.full(self._size, start), open_circuit=open_circuit
+    @cached_property
+    def _peaks(self) -> tuple[Floats, Floats]:
+        """Frequency (n,) in Hz and height (n,) of the free tip's resonance."""
+        read = _RESONANCE.port_readout
+        return resonance_peak(
+            self._numbers.actuator, read, self._points, self._mode("short"), rounds=3
+        )
+
+    def _mode(self, circuit: Circuit) -> Floats:
+        if circuit not in self._modes:
+            start = np.full(self._size, self._numbers.first(circuit))
+            self._modes[circuit] = first_frequency(
+                self._numbers.actuator, self._points, start, open_circuit=circuit == "open"
             )
-        return self._known[name]
+        return self._modes[circuit]

@@ -20,6 +20,7 @@ from geometry.device.materials import PRINTED
 from geometry.device.parameters import spreads
 from tmm.beam.parametric import parameter_keys
 from tmm.beam.transfer.transfer_matrix import is_tapered
+from validation.catalogue.models import ranked
 from validation.engine.solve import Solution
 from validation.scene.parameter_list import show
 from validation.scene.scene import Scene
@@ -153,9 +154,7 @@ def parameter_uncertainty(
     }
     base = base_samples(len(parameters), evaluations or _affordable(scene))
     points = saltelli.sample(problem, base, calc_second_order=False, seed=_SEED)
-    sampled = SampledNumbers(
-        numbers.actuator, {p.key: points[:, i] for i, p in enumerate(parameters)}
-    )
+    sampled = SampledNumbers(numbers, {p.key: points[:, i] for i, p in enumerate(parameters)})
     # Saltelli's rows come in groups of A, the mixtures, B; A and B are independent samples
     independent = np.isin(np.arange(len(points)) % (len(parameters) + 2), (0, len(parameters) + 1))
     found = []
@@ -165,7 +164,7 @@ def parameter_uncertainty(
         usual, slopes = numbers.value_and_slopes(target, tuple(p.key for p in parameters))
         # what is taken over from the derivatives' and samples' model is relative
         slopes = {key: slope * value / usual for key, slope in slopes.items()}
-        y = sampled.of(target, numbers) * (value / usual)
+        y = sampled.of(target) * (value / usual)
         indices = sobol.analyze(problem, y, calc_second_order=False, num_resamples=100, seed=_SEED)
         changes = np.array([slopes[p.key] * (p.high - p.low) for p in parameters])
         extremes = [
@@ -215,7 +214,7 @@ def section(scene: Scene, solution: Solution, announce: Callable[[str], None]) -
 
     rows = parameter_uncertainty(scene, announce=announce)
     parameters = uncertain_parameters(scene)
-    detailed = tuple(solution.models)[-1]
+    detailed = ranked(solution.models_of("bimorph"))[-1]
     omitted = left_out(scene, actuator(scene))
     return {
         "uncertainties": rows,

@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.device.parameters import Drive
 from geometry.errors import InputError
 from tmm.beam.parametric import Actuator, parameter_keys
-from tmm.beam.port_quantities import READOUTS
-from tmm.beam.sensitivities import DIFFERENTIABLE, derivatives, values
-from validation.catalogue.detection import DISPLAY_THRESHOLD
+from tmm.beam.sensitivities import derivatives, values
+from tmm.ports.readout import ModalReadout, Readout
 from validation.catalogue.quantities import QUANTITIES
+from validation.catalogue.row import QuantityRow
 from validation.engine.limits import check_held
 from validation.scene.scene import Scene
 from validation.studies.uncertainty.headline_numbers import actuator
 from validation.studies.uncertainty.varied_keys import chosen_keys
 from validation.view.formats import engineering
 
-#: The quantity that follows from the tip's motion and a stated threshold.
-_THRESHOLD, _VOLTAGE = "threshold_voltage", "drive.voltage"
 #: Columns that a table for people has at most, if a quantity's frequencies can be thinned.
 _SHOWN = 8
 
@@ -79,99 +76,63 @@ def sensitivity_columns(scene: Scene, keys: Sequence[str] | None = None) -> list
     -----
     The threshold voltage has columns only where the threshold is stated.
     """
-    _check_quantities(scene.quantities)
+    asked = [QUANTITIES[name] for name in scene.quantities]
+    for row in asked:
+        _check_differentiable(row)
     check_held(scene, scene.quantities)
     device = actuator(scene)
     chosen = parameter_keys(device) if keys is None else chosen_keys(scene, device, keys)
-    return [
-        column
-        for name in scene.quantities
-        for column in (
-            _thresholds(scene, device, chosen)
-            if name == _THRESHOLD
-            else _columns(scene, device, name, chosen)
-        )
-    ]
+    return [column for row in asked for column in _columns(scene, device, row, chosen)]
 
 
-def _check_quantities(names: Sequence[str]) -> None:
-    for name in names:
-        if name in DIFFERENTIABLE or name == _THRESHOLD:
-            continue
-        why = (
-            "belongs to the normal actuator, but sensitivities are those of the transfer-matrix "
-            "model of the lateral one"
-            if QUANTITIES[name].magnetic
-            else "is a matrix and has no sensitivities here"
-        )
-        raise InputError(
-            f"quantity {name} {why}; use one of {', '.join((*DIFFERENTIABLE, _THRESHOLD))}"
-        )
+def _check_differentiable(row: QuantityRow) -> None:
+    if _is_differentiable(row):
+        return
+    why = (
+        "is a matrix and has no sensitivities here"
+        if row.actuator == "bimorph"
+        else "belongs to the normal actuator, but sensitivities are those of the transfer-matrix "
+        "model of the lateral one"
+    )
+    able = ", ".join(name for name, other in QUANTITIES.items() if _is_differentiable(other))
+    raise InputError(f"quantity {row.name} {why}; use one of {able}")
+
+
+def _is_differentiable(row: QuantityRow) -> bool:
+    return isinstance(row.read, Readout | ModalReadout)
 
 
 def _columns(
-    scene: Scene, device: Actuator, name: str, keys: Sequence[str]
+    scene: Scene, device: Actuator, row: QuantityRow, keys: Sequence[str]
 ) -> list[SensitivityColumn]:
-    by_frequency = name in READOUTS and not READOUTS[name].static
+    """Return a column for each frequency or mode at which the quantity has a value."""
+    assert isinstance(row.read, Readout | ModalReadout)
+    if row.has_level and scene.piezo.d31 == 0.0:
+        raise InputError(
+            f"{row.name} has no value with piezo.d31 = 0, for no voltage moves the tip; give "
+            "piezo.d31 a value"
+        )
     frequencies = np.asarray(scene.frequency)
-    at = frequencies if by_frequency else None
-    value = values(device, name, at)
-    slopes = derivatives(device, name, keys, at)
+    at = frequencies if row.by_frequency else None
+    value = values(device, row.read, at)
+    if (value == 0.0).any():
+        raise InputError(
+            f"{row.name} is 0 in this scene, so no parameter changes it in relation to its "
+            "size; give drive.voltage and piezo.d31 a value, or ask at another frequency"
+        )
+    slopes = derivatives(device, row.read, keys, at)
     columns = []
-    for i in range(value.size):
+    for i in np.flatnonzero(np.isfinite(value)):
         size = float(abs(value[i]))
-        if size == 0.0:
-            raise InputError(
-                f"{name} is 0 in this scene, so no parameter changes it in relation to its "
-                "size; give drive.voltage and piezo.d31 a value, or ask at another frequency"
-            )
         slope = {k: float((np.conj(value[i]) * s[i]).real / size) for k, s in slopes.items()}
         columns.append(
             SensitivityColumn(
-                name,
-                QUANTITIES[name].unit,
-                float(frequencies[i]) if by_frequency else None,
+                row.name,
+                row.unit,
+                float(frequencies[i]) if row.by_frequency else None,
                 size,
                 slope,
                 {key: device.value(key) * s / size for key, s in slope.items()},
-            )
-        )
-    return columns
-
-
-def _thresholds(scene: Scene, device: Actuator, keys: Sequence[str]) -> list[SensitivityColumn]:
-    """Return the threshold voltage a/|w/U|, where the threshold a is stated.
-
-    No parameter moves a, so that d ln(threshold voltage) = −d ln|w/U|.
-    """
-    if scene.piezo.d31 == 0.0:
-        raise InputError(
-            f"{_THRESHOLD} has no value with piezo.d31 = 0, for no voltage moves the tip; give "
-            "piezo.d31 a value"
-        )
-    f = np.asarray(scene.frequency)
-    stated = tuple(float(v) for v in f[~DISPLAY_THRESHOLD.outside(f)])
-    if not stated:
-        return []
-    per_volt = replace(device, drive=Drive(voltage=1.0))
-    moved = _columns(
-        scene.model_copy(update={"frequency": stated}), per_volt, "tip_displacement", keys
-    )
-    columns = []
-    for column, amplitude in zip(moved, DISPLAY_THRESHOLD.at(np.array(stated)), strict=True):
-        value = float(amplitude) / column.value
-        ratio = {k: 0.0 if k == _VOLTAGE else -s for k, s in column.logarithmic.items()}
-        columns.append(
-            replace(
-                column,
-                quantity=_THRESHOLD,
-                unit=QUANTITIES[_THRESHOLD].unit,
-                value=value,
-                derivatives={
-                    k: 0.0 if k == _VOLTAGE else value * s / device.value(k)
-                    for k, s in ratio.items()
-                },
-                logarithmic=ratio,
             )
         )
     return columns

@@ -43,7 +43,7 @@ class EndEffect:
         return Steps(*(whole - left for whole, left in zip(self.effect, self.rest, strict=True)))
 
 
-def ends(scene: Scene, *, level: int = 1) -> EndEffect:
+def end_effect(scene: Scene, *, level: int = 1) -> EndEffect:
     """Return what the ends of the scene's bimorph do when its lower end is clamped."""
     support = scene.support.model_copy(update={"kind": "clamped"})
     case = SolidCase(scene.model_copy(update={"support": support}), level=level)

@@ -1,0 +1,48 @@
+"""The picture of the house in CONTRIBUTING.md is that of the tree, and names what exists."""
+
+import ast
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+PACKAGES = ("geometry", "tmm", "fem", "validation")
+TEXT = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+#: Most source files that a folder may hold, so that each can still be found by its name.
+MOST_FILES = 14
+
+
+def rooms():
+    """Every folder of the packages, parents first."""
+    for package in PACKAGES:
+        yield from sorted(init.parent for init in (ROOT / package).rglob("__init__.py"))
+
+
+def picture():
+    """Return the tree with the first line of each folder's docstring."""
+    lines = []
+    for room in rooms():
+        path = room.relative_to(ROOT)
+        words = (ast.get_docstring(ast.parse((room / "__init__.py").read_text("utf-8"))) or "",)
+        name = "  " * (len(path.parts) - 1) + path.name + "/"
+        lines.append(f"{name:24}{words[0].splitlines()[0].rstrip('.')}")
+    return "\n".join(lines)
+
+
+def test_the_picture_is_the_tree():
+    """Whoever adds or renames a room redraws it: paste what the failure shows."""
+    drawn = re.search(r"```text\n(.*?)\n```", TEXT, flags=re.DOTALL)
+    assert drawn is not None
+    assert drawn[1] == picture()
+
+
+def test_every_path_named_exists():
+    """Files and folders in backticks are there."""
+    named = set(re.findall(r"`((?:geometry|fem|tmm|validation|tests|notebooks)/[\w./-]*)`", TEXT))
+    assert len(named) > 20
+    assert not [path for path in sorted(named) if not (ROOT / path).exists()]
+
+
+def test_rooms_are_small():
+    """A folder with more files than a glance can take wants rooms of its own."""
+    crowded = {str(room.relative_to(ROOT)): len(list(room.glob("*.py"))) - 1 for room in rooms()}
+    assert not {room: count for room, count in crowded.items() if count > MOST_FILES}

@@ -1,0 +1,157 @@
+"""One row makes a quantity: added at run time, it is in every command, and nowhere else."""
+
+import json
+
+import numpy as np
+import pytest
+
+from geometry.units import Unit
+from tmm.ports.readout import ModalReadout, Readout
+from validation.catalogue.quantities import QUANTITIES
+from validation.catalogue.row import AnswerReadout, QuantityRow
+from validation.command_line.cli import main
+from validation.engine.plan import make_plan
+from validation.engine.results import Measured
+from validation.engine.solve import solve
+from validation.report.comparison import compare
+from validation.scene.scene import load_scene
+from validation.scene.template import template
+from validation.studies.identification.curve_model import curve_model
+from validation.studies.uncertainty.propagation import parameter_uncertainty
+
+ACCELERATION = QuantityRow(
+    "tip_acceleration",
+    "m/s^2",
+    "lateral acceleration of the tip under the drive voltage",
+    Readout("w_tip", "motion", rate=2),
+    varied=True,
+    curve=Unit("m/s^2", "acceleration", "12.3 m/s^2", limits=(1e-9, 1e6)),
+)
+STIFFENING = QuantityRow(
+    "stiffening",
+    "1",
+    "by how much open electrodes raise the first frequency",
+    ModalReadout(("short", "open"), lambda short, opened: opened / short - 1.0),
+    varied=True,
+)
+ENERGY = QuantityRow(
+    "field_energy",
+    "J",
+    "energy of the magnetic field",
+    AnswerReadout(
+        "magnetic_point",
+        lambda point: Measured(
+            point.current * point.flux_linkage.value - point.coenergy.value,
+            point.current * point.flux_linkage.bar + point.coenergy.bar,
+        ),
+    ),
+)
+
+
+@pytest.fixture(autouse=True)
+def rows(monkeypatch):
+    """Add the rows for one test."""
+    for row in (ACCELERATION, STIFFENING, ENERGY):
+        monkeypatch.setitem(QUANTITIES, row.name, row)
+
+
+def said(capsys, *arguments):
+    assert main(list(arguments)) == 0
+    return capsys.readouterr().out
+
+
+def test_solve_gives_it_by_every_model_and_as_json(capsys):
+    """(jΩ)² times the displacement, each with its bar; the shift of the first frequency."""
+    out = said(
+        capsys, "solve", "prototype", "--set", "models=lumped,tmm,beam", "--frequency", "100,500",
+        "--quantity", "tip_acceleration,tip_displacement,stiffening,coupling_factor", "--json",
+    )  # fmt: skip
+    found = {(q["name"], q["model"]): q for q in json.loads(out)["quantities"]}
+    squared = -((2.0 * np.pi * np.array([100.0, 500.0])) ** 2)
+    for model in ("lumped", "tmm", "beam"):
+        acceleration, moved = (
+            np.array(found[name, model]["value"])
+            for name in ("tip_acceleration", "tip_displacement")
+        )
+        np.testing.assert_allclose(acceleration, squared[:, None] * moved, rtol=1e-14)
+        assert found["tip_acceleration", model]["unit"] == "m/s^2"
+        assert all(found["tip_acceleration", model]["uncertainty"])
+        coupling, shift = (found[n, model]["value"] for n in ("coupling_factor", "stiffening"))
+        assert shift == pytest.approx(1.0 / np.sqrt(1.0 - coupling**2) - 1.0, rel=1e-12)
+    assert "tip_acceleration" in said(
+        capsys, "solve", "prototype", "--model", "tmm", "--quantity", "tip_acceleration"
+    )
+
+
+def test_all_includes_it_and_help_and_template_name_it(capsys):
+    """Whoever looks for what can be asked for finds it."""
+    assert {"tip_acceleration", "stiffening"} <= set(load_scene("paper")[0].quantities)
+    reluctance = load_scene("reluctance", ["models=network", "quantities=all"])[0]
+    assert "field_energy" in reluctance.quantities
+    assert "lateral acceleration of the tip" in said(capsys, "solve", "--help")
+    assert "acceleration (m/s^2)" in said(capsys, "identify", "--help")
+    line = next(line for line in template().splitlines() if line.startswith("# quantities"))
+    assert "tip_acceleration" in line
+
+
+def test_the_plan_runs_what_it_needs():
+    """Its stages and no others, with its name as the reason."""
+    scene, _ = load_scene("prototype")
+    plan = make_plan(scene, ("tmm",), ("tip_acceleration",))
+    assert [(s.stage, s.reason) for s in plan.run] == [
+        ("tmm.ports", "for tip_acceleration"),
+        ("terminations", "for tip_acceleration"),
+    ]
+    assert [s.stage for s in make_plan(scene, ("beam",), ("stiffening",)).run] == ["beam.modes"]
+
+
+def test_sensitivities_follow(capsys):
+    """An acceleration depends on each parameter as the velocity does; the voltage counts once."""
+    out = said(
+        capsys, "sensitivity", "prototype", "--frequency", "300", "--quantity",
+        "tip_acceleration,tip_velocity,stiffening", "--json",
+    )  # fmt: skip
+    columns = {c["quantity"]: c["logarithmic"] for c in json.loads(out)["sensitivities"]}
+    assert columns["tip_acceleration"] == pytest.approx(columns["tip_velocity"], rel=1e-12)
+    assert columns["tip_acceleration"]["drive.voltage"] == pytest.approx(1.0, rel=1e-14)
+    # to first order the shift is half the square of the coupling factor, which goes as d31
+    assert columns["stiffening"]["piezo.d31"] == pytest.approx(2.0, rel=0.1)
+
+
+def test_uncertainty_varies_it():
+    """By exact slopes and by samples, which agree where the ranges are narrow."""
+    scene, _ = load_scene("prototype")
+    rows = {row.target.label: row for row in parameter_uncertainty(scene, evaluations=700)}
+    slow, shift = rows["tip acceleration, 10 Hz"], rows["stiffening"]
+    same = rows["tip displacement, 10 Hz"]
+    # both go alike with every parameter
+    assert slow.standard / slow.value == pytest.approx(same.standard / same.value, rel=1e-9)
+    assert slow.total.keys() == same.total.keys()
+    assert abs(shift.nonlinearity) < 0.2  # of 64 samples the scatter is known to 1/√128, twice
+
+
+def test_report_compares_it():
+    """Beside the other single numbers of its actuator, for either actuator."""
+    scene, _ = load_scene("prototype", ["models=lumped,tmm"])
+    rows = compare(scene, solve(scene).quantities, "bimorph")
+    shift = next(row for row in rows if row.quantity == "stiffening")
+    assert [cell.verdict for cell in shift.cells] == ["model form", "reference"]
+    magnetic, _ = load_scene("reluctance", ["models=network", "quantities=field_energy,coenergy"])
+    solution = solve(magnetic)
+    rows = compare(magnetic, solution.quantities, "reluctance")
+    assert [row.quantity for row in rows] == ["coenergy", "field_energy"]
+    # of saturable iron the energy is less than the co-energy
+    assert 0.0 < rows[1].cells[0].value < rows[0].cells[0].value
+
+
+def test_identify_fits_a_curve_of_it(tmp_path, capsys):
+    """A column named like the curve is read, fitted and reported."""
+    f = np.linspace(100.0, 1500.0, 40)
+    curve = curve_model(load_scene("prototype")[0], "tip_acceleration", f, ())(np.zeros(0))
+    table = "\n".join(f"{at}, {abs(value)}" for at, value in zip(f, curve, strict=True))
+    file = tmp_path / "sweep.csv"
+    file.write_text(f"frequency (Hz), acceleration (m/s^2)\n{table}\n", encoding="utf-8")
+    found = json.loads(said(capsys, "identify", str(file), "--json"))
+    assert found["data"]["curve"] == "acceleration"
+    values = [entry["value"] for entry in found["parameters"]]
+    assert values == pytest.approx([0.24, 4.46e-6], rel=1e-6)  # exact data

@@ -1,0 +1,65 @@
+"""``tactgen verify``: rows with a verdict, an exit code that tells, bad groups refused."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from validation.checks import bimorph, verification
+from validation.command_line.cli import main
+
+FEW = tuple(c for c in bimorph.CHECKS if c.id in ("TMM-5", "FIN-1", "PAP-2", "SOL-3"))
+FIELDS = {
+    "id", "group", "tier", "requirement", "measured", "reference", "source", "tolerance",
+    "reason", "verdict",
+}  # fmt: skip
+
+
+@pytest.fixture
+def few(monkeypatch):
+    monkeypatch.setattr(bimorph, "CHECKS", FEW)
+
+
+def run(capsys, *arguments):
+    code = main(["verify", *arguments])
+    out, err = capsys.readouterr()
+    return code, out, err
+
+
+def test_rows_carry_what_a_reader_needs(few, capsys):
+    """JSON rows are complete, a known difference is explained, a heavy row is skipped."""
+    code, out, err = run(capsys, "--only", "bimorph", "--json")
+    rows = {row["id"]: row for row in json.loads(out)["rows"]}
+    assert (code, err) == (0, "")
+    assert all(set(row) >= FIELDS for row in rows.values())
+    verdicts = {name: row["verdict"] for name, row in rows.items()}
+    assert verdicts == {
+        "TMM-5": "pass", "FIN-1": "pass", "PAP-2": "explained", "SOL-3": "skipped",
+    }  # fmt: skip
+    assert rows["SOL-3"]["measured"] is None
+    assert rows["PAP-2"]["explained"]
+
+
+def test_a_failure_is_the_exit_code(monkeypatch, capsys):
+    """One row off by more than its tolerance: exit code 1, and the table says which."""
+    wrong = replace(FEW[0], measure=lambda: 2.0 * FEW[0].reference)
+    monkeypatch.setattr(bimorph, "CHECKS", (wrong,))
+    code, out, _ = run(capsys, "--only", "bimorph")
+    assert code == 1
+    assert "TMM-5     fail" in out
+    assert out.splitlines()[-1] == "0 pass, 0 explained, 1 fail, 0 skipped"
+
+
+def test_unknown_group_is_refused(capsys):
+    """One sentence that names what is known."""
+    code, out, err = run(capsys, "--only", "bimorf")
+    assert (code, out) == (2, "")
+    assert 'did you mean "bimorph"' in err
+
+
+def test_heavy_rows_run_when_asked_for(monkeypatch):
+    """Nothing is left out then."""
+    monkeypatch.setattr(bimorph, "CHECKS", (replace(FEW[0], heavy=True),))
+    said = []
+    (row,) = verification.verify(("bimorph",), heavy=True, announce=said.append)
+    assert (row["verdict"], said) == ("pass", [f"check {FEW[0].id}"])

@@ -1,0 +1,35 @@
+"""The beam elements' error bars hold against the exact transfer-matrix model, rounding included."""
+
+import numpy as np
+import pytest
+
+from validation.engine.solve import solve
+from validation.scene.scene import load_scene
+
+CASES = {
+    "paper": ("paper",),
+    "clamped": ("paper", "support.kind=clamped"),
+    "soft spring": ("prototype", "support.rotational_stiffness=0.002 N*m/rad"),
+    "slender": ("paper", "bimorph.length=200mm", "load.kind=none"),
+    "stubby": ("paper", "bimorph.length=2mm"),
+    "tab": ("paper", "bimorph.tab_length=2mm"),
+    "glued": ("generator",),
+    "series": ("prototype", "bimorph.wiring=series"),
+}
+
+
+def solved(scene, *overrides):
+    quantities = "tip_displacement,admittance,blocked_force,static_tip_displacement"
+    quantities += ",capacitance_free,short_circuit_frequencies,open_circuit_frequencies"
+    wanted = ("models=tmm,beam", f"quantities={quantities}", "frequency=10,100,300,999")
+    return solve(load_scene(scene, [*overrides, *wanted])[0])
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_bars_cover_the_distance_from_tmm(case):
+    """Both solve one theory, so what separates them is error, and their bars say how much."""
+    solution = solved(*CASES[case])
+    for name in dict.fromkeys(q.name for q in solution.quantities):
+        exact, found = (solution.get(name, model) for model in ("tmm", "beam"))
+        distance = np.abs(found.value - exact.value)
+        assert (distance <= found.uncertainty + exact.uncertainty).all(), name

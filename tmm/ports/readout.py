@@ -1,0 +1,132 @@
+"""How a quantity is read off a model: from its terminated ports, or from its natural frequencies.
+
+Declarative, so that a solved model, the parametric one with its derivatives and a fit all
+read the same formula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from geometry.arrays import Complex, Floats
+from tmm.ports.multiport import Multiport, Response, respond
+from tmm.ports.port import BIMORPH, VOLTAGE
+
+#: The bimorph's mechanical ports, and the electrical one.
+MECHANICAL = tuple(port.name for port in BIMORPH if port.pair != VOLTAGE)
+ELECTRICAL = "voltage"
+
+Circuit = Literal["short", "open"]
+
+
+@dataclass(frozen=True)
+class Readout:
+    """A variable of one port under the drive voltage, everything attached.
+
+    Attributes
+    ----------
+    port : str
+        Name of the port.
+    of : {"motion", "effort"}
+        Displacement-like variable, or force-like (charge at the electrical port).
+    rate : int
+        How many times jΩ multiplies it: 1 for a velocity or a current, 2 for an acceleration.
+    static : bool
+        Whether it is that of the lossless model at 0 Hz, a real number.
+    unit_voltage : bool
+        Whether it is per volt.
+    held : tuple of str
+        Ports held at rest besides a clamped base.
+    level : callable, optional
+        Of frequencies (n,) in Hz.  If given, the quantity is the voltage at which the
+        variable's magnitude reaches that level (n,); `unit_voltage` is then set, too.
+    """
+
+    port: str
+    of: Literal["motion", "effort"]
+    rate: int = 0
+    static: bool = False
+    unit_voltage: bool = False
+    held: tuple[str, ...] = ()
+    level: Callable[[Floats], Floats] | None = None
+
+    @property
+    def has_free_ports(self) -> bool:
+        """Whether some mechanical port can move, if the support lets it."""
+        return len(self.held) < len(MECHANICAL)
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether what is attached to the tip with its losses enters."""
+        return not self.static and "w_tip" not in self.held
+
+    @property
+    def is_transduced(self) -> bool:
+        """Whether it is nothing without piezoelectricity."""
+        return self.port != ELECTRICAL
+
+    def read(self, port: Multiport, voltage: Any) -> Complex:
+        """Return the quantity (n,); a level's voltage is real, nan where nothing moves.
+
+        Parameters
+        ----------
+        port : Multiport
+            The actuator with support and load attached, wired as the device is.
+        voltage : number or (n,) array
+            Amplitude of the drive (V), not looked at with `unit_voltage`.
+        """
+        response = respond(port, self.drive(port, 1.0))
+        return self.scaled(self.variable(response), voltage, port.frequencies)
+
+    def drive(self, port: Multiport, voltage: float) -> dict[str, float]:
+        """Return the motions that are prescribed: the voltage, and what is held."""
+        return {ELECTRICAL: voltage} | {name: 0.0 for name in self.held if name in port.names}
+
+    def variable(self, response: Response) -> Complex:
+        """Return the port's variable (n,)."""
+        return (response.motion if self.of == "motion" else response.effort)[self.port]
+
+    def scaled(self, variable: Complex, voltage: Any, frequencies: Floats) -> Complex:
+        """Return the quantity (n,) from the port's variable (n,) per volt."""
+        found = variable if self.unit_voltage else variable * voltage
+        for _ in range(self.rate):
+            found = 2j * np.pi * frequencies * found
+        if self.level is None:
+            return np.asarray(found)
+        size = np.abs(found)  # no voltage moves what does not respond
+        return np.asarray(self.level(frequencies) / np.where(size > 0.0, size, np.nan))
+
+
+@dataclass(frozen=True)
+class PortMatrix:
+    """The whole matrix D(Ω), (n, 5, 5), without support and load."""
+
+
+@dataclass(frozen=True)
+class ModalReadout:
+    """Natural frequencies of the lossless model, or a number made from the first ones.
+
+    Attributes
+    ----------
+    circuits : tuple of {"short", "open"}
+        Whose modes it is made from: at U = 0, or at Q = 0.
+    combine : callable, optional
+        An analytic function of the first bending frequencies in x (Hz) of these circuits, one
+        argument each, numbers or arrays; without it the quantity is the list of frequencies
+        of the one circuit.
+    rounding_gain : callable
+        By how much `combine` magnifies relative rounding of the frequencies, from its value.
+    """
+
+    circuits: tuple[Circuit, ...]
+    combine: Callable[..., Any] | None = None
+    rounding_gain: Callable[[float], float] = lambda _: 1.0
+
+    @property
+    def is_transduced(self) -> bool:
+        """Whether it is nothing without piezoelectricity, which makes the circuits differ."""
+        return len(self.circuits) > 1

@@ -1,0 +1,222 @@
+"""Every model by name: what it is, where it is, what it gives, and what each stage reads.
+
+One row a model; plan, solver, report and command line derive from it.  A model's module is
+imported when the model runs and not before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from validation.catalogue.needs import Actuator, Need
+from validation.catalogue.quantities import QUANTITIES
+from validation.catalogue.row import QuantityRow
+
+#: Equations that a model solves: two of one theory differ by no more than their error bars.
+Theory = Literal["beam", "solid", "circuit", "field"]
+
+
+@dataclass(frozen=True)
+class ModelRow:
+    """One model of one actuator.
+
+    Attributes
+    ----------
+    name, description : str
+        Name in the interface, one line of explanation.
+    actuator : {"bimorph", "reluctance"}
+        What it is a model of.
+    module, kind : str
+        Where its class is, a :class:`validation.engine.model.Model`.
+    theory : str
+        The equations it solves.
+    stages : dict of str to tuple of str
+        Its stages in the order in which they run, each with the scene keys that it reads.
+    rank : int
+        How much it knows compared with others of its actuator: the highest judges them.
+    gives : dict of str to tuple of str
+        What it can be asked for, each with the stages that the answer needs, in order.
+    shortcut : str
+        What it leaves out of its theory, except at 0 Hz; empty if nothing.
+    quick : bool
+        Whether it answers anything in a fraction of a second.
+    remedy : str
+        What to do when its error bar is wider than asked for, if it can be.
+    kept : tuple of str
+        Stages whose results are kept in the store, since they cost more than reading them.
+    loads : tuple of str
+        Modules and packages that compute them without being imported by name.
+    """
+
+    name: str
+    description: str
+    actuator: Actuator
+    module: str
+    kind: str
+    theory: Theory
+    rank: int
+    stages: Mapping[str, tuple[str, ...]]
+    gives: Mapping[Need, tuple[str, ...]]
+    shortcut: str = ""
+    quick: bool = False
+    remedy: str = ""
+    kept: tuple[str, ...] = ()
+    loads: tuple[str, ...] = ()
+
+    def reads(self, group: str) -> bool:
+        """Return whether some stage reads a scene key of a group, or a key without one."""
+        keys = (key for read in self.stages.values() for key in read)
+        return any(key.split(".", maxsplit=1)[0] == group for key in keys)
+
+    def stages_for(self, quantity: QuantityRow) -> tuple[str, ...]:
+        """Return the names of the stages that a quantity needs, in order."""
+        own = [f"{self.name}.{stage}" for need in quantity.needs for stage in self.gives[need]]
+        # whatever is read off the ports has something attached to them
+        ports = [TERMINATIONS] if {"static", "harmonic"} & set(quantity.needs) else []
+        return tuple(dict.fromkeys((*own, *ports)))
+
+
+_PIECES = ("bimorph", "piezo", "shim", "beam", "support.kind", "glue", "rod")
+_FIXED = ("support", "load")
+# tetrahedra are refined by what is solved on them
+_SOLID = ("bimorph", "support.kind", "glue", "rod", "mesh", "accuracy", "piezo", "shim")
+_MAGNETIC = (
+    "rod.radius", "rod.head_radius", "rod.head_thickness", "rod.flange_radius",
+    "rod.flange_thickness", "rod.flange_position", "rod.length", "coil.inner_radius",
+    "coil.outer_radius", "coil.length", "coil.position", "coil.turns", "coil.current", "sleeve",
+    "steel.curve", "gap",
+)  # fmt: skip
+#: The map covers what the spring may ask of it.
+_MAP = (*_MAGNETIC, "spring")
+_SLOT = (
+    "support.kind", "rod.slot_depth", "bimorph.width", "bimorph.shim_thickness", "glue.thickness",
+)  # fmt: skip
+
+_ROW_GIVES: Mapping[Need, tuple[str, ...]] = {
+    "static": ("static",), "modes_short": ("modes",), "modes_open": ("modes",),
+    "harmonic": ("ports",),
+}  # fmt: skip
+_MAGNETIC_GIVES: Mapping[Need, tuple[str, ...]] = {
+    "magnetic_point": ("point",), "magnetic_map": ("map", "switching"),
+}  # fmt: skip
+_MAGNETIC_KEPT = ("point", "map", "switching")
+#: The mesher runs in a process that is started by its file.
+_MESHER = ("geometry.meshing.tetwild",)
+
+
+def _row_stages(*modes: str) -> dict[str, tuple[str, ...]]:
+    return {
+        "ports": (*_PIECES, "frequency"),
+        "static": _PIECES,
+        "modes": (*_PIECES, *_FIXED, *modes),
+    }
+
+
+_ROWS = (
+    ModelRow(
+        "lumped", "static closed forms, consistent mass, one-mode circuit", "bimorph",
+        "validation.models.bimorph.rows", "LumpedModel", theory="beam", rank=1,
+        stages=_row_stages(), gives=_ROW_GIVES, quick=True,
+        shortcut="the inertia is that of the static shapes",
+    ),
+    ModelRow(
+        "tmm", "exact Timoshenko transfer-matrix model (paper appendix A, corrected)", "bimorph",
+        "validation.models.bimorph.rows", "TmmModel", theory="beam", rank=2,
+        stages=_row_stages("modes"), gives=_ROW_GIVES, quick=True,
+    ),
+    ModelRow(
+        "beam", "Timoshenko beam finite elements", "bimorph",
+        "validation.models.bimorph.beam", "BeamModel", theory="beam", rank=3,
+        stages=_row_stages("modes"), gives=_ROW_GIVES, quick=True,
+    ),
+    ModelRow(
+        "solid", "3D piezoelectric solid finite elements", "bimorph",
+        "validation.models.bimorph.solid", "SolidModel", theory="solid", rank=5,
+        stages={
+            "mesh": _SOLID,
+            "assembly": _SOLID,
+            "static": _SOLID,
+            "modal": (*_SOLID, "modes"),
+            "modes_short": (*_SOLID, *_FIXED, "modes"),
+            "modes_open": (*_SOLID, *_FIXED, "modes"),
+            "ports": (*_SOLID, "frequency"),
+        },
+        gives={
+            "static": ("mesh", "assembly", "static"),
+            "modes_short": ("mesh", "assembly", "modal", "modes_short"),
+            "modes_open": ("mesh", "assembly", "modal", "modes_open"),
+            "harmonic": ("mesh", "assembly", "ports"),
+        },
+        remedy="raise mesh.level (at most 5) or accept the bar",
+        kept=("static", "modal", "ports"), loads=_MESHER,
+    ),
+    ModelRow(
+        "network", "lumped reluctance network with fringing, leakage and saturation", "reluctance",
+        "validation.models.reluctance.model", "NetworkModel", theory="circuit", rank=1,
+        stages={"point": _MAGNETIC, "map": _MAP, "switching": _MAP}, gives=_MAGNETIC_GIVES,
+        quick=True, kept=_MAGNETIC_KEPT,
+    ),
+    ModelRow(
+        "axisymmetric", "nonlinear magnetic field in the half section, finite elements",
+        "reluctance", "validation.models.reluctance.field", "AxisymmetricModel",
+        theory="field", rank=3,
+        stages={"point": (*_MAGNETIC, "accuracy"), "map": _MAP, "switching": (*_MAP, "accuracy")},
+        gives=_MAGNETIC_GIVES, remedy="its finest grid was used, so accept the bar",
+        kept=_MAGNETIC_KEPT,
+    ),
+    ModelRow(
+        "magnetic3d", "nonlinear magnetic field in 3D by vector and scalar potential",
+        "reluctance", "validation.models.reluctance.field", "Magnetic3dModel",
+        theory="field", rank=2,
+        stages={
+            "point": (*_MAGNETIC, "accuracy", "mesh.kind", *_SLOT),
+            "map": (*_MAP, "mesh.kind"),
+            "switching": (*_MAP, "accuracy", "mesh.kind"),
+        },
+        gives=_MAGNETIC_GIVES, remedy="its finest mesh was used, so accept the bar",
+        kept=_MAGNETIC_KEPT, loads=_MESHER,
+    ),
+)  # fmt: skip
+
+#: Cheapest first within each actuator.
+MODELS: dict[str, ModelRow] = {row.name: row for row in _ROWS}
+
+#: The stage that all models of the bimorph share: what is attached to their ports.
+TERMINATIONS = "terminations"
+_ATTACHED = ("support", "load", "drive", "bimorph.wiring", "frequency")
+
+
+def models_of(actuator: Actuator) -> tuple[str, ...]:
+    """Return the names of an actuator's models, cheapest first."""
+    return tuple(name for name, row in MODELS.items() if row.actuator == actuator)
+
+
+def ranked(models: Iterable[str]) -> list[str]:
+    """Return models in the order of their rank; the last is what the others are held against."""
+    return sorted(models, key=lambda name: MODELS[name].rank)
+
+
+def gives(model: str, quantity: str) -> bool:
+    """Return whether a model can compute a quantity."""
+    return set(QUANTITIES[quantity].needs) <= set(MODELS[model].gives)
+
+
+def stage_reads() -> dict[str, tuple[str, ...]]:
+    """Return the scene keys that each stage reads; a changed voltage re-meshes nothing."""
+    own = {
+        f"{row.name}.{stage}": reads
+        for row in MODELS.values()
+        for stage, reads in row.stages.items()
+    }
+    return own | {TERMINATIONS: _ATTACHED}
+
+
+def stage_code() -> dict[str, tuple[str, ...]]:
+    """Return, of each stage whose result is kept, the modules that compute it."""
+    return {
+        f"{row.name}.{stage}": (row.module, *row.loads)
+        for row in MODELS.values()
+        for stage in row.kept
+    }

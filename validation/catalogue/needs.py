@@ -1,0 +1,25 @@
+"""What a model can be asked for, and of which actuator; quantities are read off the answers."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+Need = Literal["static", "modes_short", "modes_open", "harmonic", "magnetic_point", "magnetic_map"]
+Actuator = Literal["bimorph", "reluctance"]
+
+
+class NeedRow(NamedTuple):
+    """An answer: the actuator that it is about, and what it is in words."""
+
+    actuator: Actuator
+    words: str
+
+
+NEEDS: dict[Need, NeedRow] = {
+    "static": NeedRow("bimorph", "a static value"),
+    "modes_short": NeedRow("bimorph", "short-circuit modes"),
+    "modes_open": NeedRow("bimorph", "open-circuit modes"),
+    "harmonic": NeedRow("bimorph", "the response at given frequencies"),
+    "magnetic_point": NeedRow("reluctance", "the magnetic circuit at one current and gap"),
+    "magnetic_map": NeedRow("reluctance", "the magnetic circuit over the stroke"),
+}

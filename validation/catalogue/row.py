@@ -1,0 +1,117 @@
+"""What a quantity is: one declarative row, from which every command derives what it needs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from geometry.units import Unit
+from tmm.ports.readout import ModalReadout, PortMatrix, Readout
+from validation.catalogue.needs import NEEDS, Actuator, Need
+
+
+@dataclass(frozen=True)
+class AnswerReadout:
+    """A value with its error bar, as a model's answer holds it.
+
+    Attributes
+    ----------
+    need : str
+        The answer that is asked for.
+    of : callable
+        Takes the answer, gives a :class:`validation.engine.results.Measured`.
+    """
+
+    need: Need
+    of: Callable[[Any], Any]
+
+
+@dataclass(frozen=True)
+class QuantityRow:
+    """One quantity that can be asked for.
+
+    Attributes
+    ----------
+    name, unit, meaning : str
+        Name in the interface, SI unit, one line of explanation.
+    read : Readout, ModalReadout, PortMatrix or AnswerReadout
+        How it is read off a model; all that follows from it are properties.
+    label : str
+        What people call it; the name in words if left out.
+    headline : bool
+        Whether it stands at the head of a report.
+    varied : bool
+        Whether studies of uncertainty look at it: a response at a few frequencies, of modes
+        the first.
+    curve : Unit, optional
+        If it can be measured as a frequency response: what its column is called, and the
+        magnitudes that can be meant.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    read: Readout | ModalReadout | PortMatrix | AnswerReadout
+    label: str = ""
+    headline: bool = False
+    varied: bool = False
+    curve: Unit | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "label", self.label or self.name.replace("_", " "))
+
+    @property
+    def needs(self) -> tuple[Need, ...]:
+        """Answers of a model that it is computed from."""
+        match self.read:
+            case Readout(static=True):
+                return ("static",)
+            case ModalReadout(circuits=circuits):
+                of: dict[str, Need] = {"short": "modes_short", "open": "modes_open"}
+                return tuple(of[circuit] for circuit in circuits)
+            case AnswerReadout(need=need):
+                return (need,)
+            case _:
+                return ("harmonic",)
+
+    @property
+    def port_readout(self) -> Readout:
+        """How it is read off terminated ports, if it is."""
+        assert isinstance(self.read, Readout), f"{self.name} is not read off terminated ports"
+        return self.read
+
+    @property
+    def actuator(self) -> Actuator:
+        """Which actuator it is a quantity of."""
+        return NEEDS[self.needs[0]].actuator
+
+    @property
+    def by_frequency(self) -> bool:
+        """Whether it is an array over the frequencies asked for."""
+        return "harmonic" in self.needs
+
+    @property
+    def static(self) -> bool:
+        """Whether it is a value at 0 Hz."""
+        return "static" in self.needs
+
+    @property
+    def loaded(self) -> bool:
+        """Whether the tip's load enters with its losses."""
+        return isinstance(self.read, Readout) and self.read.is_loaded
+
+    @property
+    def held_by_support(self) -> bool:
+        """Whether only the support keeps the actuator from moving as a rigid body."""
+        return isinstance(self.read, Readout) and self.read.has_free_ports
+
+    @property
+    def has_level(self) -> bool:
+        """Whether it is the voltage that reaches a level, which is stated in a range only."""
+        return isinstance(self.read, Readout) and self.read.level is not None
+
+    @property
+    def is_transduced(self) -> bool:
+        """Whether it is nothing without piezoelectricity."""
+        return isinstance(self.read, Readout | ModalReadout) and self.read.is_transduced

@@ -1,0 +1,97 @@
+"""What a check is: one declarative row, in one of four tiers, and how it is measured.
+
+Tiers are never mixed.  The test suite, the report and the documentation read the same rows.  A
+row that is known not to agree says why; it is shown, not hidden, and not counted as passed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+Tier = Literal["code verification", "solution verification", "cross-model", "validation"]
+Status = Literal["pass", "fail", "differs, explained"]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One requirement with its reference and its tolerance.
+
+    Attributes
+    ----------
+    id, tier, requirement : str
+        The requirement is a sentence.
+    reference : float or (float, float)
+        Reference value in `unit`, or the range in which the value must lie.
+    tolerance : float
+        Accepted relative deviation from the value, or beyond the range.
+    reason : str
+        Why the tolerance is what it is.
+    measure : callable
+        Computes the value.
+    explained : str
+        Why the row is known to differ; empty where it must pass.
+    known : float
+        The deviation that the explanation was written for; another one fails.
+    heavy : bool
+        Whether it takes more than a few seconds.
+    scene : str
+        The built-in scene whose report shows it; empty where it is about the suite alone.
+    """
+
+    id: str
+    tier: Tier
+    requirement: str
+    reference: float | tuple[float, float]
+    unit: str
+    source: str
+    tolerance: float
+    reason: str
+    measure: Callable[[], float]
+    explained: str = ""
+    known: float = 0.0
+    heavy: bool = False
+    scene: str = ""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A check with what came out."""
+
+    check: Check
+    measured: float
+    deviation: float
+    status: Status
+
+
+#: How far a known deviation may move before its explanation no longer counts.
+_STILL = 0.02
+
+
+def run_check(check: Check) -> Outcome:
+    """Measure one row."""
+    measured = float(check.measure())
+    deviation = _deviation(measured, check.reference)
+    if abs(deviation) <= check.tolerance:
+        status: Status = "pass"
+    else:
+        still = check.explained and abs(deviation - check.known) <= _STILL
+        status = "differs, explained" if still else "fail"
+    return Outcome(check, measured, deviation, status)
+
+
+def _deviation(measured: float, reference: float | tuple[float, float]) -> float:
+    """Return the relative distance from a value, or from the nearer end of a range.
+
+    Relative to that end; where it is 0, to the range's other end, and without one infinite.
+    """
+    ends = reference if isinstance(reference, tuple) else (reference, reference)
+    nearest = min(max(measured, ends[0]), ends[1])
+    if measured == nearest:
+        return 0.0
+    if nearest:
+        return measured / nearest - 1.0
+    size = max(map(abs, ends))
+    return math.copysign(abs(measured) / size if size else math.inf, measured)

@@ -1,0 +1,121 @@
+"""Quantities read off models' answers, each with its numerical error bar.
+
+What is read off the fine result is also read off the coarser ones; the distances are the bar.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.bimorph.ends import Ends
+from tmm.ports.multiport import Multiport, in_series, round_off
+from tmm.ports.readout import ModalReadout, PortMatrix, Readout
+from tmm.ports.terminations import attach
+from validation.catalogue.models import TERMINATIONS
+from validation.catalogue.row import AnswerReadout, QuantityRow
+from validation.engine.model import Model, Modes, Refined
+
+Array = NDArray[Any]
+
+#: Rounding of a frequency that a model solved for exactly.
+_ROUNDING = 1e-13
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A number or array with its absolute error bar, how that came about, and modes' classes."""
+
+    value: Array
+    bar: Array
+    method: str
+    classes: tuple[str, ...] | None = None
+
+
+def read(row: QuantityRow, model: Model) -> Judged:
+    """Return a quantity by a model that gives it."""
+    answers = [model.answer(need) for need in row.needs]
+    match row.read:
+        case AnswerReadout(of=of):
+            found = of(answers[0])
+            return Judged(np.asarray(found.value), np.asarray(found.bar), answers[0].method)
+        case ModalReadout(combine=None):
+            return _frequencies(answers[0], model.scene.modes)
+        case ModalReadout():
+            return _combination(row.read, answers)
+        case PortMatrix() | Readout():
+            return _at_ports(row.read, model, answers[0])
+
+
+def _judge(refined: Refined[Any], of: Callable[[Any], Any], rounding: Any) -> Judged:
+    """Apply `of` to the fine and the coarser results; the bars add."""
+    value = np.asarray(of(refined.fine))
+    bar = np.abs(value) * (rounding + refined.rounding)
+    for coarser, factor in refined.coarser:
+        bar = bar + factor * np.abs(value - np.asarray(of(coarser)))
+    return Judged(value, np.asarray(bar, dtype=float), refined.method)
+
+
+def _at_ports(readout: Readout | PortMatrix, model: Model, refined: Refined[Multiport]) -> Judged:
+    scene = model.scene
+    ends = _ends(model)
+    static = isinstance(readout, Readout) and readout.static
+    ends = ends.lossless if static else ends
+    rounding: Any = round_off(attach(refined.fine, ends)) * (1.0 + refined.elimination)
+
+    def wired(port: Multiport) -> Multiport:
+        return in_series(port) if scene.bimorph.wiring == "series" else port
+
+    if isinstance(readout, PortMatrix):
+        return _judge(refined, lambda port: wired(port).stiffness, rounding[:, None, None])
+
+    def of(port: Multiport) -> Array:
+        found = readout.read(attach(wired(port), ends), scene.drive.voltage)
+        return np.asarray(found[0].real) if static else found
+
+    return _judge(refined, of, rounding[0] if static else rounding)
+
+
+def _ends(model: Model) -> Ends:
+    """Return what the scene attaches."""
+    return model.stages.run(TERMINATIONS, lambda: model.scene.ends)
+
+
+def _frequencies(refined: Refined[Modes], count: int) -> Judged:
+    rounding = _ROUNDING + _by_mode(refined)[:count]
+    found = _judge(replace(refined, rounding=0.0), lambda m: m.frequencies[:count], rounding)
+    return replace(found, classes=refined.fine.classes[:count])
+
+
+def _combination(readout: ModalReadout, answers: Sequence[Refined[Modes]]) -> Judged:
+    combine = readout.combine
+    assert combine is not None
+
+    def of(modes: Sequence[Modes]) -> Array:
+        return np.asarray(combine(*(m.first_bending for m in modes)))
+
+    together = Refined(
+        tuple(answer.fine for answer in answers),
+        tuple(
+            (tuple(modes for modes, _ in level), max(factor for _, factor in level))
+            for level in zip(*(answer.coarser for answer in answers), strict=True)
+        ),
+        answers[0].method,
+    )
+    rounding = sum((_of_bending(answer) for answer in answers), _ROUNDING)
+    return _judge(together, of, rounding * readout.rounding_gain(float(of(together.fine))))
+
+
+def _by_mode(refined: Refined[Modes]) -> Array:
+    """Return the rounding error of each mode."""
+    return np.broadcast_to(refined.rounding, refined.fine.frequencies.shape)
+
+
+def _of_bending(refined: Refined[Modes]) -> float:
+    """Return the rounding error of the first bending mode in x, nan if there is none."""
+    bends = np.array(refined.fine.classes) == "bending_x"
+    return float(_by_mode(refined)[bends][0]) if bends.any() else float("nan")
