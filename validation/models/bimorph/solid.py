@@ -117,7 +117,7 @@ class SolidModel(BimorphModel):
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes."""
         return self.run(
-            "modes_open" if open_circuit else "solid.modes_short",
+            "modes_open" if open_circuit else "modes_short",
             lambda: self._modes(open_circuit=open_circuit),
         )
 
