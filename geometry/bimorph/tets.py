@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.cad.solids import build_solids, fuse, thinnest_feature
+from geometry.cad.solids import build_solids, fuse, quartered, thinnest_feature
 from geometry.cad.tessellation import Plane, Tessellation, tessellate
 from geometry.device.layout import BIMORPH, MM, Standing, ceramic_base, layout, rod_base, shim_base
 from geometry.device.parameters import Device
 from geometry.errors import InputError, MeshError
 from geometry.meshing.mesh import Floats, Mesh
 from geometry.meshing.mesh_cache import cache_key, store_mesh, stored_mesh
+from geometry.meshing.mirror import MIRRORS
 from geometry.meshing.tetwild.conform import NamedFace, conform
 from geometry.meshing.tetwild.run import SizingField, run_ftetwild, sizing_along_z, sizing_at_points
 from geometry.meshing.tetwild.sizing import Sizing
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["MeshError", "TetMeshing", "squeezed", "tetrahedralise"]
 
 #: Part of every cache key: raise it when the same input gives another mesh.
-VERSION = 3
+VERSION = 4
 
 #: How far the mesher may stray from the surface, as a share of the thinnest feature, since
 #: its vertices are put back afterwards; …
@@ -77,6 +78,9 @@ class TetMeshing:
     curved : bool
         Give curved boundaries curved elements (ten nodes).  If False, elements are
         straight and the regions lose what lies between chord and arc.
+    quarter : bool
+        Mesh what lies at x ≥ 0 and y ≥ 0 only; its cuts are named as
+        :data:`geometry.meshing.mirror.MIRRORS`.
     time_limit : float
         Time for the mesher, all attempts together (s).
 
@@ -90,6 +94,7 @@ class TetMeshing:
     root_edge_length: float | None = None
     grading: float = 0.1
     curved: bool = True
+    quarter: bool = False
     time_limit: float = 300.0
 
     def __post_init__(self) -> None:
@@ -147,6 +152,9 @@ def tetrahedralise(
     """
     parts = layout(device, standing, regions)
     named = _named_faces(device, standing, tuple(parts))
+    if options.quarter:
+        named = {name: face for name, face in named.items() if "bottom" not in name}
+        named |= {name: NamedFace(_plane(i, 0.0), tuple(parts)) for i, name in enumerate(MIRRORS)}
     # from the tab's lower end to the ceramic's lower edge: where the bending begins
     root = (shim_base(device, standing) * MM, ceramic_base(device, standing) * MM)
     shape: tuple[object, ...] = (
@@ -154,11 +162,12 @@ def tetrahedralise(
         if sizing
         else (options.edge_length, options.root_edge_length, options.grading, options.curved)
     )
-    key = cache_key(VERSION, parts, named, shape, root)
+    key = cache_key(VERSION, parts, named, shape, options.quarter, root)
     kept = stored_mesh(key)
     if kept is not None:
         return kept
-    solids = fuse(build_solids(device, tuple(parts), standing))
+    built = build_solids(device, tuple(parts), standing)
+    solids = fuse(quartered(built) if options.quarter else built)
     stretching = _stretching(device, standing)
     mesh = _first_good_mesh(solids, named, root, options, sizing, stretching)
     store_mesh(key, mesh)
