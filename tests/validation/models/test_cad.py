@@ -38,7 +38,7 @@ def test_cad_agrees_with_bricks_within_both_bars(both):
 
 def test_comparison_takes_the_bricks_as_reference(both):
     """The report's table: cad agrees, and a bar that is too narrow would be called by its name."""
-    for row in compare(both):
+    for row in compare(both.scene, both.quantities, "bimorph"):
         verdicts = {cell.model: cell.verdict for cell in row.cells}
         assert verdicts["solid"] == "reference"
         assert verdicts["cad"] == "agrees"
