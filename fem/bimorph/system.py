@@ -129,6 +129,18 @@ class Material:
     density: float
     piezo: PiezoTensors | None = None
 
+    def flux_tensor(self, unit: float) -> Numbers:
+        """Return C (4, 3, 4, 3): flux (p, a) = C grad (q, b) of (u_x, u_y, u_z, φ / unit)."""
+        tensor = np.zeros((4, 3, 4, 3), dtype=self.c.dtype)
+        tensor[:3, :, :3, :] = self.c[VOIGT[:, :, None, None], VOIGT[None, None]]
+        if self.piezo is not None:
+            tensor = tensor.astype(np.result_type(self.c, self.piezo.e, self.piezo.eps))
+            e = unit * self.piezo.e[:, VOIGT]
+            tensor[:3, :, 3, :] = np.moveaxis(e, 0, 2)
+            tensor[3, :, :3, :] = e
+            tensor[3, :, 3, :] = -(unit**2) * self.piezo.eps
+        return tensor
+
 
 def materials(
     device: Device, regions: tuple[str, ...], ceramic: Piezoceramic, *, lossy: bool

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.cad.solids import build_solids, fuse, thinnest_feature
+from geometry.cad.solids import build_solids, fuse, quartered, thinnest_feature
 from geometry.cad.tessellation import Plane, Tessellation, tessellate
 from geometry.device.layout import BIMORPH, MM, Standing, ceramic_base, layout, rod_base, shim_base
 from geometry.device.parameters import Device
 from geometry.errors import InputError, MeshError
 from geometry.meshing.mesh import Floats, Mesh
+from geometry.meshing.mirror import MIRRORS
 from geometry.meshing.tetwild.conform import NamedFace, conform
 from geometry.meshing.tetwild.run import SizingField, run_ftetwild, sizing_along_z, sizing_at_points
 from geometry.meshing.tetwild.sizing import Sizing
@@ -77,6 +78,9 @@ class TetMeshing:
     curved : bool
         Give curved boundaries curved elements (ten nodes).  If False, elements are
         straight and the regions lose what lies between chord and arc.
+    quarter : bool
+        Mesh what lies at x ≥ 0 and y ≥ 0 only; its cuts are named as
+        :data:`geometry.meshing.mirror.MIRRORS`.
     time_limit : float
         Time for the mesher, all attempts together (s).
 
@@ -90,6 +94,7 @@ class TetMeshing:
     root_edge_length: float | None = None
     grading: float = 0.1
     curved: bool = True
+    quarter: bool = False
     time_limit: float = 300.0
 
     def __post_init__(self) -> None:
@@ -148,6 +153,9 @@ def tetrahedralise(
     """
     parts = layout(device, standing, regions)
     named = _named_faces(device, standing, tuple(parts))
+    if options.quarter:
+        named = {name: face for name, face in named.items() if "bottom" not in name}
+        named |= {name: NamedFace(_plane(i, 0.0), tuple(parts)) for i, name in enumerate(MIRRORS)}
     # from the tab's lower end to the ceramic's lower edge: where the bending begins
     root = (shim_base(device, standing) * MM, ceramic_base(device, standing) * MM)
     shape: tuple[object, ...] = (
@@ -157,11 +165,12 @@ def tetrahedralise(
     )
 
     def made() -> Mesh:
-        solids = fuse(build_solids(device, tuple(parts), standing))
+        built = build_solids(device, tuple(parts), standing)
+        solids = fuse(quartered(built) if options.quarter else built)
         stretching = _stretching(device, standing)
         return _first_good_mesh(solids, named, root, options, sizing, stretching)
 
-    return kept("mesh", (parts, named, shape, root), _MADE_OF, made)
+    return kept("mesh", (parts, named, shape, options.quarter, root), _MADE_OF, made)
 
 
 def _named_faces(

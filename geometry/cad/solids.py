@@ -27,6 +27,7 @@ __all__ = [
     "export_glb",
     "export_step",
     "fuse",
+    "quartered",
     "thinnest_feature",
 ]
 
@@ -146,6 +147,18 @@ def fuse(solids: dict[str, cq.Solid]) -> dict[str, cq.Solid]:
         images = list(builder.Modified(solid.wrapped)) or [solid.wrapped]
         fused[name] = _only_solid(cq.Compound.makeCompound([cq.Shape.cast(i) for i in images]))
     return fused
+
+
+def quartered(solids: dict[str, cq.Solid]) -> dict[str, cq.Solid]:
+    """Return what of each solid lies at x ≥ 0 and y ≥ 0, without those that are elsewhere."""
+    import cadquery as cq
+
+    boxes = [solid.BoundingBox() for solid in solids.values()]
+    low = min(box.zmin for box in boxes)
+    size = 2.0 * max(box.DiagonalLength for box in boxes)
+    quarter = cq.Solid.makeBox(size, size, 2.0 * size, cq.Vector(0.0, 0.0, low - 0.5 * size))
+    cut = {name: solid.intersect(quarter) for name, solid in solids.items()}
+    return {name: _only_solid(shape) for name, shape in cut.items() if shape.Solids()}
 
 
 def _refuse_overlap(solids: dict[str, cq.Solid]) -> None:

@@ -157,8 +157,8 @@ def check_plain_layers(device: Device) -> None:
     if key:
         raise InputError(
             f"bimorph.{key} is not in the CAD parts and their tetrahedra (three plain layers with "
-            'electrodes all over); use mesh.kind = "structured" on a support other than "rod", '
-            f"ask for models=lumped,tmm,beam or set bimorph.{key} = 0 mm"
+            f"electrodes all over) and so not in the model cad; ask for models=lumped,tmm,beam, on "
+            f'a support other than "rod" also solid, or set bimorph.{key} = 0 mm'
         )
 
 

@@ -129,6 +129,13 @@ CHECKS: tuple[Check, ...] = (
         for i, (quantity, name) in enumerate(_BRIDGED.items())
     ),
     Check(
+        "X-12", "cross-model",
+        "On job J1 bricks and the tetrahedra of the CAD solids differ by no more than their error "
+        "bars: deflection, capacitances, coupling factor and four frequencies.",
+        (0.0, 1.0), "bars", "the same equations, neither mesh nor assembly in common", 0.0,
+        "the largest difference over the sum of the two bars", m.j1_cad_against_bricks,
+    ),
+    Check(
         "PAP-1", "validation",
         "The finger's stiffness maximum is about 750 N/m near 900 Hz.",
         750.0, "N/m", "paper section 7", 0.03, _PRINT, m.finger_stiffness_maximum, scene="paper",

@@ -115,6 +115,22 @@ def j1_fine_frequency(number: int) -> float:
     return float(_j1_fine().get("short_circuit_frequencies", "solid").value[number])
 
 
+def j1_cad_against_bricks() -> float:
+    """Largest difference of the models solid and cad on job J1, in sums of their bars."""
+    names = (
+        "static_tip_displacement,capacitance_free,capacitance_blocked,coupling_factor,"
+        "short_circuit_frequencies"
+    )
+    found = _solved("j1", "solid,cad", names, "accuracy=3e-3")
+    ratios = []
+    for name in names.split(","):
+        bricks, tetrahedra = (found.get(name, model) for model in ("solid", "cad"))
+        assert bricks.classes == tetrahedra.classes
+        apart = np.abs(bricks.value - tetrahedra.value)
+        ratios.append(np.max(apart / (bricks.uncertainty + tetrahedra.uncertainty)))
+    return float(np.max(ratios))
+
+
 def lumped_over_tmm_static() -> float:
     """Ratio of the two static tip displacements."""
     lumped, tmm = (_value("paper", m, "static_tip_displacement") for m in ("lumped", "tmm"))

@@ -1,4 +1,4 @@
-"""Do the solid model's error bars hold?  Varied bimorphs against much finer divisions.
+"""Do the bars of the models solid and cad hold?  Varied bimorphs against much finer bricks.
 
 A list of cases, each a set of overrides of one scene, and what is found on each: value,
 error bar and reference of every quantity.  The error bar is what a user is shown.
@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -26,11 +25,11 @@ from geometry.device.checks import beyond_plain_layers
 from tmm.ports.multiport import Multiport, respond
 from tmm.ports.port import BIMORPH
 from tmm.ports.terminations import attach
+from validation.engine.model import Model, make_model
 from validation.engine.plan import make_plan
 from validation.engine.solve import evaluate, solve
 from validation.engine.stages import Stages
-from validation.models.bimorph.meshes import BrickPair
-from validation.models.bimorph.solid import SolidModel
+from validation.models.bimorph.solid import BrickPair, SolidModel
 from validation.scene.scene import Scene, load_scene
 
 _STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
@@ -39,10 +38,11 @@ _HARMONIC = ("tip_displacement", "admittance")
 
 #: References are solved so many levels of the family above the one judged.
 _ABOVE = 2
-#: On tetrahedra, whose bars are tens of times wider, this one will do.
-_FOR_TETRAHEDRA = LEVELS[2]
-#: Largest quarter (nodes of its reference) that is affordable.
-_MOST_NODES = 14_000
+#: Bricks that tetrahedra are judged by.
+_FOR_TETRAHEDRA = LEVELS[3]
+#: Largest quarter (nodes of its reference) that is affordable: of bricks, and of those that judge
+#: tetrahedra.
+_MOST_NODES, _MOST_NODES_FOR_CAD = 14_000, 10_000
 
 
 #: Numbers by quantity and class of motion, ascending.
@@ -58,11 +58,11 @@ class Case:
     overrides : tuple of str
         Of the scene ``prototype``.
     level : int
-        Level of the family (2 or 3).
+        Level of the family (2 or 3), of bricks.
     held : {"layers", "shim"}
         What the base is.
-    tetrahedra : bool
-        Solve on adapted tetrahedra of the bimorph's solid, not on bricks.
+    model : {"solid", "cad"}
+        On bricks, or on tetrahedra for the accuracy that the scene asks for by default.
     all_motions : bool
         Judge the frequencies of all classes of motion; else those that bend in x.
     harmonic : bool
@@ -72,7 +72,7 @@ class Case:
     overrides: tuple[str, ...]
     level: int = 2
     held: Held = "layers"
-    tetrahedra: bool = False
+    model: Literal["solid", "cad"] = "solid"
     all_motions: bool = False
     harmonic: bool = False
 
@@ -83,7 +83,7 @@ class Case:
 
     def scene(self) -> Scene:
         """Return what is solved."""
-        more = [f"mesh.level={self.level}", *(["mesh.kind=tetwild"] if self.tetrahedra else [])]
+        more = [f"mesh.level={self.level}"] if self.model == "solid" else []
         if self.harmonic:
             scene, _ = load_scene("prototype", list(self.overrides))
             first = solve(scene, ["tmm"], ["short_circuit_frequencies"]).quantities[0].value[0]
@@ -93,7 +93,7 @@ class Case:
     @property
     def reference(self) -> BrickMeshing:
         """The division that its reference is solved on."""
-        return _FOR_TETRAHEDRA if self.tetrahedra else LEVELS[self.level - 1 + _ABOVE]
+        return _FOR_TETRAHEDRA if self.model == "cad" else LEVELS[self.level - 1 + _ABOVE]
 
 
 @dataclass(frozen=True)
@@ -110,9 +110,8 @@ class Answer:
 class _ShimHeldModel(SolidModel):
     """The solid model on a base that is the shim alone."""
 
-    @cached_property
-    def mesh_pair(self) -> BrickPair:
-        """Bricks of the scene's level and of the next coarser one, so held."""
+    def make_pair(self) -> BrickPair:
+        """Return bricks of the scene's level and of the next coarser one, so held."""
         level, device = self.scene.mesh.level, self.scene.device
         fine, coarse = (bimorph_bricks(device, LEVELS[i], "shim") for i in (level - 1, level - 2))
         return BrickPair(device, (fine, coarse))
@@ -121,11 +120,12 @@ class _ShimHeldModel(SolidModel):
 def answers(case: Case) -> list[Answer]:
     """Return what the solid model says, as a user would be told."""
     scene = case.scene()
-    keys = make_plan(scene, ("solid",), case.quantities).keys
-    model = SolidModel(scene, Stages(keys))
+    keys = make_plan(scene, (case.model,), case.quantities).keys
     if case.held == "shim":  # of which a scene's keys know nothing
         keys = {name: f"{key}, held by the shim" for name, key in keys.items()}
-        model = _ShimHeldModel(scene, Stages(keys))
+        model: Model = _ShimHeldModel(scene, Stages(keys))
+    else:
+        model = make_model(case.model, scene, Stages(keys))
     found = []
     for name in case.quantities:
         quantity = evaluate(name, model)
@@ -222,14 +222,13 @@ def coverage(outcomes: Sequence[Outcome]) -> tuple[float, float]:
     return float(within), float(width)
 
 
-def varied_cases(seed: int, count: int = 44, finer: int = 6, tetrahedra: int = 6) -> list[Case]:
+def varied_cases(seed: int, count: int = 44, finer: int = 6) -> list[Case]:
     """Return bimorphs drawn at random from all that could be built, and more.
 
     Lengths 3 to 60 mm, widths 0.3 to 10 mm, layers 20 µm to 1 mm, even on a logarithmic
     scale; three ceramics, two shims; tabs, bare ends, glue; masses and springs at the tip;
     springs and clamps at the base, of all layers or of the shim alone.  The first `finer` that
-    are small enough come at level 3 as well, the first so many that have plain layers on
-    `tetrahedra` as well.
+    are small enough come at level 3 as well.
     """
     rng = np.random.default_rng(seed)
     cases: list[Case] = []
@@ -242,11 +241,23 @@ def varied_cases(seed: int, count: int = 44, finer: int = 6, tetrahedra: int = 6
         if finer and _nodes(again) < _MOST_NODES:
             finer -= 1
             cases.append(again)
-        plain = case.held == "layers" and not beyond_plain_layers(case.scene().device.bimorph)
-        if tetrahedra and plain:
-            tetrahedra -= 1
-            cases.append(replace(again, level=1, tetrahedra=True))
     return cases[:count]
+
+
+def cad_cases(seed: int, count: int = 20) -> list[Case]:
+    """Return bimorphs drawn alike of those that CAD knows, for the model cad."""
+    rng = np.random.default_rng(seed)
+    cases: list[Case] = []
+    while len(cases) < count:
+        case = _drawn(rng, len(cases))
+        if case is None or case.held == "shim":
+            continue
+        if beyond_plain_layers(case.scene().device.bimorph):
+            continue
+        case = replace(case, model="cad", all_motions=True)
+        if _nodes(case) < _MOST_NODES_FOR_CAD:
+            cases.append(case)
+    return cases
 
 
 def _nodes(case: Case) -> int:

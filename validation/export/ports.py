@@ -48,9 +48,8 @@ def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
     from fem.bimorph.reduction.files import write_ports
     from fem.bimorph.reduction.kept import made_from, reduced_solid
     from fem.bimorph.reduction.state_space_file import write_state_space
-    from validation.models.bimorph.meshes import check_meshable, mesh_pair
+    from validation.models.bimorph.meshes import mesh_pair
 
-    check_meshable(scene)
     mesh = mesh_pair(scene).meshes[0]
     frequencies = np.asarray(scene.frequency, dtype=float)
     # the tolerance of `tactgen solve`, so that one reduction serves both

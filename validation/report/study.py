@@ -15,7 +15,7 @@ from tmm.ports.terminations import outside_finger_range
 from validation.checks.row import Outcome, run_check
 from validation.checks.verification import group_rows
 from validation.report.comparison import ComparedRow, compare
-from validation.models.bimorph.solid import SolidModel
+from validation.models.bimorph.two_meshes import TwoMeshModel
 from validation.scene.parameter_list import ParameterRow, parameter_rows
 from validation.engine.plan import Plan, check_models
 from validation.catalogue.bimorph import TIP_DISPLACEMENT
@@ -98,15 +98,16 @@ class Study:
         return NormalActuator(self.solution, self.announce) if asked else None
 
     @property
-    def solid(self) -> SolidModel | None:
-        """The solid model, if the scene asks for it."""
-        model = self.solution.models.get("solid")
-        return model if isinstance(model, SolidModel) else None
+    def field(self) -> TwoMeshModel | None:
+        """The field model to be shown, if the scene asks for one: bricks before tetrahedra."""
+        models = self.solution.models
+        model = models.get("solid", models.get("cad"))
+        return model if isinstance(model, TwoMeshModel) else None
 
     @cached_property
     def rungs(self) -> list[Rung] | None:
-        """The bridge from TMM to the solid, for a piezoelectric bimorph without a rod."""
-        if self.solid is None or self.scene.support.kind == "rod" or self.scene.piezo.d31 == 0.0:
+        """The bridge from TMM to the solid, for a piezoelectric bimorph on bricks."""
+        if "solid" not in self.solution.models or self.scene.piezo.d31 == 0.0:
             return None
         from validation.models.bimorph.bridge import bridge
 

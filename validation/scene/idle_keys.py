@@ -105,9 +105,12 @@ def _idle(scene: Scene, key: str) -> str:
         return f'with support.kind = "{support}"; set support.kind = "spring" to use it'
     if _only_on_rod(scene, key):
         return f'with support.kind = "{support}"; set support.kind = "rod" to use it'
-    tetrahedra = scene.mesh.kind == "tetwild" or support == "rod"
+    normal = "magnetic3d" in scene.models
+    if key == "mesh.kind" and not normal:
+        return f"with models = {', '.join(scene.models)}; ask for --model magnetic3d to use it"
+    tetrahedra = "cad" in scene.models or (normal and scene.mesh.kind == "tetwild")
     if key == "mesh.time_limit" and not tetrahedra:
-        return f'with mesh.kind = "{scene.mesh.kind}"; set mesh.kind = "tetwild" to use it'
+        return f"with models = {', '.join(scene.models)}; ask for --model cad to use it"
     graded = _read_by_magnetic(scene, "accuracy")
     if key == "accuracy" and scene.mesh.level and not graded:
         return f"with mesh.level = {scene.mesh.level}; leave mesh.level out to use it"

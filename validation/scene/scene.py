@@ -17,7 +17,7 @@ from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, fi
 from geometry import units as u
 from geometry.bimorph.ends import Ends
 from geometry.device import parameters as p
-from geometry.device.checks import check_actuator, check_bimorph
+from geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
 from geometry.errors import InputError
 from geometry.units import quoted
 from tmm.ports.terminations import ends_of
@@ -68,15 +68,15 @@ ON_COMMAND_LINE = "set on the command line"
 
 
 class MeshSettings(p.Parameters):
-    """How the solid model is meshed."""
+    """How fine the field models are meshed, and of what magnetic3d's mesh is made."""
 
-    kind: Literal["auto", "structured", "tetwild"] = Field(
-        default="auto",
-        description="structured: bricks, for the bimorph alone; tetwild: tetrahedra, for anything",
+    kind: Literal["structured", "tetwild"] = Field(
+        default="structured",
+        description="of magnetic3d: structured: a swept sector; tetwild: tetrahedra of CAD solids",
     )
     level: Annotated[int, BeforeValidator(WholeNumber(0, 5, "3"))] = Field(
         default=0,
-        description=("1 (coarse) to 5 (finest), bricks from 2; 0 follows from the accuracy wanted"),
+        description="1 (coarse) to 5 (finest), bricks from 2; 0 follows from the accuracy wanted",
     )
     time_limit: u.Duration = Field(
         default=u.SI(600.0), description="time that one tetwild mesh may take"
@@ -94,7 +94,7 @@ class Scene(p.Device):
     beam: p.Beam = p.Beam()
     mesh: MeshSettings = MeshSettings()
     accuracy: u.RelativeError = Field(
-        default=1e-3, description="relative numerical error wanted of the solid model"
+        default=1e-3, description="relative numerical error wanted of the field models"
     )
     modes: Annotated[int, BeforeValidator(WholeNumber(1, 20, "4"))] = Field(
         default=4, description="how many natural modes"
@@ -105,7 +105,8 @@ class Scene(p.Device):
         description="list of frequencies, or START:STOP:N[:log]",
     )
     models: tuple[str, ...] = Field(
-        default_factory=lambda: models_of("bimorph"), description="models asked for"
+        default_factory=lambda: models_of("bimorph"),
+        description="models asked for; by default all of the bimorph's that can",
     )
     quantities: tuple[str, ...] = Field(
         default_factory=lambda: quantities_of("bimorph"), description="quantities asked for"
@@ -180,8 +181,20 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
     if set(scene.models) & set(models_of("bimorph")) or scene.support.kind == "rod":
         check_bimorph(scene.device, scene.support)
     check_actuator(scene.device)
-    _check_mesh(scene)
+    if "models" not in values:
+        scene = scene.model_copy(update={"models": _able_models(scene)})
     return scene, origins
+
+
+def _able_models(scene: Scene) -> tuple[str, ...]:
+    """Return the models that know the scene's bimorph and what holds it."""
+    bimorph = scene.bimorph
+    unable = set()
+    if bimorph.profiles or scene.support.kind == "rod":
+        unable.add("solid")
+    if beyond_plain_layers(bimorph):
+        unable.add("cad")
+    return tuple(name for name in scene.models if name not in unable)
 
 
 def scene_keys() -> list[str]:
@@ -215,11 +228,3 @@ def _check_key(key: str) -> None:
         f"scene key {quoted(plain)} is unknown{nearest(plain, (*known, *sorted(_groups())))}; "
         "tactgen init FILE.toml writes a scene with every key"
     )
-
-
-def _check_mesh(scene: Scene) -> None:
-    if scene.mesh.kind == "structured" and scene.support.kind == "rod":
-        raise InputError(
-            'mesh.kind = "structured" cannot mesh the round rod of support.kind = "rod"; '
-            'use mesh.kind = "tetwild" or "auto"'
-        )

@@ -22,6 +22,7 @@ MODEL_STYLE: dict[str, dict[str, Any]] = {
     "tmm": {"color": "#0072B2", "linestyle": "-", "linewidth": 2.0},
     "beam": {"color": "#E69F00", "linestyle": (0, (4, 4)), "linewidth": 2.0},
     "solid": {"color": "#D55E00", "linestyle": "-.", "linewidth": 2.0},
+    "cad": {"color": "#009E73", "linestyle": (0, (1, 1)), "linewidth": 2.0},
 }
 
 

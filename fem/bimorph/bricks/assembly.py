@@ -2,9 +2,7 @@
 
 Weak form and unknowns are those of :mod:`fem.bimorph.solid`, the matrices those of
 :mod:`fem.bimorph.bricks.matrices`.
-
-Planes of symmetry: reflection at x = 0 turns the poling round, so with it goes φ → −φ.
-Motions are even or odd at each plane; what is odd vanishes there.
+What the quarter stands for says :mod:`fem.bimorph.symmetry`.
 """
 
 from __future__ import annotations
@@ -12,43 +10,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
 
-from fem.bimorph.bordered import Bordered
 from fem.bimorph.bricks.matrices import brick_matrices
 from fem.bimorph.bricks.order import elimination_order
 from fem.bimorph.motions import Motion
+from fem.bimorph.symmetry import SIGNS, Unknowns, lumped, mirror_signs
 from fem.bimorph.system import SolidSystem, materials, volts_per_unit
 from fem.elements.line_basis import line_weights
-from geometry.arrays import Bools, Floats, Ints, Sparse
+from geometry.arrays import Bools, Floats, Sparse
 from geometry.bimorph.bricks import Bricks, mirrored_axis
 from geometry.device.materials import Piezoceramic
 from geometry.device.parameters import Device
-
-#: Signs of (u_x, u_y, u_z, φ) under the reflections at x = 0 and at y = 0.
-_SIGNS: dict[Motion, tuple[tuple[int, ...], tuple[int, ...]]] = {
-    "bending_x": ((1, -1, -1, 1), (1, -1, 1, 1)),
-    "bending_y": ((-1, 1, 1, -1), (-1, 1, -1, -1)),
-    "torsion": ((1, -1, -1, 1), (-1, 1, -1, -1)),
-    "axial": ((-1, 1, 1, -1), (1, -1, 1, 1)),
-}
-
-
-@dataclass(frozen=True)
-class _Unknowns:
-    """Which of the grid's (n, 4) values are unknowns, and which the ports prescribe.
-
-    `ports` (4 n, 3) gives the values, in the units of the unknowns, per unit of w_base,
-    ψ_base and U.
-    """
-
-    free: Bools
-    ports: Floats
-
-    @property
-    def index(self) -> Ints:
-        """Flat positions of the free values."""
-        return np.flatnonzero(self.free)
 
 
 def assemble_bricks(
@@ -95,16 +67,12 @@ class _Quarter:
         """Return the system of one class of motion, of the whole body."""
         bricks, unit, mass = self.bricks, self.unit, self.mass
         unknowns = _unknowns(bricks, motion, unit, uniform_field=self.uniform_field)
-        # in proportion to the diagonal: row sums may be negative
-        diagonal = np.asarray(mass.diagonal()).reshape(-1, 4)[:, 0]
-        nodal = diagonal * (mass.sum() / 3.0 / diagonal.sum())
-        nodes, expand, node_mass = _whole(bricks, unknowns, motion, unit, nodal)
-        tip = _tip_functionals(bricks)
+        nodes, expand, node_mass = _whole(bricks, unknowns, motion, unit, lumped(mass))
         place = elimination_order(bricks)
         return SolidSystem(
-            stiffness=_bordered(self.stiffness, unknowns),
-            mass=_bordered(mass, unknowns),
-            tip=np.vstack([tip[unknowns.index], unknowns.ports.T @ tip]),
+            stiffness=unknowns.bordered(self.stiffness),
+            mass=unknowns.bordered(mass),
+            tip=unknowns.seen(_tip_functionals(bricks)),
             expand=expand,
             nodes=nodes,
             node_mass=node_mass,
@@ -116,7 +84,7 @@ class _Quarter:
         )
 
 
-def _unknowns(bricks: Bricks, motion: Motion, unit: float, *, uniform_field: bool) -> _Unknowns:
+def _unknowns(bricks: Bricks, motion: Motion, unit: float, *, uniform_field: bool) -> Unknowns:
     """Return what is free, and what base and electrodes prescribe."""
     x, y = bricks.x.nodes, bricks.y.nodes
     base, piezo = bricks.base(), bricks.nodes_of("piezo")
@@ -124,7 +92,7 @@ def _unknowns(bricks: Bricks, motion: Motion, unit: float, *, uniform_field: boo
     field = piezo & ~outer & ~inner & (not uniform_field)
     used = bricks.used() & ~base
     free = np.stack([used, used, used, field], axis=-1)
-    at_x, at_y = _SIGNS[motion]
+    at_x, at_y = SIGNS[motion]
     free[x == 0.0, :, :, :] &= np.array(at_x) > 0
     free[:, y == 0.0, :, :] &= np.array(at_y) > 0
     ports = np.zeros((*free.shape, 3))
@@ -135,7 +103,7 @@ def _unknowns(bricks: Bricks, motion: Motion, unit: float, *, uniform_field: boo
         if uniform_field:
             potential = _linear_potential(bricks, outer, inner, piezo)
         ports[..., 3, 2] = potential / unit
-    return _Unknowns(free.reshape(-1, 4), ports.reshape(-1, 3))
+    return Unknowns(free.reshape(-1, 4), ports.reshape(-1, 3))
 
 
 def _linear_potential(bricks: Bricks, outer: Bools, inner: Bools, piezo: Bools) -> Floats:
@@ -144,14 +112,6 @@ def _linear_potential(bricks: Bricks, outer: Bools, inner: Bools, piezo: Bools) 
     low, high = x[inner.any(axis=(1, 2))][0], x[outer.any(axis=(1, 2))][0]
     share = np.clip((x - low) / (high - low), 0.0, 1.0)
     return np.where(piezo & outer.any(axis=0), share[:, None, None], 0.0)
-
-
-def _bordered(matrix: Sparse, unknowns: _Unknowns) -> Bordered:
-    """Return the matrix over [free values, w_base, ψ_base, U]."""
-    free, ports = unknowns.index, unknowns.ports
-    given = np.flatnonzero(ports.any(axis=1))
-    on_ports = matrix[given].T @ ports[given]
-    return Bordered(matrix[free][:, free], on_ports[free], ports.T @ on_ports)
 
 
 def _tip_functionals(bricks: Bricks) -> Floats:
@@ -169,7 +129,7 @@ def _tip_functionals(bricks: Bricks) -> Floats:
 
 
 def _whole(
-    bricks: Bricks, unknowns: _Unknowns, motion: Motion, unit: float, nodal: Floats
+    bricks: Bricks, unknowns: Unknowns, motion: Motion, unit: float, nodal: Floats
 ) -> tuple[Floats, Sparse, Floats]:
     """Return nodes, expansion and nodal masses of the whole body, mirrored from the quarter.
 
@@ -180,20 +140,9 @@ def _whole(
     z = bricks.z.nodes
     used = bricks.used()[np.ix_(from_x, from_y)]
     source = np.arange(unknowns.free.shape[0]).reshape(bricks.shape)[np.ix_(from_x, from_y)][used]
-    at_x, at_y = (np.array(signs) for signs in _SIGNS[motion])
-    sign = np.where(turned_x[:, None, None, None], at_x, 1) * np.where(
-        turned_y[None, :, None, None], at_y, 1
-    )
-    sign = np.broadcast_to(sign, (*used.shape, 4))[used] * np.array([1.0, 1.0, 1.0, unit])
-    n, free = source.size, unknowns.index
-    values = sparse.csr_matrix(
-        (sign.T.ravel(), (np.arange(4 * n), (4 * source + np.arange(4)[:, None]).ravel())),
-        shape=(4 * n, unknowns.free.size),
-    )
-    pick = sparse.csr_matrix(
-        (np.ones(free.size), (free, np.arange(free.size))), shape=(unknowns.free.size, free.size)
-    )
-    expand = values @ sparse.hstack([pick, sparse.csr_matrix(unknowns.ports)])
+    turned = np.stack(np.broadcast_arrays(turned_x[:, None, None], turned_y[:, None]), axis=-1)
+    turned = np.broadcast_to(turned, (*used.shape, 2))[used]
+    sign = mirror_signs(motion, turned) * np.array([1.0, 1.0, 1.0, unit])
     nodes = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)[used]
     copies = np.bincount(source, minlength=unknowns.free.shape[0])
-    return nodes, expand.tocsr(), nodal[source] / copies[source]
+    return nodes, unknowns.expansion(source, sign), nodal[source] / copies[source]

@@ -15,12 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from fem.bimorph.system import VOIGT, Material, SolidSystem, materials
+from fem.bimorph.symmetry import SIGNS
+from fem.bimorph.system import Material, SolidSystem, materials
 from fem.elements.skfem_mesh import to_skfem
 from fem.elements.tet_quadrature import tet_rule
 from geometry.arrays import Floats, Ints
 from geometry.device.parameters import Device
 from geometry.meshing.mesh import Mesh
+from geometry.meshing.mirror import MIRRORS, is_quarter
 
 #: Elements worked on at a time: bounds the memory.
 _CHUNK = 4000
@@ -63,7 +65,7 @@ def cubic_surplus(
     device : Device
         Materials and poling, as the system was assembled with.
     mesh : Mesh
-        Tetrahedra, as the system was assembled on.
+        Tetrahedra, as the system was assembled on: whole, or a quarter.
     system : SolidSystem
         Lossless.
     fields : (n, n_fields) array
@@ -78,17 +80,20 @@ def cubic_surplus(
     unit = system.volts_per_unit
     scale = np.array([1.0, 1.0, 1.0, 1.0 / unit])
     nodal = (system.expand @ fields).reshape(4, -1, fields.shape[1]) * scale[:, None, None]
+    nodal = nodal[:, : domain.p.shape[1] + n_edges]  # of a whole body, those of its quarter
+    # of a quarter the integrals count four times, but that of the force, spread over all
+    copies = 4.0 if is_quarter(mesh) else 1.0
     shape = (n_edges + domain.facets.shape[1], 4)
     residual, diagonal = np.zeros((*shape, fields.shape[1])), np.zeros((*shape, 4))
     functions = np.concatenate([domain.t2e, n_edges + domain.t2f])
     known = materials(device, mesh.regions, device.piezo.ceramic(), lossy=False)
     for region, material in known.items():
-        cells = domain.subdomains[region]
+        cells, tensor = domain.subdomains[region], material.flux_tensor(unit).real
         for start in range(0, cells.size, _CHUNK):
             some = cells[start : start + _CHUNK]
-            r, d = _on_cells(domain, some, _tensor(material, unit), material, nodal, inertia)
-            np.add.at(residual, functions[:, some], r)
-            np.add.at(diagonal, functions[:, some], d)
+            r, d = _on_cells(domain, some, tensor, material, nodal, inertia)
+            np.add.at(residual, functions[:, some], copies * r)
+            np.add.at(diagonal, functions[:, some], copies * d)
     tip = domain.boundaries["tip"]
     a, b, c = (domain.p[:, domain.facets[k, tip]].T for k in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
@@ -98,19 +103,12 @@ def cubic_surplus(
     electrodes = _on_faces(domain, [name for name in mesh.faces if name.startswith("electrode")])
     without_field = np.flatnonzero(diagonal[:, 3, 3] == 0.0)
     _prescribe(residual, diagonal, slice(3, 4), np.union1d(electrodes, without_field))
+    for axis, name in enumerate(MIRRORS):
+        if name in mesh.faces:
+            odd = np.array(SIGNS[system.motion][axis]) < 0
+            for p in np.flatnonzero(odd):
+                _prescribe(residual, diagonal, slice(p, p + 1), _on_faces(domain, [name]))
     return CubicSurplus(residual, np.linalg.solve(diagonal, residual), functions)
-
-
-def _tensor(material: Material, unit: float) -> Floats:
-    """Return C (4, 3, 4, 3): flux (p, a) = C grad (q, b) of (u_x, u_y, u_z, φ / unit)."""
-    tensor = np.zeros((4, 3, 4, 3))
-    tensor[:3, :, :3, :] = material.c[VOIGT[:, :, None, None], VOIGT[None, None]]
-    if material.piezo is not None:
-        e = unit * material.piezo.e[:, VOIGT]
-        tensor[:3, :, 3, :] = np.moveaxis(e, 0, 2)
-        tensor[3, :, :3, :] = e
-        tensor[3, :, 3, :] = -(unit**2) * material.piezo.eps
-    return tensor
 
 
 def _on_cells(
@@ -131,17 +129,17 @@ def _on_cells(
     slopes = np.einsum("wbn,batn,wt->watn", slopes, inverse, sign, optimize=True)
     gram = np.einsum("watn,wbtn,tn->wtab", slopes, slopes, basis.dx, optimize=True)
     blocks = np.einsum("paqb,wtab->wtpq", tensor, gram, optimize=True)
-    residuals = np.zeros((10, cells.size, 4, nodal.shape[2]))
-    for k, square in enumerate(inertia):
-        found = [basis.interpolate(nodal[p, :, k]) for p in range(4)]
-        gradient = np.stack([f.grad for f in found])
-        flux = np.einsum("paqb,qbtn,tn->patn", tensor, gradient, basis.dx, optimize=True)
-        residuals[..., k] = -np.einsum("patn,watn->wtp", flux, slopes, optimize=True)
-        if square > 0.0:
-            moving = np.stack([np.asarray(f) for f in found[:3]])
-            load = square * material.density * moving * basis.dx
-            residuals[:, :, :3, k] += np.einsum("ptn,wn,wt->wtp", load, values, sign, optimize=True)
-    return residuals, blocks
+    # (component, local, cell, field) and (local, axis, cell, point)
+    local = nodal[:, basis.element_dofs]
+    own = np.stack([field.grad for (field,) in basis.basis])
+    gradient = np.einsum("pltk,latn->patnk", local, own, optimize=True)
+    flux = np.einsum("paqb,qbtnk,tn->patnk", tensor, gradient, basis.dx, optimize=True)
+    residuals = -np.einsum("patnk,watn->wtpk", flux, slopes, optimize=True)
+    shapes = np.stack([np.asarray(field)[0] for (field,) in basis.basis])
+    moments = np.einsum("wn,ln,tn,wt->wlt", values, shapes, basis.dx, sign, optimize=True)
+    load = np.einsum("wlt,pltk->wtpk", material.density * moments, local[:3], optimize=True)
+    residuals[:, :, :3] += load * inertia
+    return np.asarray(residuals), blocks
 
 
 def _cubics(at: Floats, edges: Any, facets: Any) -> tuple[Floats, Floats]:

@@ -243,7 +243,8 @@ def test_export_writes_all_or_nothing(tmp_path, monkeypatch):
 
     monkeypatch.setattr("geometry.meshing.mesh_files.write_mesh", fail)
     monkeypatch.setattr(
-        "validation.models.bimorph.meshes.mesh_pair", lambda _: SimpleNamespace(meshes=(None, None))
+        "validation.models.bimorph.meshes.mesh_pair",
+        lambda _: SimpleNamespace(meshes=(SimpleNamespace(faces={}),) * 2),
     )
     monkeypatch.setattr(
         "validation.export.export._export_solids",

@@ -140,6 +140,10 @@ MAGNETIC = {
 }
 
 
+#: Modes of the two field models.
+FIELD_MODES = {f"{model}.modes_{end}" for model in ("solid", "cad") for end in ("short", "open")}
+
+
 @pytest.mark.parametrize(
     ("override", "stale"),
     [
@@ -149,9 +153,12 @@ MAGNETIC = {
         ("steel.curve=linear", MAGNETIC),
         ("rod.density=7800kg/m^3", set(stage_reads()) - MAGNETIC - {"terminations"}),
         ("load.kind=none", {"terminations", "lumped.modes", "tmm.modes", "beam.modes"}
-         | {"solid.modes_short", "solid.modes_open"}),
-        ("modes=3", {"tmm.modes", "beam.modes", "solid.modal", "solid.modes_short"}
-         | {"solid.modes_open"}),
+         | FIELD_MODES),
+        ("modes=3", {"tmm.modes", "beam.modes", "solid.modal", "cad.modal", *FIELD_MODES}),
+        ("accuracy=3e-3", {s for s in stage_reads() if s.startswith(("solid", "cad"))}
+         | {"axisymmetric.point", "axisymmetric.switching"}
+         | {"magnetic3d.point", "magnetic3d.switching"}),
+        ("mesh.level=3", {s for s in stage_reads() if s.startswith(("solid", "cad"))}),
         ("piezo.density=7800kg/m^3", set(stage_reads()) - MAGNETIC - {"terminations"}),
         ("bimorph.length=21mm", set(stage_reads()) - MAGNETIC - {"terminations"}),
     ],

@@ -10,7 +10,7 @@ from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from validation.checks.solid_coverage import coverage, judged, varied_cases
 from validation.engine.refinement import least_difference, two_mesh_factor
 from validation.engine.solve import solve
-from validation.models.bimorph.meshes import _BRICK_BARS, level_for
+from validation.models.bimorph.solid import _BRICK_BARS, level_for
 from validation.scene.scene import load_scene
 
 
@@ -95,10 +95,7 @@ def test_level_2_of_job_j1_is_within_a_thousandth():
 
 def test_error_bars_cover_varied_bimorphs():
     """The smallest of the varied cases: of its numbers one at most lies outside its bar."""
-    few = [
-        replace(c, all_motions=False, harmonic=False)
-        for c in varied_cases(2026, 12, finer=0, tetrahedra=0)
-    ]
+    few = [replace(c, all_motions=False, harmonic=False) for c in varied_cases(2026, 12, finer=0)]
     few.sort(key=lambda c: bimorph_bricks(c.scene().device, LEVELS[1], c.held).used().sum())
     outcomes = judged(few[0])
     within, width = coverage(outcomes)

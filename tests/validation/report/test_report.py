@@ -29,7 +29,7 @@ def test_report_is_complete_and_self_contained(tmp_path):
     ]  # fmt: skip
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert "@import" not in html
-    assert html.count('<img src="data:image/png;base64,') == 7  # solids, mesh twice, four modes
+    assert html.count('<img src="data:image/png;base64,') == 8  # solids, meshes, four modes
     assert "<td>SV-1</td>" in html
     assert "<td>INV-4</td>" in html
     assert "<td>SOL-1</td>" not in html  # about job J1 as it stands

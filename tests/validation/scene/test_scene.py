@@ -131,7 +131,6 @@ def test_bad_values_are_refused_in_one_sentence(override, words):
         (["bimorph.width=2.3mm"], ["bimorph.width = 2.3 mm", "wider than the rod allows", "slot"]),
         (["rod.slot_depth=0.6mm"], ["rod.slot_depth", "rod.head_thickness"]),
         (["bimorph.tab_length=0.2mm"], ["too short for the rod's slot", "0.4 mm"]),
-        (["mesh.kind=structured"], ["structured", "tetwild"]),
         (["glue.thickness=0.2mm"], ["wider than the rod allows", "bond line"]),
         (["rod.length=3mm"], ["rod.length", "flange"]),
     ],
@@ -230,7 +229,8 @@ def test_names_that_are_no_file_are_refused(name):
         ),
         (["gap=0.3 mm"], ["gap = 0.3 mm", "--model network"]),
         (["sleeve.length=4 mm"], ["sleeve.length = 4 mm", "--model network"]),
-        (["mesh.time_limit=60 s"], ["mesh.time_limit = 60 s", '"tetwild"']),
+        (["mesh.time_limit=60 s", "models=solid"], ["mesh.time_limit = 60 s", "--model cad"]),
+        (["mesh.kind=tetwild"], ["mesh.kind = tetwild", "--model magnetic3d"]),
         (["mesh.level=2", "accuracy=0.01"], ["accuracy = 0.01", "mesh.level = 2"]),
     ],
 )
@@ -380,3 +380,18 @@ def test_scene_is_frozen():
     with pytest.raises(Exception, match="frozen"):
         scene.drive = None
     assert np.isclose(scene.drive.voltage, 50.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides", "models"),
+    [
+        ("paper", [], ("lumped", "tmm", "beam", "solid", "cad")),
+        ("generator", [], ("lumped", "tmm", "beam", "cad")),
+        ("paper", ["bimorph.bare_below=1mm"], ("lumped", "tmm", "beam", "solid")),
+        ("paper", ["bimorph.width_profile=0mm:2mm,20mm:1mm"], ("lumped", "tmm", "beam")),
+        ("generator", ["models=tmm,solid"], ("tmm", "solid")),
+    ],
+)
+def test_models_are_those_that_can_unless_they_are_named(name, overrides, models):
+    """Bricks are not round and CAD has plain layers; what is named is never changed."""
+    assert load_scene(name, overrides)[0].models == models

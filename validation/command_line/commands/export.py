@@ -15,7 +15,7 @@ def add(commands: Commands) -> None:
     scene_options(parser)
     parser.add_argument("--step", metavar="FILE", help="solids as STEP (mm)")
     parser.add_argument("--glb", metavar="FILE", help="solids as binary glTF")
-    parser.add_argument("--mesh", metavar="FILE.vtu", help="the solid model's mesh (m)")
+    parser.add_argument("--mesh", metavar="FILE.vtu", help="the mesh of solid, or of cad (m)")
     parser.add_argument(
         "--map", metavar="FILE.nc", help="the normal actuator's co-energy map as netCDF (SI)"
     )

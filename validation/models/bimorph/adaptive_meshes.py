@@ -1,8 +1,9 @@
 """Meshes of tetrahedra refined where the goals need it, until the wanted accuracy is met.
 
 Coarse mesh, solution, estimate, finer mesh.  The estimate (fem.bimorph.refinement.error_indicator)
-says where to refine and when to stop; the last two meshes give the error bars.  Every mesh is kept
-on disk under its geometry and sizes, so a study that was stopped goes on where it was.
+says where to refine and when to stop; the last mesh and an earlier one give the error bars.
+Every mesh is kept on disk under its geometry and sizes, so a study that was stopped goes on
+where it was.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 from geometry.device.layout import Standing
 from geometry.meshing.mesh import Mesh
 from geometry.meshing.tetwild.sizing import Sizing, sizing_for
-from validation.engine.refinement import SAFETY
+from validation.engine.refinement import SAFETY, two_mesh_factor
 from validation.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -32,18 +33,23 @@ _FIRST_ELEMENTS = 4_000
 #: decides about one much finer; more, and the mesher's scatter hides the gain.
 _LEAST_SHARE, _MOST_SHARE = 0.3, 0.6
 
-#: Share of the error allowed that a mesh is aimed at, so that it stays below.
-_AIM = 0.8
+#: Share of the error allowed that a mesh is aimed at: the error bar, of the goal that gained
+#: least, is wider than the estimate.
+_AIM = 0.5
 
-#: Most meshes, and elements that the largest may have if nothing else is said (100 000
-#: unknowns, some 20 s to solve).
-_MOST_MESHES, MOST_ELEMENTS = 6, 20_000
+#: Accuracy that each level stands for, and elements that its largest mesh may have (20 000 of a
+#: quarter are 100 000 unknowns, some 20 s to solve); the first row is for no level.
+_LEVELS = (
+    (0.0, 20_000), (1e-2, 20_000), (3e-3, 20_000), (1e-3, 20_000), (6e-4, 40_000), (2.5e-4, 60_000)
+)  # fmt: skip
+_MOST_MESHES = 7
 
 #: Share of the most elements from which on a mesh is the last: sizes are met no better.
 _ENOUGH = 0.7
 
-#: Gain in error, less one, below which the difference of two meshes says nothing.
-_LEAST_GAIN = 0.1
+#: Gain in error of every goal from which on the difference of two meshes says enough, and the
+#: least, less one, that is counted with where no two meshes are that far apart.
+_TELLING, _LEAST_GAIN = 1.0 / _MOST_SHARE, 0.1
 
 
 @dataclass(frozen=True)
@@ -72,7 +78,7 @@ class Solved:
 
 @dataclass(frozen=True)
 class AdaptedPair:
-    """The last two meshes of a refinement."""
+    """The last mesh of a refinement, and an earlier one to judge it by."""
 
     fine: Solved
     coarse: Solved
@@ -90,12 +96,40 @@ class AdaptedPair:
     @property
     def static_factor(self) -> float:
         """Error bar of static quantities per difference between the two meshes."""
-        return self._factor([name for name in self.fine.goals if not name.startswith("bending")])
+        return self._factor(self._static)
 
     @property
-    def mode_factor(self) -> float:
-        """Error bar of natural frequencies per difference between the two meshes."""
-        return self._factor([name for name in self.fine.goals if name.startswith("bending")])
+    def mode_factors(self) -> tuple[float, float]:
+        """The same of frequencies: of bending in x, and of the other classes of motion.
+
+        Of the others none is a goal, so nothing is known of their gain: they count as on
+        meshes that are refined alike everywhere.
+        """
+        bending = self._factor(self._bending)
+        ratio = self.fine.system.size / self.coarse.system.size
+        return bending, max(bending, two_mesh_factor(ratio ** (1.0 / 3.0)))
+
+    @property
+    def static_share(self) -> float:
+        """Relative error that every static quantity counts with besides.
+
+        What a voltage moves is a product of two solutions: their errors can cancel on one of
+        two meshes, and the difference is then too small.  The least estimate of a static goal
+        does not know of that.
+        """
+        return SAFETY * min(abs(self.fine.goals[name].error) for name in self._static)
+
+    @property
+    def largest_bar(self) -> float:
+        """Largest relative error bar of a goal."""
+        apart = {
+            name: abs(1.0 - self.coarse.goals[name].value / goal.value)
+            for name, goal in self.fine.goals.items()
+        }
+        return max(
+            *(self.static_factor * apart[name] + self.static_share for name in self._static),
+            *(self.mode_factors[0] * apart[name] for name in self._bending),
+        )
 
     @property
     def method(self) -> str:
@@ -106,23 +140,49 @@ class AdaptedPair:
             f"goal-oriented estimate, safety factor {SAFETY}"
         )
 
+    @property
+    def _static(self) -> list[str]:
+        return [name for name in self.fine.goals if not name.startswith("bending")]
+
+    @property
+    def _bending(self) -> list[str]:
+        return [name for name in self.fine.goals if name.startswith("bending")]
+
     def _factor(self, names: list[str]) -> float:
         """Return SAFETY / (gain − 1), with the estimated gain of the goal that gained least."""
-        gains = [abs(self.coarse.goals[n].error / self.fine.goals[n].error) for n in names]
-        return SAFETY / max(min(gains) - 1.0, _LEAST_GAIN)
+        gain = min(_gain(self.coarse, self.fine, name) for name in names)
+        # more than a mesh was aimed at is scatter
+        return SAFETY / (float(np.clip(gain, 1.0 + _LEAST_GAIN, 1.0 / _LEAST_SHARE)) - 1.0)
 
 
-def adapted_pair(
-    scene: Scene, accuracy: float, *, most_elements: int = MOST_ELEMENTS
-) -> AdaptedPair:
-    """Refine until each goal's estimated error is within `accuracy`, or a limit is reached.
+def _gain(coarse: Solved, fine: Solved, name: str) -> float:
+    """Return the estimated ratio of the errors of a goal on two meshes."""
+    least = np.finfo(float).tiny
+    return abs(coarse.goals[name].error) / max(abs(fine.goals[name].error), least)
+
+
+def _judged(solved: list[Solved]) -> AdaptedPair:
+    """Return the last mesh with the last one that is far enough from it, else the first."""
+    fine = solved[-1]
+    far = [s for s in solved[:-1] if all(_gain(s, fine, n) >= _TELLING for n in fine.goals)]
+    return AdaptedPair(fine, far[-1] if far else solved[0])
+
+
+def level_limits(scene: Scene) -> tuple[float, int]:
+    """Return the accuracy that the scene asks for, and the most elements for it."""
+    accuracy, most = _LEVELS[scene.mesh.level]
+    return accuracy or scene.accuracy, most
+
+
+def adapted_pair(scene: Scene, accuracy: float, most_elements: int = 20_000) -> AdaptedPair:
+    """Refine until the goals' error bars are within `accuracy`, or a limit is reached.
 
     Parameters
     ----------
     scene : Scene
         The bimorph alone or in its rod.
     accuracy : float
-        Largest relative error wanted, a safety factor included.
+        Largest relative error bar wanted.
     most_elements : int
         About how many elements the finest mesh may have; then its error is what it is.
 
@@ -131,24 +191,26 @@ def adapted_pair(
     MeshError
         If a mesh cannot be made.
     """
-    coarse = _solved(scene, None)
-    fine = _finer(scene, coarse, accuracy, most_elements)
-    for _ in range(_MOST_MESHES - 2):
-        if SAFETY * fine.error <= accuracy or len(fine.mesh.cells) > _ENOUGH * most_elements:
+    solved = [_solved(scene, None)]
+    while len(solved) < _MOST_MESHES:
+        last = solved[-1]
+        allowed = accuracy / (SAFETY * last.error)
+        solved.append(_finer(scene, last, allowed, most_elements))
+        pair = _judged(solved)
+        if pair.largest_bar <= accuracy or len(pair.fine.mesh.cells) > _ENOUGH * most_elements:
             break
-        coarse, fine = fine, _finer(scene, fine, accuracy, most_elements)
-    return AdaptedPair(fine, coarse)
+    return pair
 
 
-def _finer(scene: Scene, last: Solved, accuracy: float, most_elements: int) -> Solved:
-    """Return the next mesh, solved."""
+def _finer(scene: Scene, last: Solved, allowed: float, most_elements: int) -> Solved:
+    """Return the next mesh, solved; its error is allowed to be this share of the last one's."""
     from geometry.bimorph.tets import squeezed
 
     # each element is as fine as the goal that needs it most
     shares = np.max([goal.shares for goal in last.goals.values()], axis=0)
     # shares of either sign cancel in a goal, and the largest of several goals add up to more
     spread = float(shares.sum()) / last.error
-    share = float(np.clip(_AIM * accuracy / SAFETY / last.error, _LEAST_SHARE, _MOST_SHARE))
+    share = float(np.clip(_AIM * allowed, _LEAST_SHARE, _MOST_SHARE))
     wanted = share * last.error * spread
     seen = replace(last.mesh, points=squeezed(scene.device, _standing(scene), last.mesh.points))
     shortest = _SHORTEST * scene.bimorph.shim_thickness
@@ -164,7 +226,9 @@ def _solved(scene: Scene, sizing: Sizing | None) -> Solved:
     regions: tuple[str, ...] = ("piezo_top", "piezo_bottom", "shim")
     if _standing(scene) == "rod":
         regions += ("glue", "rod")
-    options = TetMeshing(edge_length=_first_edge(scene), time_limit=scene.mesh.time_limit)
+    options = TetMeshing(
+        edge_length=_first_edge(scene), quarter=True, time_limit=scene.mesh.time_limit
+    )
     mesh = tetrahedralise(scene.device, _standing(scene), regions, options, sizing)
     system = assemble(scene.device, mesh, lossy=False)
     return Solved(mesh, system, goal_errors(scene.device, mesh, system))

@@ -1,213 +1,88 @@
-"""The piezoelectric solid: two meshes, so that its error shows."""
+"""The solid on bricks of high order, the fast reference, on two levels of a family."""
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from geometry.store.values import storable
-from tmm.ports.multiport import Multiport
-from validation.engine.model import Modes, Refined
-from validation.engine.refinement import SAFETY, least_difference
-from validation.models.bimorph.lowest_modes import MeshModes, lowest_modes, solve_modes
-from validation.models.bimorph.model import BimorphModel
+from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from geometry.bimorph.bricks import Bricks
+from geometry.device.parameters import Device
+from validation.engine.refinement import ASSUMED_GAIN, BRICK_FACTOR, SAFETY
+from validation.models.bimorph.two_meshes import TwoMeshModel
+from validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.bimorph.modes import SolidMode
-    from fem.bimorph.reduction.modal_model import BareMode
     from fem.bimorph.system import SolidSystem
-    from geometry.bimorph.bricks import Bricks
-    from geometry.meshing.mesh import Mesh
-    from validation.models.bimorph.adaptive_meshes import AdaptedPair
-    from validation.models.bimorph.meshes import BrickPair
-    from validation.scene.scene import Scene
+
+#: Relative error bar of static deflection, capacitances and first frequencies that each level
+#: stays below on the paper's bimorph and on job J1 (tests/validation/engine/test_refinement.py).
+_BRICK_BARS = (1e-1, 3e-3, 8e-4, 2.5e-4, 6e-5)
 
 
-@storable
-@dataclass(frozen=True)
-class SolidModes:
-    """Modes of the solid on two meshes for any support, and what judges them.
-
-    Attributes
-    ----------
-    fine, coarse : MeshModes
-        On the finer and the coarser mesh.
-    spurious_stiffness, mass : float
-        See :class:`fem.bimorph.system.SolidSystem` (N/m); of all nodes (kg).
-    static_factor, mode_factor : float
-        Error bar per difference between the two meshes.
-    method : str
-        How the error bars come about.
-    """
-
-    fine: MeshModes
-    coarse: MeshModes
-    spurious_stiffness: float
-    mass: float
-    static_factor: float
-    mode_factor: float
-    method: str
-
-
-class SolidModel(BimorphModel):
-    """The piezoelectric solid on two meshes, so that its error shows."""
+class SolidModel(TwoMeshModel):
+    """The bimorph alone on bricks."""
 
     name = "solid"
 
-    @classmethod
-    def check(cls, scene: Scene) -> None:
-        """Refuse a bimorph that the scene's kind of mesh does not know."""
-        from validation.models.bimorph.meshes import check_meshable
+    def make_pair(self) -> BrickPair:
+        """Return the level that the accuracy asks for, and the next coarser one."""
+        return brick_pair(self.scene)
 
-        check_meshable(scene)
+
+@dataclass(frozen=True)
+class BrickPair:
+    """Bricks of two neighbouring levels, the coarser to judge the finer by."""
+
+    device: Device
+    meshes: tuple[Bricks, Bricks]
+
+    @cached_property
+    def systems(self) -> tuple[SolidSystem, SolidSystem]:
+        """The lossless systems on the finer and the coarser mesh."""
+        from fem.bimorph.bricks.assembly import assemble_bricks
+
+        fine, coarse = (assemble_bricks(self.device, m, lossy=False) for m in self.meshes)
+        return fine, coarse
 
     @property
-    def mesh_pair(self) -> BrickPair | AdaptedPair:
-        """The finer mesh, and a coarser one to judge it by."""
-        from validation.models.bimorph.meshes import mesh_pair
+    def static_factor(self) -> float:
+        """Error bar of static quantities per difference between the two meshes."""
+        return BRICK_FACTOR
 
-        return self.run("mesh", lambda: mesh_pair(self.scene))
+    @property
+    def static_share(self) -> float:
+        """Relative error that static quantities and the response count with besides: none."""
+        return 0.0
 
-    def meshes(self) -> tuple[Mesh | Bricks, Mesh | Bricks]:
-        """Return the finer and the coarser mesh."""
-        return self.mesh_pair.meshes
+    @property
+    def mode_factors(self) -> tuple[float, float]:
+        """The same of frequencies: of bending in x, and of the other classes of motion."""
+        return BRICK_FACTOR, BRICK_FACTOR
 
-    def systems(self) -> tuple[SolidSystem, SolidSystem]:
-        """Return the lossless systems on the finer and the coarser mesh."""
-        pair = self.mesh_pair
-        return self.run("assembly", lambda: pair.systems)
-
-    def static(self) -> Refined[Multiport]:
-        """Return the lossless D(0)."""
-
-        def work() -> Refined[Multiport]:
-            from fem.bimorph.ports import static_multiport
-
-            fine, coarse = (static_multiport(system) for system in self.systems())
-            return self._two_meshes(fine, coarse, self._rounding(fine))
-
-        return self.run("static", work)
-
-    def ports(self) -> Refined[Multiport]:
-        """Return D(Ω) with losses over the scene's frequencies."""
-        return self.run("ports", self._reduced)
-
-    def _reduced(self) -> Refined[Multiport]:
-        from fem.bimorph.reduction.kept import reduced_solid
-
-        ports = []
-        extra: tuple[tuple[Multiport, float], ...] = ()
-        for mesh in self.meshes():
-            reduced = reduced_solid(
-                self.scene.device, mesh, self.frequencies, tolerance=1e-3 * self.scene.accuracy
-            )
-            ports.append(reduced.multiport(self.frequencies))
-            if not extra:
-                extra = ((reduced.coarser_multiport(self.frequencies), SAFETY),)
-                at_rest = reduced.multiport(np.zeros(1))
-        # a peak magnifies what the stiffness is off by Q
-        peak = self.scene.piezo.quality_factor
-        two = self._two_meshes(ports[0], ports[1], peak * self._rounding(at_rest))
-        method = f"{two.method}; plus the last Krylov block of the port reduction"
-        return Refined(two.fine, two.coarser + extra, method, two.rounding)
-
-    def modes(self, *, open_circuit: bool) -> Refined[Modes]:
-        """Return the lossless modes."""
-        return self.run(
-            "modes_open" if open_circuit else "modes_short",
-            lambda: self._modes(open_circuit=open_circuit),
+    @property
+    def method(self) -> str:
+        """How the error bars come about, for the reader."""
+        fine, coarse = (system.size for system in self.systems)
+        return (
+            f"two levels of bricks ({fine} and {coarse} unknowns), the error assumed to fall by "
+            f"{ASSUMED_GAIN:g}, safety factor {SAFETY}"
         )
 
-    def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
-        modal = self._modal()
-        fine, coarse = (
-            Modes(np.array([m.frequency for m in found]), tuple(m.kind for m in found))
-            for found in self._lowest(open_circuit=open_circuit)
-        )
-        # a cantilever's modes have a quarter of the mass; frequencies go as the root
-        stiffness = (2.0 * np.pi * fine.frequencies) ** 2 * modal.mass / 4.0
-        rounding = 0.5 * modal.spurious_stiffness / stiffness
-        factor = modal.mode_factor
-        if open_circuit:  # the charge, a static goal, has its part in it
-            factor = max(factor, modal.static_factor)
-        coarse = _matched(fine, coarse)
-        judged = ((coarse, factor), (_moved(fine, coarse), factor))
-        return Refined(fine, judged, modal.method, rounding)
 
-    def shapes(self) -> list[SolidMode]:
-        """Return the lowest modes of :meth:`modes` with their shapes, on the finer mesh."""
-        from fem.bimorph.modes import natural_modes
-
-        wanted = Counter(mode.motion for mode in self._lowest(open_circuit=False)[0])
-        system = self.systems()[0]
-        found: list[SolidMode] = []
-        for motion, count in wanted.items():
-            of = system if system.related is None else system.related(motion)
-            found += natural_modes(of, self.scene.ends, count)
-        return sorted(found, key=lambda mode: mode.frequency)
-
-    def _modal(self) -> SolidModes:
-        """Return what modes on any support, load and circuit follow from."""
-
-        def work() -> SolidModes:
-            pair, systems = self.mesh_pair, self.systems()
-            fine, coarse = solve_modes(*systems, self.scene.modes)
-            return SolidModes(
-                fine,
-                coarse,
-                spurious_stiffness=systems[0].spurious_stiffness,
-                mass=float(systems[0].node_mass.sum()),
-                static_factor=pair.static_factor,
-                mode_factor=pair.mode_factor,
-                method=pair.method,
-            )
-
-        return self.run("modal", work)
-
-    def _lowest(self, *, open_circuit: bool) -> tuple[list[BareMode], list[BareMode]]:
-        modal = self._modal()
-        return lowest_modes(
-            modal.fine,
-            modal.coarse,
-            self.scene.ends,
-            self.scene.modes,
-            open_circuit=open_circuit,
-        )
-
-    def _rounding(self, port: Multiport) -> float:
-        """Return what rounding of the stiffness matrix does to the tip's static compliance."""
-        compliance = np.linalg.inv(port.block("w_tip", "psi_tip").stiffness[0])[0, 0]
-        return float(abs(compliance) * self.systems()[0].spurious_stiffness)
-
-    def _two_meshes(
-        self, fine: Multiport, coarse: Multiport, rounding: float
-    ) -> Refined[Multiport]:
-        pair = self.mesh_pair
-        return Refined(fine, ((coarse, pair.static_factor),), pair.method, rounding)
+def brick_pair(scene: Scene) -> BrickPair:
+    """Return the bricks that the scene asks for, and those to judge them by."""
+    fine = level_for(scene)
+    bricks = [bimorph_bricks(scene.device, LEVELS[number]) for number in (fine, fine - 1)]
+    return BrickPair(scene.device, (bricks[0], bricks[1]))
 
 
-def _moved(fine: Modes, coarse: Modes) -> Modes:
-    """Return the modes moved by what each of its class counts with at least."""
-    kinds, frequencies = np.array(fine.classes), fine.frequencies.copy()
-    for kind in set(fine.classes):
-        of = kinds == kind
-        frequencies[of] *= 1.0 + least_difference(fine.frequencies[of], coarse.frequencies[of])
-    return Modes(frequencies, fine.classes)
-
-
-def _matched(fine: Modes, coarse: Modes) -> Modes:
-    """Pair coarse modes with fine ones by class and order, so that like meets like."""
-    left = list(zip(coarse.classes, coarse.frequencies, strict=True))
-    paired = []
-    for kind, frequency in zip(fine.classes, fine.frequencies, strict=True):
-        if not left:
-            paired.append(np.nan)
-            continue
-        same = [entry for entry in left if entry[0] == kind] or left
-        nearest = min(same, key=lambda entry: abs(entry[1] - frequency))
-        left.remove(nearest)
-        paired.append(nearest[1])
-    return Modes(np.array(paired), fine.classes)
+def level_for(scene: Scene) -> int:
+    """Return the index (0 to 4) of the finer bricks' level; never the coarsest."""
+    if scene.mesh.level:
+        return max(scene.mesh.level - 1, 1)
+    for index, error in enumerate(_BRICK_BARS):
+        if index and error <= scene.accuracy:
+            return index
+    return len(_BRICK_BARS) - 1

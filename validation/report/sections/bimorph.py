@@ -8,16 +8,15 @@ from validation.checks.paper import audit
 from validation.view import plots
 from validation.catalogue.bimorph import OPEN_CIRCUIT_FREQUENCIES, SHORT_CIRCUIT_FREQUENCIES
 from validation.catalogue.models import MODELS, ranked
-from validation.catalogue.quantities import QUANTITIES, quantities_of
-from validation.report.comparison import UNEXPLAINED, compare
+from validation.catalogue.quantities import QUANTITIES
+from validation.report.comparison import UNEXPLAINED
 from validation.studies.design import excitation_voltage, length_section
 from validation.report.sections import gallery
 from validation.report.sections.bridge import bridge_section, holding_section, material_section
 from validation.report.sections.section import Context, Section
 from validation.report.study import Study
 from validation.models.bimorph.rows import LumpedModel
-from validation.models.bimorph.solid import SolidModel
-from validation.engine.solve import solve
+from validation.models.bimorph.two_meshes import TwoMeshModel
 from validation.checks.stress import output as stress_output
 from validation.studies.uncertainty import propagation
 
@@ -38,25 +37,15 @@ def _models(study: Study) -> Context:
 
 
 def _tetrahedra(study: Study) -> Context | None:
-    """Return the solid on a tetwild mesh beside the structured one."""
-    from validation.models.bimorph.meshes import cells_of, uses_tetrahedra
+    """Return the tetrahedra of the CAD solids, where they stand beside bricks."""
+    from validation.models.bimorph.meshes import cells_of
 
-    scene = study.scene
-    if study.quick or study.solid is None or uses_tetrahedra(scene):
+    cad = study.solution.models.get("cad")
+    if study.field is cad or not isinstance(cad, TwoMeshModel):
         return None
-    study.announce("solid on a tetwild mesh")
-    mesh = scene.mesh.model_copy(update={"kind": "tetwild"})
-    names = tuple(name for name in quantities_of("bimorph") if QUANTITIES[name].headline)
-    other = solve(scene.model_copy(update={"mesh": mesh}), ("solid",), names, study.announce)
-    model = other.models["solid"]
-    assert isinstance(model, SolidModel)
-    shown = cells_of(model.meshes()[0])
-    return {
-        "rows": compare(scene, other.quantities, "bimorph"),
-        "reference": {row.quantity: row.cells[-1] for row in study.comparison},
-        "cells": shown.cells.shape[0],
-        "png": gallery.close_up(shown),
-    }
+    study.announce("picture of the tetrahedra")
+    shown = cells_of(cad.meshes()[0])
+    return {"cells": shown.cells.shape[0], "png": gallery.close_up(shown)}
 
 
 def _modes(study: Study) -> Context:

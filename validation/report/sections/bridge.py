@@ -68,7 +68,7 @@ def _one_material(study: Study, name: str, rungs: list[Rung]) -> dict[str, Any]:
 
 def holding_section(study: Study) -> Context | None:
     """Return the way from a clamp to the rod, and the support's stiffness."""
-    if study.quick or study.solid is None or study.scene.piezo.d31 == 0.0:
+    if study.quick or study.field is None or study.scene.piezo.d31 == 0.0:
         return None
     from geometry.device.checks import check_fit
     from validation.models.bimorph.bridge.generator import GeneratorChain
@@ -168,7 +168,7 @@ def _lateral_effect(study: Study) -> float:
 
 def material_section(study: Study) -> Context | None:
     """Return what the assumed constants of the full tensor are worth."""
-    if study.quick or study.solid is None or study.scene.piezo.d31 == 0.0:
+    if study.quick or study.field is None or study.scene.piezo.d31 == 0.0:
         return None
     from validation.models.bimorph.material_effects import material_effects
 

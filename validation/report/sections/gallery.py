@@ -17,7 +17,7 @@ _KIND = {
 
 
 def pictures(study: Study) -> list[dict[str, str]]:
-    """Return pictures of the CAD solids and, with the solid model, of its mesh."""
+    """Return pictures of the CAD solids and, with a field model, of its mesh."""
     found = _lateral(study) if study.lateral else []
     whole = study.lateral and study.scene.support.kind == "rod"
     return found if whole or not study.normal else [*found, _normal(study)]
@@ -34,11 +34,11 @@ def _lateral(study: Study) -> list[dict[str, str]]:
     study.announce("picture of the geometry")
     solids = solids_picture(scene_solids(study.scene))
     found = [{"caption": "CAD solids", "png": _inline(solids)}]
-    if study.solid is not None:
+    if study.field is not None:
         study.announce("picture of the mesh")
-        solved = study.solid.meshes()[0]
+        solved = study.field.meshes()[0]
         mesh = cells_of(solved)
-        caption = f"mesh of the solid model: {mesh.cells.shape[0]} {_kind(solved)}"
+        caption = f"mesh of the model {study.field.name}: {mesh.cells.shape[0]} {_kind(solved)}"
         found.append({"caption": caption, "png": _inline(mesh_picture(mesh))})
         found.append({"caption": "the same at its held end", "png": close_up(mesh)})
     return found
@@ -69,7 +69,7 @@ def modes(study: Study) -> list[dict[str, Any]]:
     from validation.view.pictures import mode_picture
     from validation.models.bimorph.meshes import points_of
 
-    solid = study.solid
+    solid = study.field
     if solid is None:
         return []
     mesh, system = points_of(solid.meshes()[0]), solid.systems()[0]

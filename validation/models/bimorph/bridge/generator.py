@@ -85,11 +85,11 @@ class GeneratorChain:
 
     @cached_property
     def mesh(self) -> Mesh:
-        """The tetrahedra of bimorph, glue and rod."""
-        from validation.models.bimorph.meshes import cells_of, mesh_pair
+        """The tetrahedra of bimorph, glue and rod: a quarter."""
+        from validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
 
         self.announce("bridge: tetrahedra of the generator")
-        return cells_of(mesh_pair(self.device).meshes[0])
+        return adapted_pair(self.device, *level_limits(self.device)).fine.mesh
 
     @cached_property
     def in_rigid_slot(self) -> SolvedSolid:

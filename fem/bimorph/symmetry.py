@@ -1,0 +1,87 @@
+"""Unknowns of a body taken whole, or of its quarter in one class of motion at a time.
+
+Planes of symmetry: reflection at x = 0 turns the poling round, so with it goes φ → −φ.
+Motions are even or odd at each plane; what is odd vanishes there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from fem.bimorph.bordered import Bordered
+from fem.bimorph.motions import Motion
+from geometry.arrays import Bools, Floats, Ints, Sparse
+
+#: Signs of (u_x, u_y, u_z, φ) under the reflections at x = 0 and at y = 0.
+SIGNS: dict[Motion, tuple[tuple[int, ...], tuple[int, ...]]] = {
+    "bending_x": ((1, -1, -1, 1), (1, -1, 1, 1)),
+    "bending_y": ((-1, 1, 1, -1), (-1, 1, -1, -1)),
+    "torsion": ((1, -1, -1, 1), (-1, 1, -1, -1)),
+    "axial": ((-1, 1, 1, -1), (1, -1, 1, 1)),
+}
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """Which of the (n, 4) values at the nodes are unknowns, and which the ports prescribe.
+
+    `ports` (4 n, 3) gives the values, in the units of the unknowns, per unit of w_base,
+    ψ_base and U.
+    """
+
+    free: Bools
+    ports: Floats
+
+    @property
+    def index(self) -> Ints:
+        """Flat positions of the free values."""
+        return np.flatnonzero(self.free)
+
+    def bordered(self, matrix: Sparse) -> Bordered:
+        """Return a (4 n, 4 n) matrix over [free values, w_base, ψ_base, U]."""
+        free, ports = self.index, self.ports
+        given = np.flatnonzero(ports.any(axis=1))
+        on_ports = matrix[given].T @ ports[given]
+        return Bordered(matrix[free][:, free], on_ports[free], ports.T @ on_ports)
+
+    def seen(self, functionals: Floats) -> Floats:
+        """Return functionals (4 n, k) of all values as those (n_free + 3, k) of the unknowns."""
+        return np.vstack([functionals[self.index], self.ports.T @ functionals])
+
+    def expansion(self, source: Ints, sign: Floats) -> Sparse:
+        """Return all of (u_x, u_y, u_z, φ), component by component, from the unknowns.
+
+        Parameters
+        ----------
+        source : (n_whole,) int array
+            The node that each node of the whole body is or mirrors.
+        sign : (n_whole, 4) array
+            Factor of each value there.
+        """
+        n, free = source.size, self.index
+        values = sparse.csr_matrix(
+            (sign.T.ravel(), (np.arange(4 * n), (4 * source + np.arange(4)[:, None]).ravel())),
+            shape=(4 * n, self.free.size),
+        )
+        pick = sparse.csr_matrix(
+            (np.ones(free.size), (free, np.arange(free.size))), shape=(self.free.size, free.size)
+        )
+        return (values @ sparse.hstack([pick, sparse.csr_matrix(self.ports)])).tocsr()
+
+
+def mirror_signs(motion: Motion, turned: Bools) -> Floats:
+    """Return the signs (n, 4) of the values at nodes on the far side of x = 0 and y = 0 (n, 2)."""
+    at_x, at_y = (np.array(signs) for signs in SIGNS[motion])
+    return np.where(turned[:, :1], at_x, 1) * np.where(turned[:, 1:], at_y, 1)
+
+
+def lumped(mass: Sparse) -> Floats:
+    """Return nodal masses (n,) of a mass matrix over (u_x, u_y, u_z, φ).
+
+    In proportion to the diagonal: row sums may be negative.
+    """
+    diagonal = np.asarray(mass.diagonal()).reshape(-1, 4)[:, 0]
+    return np.asarray(diagonal * (mass.sum() / 3.0 / diagonal.sum()))

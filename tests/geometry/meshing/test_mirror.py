@@ -1,0 +1,92 @@
+"""Quarters of symmetric bodies and the whole that they stand for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from geometry.meshing.mesh import Mesh
+from geometry.meshing.mirror import MIRRORS, is_quarter, mirrored_points, whole_mesh
+from geometry.meshing.quadratic import (
+    TET_EDGES,
+    jacobian_coefficients,
+    tet_volumes,
+    unique_edges,
+)
+from geometry.meshing.tensor_tets import box_tetrahedra
+from geometry.meshing.tetwild.tagging import TET_FACES
+
+
+def quarter():
+    """A quarter of a box of two layers: 0 ≤ x, y ≤ 1 mm, 3 mm long."""
+    planes = np.linspace(0.0, 1e-3, 3)
+    region = np.broadcast_to(np.array([0, 1])[:, None, None], (2, 2, 3))
+    box = box_tetrahedra(planes, planes, np.linspace(0.0, 3e-3, 4), region, ("shim", "piezo_top"))
+    faces = {
+        "mirror_x": box.faces["x_low"],
+        "mirror_y": box.faces["y_low"],
+        "electrode_top_outer": box.faces["x_high"],
+        "base": box.faces["z_low"],
+    }
+    return replace(box, faces=faces)
+
+
+def with_middles(mesh):
+    """The same in ten-node tetrahedra, straight."""
+    edges, of_cell = unique_edges(mesh.cells)
+    points = np.concatenate([mesh.points, mesh.points[edges].mean(axis=1)])
+    cells = np.concatenate([mesh.cells, of_cell + len(mesh.points)], axis=1)
+    return Mesh(points, cells, "tetra10", mesh.region_of_cell, mesh.regions, mesh.faces)
+
+
+def test_a_mesh_without_cuts_is_the_whole():
+    """Named faces tell a quarter; anything else comes back as it is."""
+    mesh = quarter()
+    assert is_quarter(mesh)
+    cut_once = replace(mesh, faces={"mirror_x": mesh.faces["mirror_x"]})
+    assert not is_quarter(cut_once)
+    assert whole_mesh(cut_once) is cut_once
+
+
+def test_points_are_mirrored_once():
+    """As many points as differ, each the image of its source, the quarter's own first."""
+    points = quarter().points
+    found = mirrored_points(points)
+    rounded = {tuple(p) for p in np.round(1e9 * found.points).astype(int)}
+    assert len(rounded) == len(found.points) == 5 * 5 * 4
+    assert np.array_equal(found.points[: len(points)], points)
+    signs = np.where(found.turned, -1.0, 1.0)
+    assert np.array_equal(found.points[:, :2], signs * points[found.source][:, :2])
+    for image, turn in zip(found.images, ([1, 1], [-1, 1], [1, -1], [-1, -1]), strict=True):
+        assert found.points[image][:, :2] == pytest.approx(points[:, :2] * turn, abs=1e-15)
+
+
+@pytest.mark.parametrize("make", [quarter, lambda: with_middles(quarter())], ids=["4", "10"])
+def test_whole_is_conforming_upright_and_named(make):
+    """Four times the volume, no cell inside out, faces shared, layers and electrodes on both."""
+    part = make()
+    whole = whole_mesh(part)
+    corners = whole.cells[:, :4]
+    assert tet_volumes(whole.points[corners]).min() > 0.0
+    assert tet_volumes(whole.points[corners]).sum() == pytest.approx(12e-9, rel=1e-12)
+    _, count = np.unique(
+        np.sort(corners[:, TET_FACES].reshape(-1, 3), axis=1), axis=0, return_counts=True
+    )
+    assert set(count) == {1, 2}
+    ends, sides = 2 * 4 * 4, 4 * 4 * 3
+    assert np.count_nonzero(count == 1) == 2 * (ends + sides)
+    assert whole.regions == ("shim", "piezo_top", "piezo_bottom")
+    centres = whole.points[corners].mean(axis=1)
+    for name, side in (("piezo_top", 1.0), ("piezo_bottom", -1.0)):
+        assert (side * centres[whole.cells_of(name), 0] > 0.5e-3).all()
+    assert set(whole.faces) == {"electrode_top_outer", "electrode_bottom_outer", "base"}
+    assert not set(whole.faces) & set(MIRRORS)
+    for name, side in (("electrode_top_outer", 1.0), ("electrode_bottom_outer", -1.0)):
+        a, b, c = np.moveaxis(whole.points[whole.faces[name]], 1, 0)
+        normal = np.cross(b - a, c - a)
+        assert (side * normal[:, 0] > 0.0).all()
+        assert np.linalg.norm(normal, axis=1).sum() / 2.0 == pytest.approx(6e-6, rel=1e-12)
+    if whole.kind == "tetra10":
+        ends = whole.points[corners][:, TET_EDGES].mean(axis=2)
+        assert whole.points[whole.cells[:, 4:]] == pytest.approx(ends, abs=1e-15)
+        assert jacobian_coefficients(whole.points[whole.cells]).min() > 0.0

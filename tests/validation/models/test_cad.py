@@ -1,0 +1,92 @@
+"""The model cad: beside the bricks, on the rod, and what it cannot take."""
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from geometry.meshing.mirror import whole_mesh
+from validation.checks.solid_coverage import cad_cases, coverage, judged
+from validation.engine.plan import make_plan
+from validation.engine.solve import solve
+from validation.models.bimorph.meshes import cells_of, mesh_pair
+from validation.report.comparison import compare
+from validation.scene.scene import load_scene
+
+SHORT = ("bimorph.length=6mm", "support.kind=clamped", "load.kind=none", "accuracy=1e-2")
+
+
+@pytest.fixture(scope="module")
+def both():
+    """A stout clamped bimorph by bricks and by tetrahedra, all quantities."""
+    scene, _ = load_scene("paper", [*SHORT, "models=tmm,solid,cad", "frequency=100,9000"])
+    return solve(scene)
+
+
+def test_cad_agrees_with_bricks_within_both_bars(both):
+    """Every number of every quantity, static, modal and over frequency; and the bars are tight.
+
+    A bar of three times the accuracy is what a resonance's flank may magnify it to.
+    """
+    names = {q.name for q in both.quantities} - {"dynamic_stiffness", "threshold_voltage"}
+    for name in names:
+        bricks, cad = (both.get(name, model) for model in ("solid", "cad"))
+        apart = np.abs(bricks.value - cad.value)
+        assert (apart <= bricks.uncertainty + cad.uncertainty).all(), name
+        assert (cad.uncertainty <= 3e-2 * np.abs(cad.value)).all(), name
+        assert bricks.classes == cad.classes
+
+
+def test_comparison_takes_the_bricks_as_reference(both):
+    """The report's table: cad agrees, and a bar that is too narrow would be called by its name."""
+    for row in compare(both.scene, both.quantities, "bimorph"):
+        verdicts = {cell.model: cell.verdict for cell in row.cells}
+        assert verdicts["solid"] == "reference"
+        assert verdicts["cad"] == "agrees"
+
+
+def test_response_is_reciprocal_and_passive(both):
+    """D(Ω) is symmetric; losses take energy in."""
+    stiffness = both.get("dynamic_stiffness", "cad").value
+    size = np.sqrt(np.abs(np.einsum("nii->ni", stiffness)))
+    sign = np.array([1.0, 1.0, 1.0, 1.0, -1.0])  # the voltage is no displacement
+    mirrored = np.einsum("i,nij,j->nji", sign, stiffness, sign)
+    apart = np.abs(stiffness - mirrored) / (size[:, :, None] * size[:, None, :])
+    assert apart.max() < 1e-7
+
+
+def test_files_get_the_whole_body():
+    """What is written and shown is no quarter: both ceramics, no face of a cut."""
+    scene, _ = load_scene("paper", [*SHORT, "models=cad"])
+    mesh = mesh_pair(scene).meshes[0]
+    shown = cells_of(mesh)
+    assert len(shown.cells) == 4 * len(mesh.cells)
+    assert shown.regions == whole_mesh(mesh).regions
+    assert set(shown.regions) == {"piezo_top", "piezo_bottom", "shim"}
+    assert not [name for name in shown.faces if name.startswith("mirror")]
+
+
+@pytest.mark.parametrize(
+    ("name", "override", "model", "words"),
+    [
+        ("generator", "modes=2", "solid", ("support.kind", "rod", "models=lumped,tmm,beam,cad")),
+        ("paper", "bimorph.bare_below=1mm", "cad", ("bare_below", "CAD", "solid")),
+        ("paper", "bimorph.width_profile=0mm:2mm,20mm:1mm", "cad", ("width_profile", "beam")),
+    ],
+)
+def test_what_a_mesh_does_not_know_is_refused_in_one_sentence(name, override, model, words):
+    """With the models that can take it."""
+    scene, _ = load_scene(name, [override])
+    with pytest.raises(InputError) as caught:
+        make_plan(scene, (model,), ("static_tip_displacement",))
+    assert all(word in str(caught.value) for word in words), caught.value
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.heavy
+def test_error_bars_cover_nearly_all_varied_bimorphs():
+    """20 bimorphs drawn at random, all classes of motion: 95 % of the errors inside their bars,
+    and bars not much wider than errors."""
+    outcomes = [o for case in cad_cases(77) for o in judged(case)]
+    within, width = coverage(outcomes)
+    assert within >= 0.95
+    assert width < 20.0

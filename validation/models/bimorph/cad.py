@@ -1,0 +1,19 @@
+"""The CAD solids on tetrahedra: cadquery's shapes, fTetWild's mesh, scikit-fem's elements.
+
+Shares with the bricks of the model solid the equations and nothing of mesh or assembly.
+"""
+
+from __future__ import annotations
+
+from validation.models.bimorph.adaptive_meshes import AdaptedPair, adapted_pair, level_limits
+from validation.models.bimorph.two_meshes import TwoMeshModel
+
+
+class CadModel(TwoMeshModel):
+    """The bimorph alone, or glued into its rod, on tetrahedra refined for its accuracy."""
+
+    name = "cad"
+
+    def make_pair(self) -> AdaptedPair:
+        """Return the last mesh of the refinement, and the one that it was refined from."""
+        return adapted_pair(self.scene, *level_limits(self.scene))

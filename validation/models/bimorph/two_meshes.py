@@ -1,0 +1,259 @@
+"""The piezoelectric solid on two meshes, so that its error shows.
+
+What the models solid (bricks) and cad (tetrahedra of the CAD solids) have in common.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol, TypeVar
+
+import numpy as np
+
+from geometry.arrays import Bools, Floats
+from geometry.store.values import storable
+from tmm.ports.multiport import Multiport
+from validation.engine.model import Modes, Refined
+from validation.engine.refinement import SAFETY, least_difference
+from validation.models.bimorph.lowest_modes import MeshModes, lowest_modes, solve_modes
+from validation.models.bimorph.model import BimorphModel
+
+if TYPE_CHECKING:
+    from fem.bimorph.modes import SolidMode
+    from fem.bimorph.reduction.modal_model import BareMode
+    from fem.bimorph.system import SolidSystem
+    from geometry.bimorph.bricks import Bricks
+    from geometry.meshing.mesh import Mesh
+    from validation.scene.scene import Scene
+
+T = TypeVar("T")
+
+
+class MeshPair(Protocol):
+    """A finer mesh, a coarser one to judge it by, and what their difference says."""
+
+    @property
+    def meshes(self) -> tuple[Mesh | Bricks, Mesh | Bricks]:
+        """The finer and the coarser mesh."""
+
+    @property
+    def systems(self) -> tuple[SolidSystem, SolidSystem]:
+        """The lossless systems on them."""
+
+    @property
+    def static_factor(self) -> float:
+        """Error bar of static quantities per difference between the two meshes."""
+
+    @property
+    def static_share(self) -> float:
+        """Relative error that static quantities and the response count with besides."""
+
+    @property
+    def mode_factors(self) -> tuple[float, float]:
+        """The same of frequencies: of bending in x, and of the other classes of motion."""
+
+    @property
+    def method(self) -> str:
+        """How the error bars come about, for the reader."""
+
+
+@storable
+@dataclass(frozen=True)
+class SolidModes:
+    """Modes of the solid on two meshes for any support, and what judges them.
+
+    Attributes
+    ----------
+    fine, coarse : MeshModes
+        On the finer and the coarser mesh.
+    spurious_stiffness, mass : float
+        See :class:`fem.bimorph.system.SolidSystem` (N/m); of all nodes (kg).
+    static_factor : float
+        Error bar of static quantities per difference between the two meshes.
+    mode_factors : (float, float)
+        The same of frequencies, see :class:`MeshPair`.
+    method : str
+        How the error bars come about.
+    """
+
+    fine: MeshModes
+    coarse: MeshModes
+    spurious_stiffness: float
+    mass: float
+    static_factor: float
+    mode_factors: tuple[float, float]
+    method: str
+
+
+class TwoMeshModel(BimorphModel):
+    """The piezoelectric solid on two meshes."""
+
+    @classmethod
+    def check(cls, scene: Scene) -> None:
+        """Refuse a bimorph that its kind of mesh does not know."""
+        from validation.models.bimorph.meshes import check_meshable
+
+        check_meshable(scene, cls.name)
+
+    @abstractmethod
+    def make_pair(self) -> MeshPair:
+        """Return the meshes that the scene and its accuracy ask for."""
+
+    @property
+    def mesh_pair(self) -> MeshPair:
+        """The finer mesh, and a coarser one to judge it by."""
+        return self.run("mesh", self.make_pair)
+
+    def meshes(self) -> tuple[Mesh | Bricks, Mesh | Bricks]:
+        """Return the finer and the coarser mesh."""
+        return self.mesh_pair.meshes
+
+    def systems(self) -> tuple[SolidSystem, SolidSystem]:
+        """Return the lossless systems on the finer and the coarser mesh."""
+        pair = self.mesh_pair
+        return self.run("assembly", lambda: pair.systems)
+
+    def static(self) -> Refined[Multiport]:
+        """Return the lossless D(0)."""
+
+        def work() -> Refined[Multiport]:
+            from fem.bimorph.ports import static_multiport
+
+            fine, coarse = (static_multiport(system) for system in self.systems())
+            return self._two_meshes(fine, coarse, self._rounding(fine))
+
+        return self.run("static", work)
+
+    def ports(self) -> Refined[Multiport]:
+        """Return D(Ω) with losses over the scene's frequencies."""
+        return self.run("ports", self._reduced)
+
+    def _reduced(self) -> Refined[Multiport]:
+        from fem.bimorph.reduction.kept import reduced_solid
+
+        ports = []
+        extra: tuple[tuple[Multiport, float], ...] = ()
+        for mesh in self.meshes():
+            reduced = reduced_solid(
+                self.scene.device, mesh, self.frequencies, tolerance=1e-3 * self.scene.accuracy
+            )
+            ports.append(reduced.multiport(self.frequencies))
+            if not extra:
+                extra = ((reduced.coarser_multiport(self.frequencies), SAFETY),)
+                at_rest = reduced.multiport(np.zeros(1))
+        # a peak magnifies what the stiffness is off by Q
+        peak = self.scene.piezo.quality_factor
+        two = self._two_meshes(ports[0], ports[1], peak * self._rounding(at_rest))
+        method = f"{two.method}; plus the last Krylov block of the port reduction"
+        return Refined(two.fine, two.coarser + extra, method, two.rounding)
+
+    def modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        """Return the lossless modes."""
+        return self.run(
+            "modes_open" if open_circuit else "modes_short",
+            lambda: self._modes(open_circuit=open_circuit),
+        )
+
+    def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        modal = self._modal()
+        fine, coarse = (
+            Modes(np.array([m.frequency for m in found]), tuple(m.kind for m in found))
+            for found in self._lowest(open_circuit=open_circuit)
+        )
+        # a cantilever's modes have a quarter of the mass; frequencies go as the root
+        stiffness = (2.0 * np.pi * fine.frequencies) ** 2 * modal.mass / 4.0
+        rounding = 0.5 * modal.spurious_stiffness / stiffness
+        bending, others = modal.mode_factors
+        if open_circuit:  # the charge, a static goal, has its part in it
+            bending = max(bending, modal.static_factor)
+        coarse = _matched(fine, coarse)
+        bends = np.array(fine.classes) == "bending_x"
+        parts = ((bends, bending), (~bends, others))
+        coarser = tuple(
+            (_only(of, fine, other), factor)
+            for of, factor in parts
+            for other in (coarse, _moved(fine, coarse))
+        )
+        return Refined(fine, coarser, modal.method, rounding)
+
+    def shapes(self) -> list[SolidMode]:
+        """Return the lowest modes of :meth:`modes` with their shapes, on the finer mesh."""
+        from fem.bimorph.modes import natural_modes
+
+        wanted = Counter(mode.motion for mode in self._lowest(open_circuit=False)[0])
+        system = self.systems()[0]
+        found: list[SolidMode] = []
+        for motion, count in wanted.items():
+            of = system if system.related is None else system.related(motion)
+            found += natural_modes(of, self.scene.ends, count)
+        return sorted(found, key=lambda mode: mode.frequency)
+
+    def _modal(self) -> SolidModes:
+        """Return what modes on any support, load and circuit follow from."""
+
+        def work() -> SolidModes:
+            pair, systems = self.mesh_pair, self.systems()
+            fine, coarse = solve_modes(*systems, self.scene.modes)
+            return SolidModes(
+                fine,
+                coarse,
+                spurious_stiffness=systems[0].spurious_stiffness,
+                mass=float(systems[0].node_mass.sum()),
+                static_factor=pair.static_factor,
+                mode_factors=pair.mode_factors,
+                method=pair.method,
+            )
+
+        return self.run("modal", work)
+
+    def _lowest(self, *, open_circuit: bool) -> tuple[list[BareMode], list[BareMode]]:
+        modal = self._modal()
+        return lowest_modes(
+            modal.fine,
+            modal.coarse,
+            self.scene.ends,
+            self.scene.modes,
+            open_circuit=open_circuit,
+        )
+
+    def _rounding(self, port: Multiport) -> float:
+        """Return what rounding of the stiffness matrix does to the tip's static compliance."""
+        compliance = np.linalg.inv(port.block("w_tip", "psi_tip").stiffness[0])[0, 0]
+        return float(abs(compliance) * self.systems()[0].spurious_stiffness)
+
+    def _two_meshes(self, fine: T, coarse: T, rounding: Floats | float) -> Refined[T]:
+        pair = self.mesh_pair
+        return Refined(
+            fine, ((coarse, pair.static_factor),), pair.method, rounding + pair.static_share
+        )
+
+
+def _only(of: Bools, fine: Modes, coarse: Modes) -> Modes:
+    """Return the coarse modes where `of` (n,) says so, the fine ones elsewhere."""
+    return Modes(np.where(of, coarse.frequencies, fine.frequencies), fine.classes)
+
+
+def _moved(fine: Modes, coarse: Modes) -> Modes:
+    """Return the modes moved by what each of its class counts with at least."""
+    kinds, frequencies = np.array(fine.classes), fine.frequencies.copy()
+    for kind in set(fine.classes):
+        of = kinds == kind
+        frequencies[of] *= 1.0 + least_difference(fine.frequencies[of], coarse.frequencies[of])
+    return Modes(frequencies, fine.classes)
+
+
+def _matched(fine: Modes, coarse: Modes) -> Modes:
+    """Pair coarse modes with fine ones by class and order, so that like meets like."""
+    left = list(zip(coarse.classes, coarse.frequencies, strict=True))
+    paired = []
+    for kind, frequency in zip(fine.classes, fine.frequencies, strict=True):
+        if not left:
+            paired.append(np.nan)
+            continue
+        same = [entry for entry in left if entry[0] == kind] or left
+        nearest = min(same, key=lambda entry: abs(entry[1] - frequency))
+        left.remove(nearest)
+        paired.append(nearest[1])
+    return Modes(np.array(paired), fine.classes)
