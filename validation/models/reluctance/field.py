@@ -12,7 +12,8 @@ from geometry.arrays import Floats
 from geometry.errors import InputError
 from geometry.meshing.mesh_cache import cache_folder
 from tmm.reluctance.coenergy.files import read_map, write_map
-from tmm.reluctance.coenergy.map import CoenergyMap
+from tmm.reluctance.coenergy.fit import fit
+from tmm.reluctance.coenergy.map import CoenergyMap, Samples
 from validation.engine.results import Measured
 from validation.models.reluctance.model import MagneticModel
 from validation.models.reluctance.point import MagneticPoint
@@ -64,7 +65,7 @@ class _FieldModel(MagneticModel):
         def table(read: Callable[[FieldPoint | SolidPoint], float]) -> Floats:
             return np.array([[read(point) for point in row] for row in rows]).T
 
-        return CoenergyMap.from_samples(
+        samples = Samples(
             currents,
             gaps,
             flux_linkage=table(lambda p: p.flux_linkage),
@@ -75,6 +76,7 @@ class _FieldModel(MagneticModel):
             model=self.name,
             device=self._described(),
         )
+        return fit(samples)
 
 
 class AxisymmetricModel(_FieldModel):
