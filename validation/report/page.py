@@ -11,9 +11,9 @@ from typing import Any
 
 from geometry.files import written_whole
 from validation.report.comparison import ComparedRow
-from validation.command_line.files import writable_folder
+from geometry.files import writable_folder
 from validation.view.formats import filters
-from validation.report.sections.all import sections
+from validation.report.sections.contents import sections
 from validation.report.study import Study
 from validation.scene.scene import Scene
 
