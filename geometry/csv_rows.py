@@ -1,4 +1,4 @@
-"""Lines and cells of a CSV file that a user wrote, or one sentence that says why not.
+"""CSV files: what a user wrote, by lines and cells, or a sentence why not; and tables for others.
 
 What the columns mean is the readers' business.
 """
@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from geometry.errors import InputError
+from geometry.files import written_whole
 
 #: Line number in the file, and the cells of that line.
 Row: TypeAlias = tuple[int, list[str]]
@@ -71,3 +73,12 @@ def _cells(line: str, separator: str, where: str) -> list[str]:
         return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, strict=True))]
     except csv.Error as error:
         raise InputError(f"{where} is not CSV ({error}); save the table as plain CSV") from None
+
+
+def write_csv(path: Path, head: Iterable[str], rows: Iterable[Iterable[Any]]) -> Path:
+    """Write a table with its column names, whole or not at all, and return its path."""
+    with written_whole(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as f:
+        writer = csv.writer(f)
+        writer.writerow(head)
+        writer.writerows(rows)
+    return path

@@ -65,3 +65,10 @@ def writable_folder(path: Path) -> Path:
             f"output folder {path} cannot be written ({reason}); choose another with --out"
         ) from None
     return path
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a text file whole or not at all, and return its path; refusals as above."""
+    with written_whole(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return path

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import math
 import sys
@@ -10,7 +9,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from geometry.files import written_whole
+from geometry.csv_rows import write_csv
+from geometry.files import write_text
 from validation.bench.result import Bench, Timing
 from validation.view.figures import ORANGE, panels, plain_numbers, svg
 from validation.view.formats import engineering
@@ -51,19 +51,9 @@ def write_bench(parts: Iterable[Bench], out: Path) -> list[Path]:
     """Write a CSV and the time-against-error plot of every part, and return the paths."""
     written = []
     for part in parts:
-        path = out / f"bench-{part.part}.csv"
-        with (
-            written_whole(path) as temporary,
-            temporary.open("w", newline="", encoding="utf-8") as file,
-        ):
-            writer = csv.writer(file)
-            writer.writerow(part.timings[0].fields)
-            writer.writerows(timing.values for timing in part.timings)
-        written.append(path)
-        path = out / f"bench-{part.part}.svg"
-        with written_whole(path) as temporary:
-            temporary.write_text(time_error_plot(part.timings), encoding="utf-8")
-        written.append(path)
+        stem, rows = f"bench-{part.part}", (timing.values for timing in part.timings)
+        written.append(write_csv(out / f"{stem}.csv", part.timings[0].fields, rows))
+        written.append(write_text(out / f"{stem}.svg", time_error_plot(part.timings)))
     return written
 
 

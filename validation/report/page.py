@@ -9,7 +9,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from geometry.files import written_whole
+from geometry.files import write_text
 from validation.report.comparison import ComparedRow
 from geometry.files import writable_folder
 from validation.view.formats import filters
@@ -36,9 +36,7 @@ def write_report(
     started = time.perf_counter()
     page = _page(Study(scene, origins, announce, quick=quick), started)
     target = out / "index.html"
-    with written_whole(target) as temporary:
-        temporary.write_text(page, encoding="utf-8")
-    return target
+    return write_text(target, page)
 
 
 def _page(study: Study, started: float) -> str:
