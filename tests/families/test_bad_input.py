@@ -60,7 +60,14 @@ def refused(capsys, tmp_path, monkeypatch, sweep):
 def test_all_commands_are_tried():
     """Those that take a scene, and the few that do not."""
     assert set(WITH_SCENE) >= {"solve", "plan", "report", "export", "design", "sensitivity"}
-    assert set(COMMANDS) - set(WITH_SCENE) <= {"scenes", "init", "stress", "bench", "cache"}
+    assert set(COMMANDS) - set(WITH_SCENE) <= {
+        "scenes",
+        "init",
+        "stress",
+        "verify",
+        "bench",
+        "cache",
+    }
 
 
 @pytest.mark.parametrize("command", COMMANDS)
