@@ -29,7 +29,7 @@ report-quick: $(READY) ## write the reduced report to report-quick/
 
 # one file's tests stay together: they share solved models
 test: $(READY) ## run the tests, less the heavy ones
-	$(BIN)/pytest --numprocesses auto --dist loadfile
+	$(BIN)/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 test-heavy: $(READY) ## run the heavy tests
 	$(BIN)/pytest -m heavy

@@ -1,4 +1,4 @@
-"""Shared by all tests: a fixed hypothesis profile, a store of their own, a reference solution."""
+"""Shared by all tests: one thread each, a fixed hypothesis profile, a store of their own."""
 
 import json
 import os
@@ -7,10 +7,27 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+# the workers of pytest-xdist are the parallelism: with two threads in each of two they wait for
+# one another, and small systems take up to eight times the processor time
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+#: Folders and files that take longest, which begin first: no worker is left alone with one.
+LONGEST = ("report", "test_three_d", "test_checks", "test_length_design", "reluctance", "bimorph")
+
 settings.register_profile(
     "fixed", derandomize=True, database=None, deadline=None, max_examples=30, print_blob=False
 )
 settings.load_profile("fixed")
+
+
+def pytest_collection_modifyitems(items):
+    """Put what takes longest first; the order within a file stays."""
+
+    def place(item):
+        path = item.path.relative_to(Path(__file__).parent).as_posix()
+        return next((n for n, part in enumerate(LONGEST) if part in path), len(LONGEST))
+
+    items.sort(key=place)
 
 
 @pytest.fixture(scope="session", autouse=True)

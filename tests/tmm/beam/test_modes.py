@@ -267,8 +267,13 @@ def test_rounding_bar_of_segmented_rows(case, support, ends, open_circuit):
     device = Device(bimorph=Bimorph(**ROWS[case]))
     row = tmm.sections(device, Support(kind=support), Beam(), lossy=False, segments=2)
     got = natural_frequencies(row, ends, 3, open_circuit=open_circuit)
-    for frequency, bar in zip(got.frequencies, got.rounding, strict=True):
-        assert abs(offset(row, ends, frequency, open_circuit=open_circuit)) < bar
+    shares = [
+        abs(offset(row, ends, frequency, open_circuit=open_circuit)) / bar
+        for frequency, bar in zip(got.frequencies, got.rounding, strict=True)
+    ]
+    assert max(shares) < 1.0
+    if case.startswith("foil"):  # what is lost is no chance there: the bar is four times as much
+        assert 0.1 < max(shares) < 0.4
     # the requirement on what is compared with a second model of 1e-11
     assert got.rounding.max() < (1e-9 if case.startswith("foil") else 1e-12)
 

@@ -14,7 +14,16 @@ from tmm.beam import lumped
 from tmm.beam.printed_formulas import printed_section
 from tmm.beam.transfer import transfer_matrix as tmm
 from tmm.ports.invariants import passivity_margin, reciprocity_error, symmetric_form
-from tmm.ports.multiport import connect, hold, in_series, reduce, respond, round_off, terminate
+from tmm.ports.multiport import (
+    balanced,
+    connect,
+    hold,
+    in_series,
+    reduce,
+    respond,
+    round_off,
+    terminate,
+)
 from tmm.ports.port import BIMORPH
 from tmm.ports.terminations import attach, ends_of, finger_stiffness
 
@@ -198,6 +207,19 @@ def test_round_off_bound_covers_the_error():
     bound = round_off(attach(paper(f, lossy=False), Ends()))
     assert bound[0] < 1e-13
     assert bound[2] > 1e3 * bound[0]
+
+
+def test_round_off_bound_is_what_a_last_digit_does_at_worst():
+    """The matrix off by machine epsilon of its norm, in the direction that matters most."""
+    port = attach(paper(np.array([100.0]), lossy=False), Ends())
+    matrix = balanced(hold(port, "voltage").stiffness)[0]
+    left, values, right = np.linalg.svd(matrix)
+    many = 1e6  # last digits, so that the change is not itself rounding
+    off = many * np.finfo(float).eps * values[0] * np.outer(left[:, -1], right[-1])
+    motion, moved = (np.linalg.solve(m, left[:, -1]) for m in (matrix, matrix + off))
+    change = np.linalg.norm(moved - motion) / np.linalg.norm(motion)
+    # second order in a change of 1e-7
+    assert change == pytest.approx(many * round_off(port)[0], rel=1e-5)
 
 
 JOINTS = {"w_tip": "w_base", "psi_tip": "psi_base", "voltage": "voltage"}

@@ -198,6 +198,21 @@ def test_interpolation_error_is_honest(points, power, model):
         assert true < 2.0 * getattr(pull.interpolation_error, name), name
 
 
+def test_interpolation_error_is_not_wide():
+    """On seven currents spread evenly the true errors take two thirds of what is said of them."""
+    currents, gaps = 0.2 * np.arange(8) / 7.0, np.geomspace(0.02e-3, 0.25e-3, 7)
+    shares = {"flux_linkage": [], "force": []}
+    for model in (lambda i, g: network_samples(DEVICE, i, g), saturating_samples):
+        pull = fit(model(currents, gaps))
+        exact = model(between(currents), between(gaps, "geometric"))
+        said = pull.sampled(exact.current, exact.gap)
+        for name, found in shares.items():
+            true = largest_error(getattr(said, name), getattr(exact, name))
+            found.append(true / getattr(pull.interpolation_error, name))
+    for name, found in shares.items():
+        assert 1.0 / 3.0 < max(found) <= 1.0, name
+
+
 def test_map_converges():
     """Four times as many samples: the true error and its estimate both fall by a factor of 4."""
     errors = []

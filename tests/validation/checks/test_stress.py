@@ -4,7 +4,6 @@ import argparse
 import json
 import math
 
-import numpy as np
 import pytest
 
 from geometry.errors import InputError
@@ -12,8 +11,6 @@ from tmm.beam.transfer.precision import error_bound
 from validation.checks.stress import beam, magnetics, output
 from validation.checks.stress.result import (
     WANTED,
-    Approach,
-    ErrorMap,
     Point,
     Stress,
     answered,
@@ -113,7 +110,7 @@ def test_verdicts_of_answers(points, refusals, verdict):
 
 
 def test_worst_is_one_that_failed():
-    """A large error within its bound does not hide a small one beyond its own."""
+    """A large error within its bound does not hide a made_up_stress one beyond its own."""
     allowed = Point("far", 0.5, math.nan, 1.0, math.nan)
     assert answered("family", "what", [allowed, synthetic(1e-3)]).worst.where == "somewhere"
 
@@ -145,32 +142,15 @@ def test_whole_magnetic_run(quick):
     assert all(row.verdict != "fails" for row in found.rows)
 
 
-@pytest.fixture
-def small(monkeypatch):
-    """Put a made-up run in the place of the real one."""
-    table = ErrorMap(
-        "made up", np.array([0.0, 1.0]), np.array([1e-3]), np.full((1, 2), 1e-14),
-        np.array([[np.nan, np.inf]]), np.ones((1, 2)),
-    )  # fmt: skip
-    approach = Approach("made up", np.array([1e3, 1e6]), np.array([1e-15, 1e-13]), np.ones(2))
-
-    def run(points):
-        rows = (judged("family", "what", points),)
-        made = Stress("tmm", beam._COLUMNS, "words", rows, (table,), (approach,), 0)
-        monkeypatch.setattr(beam, "run", lambda *_: made)
-
-    return run
-
-
 def options(**changes):
     return argparse.Namespace(
         **{"only": None, "quick": True, "out": None, "json": False, **changes}
     )
 
 
-def test_command_writes_tables_and_plots(small, tmp_path, capsys):
+def test_command_writes_tables_and_plots(made_up_stress, tmp_path, capsys):
     """With --out come CSV files and SVG plots; the table goes to stdout."""
-    small([synthetic(1e-13)])
+    made_up_stress([synthetic(1e-13)])
     assert command.run(options(only=["tmm"], out=str(tmp_path / "out"))) == 0
     assert "holds" in capsys.readouterr().out
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
@@ -193,15 +173,15 @@ def test_command_quotes_refusals(monkeypatch, tmp_path, capsys):
     assert "come nearer" in (tmp_path / "stress-magnetics.csv").read_text()
 
 
-def test_command_fails_if_a_family_does(small):
+def test_command_fails_if_a_family_does(made_up_stress):
     """The exit code is 1."""
-    small([synthetic(1e-3)])
+    made_up_stress([synthetic(1e-3)])
     assert command.run(options(only=["tmm"])) == 1
 
 
-def test_command_as_json(small, capsys):
+def test_command_as_json(made_up_stress, capsys):
     """Standard JSON: what is not finite is null."""
-    small([synthetic(1e-13)])
+    made_up_stress([synthetic(1e-13)])
     command.run(options(only=["tmm"], json=True))
     told = json.loads(capsys.readouterr().out)
     assert told["verdicts"] == {"tmm": ["holds"]}
@@ -214,11 +194,11 @@ def test_unknown_part_is_refused():
         command.run(options(only=["tmn"]))
 
 
-def test_section_for_the_report(small):
+def test_section_for_the_report(made_up_stress):
     """The report's fragment renders with plots inside."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    small([synthetic(1e-13), synthetic(1e-9, 1e9)])
+    made_up_stress([synthetic(1e-13), synthetic(1e-9, 1e9)])
     context = output.section(True, lambda _: None)
     loader = PackageLoader("validation.report", "templates")
     page = Environment(loader=loader, undefined=StrictUndefined, autoescape=True)

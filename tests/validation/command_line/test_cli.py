@@ -83,51 +83,6 @@ def test_frequencies_partly_outside_the_finger_warn(capsys):
     assert json.loads(out)["warnings"]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (
-            ["solve", "--frequency", "5000", "--quantity", "tip_velocity"],
-            ["5000 Hz", "10 to 1000 Hz"],
-        ),
-        (["solve", "nowhere"], ["neither a readable file nor a built-in scene"]),
-        (["solve", "--model", "fem"], ['model "fem" is unknown']),
-        (["solve", "--quantity", "speed"], ['quantity "speed" is unknown']),
-        (["solve", "--set", "bimorph.length=25"], ["has no unit"]),
-        (["solve", "--nonsense"], ["unrecognized arguments", "--help"]),
-        (["fly"], ["invalid choice"]),
-        (["export"], ["--step"]),
-        (["export", "--glb", "x.gltf"], ["--glb x.gltf", ".glb"]),
-        (["export", "--mesh", "x.stl"], ["--mesh x.stl", ".vtu or .msh"]),
-        (["solve", "--frequency", ""], ["--frequency is empty", "--frequency 10:2000:200"]),
-        (["solve", "--model", " "], ["--model is empty"]),
-        (["solve", "--frequency", "10 20"], ['"10 20"', "not a frequency"]),
-        (["solve", "x\ny" * 2000], ["neither a readable file"]),
-        (["solve", "--no\nsense"], ["unrecognized arguments"]),
-        (["plan", "--set", "gap=-1mm"], ["gap", "greater than 0"]),
-        (["report", "--out", "/proc/nowhere"], ["/proc/nowhere", "cannot be written"]),
-        (["export", "--step", "/nowhere/x.step"], ["/nowhere/x.step", "cannot be written"]),
-        (
-            ["solve", "--set", "support.rotational_stiffness=0 N*m/rad"],
-            ["support.rotational_stiffness = 0", "no value at 0 Hz"],
-        ),
-        (
-            ["design", "reluctance"],
-            ["models = network", "design is about the lateral", "models=tmm"],
-        ),
-        (["sensitivity", "reluctance"], ["sensitivity is about the lateral one"]),
-        (["init", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),
-    ],
-)
-def test_bad_input_is_one_sentence_and_exit_code_2(capsys, arguments, words):
-    """No traceback, nothing on stdout, one line on stderr."""
-    code, out, err = run(capsys, *arguments)
-    assert (code, out) == (2, "")
-    assert all(word in err for word in words), err
-    assert err.startswith("tactgen: ")
-    assert err.count("\n") == 1
-
-
 def test_a_spring_at_the_tip_holds_a_base_without_one(capsys):
     """Two springs stop two rigid motions, wherever they are."""
     setting = ["--set", "support.lateral_stiffness=0 N/m", "--set", "load.kind=spring_damper"]

@@ -104,48 +104,6 @@ def test_plot_is_a_whole_svg(capsys, tmp_path):
     assert sorted(tmp_path.iterdir()) == files
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--margin", "x"], '--margin "x" is not a number'),
-        (["--margin", "-1"], "margin = -1 is not a factor above 0"),
-        (["--margin", "nan"], '--margin "nan" is not a number'),
-        (["--band", "10"], '--band "10" is not LOW:HIGH'),
-        (["--band", "10:100:1000"], "is not LOW:HIGH"),
-        (["--band", "5:1000"], "reaches beyond the detection threshold"),
-        (["--band", "500:20"], "does not rise"),
-        (["--lengths", "20:40mm"], 'lengths: "20" has no unit'),
-        (["--lengths", "20mm:40kg"], "which is not a length"),
-        (["--lengths", "40mm:20mm"], "do not rise"),
-        (["--lengths", "-1mm:20mm"], "must be greater than 0 mm"),
-        (["--aim", "longest"], "--aim"),
-        (["--plot", "length.png"], "is not an SVG file"),
-        (["--plot", "/no/such/folder/length.svg"], "cannot be written"),
-        (["--lengths", "1um:40mm"], "no beam; start at 0.77 mm or more"),
-        (["--lengths", "1mm:1m"], "half waves at 1000 Hz"),
-        (
-            ["--set", "bimorph.bare_above=25mm", "--set", "bimorph.length=30mm"],
-            "leave no electrode beside",
-        ),
-        (
-            ["--set", "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm"],
-            "bimorph.width_profile is stated for 20 mm",
-        ),
-        (["--set", "drive.voltage=0V"], "drive.voltage or piezo.d31 is 0"),
-        (["nowhere"], "nowhere"),
-    ],
-)
-def test_bad_input_is_one_sentence(capsys, arguments, message):
-    """Exit code 2, nothing on stdout, one line on stderr that names the remedy."""
-    # "--band=5:1000": argparse takes a value with a leading minus for an option otherwise
-    joined = [f"{arguments[0]}={arguments[1]}"] if len(arguments) == 2 else arguments
-    code, out, err = run(capsys, *joined)
-    assert (code, out) == (2, "")
-    assert len(err.splitlines()) == 1
-    assert message in err
-    assert ";" in err
-
-
 def test_design_loads_no_finite_elements():
     """CAD, VTK and finite elements stay out; matplotlib too if nothing is drawn."""
     script = (

@@ -178,59 +178,6 @@ def _magnitudes(sweep):
     return path
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["nowhere.csv"], ["nowhere.csv cannot be read", "no such file"]),
-        ([], ["MEASURED.csv", "--help"]),
-        (["SWEEP", "prototyp"], ["neither a readable file nor a built-in scene"]),
-        (["SWEEP", "--fit", "c_q"], ['"c_q" is not a scene key', 'did you mean "c_s"']),
-        (["SWEEP", "--fit", "c_s=5"], ["has no unit"]),
-        (["SWEEP", "--set", "support.kind=clamped"], ["has no effect", "support.kind"]),
-        (["SWEEP", "--noise", "pink"], ["invalid choice"]),
-        (["SWEEP", "--plot", "x.gif"], ['--plot "x.gif"', ".svg or .png"]),
-        (["SWEEP", "--plot", "/nowhere/x.svg"], ["/nowhere/x.svg", "cannot be written"]),
-        (["SWEEP", "--write", "x.txt"], ['--write "x.txt"', ".toml"]),
-        (["SWEEP", "--write", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),
-    ],
-)
-def test_bad_input_gives_one_sentence_and_exit_code_2(
-    capsys, sweep, tmp_path, monkeypatch, arguments, words
-):
-    """One line on stderr, nothing on stdout, no file left behind."""
-    monkeypatch.chdir(tmp_path)
-    code, out, err = run(capsys, *(sweep if a == "SWEEP" else a for a in arguments))
-    assert (code, out) == (2, "")
-    assert err.startswith("tactgen: ")
-    assert err.count("\n") == 1
-    for word in words:
-        assert word in err
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("frequency (Hz),speed (mm/s)\n10,1\n", ["line 1", '"speed (mm/s)" is unknown']),
-        ("frequency (Hz),velocity\n10,1\n", ['"velocity" has no unit']),
-        ("frequency (Hz),velocity (mm/s)\n10,nan\n20,1\n", ["line 2", '"nan"']),
-        ("frequency (Hz),velocity (mm/s)\n20,1\n10,1\n", ["line 3", "sort"]),
-        ("frequency (Hz),velocity (mm/s)\n10,1\n20,1\n", ["holds 2 points", "at least 5"]),
-        ("", ["is empty"]),
-    ],
-)
-def test_bad_data_gives_one_sentence_and_exit_code_2(capsys, tmp_path, text, words):
-    """The file's own faults end the same way."""
-    path = tmp_path / "bad.csv"
-    path.write_text(text, encoding="utf-8")
-    code, out, err = run(capsys, path)
-    assert (code, out) == (2, "")
-    assert err.count("\n") == 1
-    assert str(path) in err
-    for word in words:
-        assert word in err
-
-
 def test_help_says_what_the_data_must_be(capsys):
     """--help names the columns, the drive voltage, the default and the syntax of --fit."""
     code, out, _ = run(capsys, "--help")

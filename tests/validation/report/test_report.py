@@ -20,7 +20,7 @@ def make(tmp_path, name, *overrides):
     return page.read_text(encoding="utf-8"), steps
 
 
-def test_report_is_complete_and_self_contained(tmp_path):
+def test_report_is_complete_and_self_contained(tmp_path, run_elsewhere):
     """All sections, every light check, pictures inside the page, no address to fetch."""
     html, steps = make(tmp_path, "j1", "mesh.level=2")
     assert re.findall(r'<h2 id="(\w+)">', html) == [
@@ -40,7 +40,7 @@ def test_report_is_complete_and_self_contained(tmp_path):
     assert not re.search(r"\bnan\b|\bNone\b|Undefined", text)
 
 
-def test_report_without_the_solid_says_so(tmp_path):
+def test_report_without_the_solid_says_so(tmp_path, run_elsewhere):
     """A scene that asks for one-dimensional models gets a report about those."""
     html, steps = make(tmp_path, "prototype", "models=lumped,tmm")
     assert "The solid model was not asked for" in html

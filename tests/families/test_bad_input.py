@@ -1,0 +1,229 @@
+"""Bad input on the command line: one sentence that says what to do, exit code 2, no traceback.
+
+What a scene refuses, key by key, is in tests/validation/scene; what a table of steel or of a
+measurement refuses, beside its reader.
+"""
+
+import argparse
+
+import pytest
+
+from validation.command_line import cli
+from validation.engine.solve import solve
+from validation.scene.scene import load_scene
+
+COMMANDS = next(
+    action.choices
+    for action in cli._parser()._actions
+    if isinstance(action, argparse._SubParsersAction)
+)
+#: Arguments of a command before the scene and after it, where it must have some.
+BEFORE, AFTER = {"identify": ["SWEEP"]}, {"export": ["--step", "x.step"]}
+
+
+def has(command, name):
+    return any(name in (a.dest, *a.option_strings) for a in COMMANDS[command]._actions)
+
+
+WITH_SCENE = [name for name in COMMANDS if has(name, "scene")]
+AS_JSON = [name for name in WITH_SCENE if has(name, "--json")]
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    """Return a measured curve that has no fault: the prototype's own."""
+    scene, _ = load_scene("prototype", ["frequency=10:2000:40"])
+    velocity = solve(scene, ("tmm",), ("tip_velocity",)).quantities[0].value
+    rows = (f"{f},{abs(v)}" for f, v in zip(scene.frequency, velocity, strict=True))
+    return "frequency (Hz),velocity (m/s)\n" + "\n".join(rows) + "\n"
+
+
+@pytest.fixture
+def refused(capsys, tmp_path, monkeypatch, sweep):
+    """Return a function that calls the command line, checks the refusal and returns its words."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sweep.csv").write_text(sweep, encoding="utf-8")
+    before = sorted(tmp_path.iterdir())
+
+    def call(*arguments):
+        code = cli.main(["sweep.csv" if a == "SWEEP" else a for a in arguments])
+        out, err = capsys.readouterr()
+        assert (code, out) == (2, ""), err
+        assert err.startswith("tactgen: ")
+        assert err.count("\n") == 1
+        assert sorted(tmp_path.iterdir()) == before
+        return err
+
+    return call
+
+
+def test_all_commands_are_tried():
+    """Those that take a scene, and the few that do not."""
+    assert set(WITH_SCENE) >= {"solve", "plan", "report", "export", "design", "sensitivity"}
+    assert set(COMMANDS) - set(WITH_SCENE) <= {
+        "scenes",
+        "init",
+        "stress",
+        "verify",
+        "bench",
+        "cache",
+    }
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_unknown_option(refused, command):
+    """Refused with the way to the help, by every command."""
+    error = refused(command, *BEFORE.get(command, []), *AFTER.get(command, []), "--nonsense")
+    assert "--help" in error
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere.toml"], ["neither a readable file nor a built-in scene"]),
+        (["papr"], ['did you mean "paper"']),
+        (["paper", "--set", "bimorph.length"], ["KEY=VALUE"]),
+        (["paper", "--set", "bimorph.lenght=25mm"], ['did you mean "bimorph.length"']),
+        (["paper", "--set", "bimorph.length=25"], ["bimorph.length", "has no unit"]),
+        (["paper", "--set", "bimorph.length=25 kg"], ["bimorph.length", "not a length"]),
+        (["paper", "--set", "piezo.density=-7800 kg/m^3"], ["piezo.density", "greater than 0"]),
+        (["paper", "--set", "models=tmn"], ['did you mean "tmm"']),
+        (["paper", "--set", "piezo.d31=-3850 pC/N"], ["piezo.d31", "negative energy"]),
+    ],
+)
+@pytest.mark.parametrize("command", WITH_SCENE)
+def test_scene_that_cannot_be_used(refused, command, arguments, words):
+    """The same sentence from every command that takes a scene, before any work is done."""
+    error = refused(command, *BEFORE.get(command, []), *arguments, *AFTER.get(command, []))
+    assert ";" in error or "did you mean" in error  # the remedy
+    assert all(word in error for word in words), error
+
+
+@pytest.mark.parametrize("command", AS_JSON)
+def test_no_half_a_document(refused, command):
+    """With --json too nothing is on stdout, and the sentence on stderr is plain text."""
+    error = refused(command, *BEFORE.get(command, []), "--json", "--set", "gap=-1 mm")
+    assert "gap" in error
+    assert "{" not in error
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (
+            ["solve", "--frequency", "5000", "--quantity", "tip_velocity"],
+            ["5000 Hz", "10 to 1000 Hz"],
+        ),
+        (["solve", "nowhere"], ["neither a readable file nor a built-in scene"]),
+        (["solve", "--model", "fem"], ['model "fem" is unknown']),
+        (["solve", "--quantity", "speed"], ['quantity "speed" is unknown']),
+        (["solve", "--set", "bimorph.length=25"], ["has no unit"]),
+        (["solve", "--nonsense"], ["unrecognized arguments", "--help"]),
+        (["fly"], ["invalid choice"]),
+        (["export"], ["--step"]),
+        (["export", "--glb", "x.gltf"], ["--glb x.gltf", ".glb"]),
+        (["export", "--mesh", "x.stl"], ["--mesh x.stl", ".vtu or .msh"]),
+        (["solve", "--frequency", ""], ["--frequency is empty", "--frequency 10:2000:200"]),
+        (["solve", "--model", " "], ["--model is empty"]),
+        (["solve", "--frequency", "10 20"], ['"10 20"', "not a frequency"]),
+        (["solve", "x\ny" * 2000], ["neither a readable file"]),
+        (["solve", "--no\nsense"], ["unrecognized arguments"]),
+        (["plan", "--set", "gap=-1mm"], ["gap", "greater than 0"]),
+        (["report", "--out", "/proc/nowhere"], ["/proc/nowhere", "cannot be written"]),
+        (["export", "--step", "/nowhere/x.step"], ["/nowhere/x.step", "cannot be written"]),
+        (
+            ["solve", "--set", "support.rotational_stiffness=0 N*m/rad"],
+            ["support.rotational_stiffness = 0", "no value at 0 Hz"],
+        ),
+        (
+            ["design", "reluctance"],
+            ["models = network", "design is about the lateral", "models=tmm"],
+        ),
+        (["sensitivity", "reluctance"], ["sensitivity is about the lateral one"]),
+        (["init", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),
+    ],
+)
+def test_arguments(refused, arguments, words):
+    """What the options of solve, plan, report, export, sensitivity and init refuse."""
+    error = refused(*arguments)
+    assert all(word in error for word in words), error
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--margin", "x"], '--margin "x" is not a number'),
+        (["--margin", "-1"], "margin = -1 is not a factor above 0"),
+        (["--margin", "nan"], '--margin "nan" is not a number'),
+        (["--band", "10"], '--band "10" is not LOW:HIGH'),
+        (["--band", "10:100:1000"], "is not LOW:HIGH"),
+        (["--band", "5:1000"], "reaches beyond the detection threshold"),
+        (["--band", "500:20"], "does not rise"),
+        (["--lengths", "20:40mm"], 'lengths: "20" has no unit'),
+        (["--lengths", "20mm:40kg"], "which is not a length"),
+        (["--lengths", "40mm:20mm"], "do not rise"),
+        (["--lengths", "-1mm:20mm"], "must be greater than 0 mm"),
+        (["--aim", "longest"], "--aim"),
+        (["--plot", "length.png"], "is not an SVG file"),
+        (["--plot", "/no/such/folder/length.svg"], "cannot be written"),
+        (["--lengths", "1um:40mm"], "no beam; start at 0.77 mm or more"),
+        (["--lengths", "1mm:1m"], "half waves at 1000 Hz"),
+        (
+            ["--set", "bimorph.bare_above=25mm", "--set", "bimorph.length=30mm"],
+            "leave no electrode beside",
+        ),
+        (
+            ["--set", "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm"],
+            "bimorph.width_profile is stated for 20 mm",
+        ),
+        (["--set", "drive.voltage=0V"], "drive.voltage or piezo.d31 is 0"),
+        (["nowhere"], "nowhere"),
+    ],
+)
+def test_design(refused, arguments, message):
+    """What the options of design refuse."""
+    # "--band=5:1000": argparse takes a value with a leading minus for an option otherwise
+    joined = [f"{arguments[0]}={arguments[1]}"] if len(arguments) == 2 else arguments
+    error = refused("design", *joined)
+    assert message in error
+    assert ";" in error  # the remedy
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere.csv"], ["nowhere.csv cannot be read", "no such file"]),
+        ([], ["MEASURED.csv", "--help"]),
+        (["SWEEP", "prototyp"], ["neither a readable file nor a built-in scene"]),
+        (["SWEEP", "--fit", "c_q"], ['"c_q" is not a scene key', 'did you mean "c_s"']),
+        (["SWEEP", "--fit", "c_s=5"], ["has no unit"]),
+        (["SWEEP", "--set", "support.kind=clamped"], ["has no effect", "support.kind"]),
+        (["SWEEP", "--noise", "pink"], ["invalid choice"]),
+        (["SWEEP", "--plot", "x.gif"], ['--plot "x.gif"', ".svg or .png"]),
+        (["SWEEP", "--plot", "/nowhere/x.svg"], ["/nowhere/x.svg", "cannot be written"]),
+        (["SWEEP", "--write", "x.txt"], ['--write "x.txt"', ".toml"]),
+        (["SWEEP", "--write", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),
+    ],
+)
+def test_identify(refused, arguments, words):
+    """What the options of identify refuse."""
+    error = refused("identify", *arguments)
+    assert all(word in error for word in words), error
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("frequency (Hz),speed (mm/s)\n10,1\n", ["line 1", '"speed (mm/s)" is unknown']),
+        ("frequency (Hz),velocity\n10,1\n", ['"velocity" has no unit']),
+        ("frequency (Hz),velocity (mm/s)\n10,nan\n20,1\n", ["line 2", '"nan"']),
+        ("frequency (Hz),velocity (mm/s)\n20,1\n10,1\n", ["line 3", "sort"]),
+        ("frequency (Hz),velocity (mm/s)\n10,1\n20,1\n", ["holds 2 points", "at least 5"]),
+        ("", ["is empty"]),
+    ],
+)
+def test_measured_data(refused, tmp_path, text, words):
+    """The measurement's own faults, with the name of its file."""
+    (tmp_path / "sweep.csv").write_text(text, encoding="utf-8")
+    error = refused("identify", "SWEEP")
+    assert all(word in error for word in ["sweep.csv", *words]), error

@@ -1,0 +1,121 @@
+"""Stages read what they declare and no more: what is kept under a key is right for that key."""
+
+from typing import Literal, get_args, get_origin
+
+import numpy as np
+import pytest
+
+from geometry.device.parameters import Parameters
+from geometry.device.profile import Profile
+from validation.engine.plan import make_plan
+from validation.engine.solve import solve
+from validation.scene.scene import Scene, load_scene, scene_keys
+
+#: What of a scene no stage reads: whose it is, and what is asked.
+ASKED = ("name", "description", "models", "quantities")
+
+
+def other(group, name):
+    """Return another value of a parameter, close enough to be as good a device."""
+    value, info = getattr(group, name), type(group).model_fields[name]
+    if isinstance(value, Profile):
+        return None
+    if get_origin(info.annotation) is Literal:
+        return next(choice for choice in get_args(info.annotation) if choice != value)
+    if name == "curve":
+        return "linear"
+    if name == "material":
+        return "PZT-5H"
+    if name == "frequency":
+        return tuple(1.01 * f for f in value)
+    if isinstance(value, int):
+        return value + 1
+    if isinstance(value, float):
+        return 1.001 * value or 1e-6
+    return 1e10 if name == "transverse_modulus" else None
+
+
+def changed(scene, keys):
+    """Return the scene with another value of each of the keys."""
+    for key in keys:
+        group, _, name = key.rpartition(".")
+        owner = getattr(scene, group) if group else scene
+        owner = owner.model_copy(update={name: other(owner, name)})
+        scene = scene.model_copy(update={group: owner}) if group else owner
+    return scene
+
+
+def varied(scene):
+    """Return the keys of which there is another value."""
+    found = []
+    for key in scene_keys():
+        group, _, name = key.rpartition(".")
+        owner = getattr(scene, group) if group else scene
+        if key not in ASKED and other(owner, name) is not None:
+            found.append(key)
+    return found
+
+
+#: What these cost is little; what all models of the bimorph share is tried with them.
+CLOSED_FORMS = ("lumped", "tmm", "beam")
+
+LATERAL = [
+    ("paper", (), model, quantity)
+    for model in CLOSED_FORMS
+    for quantity in ("static_tip_displacement", "open_circuit_frequencies", "tip_displacement")
+]
+CASES = [
+    *LATERAL,
+    ("generator", ("modes=2",), "tmm", "tip_displacement"),
+    ("j1", ("mesh.level=2", "modes=2"), "solid", "static_tip_displacement"),
+    ("j1", ("mesh.level=2", "modes=2"), "solid", "short_circuit_frequencies"),
+    ("j1", ("mesh.level=2", "modes=2"), "solid", "open_circuit_frequencies"),
+    ("j1", ("mesh.level=2", "modes=2"), "solid", "tip_displacement"),
+    ("reluctance", (), "network", "magnetic_force"),
+    ("reluctance", (), "network", "pull_in_current"),
+    ("reluctance", ("accuracy=1%",), "axisymmetric", "magnetic_force"),
+    ("reluctance", ("accuracy=10%",), "magnetic3d", "magnetic_force"),
+]
+
+
+@pytest.mark.parametrize(("name", "overrides", "model", "quantity"), CASES)
+def test_a_key_stands_for_all_that_is_read(
+    name, overrides, model, quantity, tmp_path_factory, monkeypatch
+):
+    """Everything that does not change a stage's key is changed at once: the stage's result is
+    taken over, and what follows is bit for bit what a cold run of the changed scene gives."""
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("kept")))
+    scene, _ = load_scene(name, ["frequency=100", *overrides])
+    asked = (model,), (quantity,)
+    keys = make_plan(scene, *asked).keys
+    alone = {k: make_plan(changed(scene, [k]), *asked).keys for k in varied(scene)}
+    first = solve(scene, *asked)
+    tried = set()
+    for stage, key in keys.items():
+        unread = tuple(k for k in alone if alone[k].get(stage) == key)
+        assert 20 < len(unread) < len(alone)
+        if unread in tried or (stage == "terminations" and model not in CLOSED_FORMS):
+            continue
+        tried.add(unread)
+        also = changed(scene, unread)
+        assert make_plan(also, *asked).keys[stage] == key
+        ran = []
+        again = solve(also, *asked, reuse=first, announce=ran.append)
+        assert stage not in ran
+        monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("cold")))
+        cold = solve(also, *asked)
+        (kept,), (fresh,) = again.quantities, cold.quantities
+        np.testing.assert_array_equal(kept.value, fresh.value, err_msg=stage)
+        np.testing.assert_array_equal(kept.uncertainty, fresh.uncertainty, err_msg=stage)
+
+
+def test_another_value_is_another_scene():
+    """The test above varies nearly every key, each to a value of its own."""
+    scene = Scene()
+    keys = varied(scene)
+    assert len(keys) > 0.85 * len(scene_keys())
+    for key in keys:
+        assert changed(scene, [key]) != scene
+    assert {key.split(".")[0] for key in keys} >= {
+        name for name, value in scene if isinstance(value, Parameters)
+    }

@@ -1,0 +1,120 @@
+"""The built-in materials against what was printed: every constant, none off by a digit."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geometry.device.materials import EPS0
+from geometry.device.parameters import Piezo, spreads
+from geometry.device.piezo_library import LIBRARY
+from geometry.device.steel_law import TEAM20
+from geometry.device.steel_table import read_curve
+
+# a 6 x 6 inversion of a matrix of condition number about 10
+ROUNDING = 1e-13
+
+#: Berlincourt's table, as IEEE Std 176 and its users print it: compliances at constant field
+#: (1e-12 m²/N), strain constants (1e-12 m/V), relative permittivities at constant stress.
+PZT_5A_COMPLIANCE = {
+    (0, 0): 16.4, (1, 1): 16.4, (0, 1): -5.74, (0, 2): -7.22, (1, 2): -7.22, (2, 2): 18.8,
+    (3, 3): 47.5, (4, 4): 47.5, (5, 5): 44.3,
+}  # fmt: skip
+PZT_5A_STRAIN = {(2, 0): -171.0, (2, 1): -171.0, (2, 2): 374.0, (0, 4): 584.0, (1, 3): 584.0}
+PZT_5A_PERMITTIVITY = (1730.0, 1730.0, 1700.0)
+
+
+def entries(matrix, upper_only=False):
+    """Return the entries of a matrix that are not 0, by place."""
+    places = zip(*np.nonzero(np.triu(matrix) if upper_only else matrix), strict=True)
+    return {(int(i), int(j)): float(matrix[i, j]) for i, j in places}
+
+
+def test_pzt_5a_is_the_printed_table():
+    """Every constant to the digits printed; s66 = 2 (s11 − s12), printed rounded."""
+    ceramic = LIBRARY["PZT-5A"]
+    assert ceramic.s == pytest.approx(ceramic.s.T)
+    compliance = entries(1e12 * ceramic.s, upper_only=True)
+    assert compliance.pop((5, 5)) == pytest.approx(PZT_5A_COMPLIANCE[5, 5], abs=0.05)
+    assert compliance == pytest.approx(
+        {place: v for place, v in PZT_5A_COMPLIANCE.items() if place != (5, 5)}, rel=ROUNDING
+    )
+    assert entries(1e12 * ceramic.d) == pytest.approx(PZT_5A_STRAIN, rel=ROUNDING)
+    assert ceramic.eps_t / EPS0 == pytest.approx(np.diag(PZT_5A_PERMITTIVITY), rel=ROUNDING)
+    assert (ceramic.density, ceramic.quality_factor) == (7750.0, 75.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "printed"),
+    [
+        # planar, transverse, longitudinal and shear coupling factors of the data sheets
+        ("PZT-5A", {"kp": 0.60, "k31": 0.344, "k33": 0.705, "k15": 0.685}),
+        ("PZT-5H", {"kp": 0.65, "k31": 0.388, "k33": 0.752, "k15": 0.675}),
+    ],
+)
+def test_coupling_factors_are_the_printed_ones(name, printed):
+    """What the sheets print beside the tensors follows from them: two digits of each."""
+    ceramic = LIBRARY[name]
+    s, d, eps = ceramic.s, ceramic.d, np.diag(ceramic.eps_t)
+    found = {
+        "kp": abs(d[2, 0]) * np.sqrt(2.0 / ((s[0, 0] + s[0, 1]) * eps[2])),
+        "k31": abs(d[2, 0]) / np.sqrt(s[0, 0] * eps[2]),
+        "k33": d[2, 2] / np.sqrt(s[2, 2] * eps[2]),
+        "k15": d[0, 4] / np.sqrt(s[4, 4] * eps[0]),
+    }
+    assert found == pytest.approx(printed, abs=0.006)
+
+
+def test_m1876_is_pzt_5h_by_its_ratios():
+    """What the paper does not print has PZT-5H's ratios and its couplings k33 and k15."""
+    ours, model = LIBRARY["M1876"], LIBRARY["PZT-5H"]
+
+    def ratios(ceramic):
+        s, d, eps = ceramic.s, ceramic.d, np.diag(ceramic.eps_t)
+        return [
+            *(s[0, 1:3] / s[0, 0]), s[2, 2] / s[0, 0], s[5, 5] / (s[0, 0] - s[0, 1]),
+            eps[0] / eps[2], d[2, 2] ** 2 / (s[2, 2] * eps[2]), d[0, 4] ** 2 / (s[4, 4] * eps[0]),
+        ]  # fmt: skip
+
+    assert ratios(ours) == pytest.approx(ratios(model), rel=ROUNDING)
+    assert d15_signs(ours) == d15_signs(model)
+    assert ours.reduced() == pytest.approx(
+        {
+            "s11": 15.8e-12, "s55": 57.8e-12, "d31": -385e-12, "eps33": 6000.0,
+            "density": 7900.0, "quality_factor": 60.0, "loss_tangent": 0.03,
+        },
+        rel=ROUNDING,
+    )  # fmt: skip
+
+
+def d15_signs(ceramic):
+    """Return the signs of d33, d15 and d24."""
+    return tuple(np.sign([ceramic.d[2, 2], ceramic.d[0, 4], ceramic.d[1, 3]]))
+
+
+def test_ranges_of_m1876():
+    """Half a unit of the last printed digit, a negative constant's range in order, too."""
+    found = {name: spread[:2] for name, spread in spreads(Piezo()).items()}
+    assert found == {
+        "s11": pytest.approx((15.75e-12, 15.85e-12)),
+        "s55": pytest.approx((57.75e-12, 57.85e-12)),
+        "d31": pytest.approx((-385.5e-12, -384.5e-12)),
+        "eps33": (5300.0, 6500.0),
+        "density": (7700.0, 8000.0),
+        "quality_factor": (50.0, 80.0),
+        "loss_tangent": (0.02, 0.035),
+    }
+
+
+def test_a_negative_range_in_proportion_keeps_its_order():
+    """Of a small negative value the range goes in proportion: low below high, value inside."""
+    low, high, _, _ = spreads(Piezo(d31=-0.1e-12))["d31"]
+    assert low < -0.1e-12 < high < 0.0
+    assert (low, high) == pytest.approx((-0.1e-12 * 385.5 / 385.0, -0.1e-12 * 384.5 / 385.0))
+
+
+def test_steel_is_the_printed_table():
+    """TEAM problem 20's magnetisation curve, point by point."""
+    printed = read_curve(Path(__file__).parents[2] / "data" / "team20_steel.csv")
+    np.testing.assert_array_equal(TEAM20.flux_density, printed.flux_density)
+    np.testing.assert_array_equal(TEAM20.field, printed.field)

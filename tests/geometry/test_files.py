@@ -1,0 +1,59 @@
+"""Files appear whole or not at all, whoever writes them."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import geometry
+from geometry.errors import InputError
+from geometry.files import written_whole
+
+PRODUCT = Path(geometry.__file__).parents[1]
+
+
+def test_the_old_file_stays_until_the_new_one_is_whole(tmp_path):
+    """Amid writing a reader still finds the old one; a writer that fails changes nothing."""
+    target = tmp_path / "a.csv"
+    target.write_text("old", encoding="utf-8")
+
+    def fail():
+        with written_whole(target) as draft:
+            draft.write_text("half", encoding="utf-8")
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail()
+    assert target.read_text(encoding="utf-8") == "old"
+    with written_whole(target) as draft:
+        assert draft.suffix == target.suffix
+        draft.write_text("new", encoding="utf-8")
+        assert target.read_text(encoding="utf-8") == "old"
+    assert target.read_text(encoding="utf-8") == "new"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_folder_that_is_not_there_is_refused(tmp_path):
+    """Before anything is written, with the remedy."""
+    missing = written_whole(tmp_path / "no" / "a.csv")
+    with pytest.raises(InputError, match=r"cannot be written .*; choose"):
+        missing.__enter__()
+
+
+def writers():
+    """Return what every call in the product that writes a file by itself writes to, by place."""
+    for package in ("geometry", "tmm", "fem", "validation"):
+        for path in sorted((PRODUCT / package).rglob("*.py")):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                match node:
+                    case ast.Call(func=ast.Attribute(attr="write_text" | "write_bytes") as call):
+                        yield f"{path.relative_to(PRODUCT)}:{node.lineno}", call.value
+
+
+def test_nothing_is_written_but_drafts():
+    """What is written is always the draft that :func:`written_whole` hands out."""
+    found = dict(writers())
+    assert found
+    for where, target in found.items():
+        assert isinstance(target, ast.Name), where
+        assert target.id in ("draft", "temporary"), where

@@ -1,0 +1,46 @@
+"""The paper's numbers in checks, designs and reports are those that it prints."""
+
+import pytest
+
+from validation.catalogue import detection
+from validation.checks.bimorph import CHECKS
+from validation.checks.reluctance import MAGNETIC_CHECKS
+from validation.report.sections import reluctance
+
+#: References of the validation rows, as printed.
+PRINTED = {
+    "PAP-1": 750.0, "PAP-2": 0.7, "PAP-3": (13.6e-6, 72.4e-6), "PAP-5": (0.0, 13.6e-6),
+    "PAP-6": 3.441e-8, "PAP-7": 8.0, "PAP-8": 3.0,
+}  # fmt: skip
+
+
+def test_references_of_the_validation_rows():
+    """Every number of the paper that a row is held against."""
+    rows = {c.id: c for c in (*CHECKS, *MAGNETIC_CHECKS)}
+    assert {name: rows[name].reference for name in PRINTED} == PRINTED
+    assert {row.id for row in CHECKS if row.tier == "validation"} == set(PRINTED)
+    force = next(c for c in MAGNETIC_CHECKS if c.source == "paper section 5.1")
+    assert (force.reference, force.unit) == (0.110, "N")
+    assert force.tolerance == pytest.approx(0.5 / 110.0)
+
+
+def test_threshold_and_stated_voltages():
+    """Section 6 and Fig 17: amplitudes at the threshold, voltages at which it was felt."""
+    points = [(p.frequency, p.amplitude) for p in detection.DISPLAY_THRESHOLD.points]
+    assert points == [(10.0, 2e-6), (250.0, 0.2e-6), (1000.0, 1e-6)]
+    bound = detection.LITERATURE_BOUND
+    assert (bound.frequency, bound.amplitude) == (100.0, 1e-6)
+    stated = [(v.frequencies, v.voltages) for v in detection.STATED_VOLTAGES]
+    assert stated == [
+        ((10.0, 10.0), (8.0, 8.0)), ((100.0, 100.0), (11.0, 11.0)),
+        ((250.0, 250.0), (3.0, 3.0)), ((250.0, 1000.0), (2.5, 4.0)),
+    ]  # fmt: skip
+    highest = detection.HIGHEST_SUBJECT
+    assert (highest.frequencies, highest.voltages) == ((75.0, 75.0), (22.0, 22.0))
+
+
+def test_states_of_the_normal_actuator():
+    """Section 5.1: gap, force and currents in pulling in, holding and driving."""
+    assert (reluctance.PAPER_GAP, reluctance.PAPER_FORCE) == (0.2e-3, 0.11)
+    currents = reluctance.PAPER_PULL_IN, reluctance.PAPER_HELD, reluctance.PAPER_DRIVEN
+    assert currents == (0.13, 0.05, 0.12)

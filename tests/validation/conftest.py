@@ -1,0 +1,37 @@
+"""Shared by the tests of reports: checks and stress runs have tests of their own."""
+
+import numpy as np
+import pytest
+
+from validation.checks.stress import beam
+from validation.checks.stress.result import Approach, ErrorMap, Point, Stress, judged
+
+
+@pytest.fixture
+def made_up_stress(monkeypatch):
+    """Return a function that puts a made-up stress run with these points in the real one's place.
+
+    Without points it has one that holds.
+    """
+    table = ErrorMap(
+        "made up", np.array([0.0, 1.0]), np.array([1e-3]), np.full((1, 2), 1e-14),
+        np.array([[np.nan, np.inf]]), np.ones((1, 2)),
+    )  # fmt: skip
+    approach = Approach("made up", np.array([1e3, 1e6]), np.array([1e-15, 1e-13]), np.ones(2))
+
+    def put(points=()):
+        points = points or [Point("somewhere", 1e-13, 1.0, 1e-12, np.nan)]
+        rows = (judged("family", "what", points),)
+        made = Stress("tmm", beam._COLUMNS, "words", rows, (table,), (approach,), 0)
+        monkeypatch.setattr(beam, "run", lambda *_: made)
+
+    return put
+
+
+@pytest.fixture
+def run_elsewhere(monkeypatch, made_up_stress):
+    """Let a report show its checks as passed and a made-up stress run, without running either."""
+    from validation.report import study  # slow to import
+
+    monkeypatch.setattr(study, "run_check", lambda check: study.Outcome(check, 1.0, 0.0, "pass"))
+    made_up_stress()

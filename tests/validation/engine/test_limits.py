@@ -1,0 +1,60 @@
+"""What is refused and what is warned of: each limit just inside and just outside."""
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from validation.engine.limits import accuracy_warnings, deflection_warnings
+from validation.engine.results import Quantity
+from validation.engine.solve import solve
+from validation.scene.scene import load_scene
+
+
+def quantity(name, model, value, bar=0.0):
+    return Quantity(name, model, np.asarray(value), "m", np.asarray(bar), "", 0.0)
+
+
+@pytest.mark.parametrize("name", ["static_tip_displacement", "tip_displacement"])
+@pytest.mark.parametrize(("share", "warned"), [(0.0999, False), (0.1001, True), (-0.1001, True)])
+def test_a_tenth_of_the_length_is_beyond_linear_theory(name, share, warned):
+    """The largest of all values decides, in either direction."""
+    scene, _ = load_scene("paper")
+    values = share * scene.bimorph.length
+    found = [quantity(name, "tmm", values if name.startswith("static") else [0.0, values])]
+    assert bool(deflection_warnings(scene, found)) is warned
+
+
+@pytest.mark.parametrize(("share", "warned"), [(0.999, False), (1.001, True)])
+def test_a_bar_wider_than_the_accuracy_is_warned_of(share, warned):
+    """Of the models that refine for the accuracy wanted; the others say what they can."""
+    scene, _ = load_scene("j1")
+    bar = share * scene.accuracy * 2.0
+    assert (
+        bool(accuracy_warnings(scene, [quantity("capacitance_free", "solid", -2.0, bar)])) is warned
+    )
+    assert not accuracy_warnings(scene, [quantity("capacitance_free", "tmm", -2.0, bar)])
+
+
+@pytest.mark.parametrize("spring", ["rotational_stiffness", "lateral_stiffness"])
+@pytest.mark.parametrize(
+    ("name", "frequency", "held"),
+    [
+        ("static_tip_displacement", "100", False),
+        ("capacitance_free", "100", False),
+        ("tip_displacement", "0,100", False),
+        ("tip_displacement", "100", True),
+        ("capacitance_blocked", "100", True),
+        ("dynamic_stiffness", "0,100", True),
+        ("short_circuit_frequencies", "100", True),
+    ],
+)
+def test_a_floating_body_has_no_static_answer(spring, name, frequency, held):
+    """Without one of its springs the actuator has no rest position: what needs one is refused."""
+    unit = "N*m/rad" if spring.startswith("rot") else "N/m"
+    overrides = [f"support.{spring}=0 {unit}", "load.kind=none", f"frequency={frequency}"]
+    scene, _ = load_scene("paper", overrides)
+    if held:
+        assert np.isfinite(solve(scene, ("tmm",), (name,)).quantities[0].value).all()
+    else:
+        with pytest.raises(InputError, match=f"support.{spring} = 0 .* {name} has no value at 0"):
+            solve(scene, ("tmm",), (name,))
