@@ -18,10 +18,11 @@ from fem.bimorph.system import SolidSystem
 from geometry.arrays import Floats, Sparse
 from geometry.bimorph.ends import Ends
 
-#: Held modes in the basis, beyond twice those wanted.
-_MORE = 4
-#: Blocks of the series for the modes left out; one more changes no frequency by 1e-10.
-_BLOCKS = 5
+#: Held modes in the basis beyond those wanted: a load and an open circuit each lift a mode past
+#: one other at most, springs of the base none.
+_MORE = 2
+#: Blocks of the series for the modes left out: frequencies are then those of the mesh to 1e-9.
+_BLOCKS = 4
 #: A vector of which less than this is new is rounding.
 _NOISE = 1e-8
 
@@ -36,7 +37,7 @@ def modal_model(system: SolidSystem, count: int) -> ModalModel:
     carried = mass @ follows + system.mass.border[:, :2]
     tip, charge = system.tip[:, 0], -system.stiffness.border[:, 2]
     basis = _Basis(mass, n)
-    values, vectors = eigenpairs(system, Ends(), 2 * count + _MORE)
+    values, vectors = eigenpairs(system, Ends(), count + _MORE)
     basis.extend(np.column_stack(vectors), mass @ np.column_stack(vectors) * values)
     loads = np.column_stack([carried, tip[:n], charge])
     for _ in range(_BLOCKS):
