@@ -14,6 +14,44 @@ from scipy import sparse
 from geometry.arrays import Floats, Ints, Sparse
 
 
+class Pattern:
+    """Where the cells' entries go in vectors and matrices over the free unknowns; found once.
+
+    Parameters
+    ----------
+    dofs : (n_cells, n_local) int
+        Global unknowns of the cells.
+    free : (n_free,) int
+        Those unknowns that are solved for; the others are 0.
+    """
+
+    def __init__(self, dofs: Ints, free: Ints) -> None:
+        self.size = free.size
+        renumbered = np.full(int(dofs.max()) + 1, -1)
+        renumbered[free] = np.arange(free.size)
+        self._dofs = renumbered[dofs]
+        rows, columns = np.broadcast_arrays(self._dofs[:, :, None], self._dofs[:, None, :])
+        self._kept = np.flatnonzero((rows.ravel() >= 0) & (columns.ravel() >= 0))
+        keys = rows.ravel()[self._kept].astype(np.int64) * self.size + columns.ravel()[self._kept]
+        unique, self._slot = np.unique(keys, return_inverse=True)
+        self._columns = (unique % self.size).astype(np.int32)
+        self._starts = np.searchsorted(unique, np.arange(self.size + 1) * self.size)
+
+    def local(self, x: Floats) -> Floats:
+        """Return the cells' values (n_cells, n_local) of the free unknowns x."""
+        return np.asarray(np.append(x, 0.0)[self._dofs])  # index -1: an unknown held at 0
+
+    def vector(self, local: Floats) -> Floats:
+        """Return the sum (n_free,) of the cells' vectors (n_cells, n_local)."""
+        whole = np.bincount(self._dofs.ravel() + 1, local.ravel(), minlength=self.size + 1)
+        return np.asarray(whole[1:])
+
+    def matrix(self, local: Floats) -> Sparse:
+        """Return the sum of the cells' matrices, n_local² entries each."""
+        data = np.bincount(self._slot, local.ravel()[self._kept], minlength=self._columns.size)
+        return sparse.csr_matrix((data, self._columns, self._starts), shape=(self.size, self.size))
+
+
 class FieldKernel:
     """F = S Σ_i f_i x_i on every cell, and the integrals of a Newton method over it.
 
@@ -37,20 +75,20 @@ class FieldKernel:
         self._n_local, _, self._n_points = reference.shape
         self._transform = transform
         self._weights = weights
-        self.size = free.size
-        renumbered = np.full(int(dofs.max()) + 1, -1)
-        renumbered[free] = np.arange(free.size)
-        self._dofs = renumbered[dofs]
+        self._pattern = Pattern(dofs, free)
         # (local, point * axis) and (point * axis * axis, local * local)
         self._linear = np.ascontiguousarray(reference.transpose(0, 2, 1)).reshape(self._n_local, -1)
         products = np.einsum("iaq,jbq->qabij", reference, reference)
         self._products = products.reshape(9 * self._n_points, -1)
-        self._pattern()
+
+    @property
+    def size(self) -> int:
+        """Number of free unknowns."""
+        return self._pattern.size
 
     def field(self, x: Floats) -> Floats:
         """Return F (n_cells, n_points, 3) from the free unknowns x."""
-        padded = np.append(x, 0.0)  # index -1: an unknown held at 0
-        local = padded[self._dofs] @ self._linear
+        local = self._pattern.local(x) @ self._linear
         on_reference = local.reshape(local.shape[0], self._n_points, 3)
         return np.asarray(np.einsum("cqab,cqb->cqa", self._transform, on_reference))
 
@@ -58,26 +96,11 @@ class FieldKernel:
         """Return ∫ dual · F_i dV (n_free,) for every free unknown i, dual (cells, points, 3)."""
         pulled = np.einsum("cqab,cqa->cqb", self._transform, dual * self._weights[..., None])
         local = pulled.reshape(pulled.shape[0], -1) @ self._linear.T
-        whole = np.bincount(self._dofs.ravel() + 1, local.ravel(), minlength=self.size + 1)
-        return np.asarray(whole[1:])
+        return self._pattern.vector(local)
 
     def matrix(self, tensor: Floats) -> Sparse:
         """Return ∫ F_i · tensor F_j dV, tensor (cells, points, 3, 3) symmetric."""
         s = self._transform
         pulled = np.swapaxes(s, -1, -2) @ (tensor * self._weights[..., None, None]) @ s
         local = pulled.reshape(pulled.shape[0], -1) @ self._products
-        return self._assembled(local)
-
-    def _pattern(self) -> None:
-        """Find once where each entry of the cells' matrices goes."""
-        rows = np.repeat(self._dofs, self._n_local, axis=1).ravel()
-        columns = np.tile(self._dofs, (1, self._n_local)).ravel()
-        self._kept = np.flatnonzero((rows >= 0) & (columns >= 0))
-        keys = rows[self._kept].astype(np.int64) * self.size + columns[self._kept]
-        unique, self._slot = np.unique(keys, return_inverse=True)
-        self._columns = (unique % self.size).astype(np.int32)
-        self._starts = np.searchsorted(unique, np.arange(self.size + 1) * self.size)
-
-    def _assembled(self, local: Floats) -> Sparse:
-        data = np.bincount(self._slot, local.ravel()[self._kept], minlength=self._columns.size)
-        return sparse.csr_matrix((data, self._columns, self._starts), shape=(self.size, self.size))
+        return self._pattern.matrix(local)

@@ -1,7 +1,8 @@
 """What the materials do at quadrature points: energies, fields and their tensors.
 
-Everything is µ0 except in the cells of `iron`, each group of which has its curve.  Iron
-is isotropic: across the field its tensor is the secant, along it the tangent.
+Vectors have two components (r, z) or three.  Everything is µ0 except in the cells of `iron`,
+each group of which has its curve.  Iron is isotropic: across the field its tensor is the
+secant, along it the tangent.
 """
 
 from __future__ import annotations
@@ -54,9 +55,10 @@ def flux_from_field(iron: Iron, field_strength: Floats) -> Floats:
 
 
 def reluctivity_tensor(iron: Iron, flux_density: Floats) -> Floats:
-    """Return dH/dB (n_cells, n_points, 3, 3) in m/H."""
-    tensor = np.zeros((*flux_density.shape, 3))
-    tensor[...] = np.eye(3) / MU0
+    """Return dH/dB (n_cells, n_points, 3, 3), or 2, 2, in m/H."""
+    axes = flux_density.shape[-1]
+    tensor = np.zeros((*flux_density.shape, axes))
+    tensor[...] = np.eye(axes) / MU0
     for cells, curve in iron:
         b = np.linalg.norm(flux_density[cells], axis=-1)
         tensor[cells] = _isotropic(flux_density[cells], curve.slope(b), curve.reluctivity(b))
@@ -76,10 +78,11 @@ def permeability_tensor(iron: Iron, field_strength: Floats) -> Floats:
 
 
 def _isotropic(vector: Floats, along: Floats, across: Floats) -> Floats:
-    """Return the tensor (..., 3, 3) that is `along` in the vector's direction, else `across`."""
+    """Return the tensor (..., k, k) that is `along` in the vector's direction, else `across`."""
     size = np.linalg.norm(vector, axis=-1, keepdims=True)
     unit = vector / np.where(size > 0.0, size, 1.0)
     outer = unit[..., :, None] * unit[..., None, :]
     return np.asarray(
-        across[..., None, None] * np.eye(3) + (along - across)[..., None, None] * outer
+        across[..., None, None] * np.eye(vector.shape[-1])
+        + (along - across)[..., None, None] * outer
     )

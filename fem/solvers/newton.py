@@ -14,12 +14,14 @@ from typing import Protocol
 
 import numpy as np
 
-from fem.solvers.linear_solver import Factor, factorise
+from fem.solvers.linear_solver import Factor, SolverError, factorise
 from geometry.arrays import Floats, Sparse
 
-#: Stop when the step's energy norm is this fraction of the field's: energies are then right
-#: to its square.
-_TOLERANCE = 1e-7
+#: Stop when the energy norm of what is left is this fraction of the field's: energies are then
+#: right to its square, everything else to about the number itself.
+_TOLERANCE = 1e-8
+#: Rounding may keep it above; a last step of this size leaves its square.
+_LAST_STEP = 1e-7
 _MAX_STEPS = 60
 #: A step is long enough when this fraction of the initial slope is left.
 _SLOPE_LEFT = 0.1
@@ -48,8 +50,25 @@ class ConvexEnergy(Protocol):
         ...
 
 
-class NotConvergedError(RuntimeError):
-    """Newton's method did not arrive; the message says how far it got."""
+class Factors:
+    """The factors of one Hessian after the other; their common ordering is found once."""
+
+    def __init__(self) -> None:
+        self._factor: Factor | None = None
+
+    def update(self, matrix: Sparse) -> None:
+        """Take a matrix of the same pattern as those before."""
+        if not (matrix.diagonal() > 0.0).all():
+            raise _not_convex()
+        if self._factor is None:
+            self._factor = factorise(matrix, definite=True)
+        else:
+            self._factor.refactorise(matrix)
+
+    def solve(self, right: Floats) -> Floats:
+        """Return the solution for right sides (n,) or (n, k)."""
+        assert self._factor is not None
+        return self._factor.solve(right)
 
 
 @dataclass(frozen=True)
@@ -68,38 +87,52 @@ class Minimum:
     steps: int
 
 
-def minimise(energy: ConvexEnergy, start: Floats) -> Minimum:
+def minimise(energy: ConvexEnergy, start: Floats, factors: Factors | None = None) -> Minimum:
     """Return the minimum of `energy`.
+
+    Parameters
+    ----------
+    factors : Factors, optional
+        Those of earlier Hessians of the same pattern; afterwards of the last step's.
 
     Raises
     ------
-    NotConvergedError
-        If it takes more than 60 steps.
+    SolverError
+        If it takes more than 60 steps, or the energy is not convex.
     """
-    x, size = start, np.inf
-    factor: Factor | None = None
+    x, left = start, np.inf
+    factors = factors or Factors()
+    gradient = energy.gradient(x)
     for step in range(1, _MAX_STEPS + 1):
-        gradient = energy.gradient(x)
         if not gradient.any():
             return Minimum(x, step - 1)
-        if factor is None:
-            factor = factorise(energy.hessian(x), definite=True)
-        else:
-            factor.refactorise(energy.hessian(x))
-        direction = -factor.solve(gradient)
+        factors.update(energy.hessian(x))
+        direction = -factors.solve(gradient)
         slope = float(gradient @ direction)
-        x = x + _length(energy, x, direction, slope) * direction
-        size = np.sqrt(max(-slope, 0.0) / energy.scale(x))
-        if size <= _TOLERANCE:
+        if not slope <= 0.0:
+            raise _not_convex()
+        x, gradient = _stepped(energy, x, direction, slope)
+        size = energy.scale(x)
+        # what is left is measured by the factors from before the step: the same to first order
+        left = np.sqrt(abs(float(gradient @ factors.solve(gradient))) / size) if size else 0.0
+        if left <= _TOLERANCE or -slope <= _LAST_STEP**2 * size:
             return Minimum(x, step)
-    raise NotConvergedError(
+    raise SolverError(
         f"the magnetic field did not settle in {_MAX_STEPS} Newton steps "
-        f"(last step {size:.1e} of the field); check the magnetisation curves"
+        f"({left:.1e} of the field is left); check the magnetisation curves"
     )
 
 
-def _length(energy: ConvexEnergy, x: Floats, direction: Floats, slope: float) -> float:
-    """Return how far to go along `direction`, 1 at most, by regula falsi on the slope.
+def _not_convex() -> SolverError:
+    return SolverError("the magnetic field's energy is not convex; check the magnetisation curves")
+
+
+def _stepped(
+    energy: ConvexEnergy, x: Floats, direction: Floats, slope: float
+) -> tuple[Floats, Floats]:
+    """Return where a step along `direction` ends, and the gradient there.
+
+    Its length, 1 at most, is found by regula falsi on the slope.
 
     A small slope alone is not enough: where the curve has flattened out it may be far
     beyond the minimum, so the energy must not have grown either.
@@ -109,16 +142,18 @@ def _length(energy: ConvexEnergy, x: Floats, direction: Floats, slope: float) ->
     low, slope_low, high, slope_high, length = 0.0, slope, 1.0, np.inf, 1.0
     for _ in range(_MAX_TRIALS):
         there = x + length * direction
-        slope_there = float(energy.gradient(there) @ direction)
+        gradient = energy.gradient(there)
+        slope_there = float(gradient @ direction)
         over = slope_there > 0.0
         short = slope_there < -enough and length < 1.0
         far = slope_there > enough or (over and energy.value(there) > ceiling)
         if not (short or far):
-            break
+            return there, gradient
         if over:
             high, slope_high = length, slope_there
         else:
             low, slope_low = length, slope_there
         fraction = np.clip(slope_low / (slope_low - slope_high), 0.1, 0.9)
         length = low + (high - low) * float(fraction)
-    return length
+    there = x + length * direction
+    return there, energy.gradient(there)

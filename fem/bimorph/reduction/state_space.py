@@ -67,14 +67,6 @@ class StateSpace:
         inner = jw[:, None, None] * np.eye(self.a.shape[0]) - self.a
         return np.asarray(self.c @ np.linalg.solve(inner, self.b[None].astype(complex)) + self.d)
 
-    def dissipation_form(self) -> Floats:
-        """Return the matrix of −(power lost) over (x, u): negative semidefinite if passive.
-
-        [A + Aᵀ, B − Cᵀ; Bᵀ − C, −D − Dᵀ], the positive-real lemma with energy ½ xᵀx.
-        """
-        cross = self.b - self.c.T
-        return np.block([[self.a + self.a.T, cross], [cross.T, -self.d - self.d.T]])
-
 
 _FORCES = ("base force (N)", "base moment (N m)", "tip force (N)", "tip moment (N m)")
 _RATES = (

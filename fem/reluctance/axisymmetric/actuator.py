@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.field import Inverse, MagneticField, solve_field, truncation_error
+from fem.reluctance.axisymmetric.field import MagneticField, solve_field, truncation_error
 from fem.reluctance.axisymmetric.force import (
     EggshellWeight,
     eggshell_force,
@@ -19,6 +19,7 @@ from fem.reluctance.axisymmetric.force import (
     virtual_work_force,
 )
 from fem.reluctance.axisymmetric.space import Discretisation, discretise, lowered
+from fem.solvers.newton import Factors
 from geometry.arrays import Ints
 from geometry.device.parameters import Device
 from geometry.errors import InputError
@@ -106,8 +107,8 @@ class _Model:
     coarse: Discretisation
     nested: Ints
     weight: EggshellWeight
-    fine_inverse: Inverse
-    coarse_inverse: Inverse
+    fine_factors: Factors
+    coarse_factors: Factors
 
 
 def solve_point(
@@ -193,7 +194,7 @@ def _model(
     regions = actuator_regions(device, gap)
     fine = discretise(graded_grid(regions, outer_radius, refinement=refinement), order)
     coarse, nested = lowered(fine)
-    return _Model(gap, fine, coarse, nested, eggshell_weight(fine), Inverse(), Inverse())
+    return _Model(gap, fine, coarse, nested, eggshell_weight(fine), Factors(), Factors())
 
 
 def _moved(model: _Model, gap: float) -> _Model | None:
@@ -221,14 +222,14 @@ def _solved(model: _Model, current: float, last: _Pair | None) -> _Pair:
     """
     currents = np.array([current])
     if last is None:
-        coarse = solve_field(model.coarse, currents, None, model.coarse_inverse)
+        coarse = solve_field(model.coarse, currents, None, model.coarse_factors)
         start = np.zeros(model.fine.size)
         start[model.nested] = coarse.potential
-        return _Pair(coarse, solve_field(model.fine, currents, start, model.fine_inverse))
+        return _Pair(coarse, solve_field(model.fine, currents, start, model.fine_factors))
     predicted = last.fine.predicted(currents)
-    fine = solve_field(model.fine, currents, predicted, model.fine_inverse)
+    fine = solve_field(model.fine, currents, predicted, model.fine_factors)
     start = last.coarse.potential + (fine.potential - last.fine.potential)[model.nested]
-    return _Pair(solve_field(model.coarse, currents, start, model.coarse_inverse), fine)
+    return _Pair(solve_field(model.coarse, currents, start, model.coarse_factors), fine)
 
 
 def _point(model: _Model, pair: _Pair, *, keep: bool, any_grid: bool) -> FieldPoint:
@@ -256,13 +257,11 @@ def _point(model: _Model, pair: _Pair, *, keep: bool, any_grid: bool) -> FieldPo
 
 def _beyond_table(field: MagneticField) -> float:
     """Return the share of the iron's volume beyond the end of a curve that ends early."""
-    d, size = field.discretisation, np.hypot(*field.flux_density)
+    d, size = field.discretisation, np.linalg.norm(field.flux_density, axis=-1)
     beyond = total = 0.0
-    for index, region in enumerate(d.grid.regions):
-        if region.curve is not None:
-            cells = d.cell_labels == index
-            beyond += region.curve.volume_beyond(size[cells], d.volumes[cells])
-            total += float(d.volumes[cells].sum())
+    for cells, curve in d.iron:
+        beyond += curve.volume_beyond(size[cells], d.volumes[cells])
+        total += float(d.volumes[cells].sum())
     return beyond / total
 
 

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.field import MagneticField, energy_density, reluctivity
+from fem.reluctance.axisymmetric.field import MagneticField
 from fem.reluctance.axisymmetric.space import Discretisation, cells_in_order, quadrature_order
+from fem.reluctance.iron import energy_density
 from fem.solvers.linear_solver import factorise
 from geometry.arrays import Floats
 from geometry.device.steel_law import MU0
@@ -70,7 +71,7 @@ def _rigid(grid: Grid) -> Floats:
 
 def eggshell_force(field: MagneticField, weight: EggshellWeight) -> float:
     """Return the force on the moving regions along +z (N)."""
-    b_r, b_z = field.flux_density
+    b_r, b_z = np.moveaxis(field.flux_density, -1, 0)
     # T = (B Bᵀ − B²/2) / µ0; ∇g vanishes in every part, so T is needed in air only
     along = b_r * b_z * weight.slope_r + 0.5 * (b_z**2 - b_r**2) * weight.slope_z
     return float(-np.sum(along * field.discretisation.volumes) / MU0)
@@ -86,12 +87,11 @@ def virtual_work_force(field: MagneticField) -> float:
     grid to windings too would spoil the derivative where one passes a pole.)
     """
     d, grid = field.discretisation, field.discretisation.grid
-    b_r, b_z = field.flux_density
-    magnitude = np.hypot(b_r, b_z)
+    b_r = field.flux_density[..., 0]
     velocity = grid.iron_velocity
     columns = grid.r.size - 1
     low, rise = (np.tile(x, columns)[:, None] for x in (velocity[:-1], np.diff(velocity)))
-    stored = energy_density(d, magnitude) - reluctivity(d, magnitude) * b_r**2
+    stored = energy_density(d.iron, field.flux_density) - field.field_strength[..., 0] * b_r
     force = -float(np.sum(rise / d.heights[:, None] * stored * d.volumes))
     windings = [(k, region) for k, region in enumerate(grid.regions) if region.turns]
     for current, (index, winding) in zip(field.currents, windings, strict=True):

@@ -14,7 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints, Sparse
+from fem.elements.pattern import Pattern
+from fem.reluctance.iron import Iron
+from geometry.arrays import Floats, Ints
 from geometry.reluctance.section_grid import Grid
 
 
@@ -67,6 +69,12 @@ class Discretisation:
         return self.grid.labels.ravel()
 
     @cached_property
+    def iron(self) -> Iron:
+        """Cells and curve of each region that is not vacuum."""
+        curves = [(i, region.curve) for i, region in enumerate(self.grid.regions)]
+        return [(np.flatnonzero(self.cell_labels == i), c) for i, c in curves if c is not None]
+
+    @cached_property
     def linkage(self) -> Floats:
         """Flux linkage of each unknown, (n_coils, n_dofs)."""
         return np.array([gathered(self.cell_dofs, load, self.size) for load in self.loads])
@@ -96,24 +104,6 @@ class Discretisation:
             volumes=self.volumes * ratio[:, None],
             loads=self.loads * ratio[:, None],
         )
-
-
-@dataclass(frozen=True, eq=False)
-class Pattern:
-    """Compressed rows of the system matrix; `slots` says which entry each cell's entry joins."""
-
-    indptr: Ints
-    indices: Ints
-    slots: Ints
-    kept: Ints
-
-    def matrix(self, cells: Floats) -> Sparse:
-        """Return the sum of the cells' matrices (n_e, n_b, n_b) as CSR over the free unknowns."""
-        from scipy import sparse
-
-        data = np.bincount(self.slots, cells.ravel()[self.kept], minlength=self.indices.size)
-        n = self.indptr.size - 1
-        return sparse.csr_matrix((data, self.indices, self.indptr), shape=(n, n))
 
 
 def discretise(
@@ -164,7 +154,7 @@ def discretise(
         levels=(z - low[:, None]) / height[:, None],
         loads=np.array(loads).reshape(-1, *linked.shape),
         free=free,
-        pattern=_pattern(cell_dofs, free),
+        pattern=Pattern(cell_dofs, free),
     )
 
 
@@ -193,19 +183,6 @@ def _held(basis: Any, grid: Grid, closed: tuple[str, ...]) -> Ints:
     return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *held]))
 
 
-def _pattern(cell_dofs: Ints, free: Ints) -> Pattern:
-    number = np.full(int(cell_dofs.max()) + 1, -1, dtype=np.int64)
-    number[free] = np.arange(free.size)
-    local = number[cell_dofs]
-    rows, columns = np.broadcast_arrays(local[:, :, None], local[:, None, :])
-    kept = np.flatnonzero((rows.ravel() >= 0) & (columns.ravel() >= 0))
-    keys = rows.ravel()[kept] * free.size + columns.ravel()[kept]
-    entries, slots = np.unique(keys, return_inverse=True)
-    counts = np.bincount(entries // free.size, minlength=free.size)
-    indptr = np.concatenate([[0], np.cumsum(counts)])
-    return Pattern(indptr, entries % free.size, slots, kept)
-
-
 def gathered(cell_dofs: Ints, values: Floats, size: int) -> Floats:
     """Return the sum (size,) of the cells' vectors (n_e, n_b)."""
     summed = np.bincount(cell_dofs.ravel(), values.ravel(), minlength=size)
@@ -230,7 +207,7 @@ def lowered(fine: Discretisation) -> tuple[Discretisation, Ints]:
         curl_z=fine.curl_z[..., local],
         loads=fine.loads[..., local],
         free=free,
-        pattern=_pattern(cell_dofs, free),
+        pattern=Pattern(cell_dofs, free),
     )
     return coarse, kept
 

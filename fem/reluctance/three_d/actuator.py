@@ -24,7 +24,7 @@ from fem.reluctance.three_d.scalar_potential import ScalarPotential
 from fem.reluctance.three_d.vector_potential import VectorPotential
 from geometry.arrays import Floats
 from geometry.device.parameters import Device
-from geometry.device.steel_law import magnetisation_curve
+from geometry.device.steel_table import magnetisation_curve
 from geometry.meshing.mesh import Mesh
 from geometry.reluctance.section_regions import actuator_regions
 from geometry.reluctance.sector_tets import Sector, sector_mesh
@@ -170,7 +170,7 @@ def solve_solid(
     ------
     InputError
         If the parts do not fit at this gap.
-    NotConvergedError
+    SolverError
         If a field does not converge.
     """
     current = device.coil.current if current is None else current
@@ -197,7 +197,7 @@ def solve_cad(
         If the parts do not fit at this gap.
     MeshError
         If no mesh passes its checks.
-    NotConvergedError
+    SolverError
         If a field does not converge.
     """
     current = device.coil.current if current is None else current

@@ -81,7 +81,7 @@ class VectorPotential:
 
         Raises
         ------
-        NotConvergedError
+        SolverError
             If Newton's method does not arrive.
         """
         energy = _VectorEnergy(self._solid, self._curl, self._gauge, current)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from fem.reluctance.three_d.force import eggshell_force, harmonic_weight, moved, virtual_work_force
-from fem.reluctance.three_d.probe import flux_density_at
 from fem.reluctance.three_d.problem import MagneticSolid, sample
 from fem.reluctance.three_d.scalar_potential import ScalarPotential
 from fem.reluctance.three_d.vector_potential import VectorPotential
@@ -202,7 +201,7 @@ def test_shell_of_iron_or_against_the_wall_is_refused():
 
 
 @pytest.mark.heavy
-def test_team20_measured_forces():
+def test_team20_measured_forces(flux_density_at):
     """Within 2 % of the measured force at 1000, 3000, 4500 and 5000 ampere-turns.
 
     73 thousand unknowns, second-order edge elements; half a minute on one core.  Found:

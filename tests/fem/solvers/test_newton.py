@@ -5,7 +5,8 @@ import pytest
 from scipy import sparse
 
 import fem.solvers.newton
-from fem.solvers.newton import NotConvergedError, minimise
+from fem.solvers.linear_solver import SolverError
+from fem.solvers.newton import minimise
 
 
 class Saturating:
@@ -66,5 +67,5 @@ def test_nothing_to_do_takes_no_step():
 def test_too_many_steps_are_given_up(monkeypatch):
     """The message says how far it got and what to look at."""
     monkeypatch.setattr(fem.solvers.newton, "_MAX_STEPS", 2)
-    with pytest.raises(NotConvergedError, match=r"in 2 Newton steps.*check the magnetisation"):
+    with pytest.raises(SolverError, match=r"in 2 Newton steps.*check the magnetisation"):
         minimise(Saturating(np.ones(1), np.array([0.99])), np.array([-5.0]))

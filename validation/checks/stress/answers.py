@@ -6,12 +6,11 @@ import math
 from collections.abc import Iterable
 
 from fem.solvers.linear_solver import SolverError
-from fem.solvers.newton import NotConvergedError
 from geometry.errors import InputError
 from validation.checks.stress.result import Point
 
 #: What a model may say instead of a number.
-REFUSALS = (InputError, SolverError, NotConvergedError, ArithmeticError)
+REFUSALS = (InputError, SolverError, ArithmeticError)
 
 
 class Family:

@@ -128,7 +128,7 @@ def _imbalance(point: FieldPoint) -> float:
 
 def _integrated_coenergy(field: MagneticField) -> float:
     d = field.discretisation
-    magnitude = np.hypot(*field.flux_density)
+    magnitude = np.linalg.norm(field.flux_density, axis=-1)
     density = magnitude**2 / (2.0 * MU0)
     for index, region in enumerate(d.grid.regions):
         if region.curve is not None:

@@ -46,7 +46,7 @@ def exact_profile(density: float, radii: Floats) -> Floats:
 
 def flux_density_in_core(field: MagneticField) -> Floats:
     """Return B_z (n_e, n_q) in the cells of the core (T)."""
-    return np.asarray(field.flux_density[1][field.discretisation.cell_labels == 1])
+    return np.asarray(field.flux_density[..., 1][field.discretisation.cell_labels == 1])
 
 
 def core_tolerance(core: MagnetisationCurve) -> float:
