@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all.
+"""Files that appear whole or not at all, and the folders that they go to.
 
 A reader never meets half a file, not even after a power cut: the writer fills a temporary one
 in the same folder, which is brought to the disk and then takes the final name in one step.
@@ -47,6 +47,33 @@ def written_whole(path: str | Path) -> Iterator[Path]:
         raise InputError(f"{path} cannot be written ({reason.lower()}); choose another") from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def writable_folder(path: Path) -> Path:
+    """Create a folder if need be and make sure that files can be written there.
+
+    Raises
+    ------
+    InputError
+        If not.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            pass
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(
+            f"output folder {path} cannot be written ({reason}); choose another with --out"
+        ) from None
+    return path
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a text file whole or not at all, and return its path; refusals as above."""
+    with written_whole(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return path
 
 
 def _bring_to_disk(path: Path) -> None:

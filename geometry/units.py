@@ -104,7 +104,7 @@ class Unit:
             With a sentence that names the remedy.
         """
         if isinstance(value, str):
-            number = self._parse(value)
+            number = self.parse(value)
         elif isinstance(value, bool) or not isinstance(value, int | float):
             raise ValueError(f'is not {self._a_kind}; write for example "{self.example}"')
         else:
@@ -120,18 +120,27 @@ class Unit:
         # limiting cases, such as no shear or no shim, are open to Python callers
         return self._in_range(number, limited=bool((info.context or {}).get("units_required")))
 
-    def _parse(self, text: str) -> float:
-        import pint
+    def parse(self, text: str, *, bare: bool = False) -> float:
+        """Return what a text says in SI units; `bare` takes a number without a unit for SI.
 
-        registry = _registry()
+        Raises
+        ------
+        ValueError
+            With a sentence that names the remedy.
+        """
         unreadable = f'cannot be read as {self._a_kind}; write for example "{self.example}"'
         # one number, one unit: pint by itself also computes, drops commas and multiplies lists
         parts = _NUMBER_AND_UNIT.fullmatch(text)
         if parts is None:
             raise ValueError(unreadable)
         number, name = Decimal(parts["number"]), (parts["unit"] or "").strip()
+        if not name and bare:
+            return float(number)
         if not name and self.si:
             raise ValueError(f'has no unit; {self._a_kind} needs one, for example "{self.example}"')
+        import pint
+
+        registry = _registry()
         try:
             unit = registry.parse_units(f"1{name}" if name.startswith("/") else name)
         except pint.UndefinedUnitError as error:
@@ -257,7 +266,8 @@ Resistivity = _quantity(
 Temperature = _quantity(Unit("K", "temperature", "20 degC", above=0.0, limits=(1.0, 2000.0)))
 FillFactor = _quantity(Unit("", "share", "0.5", above=0.0, below=1.0))
 Duration = _quantity(Unit("s", "time", "600 s", above=0.0, limits=(0.1, 1e6)))
-Frequency = _quantity(Unit("Hz", "frequency", "500 Hz", at_least=0.0, limits=(1e-6, 1e7)))
+#: Up to where waves in the device are shorter than 0.1 mm.
+FREQUENCY = Unit("Hz", "frequency", "500 Hz", at_least=0.0, limits=(1e-6, 1e7))
 RelativePermittivity = _quantity(
     Unit("", "relative permittivity", "6000", above=1.0, limits=(1.0, 1e7))
 )

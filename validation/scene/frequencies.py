@@ -7,16 +7,12 @@ import re
 from typing import Any
 
 from geometry.errors import InputError
-from geometry.units import quoted
+from geometry.units import FREQUENCY, quoted
 
 #: Largest sweep that one request may ask for.
 _MOST = 1_000_000
-#: Highest frequency that can be meant (Hz); waves in the device are then shorter than 0.1 mm.
-_HIGHEST = 1e7
-_FACTORS = {"": 1.0, "Hz": 1.0, "hz": 1.0, "kHz": 1e3, "khz": 1e3, "MHz": 1e6}
-_ONE = re.compile(
-    r"(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?) *(?P<unit>[A-Za-z]*)", re.ASCII
-)
+#: Highest frequency that can be meant (Hz).
+_HIGHEST = FREQUENCY.limits[1] if FREQUENCY.limits else math.inf
 _REMEDY = 'write for example "500", "0.5 kHz" or "10:2000:200"'
 
 
@@ -104,12 +100,16 @@ def _hertz(part: Any, where: str) -> float:
             return float(part)
         except OverflowError:
             return math.inf
-    found = _ONE.fullmatch(part.strip(" \t")) if isinstance(part, str) else None
-    unit = found["unit"] if found else ""
-    if unit in ("mHz", "mhz"):
+    if not isinstance(part, str):
+        raise InputError(f"{where} has {quoted(part)}, which is not a frequency; {_REMEDY}")
+    text = part.strip(" \t")
+    if text.endswith(("mHz", "mhz")):
         raise InputError(
             f"{where} has {quoted(part)} in millihertz; write MHz for megahertz, or the value in Hz"
         )
-    if found is None or unit not in _FACTORS:
-        raise InputError(f"{where} has {quoted(part)}, which is not a frequency; {_REMEDY}")
-    return float(found["number"]) * _FACTORS[unit]
+    try:
+        return FREQUENCY.parse(text.replace("hz", "Hz"), bare=True)
+    except ValueError:
+        raise InputError(
+            f"{where} has {quoted(part)}, which is not a frequency; {_REMEDY}"
+        ) from None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from geometry.errors import InputError
-from geometry.files import written_whole
+from geometry.files import write_text
 from validation.catalogue.models import MODELS, models_of
 from validation.catalogue.quantities import QUANTITIES
 from validation.scene.parameter_list import ParameterRow, parameter_rows
@@ -31,9 +31,7 @@ def write_template(path: Path) -> Path:
     """
     if path.exists():
         raise InputError(f"{path} exists already; choose another file name or remove it first")
-    with written_whole(path) as temporary:
-        temporary.write_text(template(), encoding="utf-8")
-    return path
+    return write_text(path, template())
 
 
 def template() -> str:

@@ -121,12 +121,11 @@ def _length(text: str) -> float:
 
 
 def _draw(file: Path, study: LengthMap, found: Design) -> None:
-    from geometry.files import written_whole
+    from geometry.files import write_text
     from validation.studies.design.plots import length_plot
 
     picture = length_plot(study, found)
-    with written_whole(file) as temporary:
-        temporary.write_text(picture, encoding="utf-8")
+    write_text(file, picture)
 
 
 def _print(scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence, ...]) -> None:

@@ -39,7 +39,7 @@ def run_and_show(
     verdicts: Callable[[list[Part]], dict[str, Any]],
 ) -> list[Part]:
     """Run the chosen parts, print them as tables or as JSON, write files; return the parts."""
-    from validation.command_line.files import writable_folder
+    from geometry.files import writable_folder
     from validation.command_line.progress import announcer
     from validation.scene.wording import choices
 

@@ -6,24 +6,20 @@ Nothing is repaired or guessed; a file that cannot be used gives one sentence.
 
 from __future__ import annotations
 
-import csv
 import re
-from collections import Counter
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, TypeAlias
 
 import numpy as np
-from pydantic import BeforeValidator, TypeAdapter, ValidationError
 
 from geometry.arrays import Floats, Numbers
+from geometry.csv_rows import Row, csv_rows
 from geometry.errors import InputError
-from geometry.units import Unit, quoted
+from geometry.units import FREQUENCY, Unit, quoted
 from validation.catalogue.quantities import measurable
 from validation.scene.wording import nearest
 from validation.studies.identification.measured_curve import MeasuredCurve
 
-_FREQUENCY = Unit("Hz", "frequency", "500 Hz", limits=(1e-6, 1e7))
 _PHASE = Unit("rad", "phase", "30 deg", limits=(0.0, 1e4))
 _WEIGHT = Unit("", "weight", "1", limits=(1e-12, 1e12))
 _PARTS = ("", "_re", "_im", "_phase")
@@ -32,9 +28,6 @@ _HEADING = re.compile(r"(?P<name>[^()\[\]]*)(?:[(\[](?P<unit>.*)[)\]])?\s*")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,4})?", re.IGNORECASE | re.ASCII)
 #: Most points that a curve may have: a sweep of a laboratory analyser has a few thousand.
 _MOST = 100_000
-
-#: Line number in the file, and the cells of that line.
-_Row: TypeAlias = tuple[int, list[str]]
 
 
 def read_measured(path: str | Path) -> MeasuredCurve:
@@ -52,7 +45,7 @@ def read_measured(path: str | Path) -> MeasuredCurve:
         In one sentence with file, line, column, value and remedy.
     """
     source = _printable(str(path))
-    (number, names), rows = _table(_text(path, source), source)
+    (number, names), rows = _table(path, source)
     columns = _columns(names, f"{source} line {number}")
     if len(rows) < 2:
         raise InputError(f"{source} holds {len(rows)} measured points; a curve needs at least 5")
@@ -79,34 +72,10 @@ def _printable(text: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in text)
 
 
-def _text(path: str | Path, source: str) -> str:
-    try:
-        # spreadsheets begin a file with a byte order mark
-        return Path(path).read_text("utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError(
-            f"{source} is not UTF-8 text; save the table as CSV with UTF-8 encoding"
-        ) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(
-            f"{source} cannot be read ({reason.lower()}); give a CSV file with columns such as "
-            f"{_EXAMPLE}"
-        ) from None
-
-
-def _table(text: str, source: str) -> tuple[_Row, list[_Row]]:
+def _table(path: str | Path, source: str) -> tuple[Row, list[Row]]:
     """Return the header and the rows of measured points, each as wide as the header."""
-    lines = [
-        (number, line)
-        for number, line in enumerate(map(_without_comment, text.split("\n")), start=1)
-        if line.strip(" \t\r,;")
-    ]
-    if not lines:
-        raise InputError(f"{source} is empty; give a CSV file with columns such as {_EXAMPLE}")
-    counts = Counter(c for c in lines[0][1] if c in ",;\t")
-    separator = counts.most_common(1)[0][0] if counts else ","
-    (number, header), *rows = [(at, _cells(line, separator, at, source)) for at, line in lines]
+    remedy = f"give a CSV file with columns such as {_EXAMPLE}"
+    (number, header), *rows = csv_rows(path, source, remedy)
     if not any(_plain_name(cell) in _known() for cell in header):
         what = "numbers" if all(_NUMBER.fullmatch(cell) for cell in header) else "other text"
         raise InputError(
@@ -120,23 +89,6 @@ def _table(text: str, source: str) -> tuple[_Row, list[_Row]]:
                 "columns; fill or remove that line, and write decimals with a point"
             )
     return (number, header), rows
-
-
-def _without_comment(line: str) -> str:
-    """Return a line up to the first ``#`` outside quotes."""
-    for at, character in enumerate(line):
-        if character == "#" and line.count('"', 0, at) % 2 == 0:
-            return line[:at]
-    return line
-
-
-def _cells(line: str, separator: str, number: int, source: str) -> list[str]:
-    try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, strict=True))]
-    except csv.Error as error:
-        raise InputError(
-            f"{source} line {number} is not CSV ({error}); save the table as plain CSV"
-        ) from None
 
 
 def _known() -> tuple[str, ...]:
@@ -202,7 +154,7 @@ def _the_curve(names: dict[str, tuple[int, float, Unit]], where: str) -> str:
 
 def _unit_of(name: str, curve: str) -> Unit:
     if name == "frequency":
-        return _FREQUENCY
+        return FREQUENCY
     if name == "weight":
         return _WEIGHT
     if name.endswith("_phase"):
@@ -234,17 +186,15 @@ def _scale(name: str, text: str, unit: Unit, where: str) -> float:
             f'{where}: column "{name}" has no unit; write for example "{name} ({example})"'
         )
     try:
-        return float(
-            TypeAdapter(Annotated[float, BeforeValidator(unit)]).validate_python(f"1 {text}")
-        )
-    except ValidationError:
+        return unit.parse(f"1 {text}")
+    except ValueError:
         raise InputError(
             f'{where}: column "{name}" has the unit {quoted(text)}, which is not that of a '
             f'{unit.kind}; write for example "{name} ({example})"'
         ) from None
 
 
-def _cell(row: _Row, at: int, names: list[str], scale: float, unit: Unit, source: str) -> float:
+def _cell(row: Row, at: int, names: list[str], scale: float, unit: Unit, source: str) -> float:
     """Return one number in SI units."""
     line, cells = row
     text, where = cells[at], f"{source} line {line}, column {quoted(names[at])}:"

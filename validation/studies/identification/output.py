@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.device.profile import Profile
 from geometry.errors import InputError
-from geometry.files import written_whole
+from geometry.files import write_text
 from geometry.units import quoted
 from validation.scene.files import scene_name
 from validation.scene.parameter_list import parameter_rows
@@ -243,9 +243,7 @@ def write_scene(found: Identification, origins: Mapping[str, str], path: Path) -
     InputError
         If the file cannot be written.
     """
-    with written_whole(path) as temporary:
-        temporary.write_text(scene_text(found, origins), encoding="utf-8")
-    return path
+    return write_text(path, scene_text(found, origins))
 
 
 def scene_text(found: Identification, origins: Mapping[str, str]) -> str:
