@@ -10,15 +10,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.arrays import Floats
 from geometry.errors import InputError
-
-if TYPE_CHECKING:
-    from geometry.device.parameters import Steel
 
 #: Permeability of vacuum (H/m), CODATA 2018; equal to 4e-7 π to 1e-9.
 MU0 = 1.25663706212e-6
@@ -211,20 +207,3 @@ TEAM20 = MagnetisationCurve(
     ]),
     name="TEAM problem 20 steel",
 )  # fmt: skip
-
-
-def magnetisation_curve(steel: Steel) -> MagnetisationCurve:
-    """Return the curve that a device's `steel` names: built in, straight, or from a file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be used.
-    """
-    if steel.curve == "team20":
-        return TEAM20
-    if steel.curve == "linear":
-        return linear(steel.relative_permeability)
-    from geometry.device.steel_table import read_curve  # which imports this module
-
-    return read_curve(steel.curve)

@@ -1,15 +1,19 @@
-"""Magnetisation curves from CSV files: read, and refused if no steel can have them."""
+"""The magnetisation curve that a device's steel names: built in, straight, or a CSV table.
+
+A table is refused if no steel can have it.
+"""
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.device.steel_law import MU0, MagnetisationCurve
+from geometry.csv_rows import csv_rows
+from geometry.device.parameters import Steel
+from geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
 from geometry.errors import InputError
 from geometry.units import quoted
 
@@ -24,10 +28,25 @@ _MOST_PERMEABLE = 1e7
 _HEADER = '"B (T), H (A/m)"'
 
 
+def magnetisation_curve(steel: Steel) -> MagnetisationCurve:
+    """Return the curve that a device's `steel` names.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used.
+    """
+    if steel.curve == "team20":
+        return TEAM20
+    if steel.curve == "linear":
+        return linear(steel.relative_permeability)
+    return read_curve(steel.curve)
+
+
 def read_curve(path: str | Path) -> MagnetisationCurve:
     """Read a magnetisation curve from a CSV file with the columns B (T) and H (A/m).
 
-    Lines that start with # are skipped; other columns are ignored.
+    Comments begin with #; other columns are ignored.
 
     Raises
     ------
@@ -36,39 +55,15 @@ def read_curve(path: str | Path) -> MagnetisationCurve:
         a magnetisation curve.
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        reason = (getattr(error, "strerror", None) or "not a text file").lower()
-        raise InputError(
-            f"steel.curve = {quoted(str(path))} cannot be read ({reason}); use team20, linear, or "
-            f"the path of a CSV file with the header {_HEADER}"
-        ) from None
-    numbered = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    if not numbered:
-        raise InputError(f"{path} is empty; start it with the header {_HEADER}")
-    # each line by itself: what quotes leave open would join lines and shift their numbers
-    rows = [(number, _cells(line, path, number)) for number, line in numbered]
+    remedy = f"use team20, linear, or the path of a CSV file with the header {_HEADER}"
+    rows = csv_rows(path, f"steel.curve = {quoted(str(path))}", remedy)
     columns = _columns(rows[0][1], path)
     b, h = (
         np.array([_number(row, column, path, number) for number, row in rows[1:]])
         for column in columns
     )
-    _check(b, h, [number for number, _ in numbered[1:]], path)
+    _check(b, h, [number for number, _ in rows[1:]], path)
     return MagnetisationCurve(b, h, name=path.name)
-
-
-def _cells(line: str, path: Path, number: int) -> list[str]:
-    try:
-        return next(csv.reader([line]))
-    except csv.Error as error:
-        raise InputError(
-            f"{path} line {number} cannot be read ({error}); write two plain numbers on each line"
-        ) from None
 
 
 def _columns(header: list[str], path: Path) -> tuple[int, int]:

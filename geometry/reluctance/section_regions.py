@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from geometry.device.checks import check_gap
 from geometry.device.parameters import NOMINAL_GAP, Device
-from geometry.device.steel_law import magnetisation_curve
+from geometry.device.steel_table import magnetisation_curve
 from geometry.errors import InputError
 from geometry.reluctance.section_grid import Region
 

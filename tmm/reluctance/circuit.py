@@ -21,7 +21,8 @@ import numpy as np
 from geometry.arrays import Bools, Floats, Ints
 from geometry.device.checks import check_gap
 from geometry.device.parameters import NOMINAL_GAP, Device
-from geometry.device.steel_law import MU0, MagnetisationCurve, linear, magnetisation_curve
+from geometry.device.steel_law import MU0, MagnetisationCurve, linear
+from geometry.device.steel_table import magnetisation_curve
 from geometry.errors import InputError
 from tmm.reluctance.flux_ladder import Ladder
 from tmm.reluctance.gap_permeance import GapPermeance, pole_radii, straight, with_fringing

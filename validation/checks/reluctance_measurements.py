@@ -58,14 +58,14 @@ def solenoid_bore() -> float:
     """Flux density inside the thick solenoid at 1 A/mm² (T): the mean over the bore's points."""
     field = infinite_solenoid.infinite_solenoid(1e6)
     inside = field.discretisation.radii < infinite_solenoid.INNER
-    return float(field.flux_density[1][inside].mean())
+    return float(field.flux_density[..., 1][inside].mean())
 
 
 def solenoid_profile_error() -> float:
     """Largest deviation from µ0 J (r2 − r) anywhere, over the bore's flux density."""
     field = infinite_solenoid.infinite_solenoid(1e6)
     exact = infinite_solenoid.exact_profile(1e6, field.discretisation.radii)
-    return float(np.abs(field.flux_density[1] - exact).max() / exact.max())
+    return float(np.abs(field.flux_density[..., 1] - exact).max() / exact.max())
 
 
 def _core(curve: MagnetisationCurve, field_strength: float) -> float:
@@ -221,4 +221,4 @@ def field_map_loop_work() -> float:
         np.array([[getattr(point, name) for point in row] for row in rows]).T
         for name in ("flux_linkage", "force")
     )
-    return _loop(CoenergyMap.from_samples(currents, gaps, linkage, force).sampled, 64)
+    return _loop(fit(Samples(currents, gaps, linkage, force)).sampled, 64)

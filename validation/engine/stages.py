@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from geometry.device.steel_law import magnetisation_curve
+from geometry.device.steel_table import magnetisation_curve
 from geometry.store.store import kept
 from validation.catalogue.models import stage_code, stage_reads
 from validation.scene.scene import Scene

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
 from geometry.device.parameters import Steel
-from geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear, magnetisation_curve
-from geometry.device.steel_table import read_curve
+from geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from geometry.device.steel_table import magnetisation_curve, read_curve
 from geometry.errors import InputError
 
 #: Rounding of a few operations.
@@ -128,8 +128,8 @@ def test_the_parameter_names_the_curve():
         ("B (T),H (A/m)\n0,0\n0.5\n1,100\n", 'line 3 has ""'),
         ("B (T),H (A/m)\n0,0\n0.5,1e2x\n1,100\n", "plain numbers"),
         ("B (T),H (A/m)\n0,0\n1e-7,1\n", "less than vacuum's mu0"),
-        ('B (T),H (A/m)\n0,0\n1,"80\n0"\n2,1e6\n', "line 4 has"),
-        ("B (T),H (A/m)\n0,0\n1," + "1" * 200000 + "\n", "line 3 cannot be read"),
+        ('B (T),H (A/m)\n0,0\n1,"80\n0"\n2,1e6\n', "line 3 is not CSV"),
+        ("B (T),H (A/m)\n0,0\n1," + "1" * 200000 + "\n", "line 3 is not CSV"),
         ("B (T),H (A/m)\n0,0\n1,1e-30\n", "line 3 has B = 1 T at H = 1e-30 A/m, a rise by more"),
         ("B (T),H (A/m)\n0,0\n1,100\n1.5,100.00000001\n", "line 4 has B = 1.5 T at H = 100 A/m"),
         ("B (T),H (A/m)\n0,0\n1e300,1e304\n", "check the unit of B"),

@@ -9,7 +9,7 @@ from geometry.device.parameters import Device
 from geometry.errors import InputError
 from tmm.reluctance.circuit import FULL, Refinements
 from tmm.reluctance.coenergy.fit import fit
-from tmm.reluctance.coenergy.map import CoenergyMap, Samples, closed_loop_work
+from tmm.reluctance.coenergy.map import Samples, closed_loop_work
 from tmm.reluctance.network import network_samples
 from validation.checks.cases.magnetics import square_law
 
@@ -216,7 +216,7 @@ def test_map_converges():
 def test_fewer_tables_make_a_map_too():
     """Flux linkage and force alone are enough, with a larger error."""
     samples = network_samples(DEVICE, CURRENTS, GAPS)
-    bare = CoenergyMap.from_samples(CURRENTS, GAPS, samples.flux_linkage, samples.force)
+    bare = fit(Samples(CURRENTS, GAPS, samples.flux_linkage, samples.force))
     assert bare.force(0.13, 0.2e-3) == pytest.approx(
         float(fit(samples).force(0.13, 0.2e-3)), rel=bare.interpolation_error.force
     )

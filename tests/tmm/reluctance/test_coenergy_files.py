@@ -1,5 +1,7 @@
 """Co-energy maps as netCDF files: what is written, read back, refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.io import netcdf_file
@@ -8,7 +10,7 @@ from geometry.device.parameters import Device
 from geometry.errors import InputError
 from tmm.reluctance.coenergy.files import read_map, write_map
 from tmm.reluctance.coenergy.fit import fit
-from tmm.reluctance.coenergy.map import CoenergyMap
+from tmm.reluctance.coenergy.map import Samples
 from tmm.reluctance.network import network_samples
 
 CURRENTS, GAPS = np.linspace(0.0, 0.2, 8), np.geomspace(0.02e-3, 0.25e-3, 7)
@@ -17,10 +19,7 @@ CURRENTS, GAPS = np.linspace(0.0, 0.2, 8), np.geomspace(0.02e-3, 0.25e-3, 7)
 @pytest.fixture(scope="module")
 def pull():
     samples = network_samples(Device(), CURRENTS, GAPS)
-    tables = samples.coenergy, samples.incremental_inductance
-    return CoenergyMap.from_samples(
-        CURRENTS, GAPS, samples.flux_linkage, samples.force, *tables, model="network", device="mine"
-    )
+    return fit(replace(samples, force_error=None, model="network", device="mine"))
 
 
 def test_round_trip(pull, tmp_path):
@@ -35,7 +34,7 @@ def test_round_trip(pull, tmp_path):
 def test_optional_tables_may_be_missing(tmp_path):
     """Flux linkage and force alone are a map, in a file too."""
     samples = network_samples(Device(), CURRENTS, GAPS)
-    bare = CoenergyMap.from_samples(CURRENTS, GAPS, samples.flux_linkage, samples.force)
+    bare = fit(Samples(CURRENTS, GAPS, samples.flux_linkage, samples.force))
     write_map(tmp_path / "map.nc", bare)
     again = read_map(tmp_path / "map.nc")
     assert again.samples.coenergy is None

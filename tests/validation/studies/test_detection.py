@@ -15,7 +15,8 @@ from validation.catalogue.detection import (
 from validation.command_line.cli import main
 from validation.engine.solve import as_json, solve
 from validation.scene.scene import load_scene
-from validation.studies.design.excitation_voltage import CASES, section, voltage_study
+from validation.studies.design.excitation_voltage import CASES, voltage_study
+from validation.studies.design.voltage_section import section
 
 
 @pytest.mark.parametrize(("frequency", "amplitude"), [(10, 2e-6), (250, 0.2e-6), (1000, 1e-6)])

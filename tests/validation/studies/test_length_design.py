@@ -12,7 +12,7 @@ from tmm.ports import terminations
 from validation.catalogue.detection import DISPLAY_THRESHOLD
 from validation.engine.solve import solve
 from validation.scene.scene import load_scene
-from validation.studies.design import excitation_voltage
+from validation.studies.design import voltage_section
 from validation.studies.design.aim import PAPER_LENGTHS, Aim
 from validation.studies.design.length_dependence import decided_lengths, dependences
 from validation.studies.design.length_design import design, largest_margin
@@ -481,7 +481,7 @@ def test_partials_render(name):
     steps = []
     contexts = {
         "length.html": section(scene, origins, steps.append),
-        "voltage.html": excitation_voltage.section(scene, steps.append),
+        "voltage.html": voltage_section.section(scene, steps.append),
     }
     assert steps == ["length design", "excitation voltage"]
     changed = {"prototype": "at 50 V under the finger instead of this scene's 1 V, with a free tip"}

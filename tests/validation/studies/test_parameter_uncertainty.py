@@ -18,9 +18,9 @@ from validation.studies.uncertainty.headline_numbers import HeadlineNumbers, Sam
 from validation.studies.uncertainty.propagation import (
     base_samples,
     parameter_uncertainty,
-    section,
     uncertain_parameters,
 )
+from validation.studies.uncertainty.section import section
 from validation.studies.uncertainty.table import sensitivity_columns
 
 GROUPS = [

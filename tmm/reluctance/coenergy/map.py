@@ -106,44 +106,6 @@ class CoenergyMap:
     residual: MapError
     interpolation_error: MapError
 
-    @staticmethod
-    def from_samples(
-        current: Floats,
-        gap: Floats,
-        flux_linkage: Floats,
-        force: Floats,
-        coenergy: Floats | None = None,
-        incremental_inductance: Floats | None = None,
-        force_error: Floats | None = None,
-        *,
-        model: str = "",
-        device: str = "",
-    ) -> CoenergyMap:
-        """Return the map of a model's samples, arrays as in :class:`Samples`.
-
-        Raises
-        ------
-        InputError
-            If the samples are too few, not finite, or no co-energy can have them.
-        """
-        from tmm.reluctance.coenergy.fit import fit  # which imports this module
-
-        return fit(
-            Samples(
-                current=np.asarray(current, dtype=float),
-                gap=np.asarray(gap, dtype=float),
-                flux_linkage=np.asarray(flux_linkage, dtype=float),
-                force=np.asarray(force, dtype=float),
-                coenergy=None if coenergy is None else np.asarray(coenergy, dtype=float),
-                incremental_inductance=None
-                if incremental_inductance is None
-                else np.asarray(incremental_inductance, dtype=float),
-                force_error=None if force_error is None else np.asarray(force_error, dtype=float),
-                model=model,
-                device=device,
-            )
-        )
-
     @cached_property
     def _current_bases(self) -> tuple[SplineBasis, ...]:
         return tuple(current_basis(self.inductance_basis, order) for order in range(3))

@@ -12,7 +12,8 @@ import numpy as np
 from geometry.arrays import Floats
 from geometry.errors import InputError
 from geometry.store.store import kept
-from tmm.reluctance.coenergy.map import CoenergyMap
+from tmm.reluctance.coenergy.fit import fit
+from tmm.reluctance.coenergy.map import CoenergyMap, Samples
 from validation.catalogue.models import stage_code
 from validation.engine.results import Measured
 from validation.models.reluctance.model import MagneticModel
@@ -50,7 +51,7 @@ class _FieldModel(MagneticModel):
         def table(read: Callable[[FieldPoint | SolidPoint], float]) -> Floats:
             return np.array([[read(point) for point in row] for row in rows]).T
 
-        return CoenergyMap.from_samples(
+        samples = Samples(
             currents,
             gaps,
             flux_linkage=table(lambda p: p.flux_linkage),
@@ -61,6 +62,7 @@ class _FieldModel(MagneticModel):
             model=self.name,
             device=self._described(),
         )
+        return fit(samples)
 
 
 class AxisymmetricModel(_FieldModel):

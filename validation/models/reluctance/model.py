@@ -32,7 +32,7 @@ class MagneticModel(Model):
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
         """Return which currents have no value, and whether the steel's curve was too short."""
-        return magnetic_warnings(self, quantities)
+        return magnetic_warnings(self.name, self.scene, quantities, self.point, self.switching)
 
     @abstractmethod
     def at(self, current: float, gap: float) -> MagneticPoint:

@@ -2,37 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from validation.catalogue.quantities import QUANTITIES
 from validation.catalogue.row import AnswerReadout
+from validation.models.reluctance.point import MagneticPoint
+from validation.models.reluctance.switching import SwitchingCurrents
 from validation.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from validation.models.reluctance.model import MagneticModel
 
 #: Share of the iron beyond the end of its curve that is worth a word: less is a corner or two.
 _WORTH_A_WORD = 0.01
 
 
-def magnetic_warnings(model: MagneticModel, quantities: Sequence[str]) -> tuple[str, ...]:
-    """Return what the answers of a model to these quantities leave to say."""
+def magnetic_warnings(
+    model: str,
+    scene: Scene,
+    quantities: Sequence[str],
+    point: Callable[[], MagneticPoint],
+    switching: Callable[[], SwitchingCurrents],
+) -> tuple[str, ...]:
+    """Return what a model's answers, `point` and `switching`, to these quantities leave to say."""
     found: list[str] = []
     beyond = 0.0
     of_stroke = _read_off("magnetic_map", quantities)
     if of_stroke:
-        currents = model.switching()
+        currents = switching()
         beyond = currents.beyond_table
         missing = [name for name, read in of_stroke.items() if np.isnan(read.of(currents).value)]
         if missing:
-            found.append(_unreached(model, missing, currents.limit))
+            found.append(_unreached(model, scene, missing, currents.limit))
     if _read_off("magnetic_point", quantities):
-        beyond = max(beyond, model.point().beyond_table)
+        beyond = max(beyond, point().beyond_table)
     if beyond > _WORTH_A_WORD:
-        found.append(_too_short(model.scene, model.name, beyond))
+        found.append(_too_short(scene, model, beyond))
     return tuple(found)
 
 
@@ -45,11 +49,11 @@ def _read_off(need: str, quantities: Sequence[str]) -> dict[str, AnswerReadout]:
     }
 
 
-def _unreached(model: MagneticModel, missing: Sequence[str], limit: float) -> str:
-    spring = model.scene.spring
+def _unreached(model: str, scene: Scene, missing: Sequence[str], limit: float) -> str:
+    spring = scene.spring
     have = "have" if len(missing) > 1 else "has"
     return (
-        f"{' and '.join(missing)} {have} no value in the model {model.name}: with up to "
+        f"{' and '.join(missing)} {have} no value in the model {model}: with up to "
         f"{limit * 1e3:.3g} mA the pull does not reach the spring's force everywhere "
         f"(spring.preload = {spring.preload * 1e3:g} mN, spring.stiffness = "
         f"{spring.stiffness:g} N/m); use a softer spring, a smaller gap or more coil.turns"

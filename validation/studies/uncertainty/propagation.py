@@ -20,11 +20,8 @@ from geometry.device.materials import PRINTED
 from geometry.device.parameters import spreads
 from tmm.beam.parametric import parameter_keys
 from tmm.beam.transfer.transfer_matrix import is_tapered
-from validation.catalogue.models import ranked
-from validation.engine.solve import Solution
 from validation.scene.parameter_list import show
 from validation.scene.scene import Scene
-from validation.studies.uncertainty.detailed_numbers import detailed_numbers
 from validation.studies.uncertainty.headline_numbers import (
     HeadlineNumbers,
     SampledNumbers,
@@ -32,7 +29,6 @@ from validation.studies.uncertainty.headline_numbers import (
     actuator,
     targets,
 )
-from validation.studies.uncertainty.varied_keys import left_out
 
 #: Evaluations that one study may take; Saltelli's scheme takes (parameters + 2) times a
 #: power of two.  Rows of several pieces get fewer, since each piece costs.
@@ -152,7 +148,7 @@ def parameter_uncertainty(
         "names": [p.key for p in parameters],
         "bounds": [[p.low, p.high] for p in parameters],
     }
-    base = base_samples(len(parameters), evaluations or _affordable(scene))
+    base = base_samples(len(parameters), evaluations or affordable(scene))
     points = saltelli.sample(problem, base, calc_second_order=False, seed=_SEED)
     sampled = SampledNumbers(numbers, {p.key: points[:, i] for i, p in enumerate(parameters)})
     # Saltelli's rows come in groups of A, the mixtures, B; A and B are independent samples
@@ -189,7 +185,8 @@ def parameter_uncertainty(
     return found
 
 
-def _affordable(scene: Scene) -> int:
+def affordable(scene: Scene) -> int:
+    """Return how often a report may solve the model: rows of several pieces cost more."""
     if is_tapered(scene.device, scene.support):
         return _EVALUATIONS // 8
     single = len(beam_pieces(scene.device, scene.support)) == 1
@@ -206,22 +203,3 @@ def _by_key(
 ) -> dict[str, tuple[float, float]]:
     columns = zip(problem["names"], indices[name], indices[f"{name}_conf"], strict=True)
     return {key: (float(index), float(bar)) for key, index, bar in columns}
-
-
-def section(scene: Scene, solution: Solution, announce: Callable[[str], None]) -> dict[str, Any]:
-    """Return what the report shows of the headline numbers and their uncertainty."""
-    from validation.studies.uncertainty.plot import contributors_plot
-
-    rows = parameter_uncertainty(scene, announce=announce)
-    parameters = uncertain_parameters(scene)
-    detailed = ranked(solution.models_of("bimorph"))[-1]
-    omitted = left_out(scene, actuator(scene))
-    return {
-        "uncertainties": rows,
-        "uncertain_parameters": parameters,
-        "contributors_plot": contributors_plot(rows),
-        "evaluations": base_samples(len(parameters), _affordable(scene)) * (len(parameters) + 2),
-        "detailed_model": detailed if detailed != "tmm" else None,
-        "detailed": detailed_numbers(scene, solution, detailed, [row.target for row in rows]),
-        "left_out": f"{omitted[0].upper()}{omitted[1:]}." if omitted else "",
-    }

@@ -13,7 +13,8 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.device.steel_law import MagnetisationCurve
-from tmm.reluctance.coenergy.map import CoenergyMap
+from tmm.reluctance.coenergy.fit import fit
+from tmm.reluctance.coenergy.map import CoenergyMap, Samples
 from tmm.reluctance.flux_ladder import Ladder, LadderSolution, solve
 
 CURRENT, FLUX_LINKAGE = 0.2, 0.25
@@ -71,4 +72,4 @@ def by_map() -> CoenergyMap:
     i, g = 0.3 * (np.arange(25) / 24.0) ** 3, np.linspace(0.1e-3, 0.3e-3, 8)
     linkage = FLUX_LINKAGE * np.sqrt(i[:, None] / CURRENT) * GAP / g
     coenergy = 2.0 / 3.0 * i[:, None] * linkage
-    return CoenergyMap.from_samples(i, g, linkage, coenergy / g, coenergy)
+    return fit(Samples(i, g, linkage, coenergy / g, coenergy))
