@@ -59,23 +59,6 @@ class EquivalentCircuit:
         return float(np.sqrt(self.stiffness / self.mass) / (2.0 * np.pi))
 
 
-def smits_choi(beam: Section, length: float) -> Complex:
-    """Return the static cantilever matrix (3, 3): [ψ, w, Q] at the tip from [M, F, U].
-
-    Smits and Choi (1991) for a bimorph, with the shim inside EI and K and the shear term
-    added; the rotation is ψ ≈ −w', hence the signs off their table.
-    """
-    a = length / beam.EI
-    return np.array(
-        [
-            [a, -0.5 * a * length, a * beam.K],
-            [-0.5 * a * length, a * length**2 / 3.0 + length / beam.GA, -0.5 * a * length * beam.K],
-            [a * beam.K, -0.5 * a * length * beam.K, length * beam.C + a * beam.K**2],
-        ],
-        dtype=complex,
-    )
-
-
 def lumped_model(row: Sequence[Element]) -> LumpedModel:
     """Return the port matrices of a row of beams; joints follow statically (Guyan).
 

@@ -20,9 +20,11 @@ from geometry.bimorph.pieces import Layers, Piece, beam_pieces
 from geometry.device.parameters import Beam, Bimorph, Device, Drive, Load, Support
 from geometry.errors import InputError
 from geometry.units import Unit, quoted
+from tmm.beam.mounted_beam import uniform_response
 from tmm.beam.section.section import Section
+from tmm.beam.transfer.scattering import Element
 from tmm.beam.transfer.transfer_matrix import SEGMENTS, chain, elements
-from tmm.ports.multiport import Multiport, in_series
+from tmm.ports.multiport import Multiport, Response, in_series, respond
 from tmm.ports.terminations import attach, ends_of
 
 #: Values by scene key, each a number or an array over the points.
@@ -33,6 +35,8 @@ _GROUPS = ("bimorph", "piezo", "shim", "glue", "rod", "support", "load", "drive"
 #: Where it is tried whether a key matters (Hz), and by which relative change: a power of
 #: two, so that the steps themselves are exact.
 _TRIAL, _STEP = np.array([1000.0]), 2.0**-10
+#: Points worked out at once: what lies between inputs and results stays small beside them.
+_AT_ONCE = 2**16
 
 
 @dataclass(frozen=True)
@@ -170,8 +174,45 @@ def terminated(
     InputError
         If the row of pieces does not follow a key smoothly; see :func:`check_keys`.
     """
+    row, ends, series = _mounted(actuator, values, lossless=lossless, inertia=inertia)
+    return attach(_wired(chain(row, frequencies), series=series), ends)
+
+
+def tip_response(
+    actuator: Actuator, values: Values, frequencies: Floats, *, lossless: bool = False
+) -> Response:
+    """Return motion of the tip and charge (n,) per volt, wired as the device is.
+
+    In closed form for one uniform beam, by D(Ω) for any other row, a block of points at a
+    time; arguments as of :func:`terminated`.
+    """
+    f = np.asarray(frequencies, dtype=float)
+    w_tip, psi_tip, charge = (np.empty(f.size, dtype=complex) for _ in range(3))
+    for start in range(0, f.size, _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        here = {key: v[part] if np.ndim(v) else v for key, v in values.items()}
+        row, ends, series = _mounted(actuator, here, lossless=lossless)
+        closed = uniform_response(row, ends, f[part], series=series)
+        if closed is not None:
+            found = closed.response
+        else:
+            port = _wired(chain(row, f[part]), series=series)
+            found = respond(attach(port, ends), {"voltage": 1.0})
+        w_tip[part], psi_tip[part] = found.motion["w_tip"], found.motion["psi_tip"]
+        charge[part] = found.effort["voltage"]
+    return Response({"w_tip": w_tip, "psi_tip": psi_tip}, {"voltage": charge})
+
+
+def _wired(port: Multiport, *, series: bool) -> Multiport:
+    return in_series(port) if series else port
+
+
+def _mounted(
+    actuator: Actuator, values: Values, *, lossless: bool, inertia: Any = 1.0
+) -> tuple[list[Element], Ends, bool]:
+    """Return the row of elements, what is attached to it, and whether it is wired in series."""
     now = actuator.with_values(values)
-    row = []
+    row: list[Element] = []
     for piece in _pieces(actuator, values):
         for element, length in elements(
             piece, now.device, now.beam, lossy=not lossless, segments=actuator.segments
@@ -179,11 +220,8 @@ def terminated(
             if isinstance(element, Section):
                 element = replace(element, m=element.m * inertia, rhoI=element.rhoI * inertia)
             row.append((element, length))
-    port = chain(row, frequencies)
-    if now.device.bimorph.wiring == "series":
-        port = in_series(port)
     ends = now.ends.lossless if lossless else now.ends
-    return attach(port, ends.with_inertia(inertia))
+    return row, ends.with_inertia(inertia), now.device.bimorph.wiring == "series"
 
 
 def _pieces(actuator: Actuator, values: Values) -> list[Piece]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from geometry.arrays import Complex, Floats
-from tmm.beam.parametric import Actuator, Values, terminated
+from tmm.beam.parametric import Actuator, Values, terminated, tip_response
 from tmm.ports.invariants import symmetric_form
 from tmm.ports.multiport import hold
 from tmm.ports.readout import ELECTRICAL, Readout
@@ -19,8 +19,11 @@ def evaluate(actuator: Actuator, read: Readout, values: Values, frequencies: Flo
     """Return what is read at every point, (n,); static quantities have no imaginary part."""
     frequencies = np.asarray(frequencies, dtype=float)
     at = np.zeros_like(frequencies) if read.static else frequencies
-    port = terminated(actuator, values, at, lossless=read.static)
-    return read.read(port, actuator.with_values(values).drive.voltage)
+    voltage = actuator.with_values(values).drive.voltage
+    if read.is_of_tip:
+        response = tip_response(actuator, values, at, lossless=read.static)
+        return read.scaled(read.variable(response), voltage, at)
+    return read.read(terminated(actuator, values, at, lossless=read.static), voltage)
 
 
 #: Relative step of the difference quotient in Newton's method for natural frequencies, and

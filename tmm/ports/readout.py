@@ -60,6 +60,12 @@ class Readout:
         return len(self.held) < len(MECHANICAL)
 
     @property
+    def is_of_tip(self) -> bool:
+        """Whether the motion of the tip and the charge tell it, nothing else being held."""
+        of_tip = (("w_tip", "motion"), ("psi_tip", "motion"), (ELECTRICAL, "effort"))
+        return not self.held and (self.port, self.of) in of_tip
+
+    @property
     def is_loaded(self) -> bool:
         """Whether what is attached to the tip with its losses enters."""
         return not self.static and "w_tip" not in self.held

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 
-class Timing(Protocol):
+class Timing(ABC):
     """One run of one way of computing; all rows of one part are of one kind.
 
     Attributes
@@ -15,41 +16,44 @@ class Timing(Protocol):
         Heads of the table and of the file.
     cost_label : str
         What is plotted along x.
+    path, case : str
+        The way, and what was computed.
+    seconds : float
+        Processor time.
+    error : float
+        Relative; infinite where no digit is right.
+    wanted : float
+        Error asked for; nan if none is.
     """
 
     columns: ClassVar[tuple[str, ...]]
     fields: ClassVar[tuple[str, ...]]
-    cost_label: ClassVar[str]
-
-    @property
-    def path(self) -> str:
-        """The way."""
-        ...
-
-    @property
-    def wanted(self) -> float:
-        """Error asked for; nan if none is."""
-        ...
+    cost_label: ClassVar[str] = "time (s)"
+    path: str
+    case: str
+    seconds: float
+    error: float
+    wanted: float
 
     @property
     def cost(self) -> float:
         """What is plotted along x."""
-        ...
+        return self.seconds
 
     @property
     def curves(self) -> dict[str, float]:
         """Errors to plot, one panel each."""
-        ...
+        return {self.case: self.error}
 
     @property
+    @abstractmethod
     def cells(self) -> tuple[str, ...]:
         """The row of the table, as `columns`."""
-        ...
 
     @property
+    @abstractmethod
     def values(self) -> tuple[str | float, ...]:
         """The row of the file, as `fields`."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, TypeVar
 
 from geometry.arrays import Floats
+from geometry.bimorph.ends import Ends
 from geometry.store.values import storable
+from tmm.ports.multiport import Response
 from validation.catalogue.models import MODELS
 from validation.catalogue.needs import Need
 from validation.engine.stages import Stages
@@ -91,6 +93,10 @@ class Model(ABC):
     @abstractmethod
     def answer(self, need: Need) -> Any:
         """Return what quantities with this need are read from."""
+
+    def closed_form(self, ends: Ends) -> Refined[Response] | None:
+        """Return what tip and charge do at 1 V, as wired, if a closed form knows it."""
+        return None
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
         """Return what the reader of these quantities must be told."""

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.bimorph.ends import Ends
-from tmm.ports.multiport import Multiport, in_series, round_off
+from tmm.ports.multiport import Multiport, Response, in_series, round_off
 from tmm.ports.readout import ModalReadout, PortMatrix, Readout
 from tmm.ports.terminations import attach
 from validation.catalogue.models import TERMINATIONS
 from validation.catalogue.row import AnswerReadout, QuantityRow
 from validation.engine.model import Model, Modes, Refined
+from validation.scene.scene import Scene
 
 Array = NDArray[Any]
 
@@ -65,6 +66,10 @@ def _at_ports(readout: Readout | PortMatrix, model: Model, refined: Refined[Mult
     ends = _ends(model)
     static = isinstance(readout, Readout) and readout.static
     ends = ends.lossless if static else ends
+    if isinstance(readout, Readout) and readout.is_of_tip and not static:
+        closed = model.closed_form(ends)
+        if closed is not None:
+            return _of_tip(readout, scene, closed)
     rounding: Any = round_off(attach(refined.fine, ends)) * (1.0 + refined.elimination)
 
     def wired(port: Multiport) -> Multiport:
@@ -78,6 +83,15 @@ def _at_ports(readout: Readout | PortMatrix, model: Model, refined: Refined[Mult
         return np.asarray(found[0].real) if static else found
 
     return _judge(refined, of, rounding[0] if static else rounding)
+
+
+def _of_tip(readout: Readout, scene: Scene, refined: Refined[Response]) -> Judged:
+    frequencies = np.asarray(scene.frequency, dtype=float)
+
+    def of(response: Response) -> Array:
+        return readout.scaled(readout.variable(response), scene.drive.voltage, frequencies)
+
+    return _judge(refined, of, 0.0)
 
 
 def _ends(model: Model) -> Ends:

@@ -21,9 +21,10 @@ TOLERATED = 7e-13
 EXTENDED_ROUNDINGS = 50.0
 
 
-def error_bound(condition: float) -> float:
-    """Return the relative error that a result of this condition number may have."""
-    return max(TOLERATED, 2.0 * EPS + EXTENDED_ROUNDINGS * EXTENDED_EPS * condition)
+def error_bound(condition: Floats | float) -> Floats:
+    """Return the relative error that results of these condition numbers may have."""
+    extended = 2.0 * EPS + EXTENDED_ROUNDINGS * EXTENDED_EPS * np.asarray(condition)
+    return np.maximum(TOLERATED, extended)
 
 
 def sqrt(v: Any) -> Any:

@@ -59,8 +59,9 @@ from tmm.beam.transfer.double_double import DoubleDouble
 from tmm.beam.transfer.precision import head, phase, rounded, size, sqrt
 
 #: Roundings in a function relative to its size, from the series and, per 1 + |λ|, from the
-#: products.  The results of :mod:`tmm.beam.transfer.timoshenko` and :mod:`tmm.beam.sweep` at 6e5
-#: random points, held against extended precision, had at most 0.83 of the error so estimated.
+#: products.  The results of :mod:`tmm.beam.transfer.timoshenko` and :mod:`tmm.beam.mounted_beam`
+#: at 6e5 random points, held against extended precision, had at most 0.83 of the error so
+#: estimated.
 _SERIES_ROUNDINGS, _PHASE_ROUNDINGS = 4.0, 0.5
 
 S = TypeVar("S", bound="Span")

@@ -13,15 +13,16 @@ import numpy as np
 
 from geometry.arrays import Complex, Floats
 from geometry.bimorph.pieces import Piece
-from geometry.device.parameters import Beam, Device, Load, Support
+from geometry.device.parameters import Beam, Device, Drive, Load, Support
+from tmm.beam.mounted_beam import mounted_response
+from tmm.beam.parametric import Actuator, tip_response
 from tmm.beam.section.section import section
-from tmm.beam.sweep import design_map, tip_response
 from tmm.beam.transfer.blocks import BLOCK
 from tmm.beam.transfer.transfer_matrix import chain
 from tmm.ports.multiport import respond, terminate
 from tmm.ports.terminations import base_stiffness, ends_of, tip_stiffness
 from validation.bench.one_core import on_one_core, peak_memory
-from validation.bench.result import Bench, Target
+from validation.bench.result import Bench, Target, Timing
 from validation.checks.cases import reference_beam as reference
 from validation.checks.cases import textbook_beam
 
@@ -40,7 +41,7 @@ _SAMPLES = 15
 
 
 @dataclass(frozen=True)
-class BeamTiming:
+class BeamTiming(Timing):
     """One way of computing, over one range of frequencies.
 
     Attributes
@@ -81,7 +82,7 @@ class BeamTiming:
     )
     cost_label: ClassVar[str] = "time per point (ns)"
     #: Error asked for.
-    wanted: ClassVar[float] = 1e-12
+    wanted: float = 1e-12
 
     @property
     def rate(self) -> float:
@@ -92,11 +93,6 @@ class BeamTiming:
     def cost(self) -> float:
         """What is plotted along x."""
         return 1e9 / self.rate
-
-    @property
-    def curves(self) -> dict[str, float]:
-        """Errors to plot, one panel each."""
-        return {self.case: self.error}
 
     @property
     def cells(self) -> tuple[str, ...]:
@@ -133,7 +129,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
         Target("terminated points per second", 1.5e6, rate, "points/s", False, _CLOSED),
         Target(
             "design map, 200 lengths x 2000 frequencies x 3 loads", 2.0, map_seconds, "s", True,
-            "tmm.beam.sweep.design_map",
+            "tmm.beam.parametric.tip_response",
         ),
         Target(
             f"peak memory of {points:.0e} points", 1e9, memory, "B", True,
@@ -159,15 +155,23 @@ def map_seconds(lengths: int, frequencies: int, loads: int) -> float:
     """Return the least of three processor times (s) of a design map, attachments included."""
     kinds = [Load(kind="none"), Load(), Load(kind="mass", mass=1e-3)][:loads]
     l, f = np.linspace(5e-3, 40e-3, lengths), np.linspace(10.0, 2e3, frequencies)
-    tips = [ends_of(Support(), load).tip for load in kinds]
-    return min(_timed(lambda: design_map(_BEAM, l, f, _ENDS.base, tips)) for _ in range(3))
+    l, f = (grid.ravel() for grid in np.meshgrid(l, f, indexing="ij"))
+
+    def work() -> None:
+        for load in kinds:
+            tip_response(_actuator(load), {"bimorph.length": l}, f)
+
+    return min(_timed(work) for _ in range(3))
 
 
 def memory_of(points: int) -> int:
     """Return the peak memory (bytes) of this process after one long sweep."""
-    f = np.linspace(10.0, 2e3, points)
-    design_map(_BEAM, np.array([_LENGTH]), f, _ENDS.base, [_ENDS.tip])
+    tip_response(_actuator(Load()), {}, np.linspace(10.0, 2e3, points))
     return peak_memory()
+
+
+def _actuator(load: Load) -> Actuator:
+    return Actuator(Device(), Support(), load, Beam(), Drive())
 
 
 def error_of(path: str, case: str) -> float:
@@ -179,7 +183,7 @@ def error_of(path: str, case: str) -> float:
         omega = 2.0 * np.pi * float(frequency)
         exact = reference.dynamic_stiffness(reference.constants(_BEAM), _LENGTH, omega)
         base = (complex(lateral[i]), complex(rotational[i]))
-        w_tip, _ = reference.tip_motion(exact, base, complex(tip[i]))
+        w_tip, _, _ = reference.tip_motion(exact, base, complex(tip[i]))
         error = reference.relative_error(velocity[i] / (1j * omega), w_tip)
         worst = max(worst, math.inf if math.isnan(error) else error)
     return worst
@@ -200,7 +204,9 @@ def _velocity(path: str, f: Floats, base: tuple[Complex, Complex], tip: Complex)
         port = terminate(chain([(_BEAM, _LENGTH)], f), loads)
         w_tip = respond(port, {"voltage": 1.0}).motion["w_tip"]
     else:
-        w_tip = tip_response(_BEAM, _LENGTH, omega, base=base, tip=tip, chunk=_PATHS[path]).w_tip
+        w_tip = mounted_response(
+            _BEAM, _LENGTH, omega, base=base, tip=tip, chunk=_PATHS[path]
+        ).w_tip
     return np.asarray(1j * omega * w_tip)
 
 

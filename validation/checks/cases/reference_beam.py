@@ -173,8 +173,8 @@ def eliminate(matrix: mp.matrix, keep: list[int]) -> mp.matrix:
 
 
 @_exact
-def tip_motion(d: mp.matrix, base: tuple[Any, Any] | None, tip: Any) -> tuple[Any, Any]:
-    """Return tip displacement and charge per volt, base held (None) or on two springs."""
+def tip_motion(d: mp.matrix, base: tuple[Any, Any] | None, tip: Any) -> tuple[Any, Any, Any]:
+    """Return tip displacement, charge and tip rotation per volt, base held (None) or sprung."""
     held = d.copy()
     held[2, 2] += mp.mpmathify(tip)
     if base is not None:
@@ -183,7 +183,7 @@ def tip_motion(d: mp.matrix, base: tuple[Any, Any] | None, tip: Any) -> tuple[An
     free = [2, 3] if base is None else [0, 1, 2, 3]
     motion = mp.lu_solve(_pick(held, free, free), -_pick(held, free, [4]))
     charge = d[4, 4] + sum(d[4, port] * motion[i] for i, port in enumerate(free))
-    return motion[free.index(2)], charge
+    return motion[free.index(2)], charge, motion[free.index(3)]
 
 
 @_exact

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from geometry.bimorph.ends import Ends
+from tmm.beam.mounted_beam import mounted_response
 from tmm.beam.section.section import Section
-from tmm.beam.sweep import tip_response
 from tmm.beam.transfer.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
 from tmm.beam.transfer.timoshenko import condition, dynamic_stiffness
 from tmm.ports.terminations import base_stiffness, tip_stiffness
@@ -37,12 +37,13 @@ def point(beam: Section, length: float, frequency: float, ends: Ends, where: str
         lateral, rotational = base_stiffness(ends.base, f)
         base = complex(lateral[0]), complex(rotational[0])
     tip = complex(tip_stiffness(ends.tip, f)[0])
-    w_tip, charge = reference.tip_motion(exact, base, tip)
-    ours = tip_response(beam, length, omega, base=base, tip=tip)
+    w_tip, charge, psi_tip = reference.tip_motion(exact, base, tip)
+    ours = mounted_response(beam, length, omega, base=base, tip=tip)
     errors = [
         entry_error(dynamic_stiffness(beam, length, omega), exact),
         reference.relative_error(ours.w_tip, w_tip),
         reference.relative_error(ours.charge, charge),
+        reference.relative_error(ours.psi_tip, psi_tip),
     ]
     worst = max(float(condition(beam, length, omega).max()), float(ours.condition))
     naive = math.nan
@@ -52,7 +53,7 @@ def point(beam: Section, length: float, frequency: float, ends: Ends, where: str
             entry_error(textbook_beam.dynamic_stiffness(beam, length, f)[0], exact),
             _finite(reference.relative_error(velocity / (1j * omega), w_tip)),
         )
-    return Point(where, max(errors), worst, error_bound(worst), naive)
+    return Point(where, max(errors), worst, float(error_bound(worst)), naive)
 
 
 def entry_error(got: Any, exact: Any) -> float:

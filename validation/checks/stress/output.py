@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import sys
 from collections import Counter
@@ -11,7 +10,8 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from geometry.files import written_whole
+from geometry.csv_rows import write_csv
+from geometry.files import write_text
 from validation.checks.stress import run_parts
 from validation.checks.stress.plots import approach_plot, map_plot
 from validation.checks.stress.result import ErrorMap, Row, Stress
@@ -81,15 +81,15 @@ def write_stress(parts: Iterable[Stress], out: Path) -> list[Path]:
             "family", "what", "points", "worst", "promised", "condition", "naive", "verdict",
             "worst at", "refused", "refusals",
         )  # fmt: skip
-        written.append(_csv(out / f"stress-{part.part}.csv", head, rows))
+        written.append(write_csv(out / f"stress-{part.part}.csv", head, rows))
         for number, table in enumerate(part.maps, start=1):
             stem = f"stress-{part.part}-map-{number}"
             columns = ("length_m", "frequency_hz", "error", "naive", "condition")
-            written.append(_csv(out / f"{stem}.csv", columns, _flat(table)))
-            written.append(_text(out / f"{stem}.svg", map_plot(table)))
+            written.append(write_csv(out / f"{stem}.csv", columns, _flat(table)))
+            written.append(write_text(out / f"{stem}.svg", map_plot(table)))
         if part.approaches:
             plot = approach_plot(part.approaches)
-            written.append(_text(out / f"stress-{part.part}-resonance.svg", plot))
+            written.append(write_text(out / f"stress-{part.part}-resonance.svg", plot))
     return written
 
 
@@ -97,17 +97,3 @@ def _flat(table: ErrorMap) -> Iterator[tuple[float, ...]]:
     for i, j in product(range(table.lengths.size), range(table.frequencies.size)):
         values = (table.error[i, j], table.naive[i, j], table.condition[i, j])
         yield (float(table.lengths[i]), float(table.frequencies[j]), *map(float, values))
-
-
-def _csv(path: Path, head: Iterable[str], rows: Iterable[Iterable[Any]]) -> Path:
-    with written_whole(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as f:
-        writer = csv.writer(f)
-        writer.writerow(head)
-        writer.writerows(rows)
-    return path
-
-
-def _text(path: Path, text: str) -> Path:
-    with written_whole(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
-    return path

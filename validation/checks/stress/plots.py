@@ -10,8 +10,8 @@ import numpy as np
 from geometry.arrays import Floats
 from tmm.beam.transfer.precision import error_bound
 from validation.checks.stress.result import WANTED, Approach, ErrorMap
+from validation.view.figures import ORANGE, new_figure, panels, svg
 from validation.view.formats import engineering
-from validation.view.plots import svg
 
 #: Decades of relative error that the colours span.
 _DECADES = (-17.0, 0.0)
@@ -22,12 +22,10 @@ def map_plot(table: ErrorMap) -> str:
 
     Colours are decades of relative error; black is no correct digit, overflow or 0/0.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10.0, 3.4), layout="constrained")
+    figure = new_figure(10.0, 3.4)
     axes = figure.subplots(1, 2, sharey=True)
-    panels = ((axes[0], "this model", table.error), (axes[1], "matrix A", table.naive))
-    for axis, title, values in panels:
+    sides = ((axes[0], "this model", table.error), (axes[1], "matrix A", table.naive))
+    for axis, title, values in sides:
         image = _decades(axis, table, values)
         axis.set_title(f"{title}: {table.title}", fontsize="medium")
         axis.set_xlabel("frequency")
@@ -63,19 +61,15 @@ def _decade_ticks(spaced: Floats, unit: str, every: int) -> tuple[list[float], l
 
 def approach_plot(approaches: tuple[Approach, ...]) -> str:
     """Plot error against condition number, with the promised bound."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.0, 3.4), layout="constrained")
-    axis = figure.subplots()
+    figure, axis = panels(7.0, 3.4)
     for approach, marker in zip(approaches, "os^v", strict=False):
         axis.loglog(approach.condition, approach.error, marker, label=approach.title)
     condition = np.concatenate([a.condition for a in approaches])
     spread = np.geomspace(condition.min(), condition.max(), 200)
-    bounds = [error_bound(float(c)) for c in spread]
+    bounds = error_bound(spread)
     axis.loglog(spread, bounds, "k-", linewidth=1.0, label="the method's bound")
-    axis.axhline(WANTED, color="#D55E00", linestyle="--", linewidth=1.0, label="wanted")
+    axis.axhline(WANTED, color=ORANGE, linestyle="--", linewidth=1.0, label="wanted")
     axis.set_xlabel("condition number")
     axis.set_ylabel("relative error")
     axis.legend(frameon=False)
-    axis.grid(visible=True, alpha=0.25)
     return svg(figure)

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from geometry.bimorph.ends import Ends
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Device, Load, Support
-from tmm.beam import sweep
+from tmm.beam import mounted_beam
 from tmm.beam.modes import bending_frequencies
+from tmm.beam.mounted_beam import mounted_response
 from tmm.beam.section.section import Section, section
-from tmm.beam.sweep import design_map, tip_response
 from tmm.beam.transfer import timoshenko
 from tmm.beam.transfer.precision import error_bound
 from tmm.beam.transfer.timoshenko import dynamic_stiffness
@@ -36,19 +36,20 @@ def bimorph(*, lossy=True):
 def respond_at(beam, length, f, ends, **options):
     base = ends.base and base_stiffness(ends.base, f)
     tip, omega = tip_stiffness(ends.tip, f), 2 * np.pi * f
-    return tip_response(beam, length, omega, base=base, tip=tip, **options)
+    return mounted_response(beam, length, omega, base=base, tip=tip, **options)
 
 
 @pytest.mark.parametrize("support", [CLAMPED, SPRING], ids=["clamped", "spring"])
 @pytest.mark.parametrize("load", [FREE, FINGER, Load(kind="mass", mass=1e-3)], ids=lambda l: l.kind)
 def test_same_as_the_dynamic_stiffness(support, load):
-    """Displacement and charge are those of the beam's D with the ends attached."""
+    """Displacement, rotation and charge are those of the beam's D with the ends attached."""
     f = np.geomspace(0.1, 1e5, 400)
     ends = ends_of(support, load)
-    ours = respond_at(bimorph(), LENGTH, f, ends, voltage=50.0)
-    matrix = respond(attach(chain([(bimorph(), LENGTH)], f), ends), {"voltage": 50.0})
+    ours = respond_at(bimorph(), LENGTH, f, ends)
+    matrix = respond(attach(chain([(bimorph(), LENGTH)], f), ends), {"voltage": 1.0})
     # D's resonances, damped with Q = 60, cost the elimination four digits
     np.testing.assert_allclose(ours.w_tip, matrix.motion["w_tip"], rtol=1e-11)
+    np.testing.assert_allclose(ours.psi_tip, matrix.motion["psi_tip"], rtol=1e-11)
     np.testing.assert_allclose(ours.charge, matrix.effort["voltage"], rtol=1e-11)
 
 
@@ -58,11 +59,11 @@ def test_against_the_stored_state_space_solution(state_space, number):
     case = state_space["cases"][number]
     f = np.array([case["frequency"]])
     ends = ends_of(SPRING, Load(kind=case["load"]))
-    ours = respond_at(bimorph(), case["length"], f, ends, voltage=case["voltage"])
+    ours = respond_at(bimorph(), case["length"], f, ends)
     # section constants, Ω and the attachments are rounded, too, and the condition is below 100;
     # beside a minimum or a peak a rounding of Ω alone is worth four
     for got, name in ((ours.w_tip, "v_tip"), (ours.charge, "current")):
-        velocity = 2j * np.pi * f[0] * got[0]
+        velocity = 2j * np.pi * f[0] * got[0] * case["voltage"]
         assert velocity == pytest.approx(complex(*case[name]), rel=30 * EPS), name
 
 
@@ -77,12 +78,13 @@ def test_against_eighty_digits(length, frequency, lossy, base, stiffness, mass):
     tip = 10.0**stiffness - omega**2 * 10.0**mass
     if base is not None:
         base = (10.0 ** base[0] + 0j, 10.0 ** base[1] + 0j)
-    ours = tip_response(beam, length, omega, base=base, tip=tip)
+    ours = mounted_response(beam, length, omega, base=base, tip=tip)
     exact = reference.dynamic_stiffness(reference.constants(beam), length, omega)
-    w_tip, charge = reference.tip_motion(exact, base, tip)
-    bound = error_bound(float(ours.condition))
-    if abs(w_tip) > 1e-280:  # else it leaves the range of doubles
-        assert reference.relative_error(ours.w_tip, w_tip) <= bound
+    w_tip, charge, psi_tip = reference.tip_motion(exact, base, tip)
+    bound = ours.error
+    for got, true in ((ours.w_tip, w_tip), (ours.psi_tip, psi_tip)):
+        if abs(true) > 1e-280:  # else it leaves the range of doubles
+            assert reference.relative_error(got, true) <= bound
     assert reference.relative_error(ours.charge, charge) <= bound
 
 
@@ -101,20 +103,21 @@ def test_double_precision_is_left_in_time(monkeypatch):
     """What is kept in double precision agrees with extended precision to the promise."""
     beams, lengths, omega, base = many(1)
     tip = np.full(omega.size, 100.0)
-    mixed = tip_response(beams, lengths, omega, base=base, tip=tip)
+    mixed = mounted_response(beams, lengths, omega, base=base, tip=tip)
     d = dynamic_stiffness(beams, lengths, omega)
-    monkeypatch.setattr(sweep, "TOLERATED", 0.0)
+    monkeypatch.setattr(mounted_beam, "TOLERATED", 0.0)
     monkeypatch.setattr(timoshenko, "TOLERATED", 0.0)
-    extended = tip_response(beams, lengths, omega, base=base, tip=tip)
+    extended = mounted_response(beams, lengths, omega, base=base, tip=tip)
     changed = mixed.w_tip != extended.w_tip
     assert 0.3 < changed.mean() < 0.99  # some were kept, some were not
-    np.testing.assert_allclose(mixed.w_tip, extended.w_tip, rtol=sweep_tolerance(), atol=0.0)
-    np.testing.assert_allclose(mixed.charge, extended.charge, rtol=sweep_tolerance(), atol=0.0)
+    np.testing.assert_allclose(mixed.w_tip, extended.w_tip, rtol=double_tolerance(), atol=0.0)
+    np.testing.assert_allclose(mixed.psi_tip, extended.psi_tip, rtol=double_tolerance(), atol=0.0)
+    np.testing.assert_allclose(mixed.charge, extended.charge, rtol=double_tolerance(), atol=0.0)
     whole = dynamic_stiffness(beams, lengths, omega)
-    np.testing.assert_allclose(d, whole, rtol=sweep_tolerance(), atol=0.0)
+    np.testing.assert_allclose(d, whole, rtol=double_tolerance(), atol=0.0)
 
 
-def sweep_tolerance():
+def double_tolerance():
     """What double precision may cost."""
     return error_bound(0.0)
 
@@ -126,7 +129,7 @@ def test_no_digit_lost_where_the_held_beam_resonates():
         sign = dynamic_stiffness(beam, LENGTH, 2 * np.pi * middle)[0, 2].real
         low, high = (middle, high) if sign < 0.0 else (low, middle)
     exact = reference.dynamic_stiffness(reference.constants(beam), LENGTH, 2 * np.pi * low)
-    w_tip, _ = reference.tip_motion(exact, None, 0.0)
+    w_tip, _, _ = reference.tip_motion(exact, None, 0.0)
     ours = respond_at(beam, LENGTH, np.array([low]), Ends())
     matrix = respond(attach(chain([(beam, LENGTH)], np.array([low])), Ends()), {"voltage": 1.0})
     assert reference.relative_error(ours.w_tip[0], w_tip) < 1e-14
@@ -158,10 +161,10 @@ def test_everything_broadcasts():
     beam = replace(one, EI=one.EI * np.array([1.0, 1.1])[:, None, None, None])
     lengths, tips = np.array([5e-3, 20e-3])[:, None, None], np.array([0.0, 700.0])[:, None]
     base = (1e5, np.array([0.2, 0.3, 0.4]))
-    got = tip_response(beam, lengths, 2 * np.pi * f, base=base, tip=tips)
+    got = mounted_response(beam, lengths, 2 * np.pi * f, base=base, tip=tips)
     assert got.w_tip.shape == got.charge.shape == got.condition.shape == (2, 2, 2, 3)
     for i, j, k, n in np.ndindex(got.w_tip.shape):
-        alone = tip_response(
+        alone = mounted_response(
             replace(one, EI=beam.EI[i, 0, 0, 0]), lengths[j, 0, 0], 2 * np.pi * f[n],
             base=(1e5, base[1][n]), tip=tips[k, 0],
         )  # fmt: skip
@@ -169,41 +172,30 @@ def test_everything_broadcasts():
 
 
 def test_static_clamped_bimorph():
-    """At 0 Hz the tip is at −K U l²/(2 EI) and the charge (C + K²/EI) l U."""
+    """At 0 Hz the tip is at −K l²/(2 EI) per volt, turned by K l/EI, the charge (C + K²/EI) l."""
     beam = bimorph(lossy=False)
-    got = tip_response(beam, LENGTH, 0.0, base=None, tip=0.0, voltage=50.0)
-    assert got.w_tip == pytest.approx(-beam.K * 50.0 * LENGTH**2 / (2 * beam.EI), rel=1e-14)
-    assert got.charge == pytest.approx((beam.C + beam.K**2 / beam.EI) * LENGTH * 50.0, rel=1e-14)
+    got = mounted_response(beam, LENGTH, 0.0, base=None, tip=0.0)
+    assert got.w_tip == pytest.approx(-beam.K * LENGTH**2 / (2 * beam.EI), rel=1e-14)
+    assert got.psi_tip == pytest.approx(beam.K * LENGTH / beam.EI, rel=1e-14)
+    assert got.charge == pytest.approx((beam.C + beam.K**2 / beam.EI) * LENGTH, rel=1e-14)
 
 
 def test_unheld_beam_has_no_static_response():
     """Without support or load nothing balances the motion at 0 Hz."""
     with pytest.raises(np.linalg.LinAlgError, match="nothing holds"):
-        tip_response(bimorph(), LENGTH, 0.0, base=(0.0, 0.0), tip=0.0)
-
-
-def test_design_map():
-    """The map holds each load, length and frequency's own response."""
-    lengths, f = np.array([10e-3, 20e-3]), np.linspace(0.0, 2e3, 50)
-    held = [ends_of(SPRING, load) for load in (FREE, FINGER)]
-    got = design_map(bimorph(), lengths, f, held[0].base, [ends.tip for ends in held], 50.0)
-    assert got.w_tip.shape == (2, 2, 50)
-    for i, ends in enumerate(held):
-        for j, length in enumerate(lengths):
-            alone = respond_at(bimorph(), length, f, ends, voltage=50.0)
-            np.testing.assert_allclose(got.w_tip[i, j], alone.w_tip, rtol=20 * EPS)
-            np.testing.assert_allclose(got.charge[i, j], alone.charge, rtol=20 * EPS)
+        mounted_response(bimorph(), LENGTH, 0.0, base=(0.0, 0.0), tip=0.0)
 
 
 def test_memory_stays_flat():
     """Beside inputs and results a sweep needs memory for one block, however long it is."""
-    extra, ends = [], ends_of(SPRING, FINGER)
+    beam, extra = bimorph(), []
+    base, tip = (3e6, 0.2), 700.0
     for n in (200_000, 800_000):
         f = np.linspace(10.0, 2e3, n)
         tracemalloc.start()
-        got = design_map(bimorph(), np.array([LENGTH]), f, ends.base, [ends.tip])
+        got = mounted_response(beam, LENGTH, 2 * np.pi * f, base=base, tip=tip)
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
-        extra.append(peak - got.w_tip.nbytes - got.charge.nbytes - got.condition.nbytes)
+        extra.append(peak - f.nbytes - 3 * got.w_tip.nbytes - got.condition.nbytes)
     assert extra[1] < 1.1 * extra[0]
     assert extra[1] < 40e6
