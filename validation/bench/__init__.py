@@ -14,7 +14,7 @@ from validation.bench.result import Bench
 PARTS = {
     "tmm": "validation.bench.bimorph.beam",
     "magnetics": "validation.bench.reluctance",
-    "piezo": "validation.bench.bimorph.piezo",
+    "piezo": "validation.bench.bimorph.solid",
     "solver": "validation.bench.solver",
 }
 

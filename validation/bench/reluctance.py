@@ -20,7 +20,7 @@ from fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_po
 from geometry.device.parameters import Device
 from tmm.reluctance.coenergy.range import map_grid
 from validation.bench.one_core import on_one_core
-from validation.bench.result import Bench, Target
+from validation.bench.result import Bench, Target, Timing
 from validation.checks.cases.magnetics.sphere_in_field import Potential
 from validation.checks.cases.magnetics.team20 import pole_forces
 from validation.view.formats import engineering
@@ -37,7 +37,7 @@ _TEAM_FORCE, _TEAM_COENERGY = "TEAM 20: force", "TEAM 20: co-energy"
 
 
 @dataclass(frozen=True)
-class FieldTiming:
+class FieldTiming(Timing):
     """One result of one field solution.
 
     Attributes
@@ -80,17 +80,6 @@ class FieldTiming:
     fields: ClassVar[tuple[str, ...]] = (
         "way", "fineness", "result", "unknowns", "seconds", "value", "unit", "error",
     )  # fmt: skip
-    cost_label: ClassVar[str] = "time (s)"
-
-    @property
-    def cost(self) -> float:
-        """What is plotted along x."""
-        return self.seconds
-
-    @property
-    def curves(self) -> dict[str, float]:
-        """Errors to plot, one panel each."""
-        return {self.case: self.error}
 
     @property
     def cells(self) -> tuple[str, ...]:

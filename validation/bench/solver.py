@@ -22,7 +22,7 @@ from geometry.bimorph.bricks import Bricks
 from geometry.device.parameters import Device
 from geometry.errors import InputError
 from validation.bench.one_core import on_one_core, peak_memory
-from validation.bench.result import Bench, Target
+from validation.bench.result import Bench, Target, Timing
 from validation.view.formats import engineering
 
 #: Unknowns asked for.
@@ -36,7 +36,7 @@ _FIRST, _AGAIN, _SOLVE = "order and factorise", "factorise again", f"{_RIGHT_SID
 
 
 @dataclass(frozen=True)
-class SolverTiming:
+class SolverTiming(Timing):
     """One step of a sparse solver with one matrix.
 
     Attributes
@@ -79,19 +79,8 @@ class SolverTiming:
         "bytes",
         "error",
     )
-    cost_label: ClassVar[str] = "time (s)"
     #: Error asked for: a condition of 1e9 leaves seven digits, a large matrix one less.
-    wanted: ClassVar[float] = 1e-6
-
-    @property
-    def cost(self) -> float:
-        """What is plotted along x."""
-        return self.seconds
-
-    @property
-    def curves(self) -> dict[str, float]:
-        """Errors to plot, one panel each."""
-        return {self.case: self.error}
+    wanted: float = 1e-6
 
     @property
     def cells(self) -> tuple[str, ...]:

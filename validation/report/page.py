@@ -9,11 +9,11 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from geometry.files import written_whole
+from geometry.files import write_text
 from validation.report.comparison import ComparedRow
-from validation.command_line.files import writable_folder
+from geometry.files import writable_folder
 from validation.view.formats import filters
-from validation.report.sections.all import sections
+from validation.report.sections.contents import sections
 from validation.report.study import Study
 from validation.scene.scene import Scene
 
@@ -36,9 +36,7 @@ def write_report(
     started = time.perf_counter()
     page = _page(Study(scene, origins, announce, quick=quick), started)
     target = out / "index.html"
-    with written_whole(target) as temporary:
-        temporary.write_text(page, encoding="utf-8")
-    return target
+    return write_text(target, page)
 
 
 def _page(study: Study, started: float) -> str:

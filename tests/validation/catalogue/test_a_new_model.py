@@ -15,7 +15,7 @@ from validation.engine.plan import make_plan
 from validation.engine.solve import solve
 from validation.report import page
 from validation.report.comparison import compare
-from validation.report.sections.all import sections as all_sections
+from validation.report.sections.contents import sections as all_sections
 from validation.scene.scene import load_scene
 
 #: First root of cos x cosh x = -1.

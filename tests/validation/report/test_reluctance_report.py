@@ -252,7 +252,7 @@ def test_report_of_both_actuators(tmp_path):
 LATERAL_ONLY = """
 import sys
 import validation.report.study as study
-from validation.report.sections.all import sections
+from validation.report.sections.contents import sections
 from validation.scene.scene import load_scene
 scene, origins = load_scene("prototype", ("models=lumped,tmm",))
 made = study.Study(scene, origins, lambda _: None, quick=True)

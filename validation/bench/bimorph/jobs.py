@@ -15,7 +15,7 @@ from geometry.arrays import Numbers
 from geometry.bimorph.bricks import Bricks
 from geometry.device.parameters import Device
 from geometry.meshing.mesh import Mesh
-from validation.bench.bimorph import meshes as piezo_meshes
+from validation.bench.bimorph import meshes
 from validation.bench.bimorph.peers.job import Answer, Clock, Job, Material, answer
 from validation.scene.scene import Scene, load_scene
 
@@ -145,7 +145,7 @@ def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
     clamped = Ends()
     if not isinstance(mesh, Bricks):
         return [mode.frequency for mode in natural_modes(system, clamped, MODES)]
-    scout = piezo_meshes.scout(device)
+    scout = meshes.scout(device)
     both = solve_modes(system, assemble(device, scout, lossy=False), MODES)
     found, _ = lowest_modes(*both, clamped, MODES, open_circuit=False)
     return [mode.frequency for mode in found][:MODES]
@@ -166,9 +166,9 @@ def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
 
 #: Mesh of each of our families from a device and a fineness.  Another one is one line.
 FAMILIES: dict[str, Callable[[Device, Any], Mesh | Bricks]] = {
-    BRICKS: piezo_meshes.high_order,
-    "hexahedra of 27 nodes": lambda device, sizes: piezo_meshes.second_order(device, *sizes),
-    "hexahedra of 20 nodes": lambda _, fineness: piezo_meshes.hexahedra(fineness),
-    "structured P2 tetrahedra": lambda _, fineness: piezo_meshes.structured_tetrahedra(fineness),
-    "tetwild P2 tetrahedra": lambda device, edges: piezo_meshes.free_tetrahedra(device, *edges),
+    BRICKS: meshes.high_order,
+    "hexahedra of 27 nodes": lambda device, sizes: meshes.second_order(device, *sizes),
+    "hexahedra of 20 nodes": lambda _, fineness: meshes.hexahedra(fineness),
+    "structured P2 tetrahedra": lambda _, fineness: meshes.structured_tetrahedra(fineness),
+    "tetwild P2 tetrahedra": lambda device, edges: meshes.free_tetrahedra(device, *edges),
 }

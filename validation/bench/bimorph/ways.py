@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from validation.bench.bimorph import jobs as piezo_jobs
+from validation.bench.bimorph import jobs
 from validation.bench.bimorph.jobs import job
 from validation.bench.bimorph.peers import PEERS, missing, solve
 from validation.bench.bimorph.peers.job import Answer, Job
@@ -65,7 +65,7 @@ def own(family: str, fineness: Any) -> Solve:
     """Return how one of our families solves the jobs at a fineness."""
 
     def run(frequencies: list[float]) -> Answer:
-        found: Answer = on_one_core(piezo_jobs.__name__, "solve_own", family, fineness, frequencies)
+        found: Answer = on_one_core(jobs.__name__, "solve_own", family, fineness, frequencies)
         return found
 
     return run
@@ -80,7 +80,7 @@ def _own_ways(*, quick: bool) -> list[Level]:
 
     grids = [_bricks(grid, 2) for grid in _SECOND[: 1 if quick else None]]
     return [
-        *levels(piezo_jobs.BRICKS, list(range(2 if quick else 4)), True),
+        *levels(jobs.BRICKS, list(range(2 if quick else 4)), True),
         *levels("hexahedra of 27 nodes", list(_TRIQUADRATIC[: 1 if quick else None]), False),
         *levels("hexahedra of 20 nodes", grids, False),
         *levels("structured P2 tetrahedra", grids, False),

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Complex, Floats, Ints
-from validation.bench.bimorph import jobs as piezo_jobs
+from validation.bench.bimorph import jobs
 from validation.bench.bimorph.peers import PEERS, missing
 from validation.bench.bimorph.peers.job import Answer
 from validation.bench.bimorph.timing import SolidTiming
@@ -69,11 +69,11 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
 
 def _reference(quick: bool, announce: Callable[[str], None]) -> Reference:
     """Solve on the two finest levels of bricks; the bars are those of the solid model itself."""
-    frequencies = np.array(piezo_jobs.j1().frequency)
+    frequencies = np.array(jobs.j1().frequency)
     values, sweeps = [], []
     for level in _LEVELS[quick]:
         announce(f"piezo: reference, level {level + 1}")
-        solve = own(piezo_jobs.BRICKS, level)
+        solve = own(jobs.BRICKS, level)
         values.append(values_of(solve([])))
         sweeps.append(_sweep_of(solve(frequencies.tolist())))
     bars = BRICK_FACTOR * np.abs(values[1] / values[0] - 1.0)

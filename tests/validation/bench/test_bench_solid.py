@@ -11,9 +11,7 @@ import pytest
 from fem.bimorph.system import materials
 from geometry.errors import InputError
 from validation.bench import PARTS, run_parts
-from validation.bench.bimorph import jobs as piezo_jobs
-from validation.bench.bimorph import meshes as piezo_meshes
-from validation.bench.bimorph import peers, piezo
+from validation.bench.bimorph import jobs, meshes, peers, solid
 from validation.bench.bimorph.peers.grid import LAYERS, SHIM, bricks
 from validation.bench.bimorph.peers.job import Clock, answer, lowest_frequencies, tensor
 from validation.bench.bimorph.timing import SolidTiming
@@ -27,12 +25,12 @@ COARSE = {"longest": 3e-3, "first": 2e-4, "through_piezo": 2, "across": 3}
 
 @pytest.fixture(scope="module")
 def coarse():
-    return piezo_jobs.job(**COARSE)
+    return jobs.job(**COARSE)
 
 
 @pytest.fixture(scope="module")
 def device():
-    return piezo_jobs.j1().device
+    return jobs.j1().device
 
 
 def test_job_has_the_devices_lengths(coarse, device):
@@ -95,7 +93,7 @@ def test_grid_is_graded(coarse):
 
 def test_structured_tetrahedra_fill_the_bricks(coarse):
     """Six per brick, all positive, faces cut as the cells are."""
-    mesh = piezo_meshes.structured_tetrahedra(coarse)
+    mesh = meshes.structured_tetrahedra(coarse)
     p = mesh.points[mesh.cells]
     volumes = np.linalg.det(p[:, 1:] - p[:, :1]) / 6.0
     assert volumes.min() > 0.0
@@ -123,18 +121,18 @@ def test_lowest_frequencies_of_a_chain():
 
 def test_own_families_solve_both_jobs():
     """All values within a coarse mesh's error of the published ones, all phases timed."""
-    found = piezo_jobs.solve_own("bricks of high order", 0, [])
-    values = piezo.values_of(found)
-    assert values[:5] == pytest.approx(piezo.PUBLISHED, rel=1e-2)
+    found = jobs.solve_own("bricks of high order", 0, [])
+    values = solid.values_of(found)
+    assert values[:5] == pytest.approx(solid.PUBLISHED, rel=1e-2)
     assert set(found["seconds"]) == {"mesh", "assembly", "factor", "solve", "eigen"}
     assert min(found["process_seconds"], found["peak_memory"], found["unknowns"]) > 0
-    swept = piezo_jobs.solve_own("bricks of high order", 0, [10.0, 100.0])
+    swept = jobs.solve_own("bricks of high order", 0, [10.0, 100.0])
     assert complex(*swept["sweep"][0]).real == pytest.approx(values[0], rel=1e-2)
     assert set(swept["seconds"]) == {"mesh", "assembly", "sweep"}
     # quadratic bricks need three in a half-wave of the second bending mode
-    shorter = piezo_jobs.job(**{**COARSE, "longest": 1.5e-3})
-    hexes = piezo_jobs.solve_own("hexahedra of 20 nodes", shorter, [])
-    assert piezo.values_of(hexes)[:5] == pytest.approx(piezo.PUBLISHED, rel=1e-2)
+    shorter = jobs.job(**{**COARSE, "longest": 1.5e-3})
+    hexes = jobs.solve_own("hexahedra of 20 nodes", shorter, [])
+    assert solid.values_of(hexes)[:5] == pytest.approx(solid.PUBLISHED, rel=1e-2)
 
 
 def test_missing_peer_is_one_sentence(monkeypatch):
@@ -171,7 +169,7 @@ def test_time_at_an_error():
 
 
 def timing(case="J1", own=True, seconds=1.0, error=1e-3, path="ours"):
-    errors = {"sweep": error} if case == "J2" else dict.fromkeys(piezo.VALUES, error)
+    errors = {"sweep": error} if case == "J2" else dict.fromkeys(solid.VALUES, error)
     return SolidTiming(path, "1", case, own, 10, {"mesh": seconds}, 2.0, 10**8, errors)
 
 
@@ -193,12 +191,12 @@ def test_capacitance_is_shown_but_not_judged():
 def test_targets():
     """Times at an error; ratios to the best peer; none of these without a peer."""
     ours = [timing(seconds=0.5), timing(seconds=4.0, error=5e-5), timing("J2", error=1e-4)]
-    assert [target.met for target in piezo.targets_of(ours)] == [True, True]
+    assert [target.met for target in solid.targets_of(ours)] == [True, True]
     theirs = [
         timing(own=False, seconds=2.0, path="A"), timing(own=False, seconds=9.0, path="B"),
         timing("J2", own=False, seconds=80.0, path="A", error=1e-3),
     ]  # fmt: skip
-    _, _, ratio, sweep = piezo.targets_of(ours + theirs)
+    _, _, ratio, sweep = solid.targets_of(ours + theirs)
     assert (ratio.measured, ratio.met) == (pytest.approx(4.0), False)
     assert (sweep.measured, sweep.met) == (pytest.approx(80.0), True)
 
@@ -206,12 +204,12 @@ def test_targets():
 def test_sweep_target_counts_where_ours_is_worst():
     """An error that we do not reach counts as no advantage at all."""
     rows = [timing("J2", error=1e-2), timing("J2", own=False, seconds=99.0, error=1e-3)]
-    assert piezo.targets_of(rows)[-1].measured == 0.0
+    assert solid.targets_of(rows)[-1].measured == 0.0
 
 
 def test_far_targets_are_not_met():
     """Neither a time nor a ratio is made up from a curve that ends too early."""
-    first, second, ratio, _ = piezo.targets_of(
+    first, second, ratio, _ = solid.targets_of(
         [timing(error=1e-2), timing(own=False, error=1e-3), timing("J2"), timing("J2", own=False)]
     )
     assert first.measured == second.measured == math.inf
@@ -223,8 +221,8 @@ def test_sample_has_the_steepest_places():
     """The flank of a resonance is in it, and so are both ends."""
     f = np.geomspace(10.0, 1000.0, 200)
     sweep = 1.0 / (1.0 - (f / 300.0) ** 2 + 0.02j)
-    reference = piezo.Reference(np.zeros(6), np.zeros(6), f, sweep, 0.0)
-    chosen = piezo.sample(reference, 8)
+    reference = solid.Reference(np.zeros(6), np.zeros(6), f, sweep, 0.0)
+    chosen = solid.sample(reference, 8)
     assert {0, 199} <= set(chosen)
     assert np.abs(f[chosen] / 300.0 - 1.0).min() < 0.02
 
@@ -239,7 +237,7 @@ def test_plot_shares_one_legend():
 def test_kept_meshes_stay_out(monkeypatch, tmp_path):
     """The time of meshing is that of meshing, and the user's folder comes back."""
     monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path))
-    with piezo._no_kept_meshes():
+    with solid._no_kept_meshes():
         assert os.environ["TACTGEN_CACHE"] != str(tmp_path)
     assert os.environ["TACTGEN_CACHE"] == str(tmp_path)
 
@@ -259,9 +257,9 @@ def test_peer_reproduces_the_job(peer):
     """Deflection, f1 to f4 and the sweep at 10 Hz within this mesh's error of the published."""
     if sentence := peers.missing(peer):
         pytest.skip(sentence)
-    fineness = piezo_jobs.job(order=3, across=3, longest=3e-3, first=1e-4)
-    values = piezo.values_of(peers.solve(peer, fineness))
-    assert values[:5] == pytest.approx(piezo.PUBLISHED, rel=1e-3)
+    fineness = jobs.job(order=3, across=3, longest=3e-3, first=1e-4)
+    values = solid.values_of(peers.solve(peer, fineness))
+    assert values[:5] == pytest.approx(solid.PUBLISHED, rel=1e-3)
     swept = peers.solve(peer, {**fineness, "frequencies": [10.0]})["sweep"][0]
     assert complex(*swept) == pytest.approx(values[0], rel=5e-3)  # losses, and the first mode
 
