@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import math
 import sys
@@ -10,10 +9,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from geometry.files import written_whole
+from geometry.csv_rows import write_csv
+from geometry.files import write_text
 from validation.bench.result import Bench, Timing
+from validation.view.figures import ORANGE, panels, plain_numbers, svg
 from validation.view.formats import engineering
-from validation.view.plots import svg
 
 
 def print_bench(parts: Iterable[Bench]) -> None:
@@ -51,26 +51,14 @@ def write_bench(parts: Iterable[Bench], out: Path) -> list[Path]:
     """Write a CSV and the time-against-error plot of every part, and return the paths."""
     written = []
     for part in parts:
-        path = out / f"bench-{part.part}.csv"
-        with (
-            written_whole(path) as temporary,
-            temporary.open("w", newline="", encoding="utf-8") as file,
-        ):
-            writer = csv.writer(file)
-            writer.writerow(part.timings[0].fields)
-            writer.writerows(timing.values for timing in part.timings)
-        written.append(path)
-        path = out / f"bench-{part.part}.svg"
-        with written_whole(path) as temporary:
-            temporary.write_text(time_error_plot(part.timings), encoding="utf-8")
-        written.append(path)
+        stem, rows = f"bench-{part.part}", (timing.values for timing in part.timings)
+        written.append(write_csv(out / f"{stem}.csv", part.timings[0].fields, rows))
+        written.append(write_text(out / f"{stem}.svg", time_error_plot(part.timings)))
     return written
 
 
 #: Panels side by side, and the least error that is told apart from none.
 _ACROSS, _LEAST = 3, 1e-17
-#: Range of times with labels at whole decades only.
-_WIDE = 30.0
 #: So many ways have their legend in every panel, more share one below.
 _FEW = 5
 #: One look per way, the same in every panel.
@@ -82,8 +70,6 @@ _LOOKS = [
 
 def time_error_plot(timings: Iterable[Timing]) -> str:
     """Plot error against time, one panel per case and one line per way, as inline SVG."""
-    from matplotlib.figure import Figure
-
     cases: dict[str, list[tuple[Timing, float]]] = {}
     for timing in timings:
         for case, error in timing.curves.items():
@@ -91,15 +77,15 @@ def time_error_plot(timings: Iterable[Timing]) -> str:
     ways = list(dict.fromkeys(row.path for rows in cases.values() for row, _ in rows))
     across = min(len(cases), _ACROSS)
     down = math.ceil(len(cases) / across)
-    figure = Figure(figsize=(9.0, 3.4 * down), layout="constrained")
-    panels = figure.subplots(down, across, squeeze=False).ravel()
-    for axis, (case, rows) in zip(panels, cases.items(), strict=False):
+    figure, grid = panels(9.0, 3.4 * down, nrows=down, ncols=across, squeeze=False)
+    axes = grid.ravel()
+    for axis, (case, rows) in zip(axes, cases.items(), strict=False):
         _panel(axis, rows, ways)
         axis.set_title(case, fontsize="medium")
-    for axis in panels[len(cases) :]:
+    for axis in axes[len(cases) :]:
         axis.set_axis_off()
     if len(ways) > _FEW:
-        lines = {line.get_label(): line for axis in panels for line in axis.get_lines()}
+        lines = {line.get_label(): line for axis in axes for line in axis.get_lines()}
         figure.set_size_inches(9.0, 3.4 * down + 0.25 * math.ceil(len(ways) / _ACROSS))
         figure.legend(
             [lines[way] for way in ways], ways, loc="outside lower center", ncols=_ACROSS,
@@ -109,8 +95,6 @@ def time_error_plot(timings: Iterable[Timing]) -> str:
 
 
 def _panel(axis: Any, pairs: list[tuple[Timing, float]], ways: list[str]) -> None:
-    from matplotlib.ticker import LogLocator, NullFormatter
-
     rows = [row for row, _ in pairs]
     for way, look in zip(ways, itertools.cycle(_LOOKS), strict=False):
         # what overflows has no digit left; shown at the top
@@ -120,15 +104,9 @@ def _panel(axis: Any, pairs: list[tuple[Timing, float]], ways: list[str]) -> Non
         if points:
             axis.loglog(*zip(*points, strict=True), label=way, **look)
     if not math.isnan(rows[0].wanted):
-        axis.axhline(rows[0].wanted, color="#D55E00", linestyle="--", linewidth=1.0)
-    # times span a decade at times, where the default labels run into each other
-    costs = [row.cost for row in rows]
-    subs = (1.0, 2.0, 5.0) if max(costs) < _WIDE * min(costs) else (1.0,)
-    axis.xaxis.set_major_locator(LogLocator(subs=subs))
-    axis.xaxis.set_major_formatter("{x:g}")
-    axis.xaxis.set_minor_formatter(NullFormatter())
+        axis.axhline(rows[0].wanted, color=ORANGE, linestyle="--", linewidth=1.0)
+    plain_numbers(axis.xaxis)
     axis.set_xlabel(rows[0].cost_label)
     axis.set_ylabel("relative error")
-    axis.grid(visible=True, alpha=0.25)
     if len(ways) <= _FEW:
         axis.legend(frameon=False, fontsize="small")

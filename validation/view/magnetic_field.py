@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.device.parameters import NOMINAL_GAP, Device
-from validation.view.plots import svg
+from validation.view.figures import BLUE, DARK, new_figure, svg
 
 if TYPE_CHECKING:
     from fem.reluctance.axisymmetric.actuator import FieldPoint
@@ -32,11 +32,8 @@ def field_plot(device: Device, points: Mapping[str, FieldPoint]) -> str:
     points : mapping of str to FieldPoint
         By the title of their picture; their `solution` is drawn.
     """
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    mpl.rcParams["svg.hashsalt"] = "tactgen"  # the same picture has the same ids every time
-    figure = Figure(figsize=(4.3 * len(points) + 0.7, 8.0), layout="constrained", dpi=170)
+    figure = new_figure(4.3 * len(points) + 0.7, 8.0)
+    figure.dpi = 170.0  # of the shading
     axes = figure.subplots(ncols=len(points), sharey=True, squeeze=False)[0]
     shading: Any = None
     for axis, (title, point) in zip(axes, points.items(), strict=True):
@@ -60,7 +57,7 @@ def _heights(device: Device) -> tuple[float, float]:
 def _shade(axis: Any, solution: MagneticField) -> Any:
     """Shade |B|: one patch around each quadrature point, so that jumps stay sharp."""
     d = solution.discretisation
-    magnitude = np.hypot(*solution.flux_density)
+    magnitude = np.linalg.norm(solution.flux_density, axis=-1)
     across = round(np.sqrt(magnitude.shape[1]))
     # in each cell along z first; rounding must not tell points of one column apart
     order = np.lexsort((d.elevations, np.round(d.radii, 12)))
@@ -124,7 +121,7 @@ def _outline(axis: Any, regions: tuple[Region, ...]) -> None:
                 filled |= np.outer(
                     (middle_r > a) & (middle_r < b), (middle_z > low) & (middle_z < high)
                 )
-        colour = "#1d2733" if iron else "#0072B2"
+        colour = DARK if iron else BLUE
         for i, j in np.argwhere(filled[1:] != filled[:-1]):
             axis.plot([r[i + 1]] * 2, z[j : j + 2], color=colour, linewidth=1.6)
         for i, j in np.argwhere(filled[:, 1:] != filled[:, :-1]):
@@ -163,7 +160,7 @@ def _names(axis: Any, device: Device, gap: float) -> None:
             va="center",
             fontsize=9,
             bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 1.0},
-            arrowprops={"arrowstyle": "-|>", "linewidth": 0.8, "color": "#1d2733", "shrinkB": 0},
+            arrowprops={"arrowstyle": "-|>", "linewidth": 0.8, "color": DARK, "shrinkB": 0},
         )
 
 

@@ -7,23 +7,12 @@ import os
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Floats
+from geometry.cad.solids import COLOURS
 from geometry.cad.system_libraries import require_library
 from geometry.meshing.mesh import Mesh
 
-Floats = NDArray[np.floating[Any]]
-
-#: One colour per region, used in every picture.
-REGION_COLOUR = {
-    "piezo_top": "#D9A441",
-    "piezo_bottom": "#C58B2A",
-    "shim": "#4A4A4A",
-    "glue": "#7FB77E",
-    "rod": "#8FA3B5",
-    "coil": "#B5652B",
-    "sleeve": "#C9D3DC",
-}
 #: Direction from the object to the viewer.
 _VIEW = (3.0, -2.2, 1.1)
 _VTK_CELL = {"tetra": 10, "tetra10": 24, "hexahedron": 12}
@@ -53,9 +42,7 @@ def mesh_picture(mesh: Mesh, *, close_up: bool = False) -> bytes:
     for number, region in enumerate(mesh.regions):
         part = grid.extract_cells(np.flatnonzero(mesh.region_of_cell == number))
         surface = part.extract_surface(nonlinear_subdivision=0, algorithm=None)
-        plotter.add_mesh(
-            surface, color=REGION_COLOUR[region], show_edges=True, edge_color="#333333"
-        )
+        plotter.add_mesh(surface, color=COLOURS[region], show_edges=True, edge_color="#333333")
     z = mesh.points[:, 2] * 1e3
     if close_up:
         reach = 0.22 * float(np.ptp(z))
@@ -75,7 +62,7 @@ def solids_picture(solids: dict[str, Any]) -> bytes:
         surface = pv.PolyData(points, faces.ravel())
         if name in ("coil", "sleeve"):
             surface = surface.clip(normal=(_VIEW[0], _VIEW[1], 0.0), origin=(0.0, 0.0, 0.0))
-        plotter.add_mesh(surface, color=REGION_COLOUR[name], smooth_shading=False)
+        plotter.add_mesh(surface, color=COLOURS[name], smooth_shading=False)
         everything.append(points)
     return _shoot(plotter, 1.12 * float(np.ptp(np.concatenate(everything)[:, 2])))
 

@@ -23,11 +23,9 @@ from tmm.reluctance.switching import (
     spring_force,
 )
 from validation.models.reluctance.switching import SwitchingCurrents
-from validation.view.plots import svg
+from validation.view.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from fem.reluctance.axisymmetric.actuator import FieldPoint
     from validation.report.normal_actuator import BridgeStep
 
@@ -63,10 +61,10 @@ class Families:
 
 def force_families(shown: Families) -> str:
     """Plot the pull over the gap at several currents, and over the current at several gaps."""
-    figure, (left, right) = _figure(10.0, 4.6, ncols=2)
+    figure, (left, right) = panels(10.0, 4.6, ncols=2)
     spring = shown.device.spring
     gaps = np.geomspace(spring.stop_gap, shown.device.gap, _CURVE_POINTS)
-    for colour, current in zip(_colours(shown.currents.size), shown.currents, strict=True):
+    for colour, current in zip(shades(shown.currents.size), shown.currents, strict=True):
         for name, pull in shown.maps.items():
             left.plot(gaps * 1e6, pull.force(current, gaps) * 1e3, color=colour, ls=_LINE[name])
         _circles(left, colour, [(p.gap * 1e6, p.force * 1e3) for p in _at(shown, current=current)])
@@ -80,14 +78,14 @@ def force_families(shown: Families) -> str:
     right.axhspan(min(low, high), max(low, high), color="black", alpha=0.25, label="spring, range")
     right.set_ylim(bottom=1.0)
     for axis in (left, right):
-        _plain_decades(axis)
+        plain_numbers(axis.yaxis)
         _legend(axis, shown)
     return svg(figure)
 
 
 def flux_families(shown: Families) -> str:
     """Plot flux linkage and incremental inductance over the current at several gaps."""
-    figure, (left, right) = _figure(10.0, 4.2, ncols=2)
+    figure, (left, right) = panels(10.0, 4.2, ncols=2)
     _over_current(left, shown, lambda pull, i, g: pull.flux_linkage(i, g) * 1e3, "λ (mWb)")
     _circles_by_gap(left, shown, lambda p: p.flux_linkage * 1e3)
     left.set_title("flux linkage")
@@ -110,14 +108,14 @@ def switching_plot(shown: Families, pull: CoenergyMap, found: SwitchingCurrents)
     found : SwitchingCurrents
         Its switching currents.
     """
-    figure, (forces, loop, finger) = _figure(10.0, 4.3, ncols=3)
+    figure, (forces, loop, finger) = panels(10.0, 4.3, ncols=3)
     _forces(forces, shown, pull)
     _loop(loop, shown.device, pull, found)
     current = np.linspace(0.0, pull.current_limit, _CURVE_POINTS)
     spring = shown.device.spring
     for gap, name, colour in (
-        (shown.device.gap, "upper stop", "#0072B2"),
-        (spring.stop_gap, "lower stop", "#D55E00"),
+        (shown.device.gap, "upper stop", BLUE),
+        (spring.stop_gap, "lower stop", ORANGE),
     ):
         force = finger_force(shown.device, pull, current, np.full_like(current, gap))
         finger.plot(current * 1e3, force * 1e3, color=colour, label=f"held at the {name}")
@@ -137,7 +135,7 @@ def switching_plot(shown: Families, pull: CoenergyMap, found: SwitchingCurrents)
 def _forces(axis: Any, shown: Families, pull: CoenergyMap) -> None:
     device = shown.device
     gaps = np.linspace(device.spring.stop_gap, device.gap, _CURVE_POINTS)
-    for colour, current in zip(_colours(shown.currents.size), shown.currents, strict=True):
+    for colour, current in zip(shades(shown.currents.size), shown.currents, strict=True):
         axis.plot(gaps * 1e6, pull.force(current, gaps) * 1e3, color=colour)
         axis.plot([], [], color=colour, label=f"{current * 1e3:.4g} mA")
         for place in equilibria(device, pull, float(current)):
@@ -170,15 +168,15 @@ def _loop(axis: Any, device: Device, pull: CoenergyMap, found: SwitchingCurrents
     end = min(limit, 2.0 * up) if up > 0.0 else limit  # all of it if the rod does not pull in
     gaps = between_stops(device, _CURVE_POINTS)
     balance = balance_current(device, pull, gaps) * 1e3
-    axis.plot(balance, gaps * 1e6, ":", color="#888888", label="balance of forces")
+    axis.plot(balance, gaps * 1e6, ":", color=GREY, label="balance of forces")
     current = np.linspace(0.0, end, _LOOP_POINTS)
     for rising, name, colour, line in (
-        (True, "rising current", "#0072B2", "-"),
-        (False, "falling current", "#D55E00", "--"),
+        (True, "rising current", BLUE, "-"),
+        (False, "falling current", ORANGE, "--"),
     ):
         at = resting_gaps(device, pull, current * 1e-3, rising=rising) * 1e6
         axis.plot(current, at, color=colour, linestyle=line, label=name)
-    for x, colour, names in ((up, "#0072B2", "pull-in"), (down, "#D55E00", "drop-out")):
+    for x, colour, names in ((up, BLUE, "pull-in"), (down, ORANGE, "drop-out")):
         if np.isfinite(x):
             axis.text(x + 0.015 * end, 0.5 * (low + high), f"{names}\n{x:.3g} mA", color=colour)
     axis.set(
@@ -200,12 +198,12 @@ def bridge_plot(steps: Sequence[BridgeStep], titles: Mapping[str, str], referenc
     reference : str
         What the reference is called.
     """
-    figure, axes = _figure(10.0, 0.45 * len(steps) + 1.2, ncols=len(titles), sharey=True)
+    figure, axes = panels(10.0, 0.45 * len(steps) + 1.2, ncols=len(titles), sharey=True)
     names = [step.name for step in steps]
     for axis, (quantity, title) in zip(np.ravel(axes), titles.items(), strict=True):
         ends = 100.0 * np.array([step.left[quantity] for step in steps])
         starts = np.concatenate([[0.0], ends[:-1]])
-        colours = ["#999999", *np.where(np.diff(ends) > 0.0, "#D55E00", "#0072B2")]
+        colours = [GREY, *np.where(np.diff(ends) > 0.0, ORANGE, BLUE)]
         bars = axis.barh(names, ends - starts, left=starts, color=colours)
         labels = [f"{ends[0]:+.0f} %", *(f"{step:+.0f} %" for step in np.diff(ends))]
         axis.bar_label(bars, labels=labels, padding=4, fontsize=9)
@@ -221,7 +219,7 @@ def _over_current(axis: Any, shown: Families, read: Any, label: str) -> None:
     """Draw a family over the current, one colour per gap."""
     limit = min(pull.current_limit for pull in shown.maps.values())
     current = np.linspace(0.0, limit, _CURVE_POINTS)
-    for colour, gap in zip(_colours(shown.gaps.size), shown.gaps, strict=True):
+    for colour, gap in zip(shades(shown.gaps.size), shown.gaps, strict=True):
         for name, pull in shown.maps.items():
             axis.plot(current * 1e3, read(pull, current, gap), color=colour, ls=_LINE[name])
         axis.plot([], [], color=colour, label=f"{gap * 1e6:.3g} µm")
@@ -233,7 +231,7 @@ def _at(shown: Families, current: float) -> list[FieldPoint]:
 
 
 def _circles_by_gap(axis: Any, shown: Families, read: Any) -> None:
-    for colour, gap in zip(_colours(shown.gaps.size), shown.gaps, strict=True):
+    for colour, gap in zip(shades(shown.gaps.size), shown.gaps, strict=True):
         at = [p for p in shown.points if np.isclose(p.gap, gap, rtol=1e-6)]
         _circles(axis, colour, [(p.current * 1e3, read(p)) for p in at])
 
@@ -250,30 +248,3 @@ def _legend(axis: Any, shown: Families) -> None:
     if shown.points:
         axis.plot([], [], "o", color="black", alpha=0.6, markersize=5, label="field, single points")
     axis.legend(frameon=False, fontsize=8, ncols=2)
-
-
-def _plain_decades(axis: Any) -> None:
-    """Put plain numbers on a logarithmic axis: 1, 2, 5, 10 and so on."""
-    from matplotlib import ticker
-
-    axis.yaxis.set_major_locator(ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.yaxis.set_minor_locator(ticker.NullLocator())
-
-
-def _colours(count: int) -> Floats:
-    import matplotlib as mpl
-
-    return np.asarray(mpl.colormaps["viridis"](np.linspace(0.0, 0.88, count)))
-
-
-def _figure(width: float, height: float, **grid: Any) -> tuple[Figure, Any]:
-    import matplotlib as mpl
-    from matplotlib.figure import Figure as NewFigure
-
-    mpl.rcParams["svg.hashsalt"] = "tactgen"  # the same picture has the same ids every time
-    figure = NewFigure(figsize=(width, height), layout="constrained")
-    axes = figure.subplots(**grid)
-    for axis in np.ravel(axes):
-        axis.grid(visible=True, which="both", alpha=0.25)
-    return figure, axes

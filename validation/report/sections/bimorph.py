@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from validation.checks.paper import audit
-from validation.view import plots
+from validation.view.bimorph import response_plot
 from validation.catalogue.bimorph import OPEN_CIRCUIT_FREQUENCIES, SHORT_CIRCUIT_FREQUENCIES
 from validation.catalogue.models import MODELS, ranked
 from validation.catalogue.quantities import QUANTITIES, quantities_of
 from validation.report.comparison import UNEXPLAINED, compare
-from validation.studies.design import excitation_voltage, length_section
+from validation.studies.design import length_section, voltage_section
 from validation.report.sections import gallery
 from validation.report.sections.bridge import bridge_section, holding_section, material_section
 from validation.report.sections.section import Context, Section
@@ -19,7 +19,7 @@ from validation.models.bimorph.rows import LumpedModel
 from validation.models.bimorph.solid import SolidModel
 from validation.engine.solve import solve
 from validation.checks.stress import output as stress_output
-from validation.studies.uncertainty import propagation
+from validation.studies.uncertainty import section as uncertainty_section
 
 
 def _models(study: Study) -> Context:
@@ -75,7 +75,7 @@ def _response(study: Study) -> Context:
     curves = {case.name: {m: case.curve(m) for m in case.models} for case in cases}
     titles = {case.name: case.title for case in cases}
     frequency = np.asarray(study.scene.frequency)
-    return {"cases": cases, "response": plots.response_plot(frequency, curves, titles)}
+    return {"cases": cases, "response": response_plot(frequency, curves, titles)}
 
 
 def _stress(study: Study) -> Context:
@@ -87,11 +87,11 @@ def _length(study: Study) -> Context | None:
 
 
 def _voltage(study: Study) -> Context | None:
-    return excitation_voltage.section(study.scene, study.announce)
+    return voltage_section.section(study.scene, study.announce)
 
 
 def _uncertainty(study: Study) -> Context:
-    return propagation.section(study.scene, study.solution, study.announce)
+    return uncertainty_section.section(study.scene, study.solution, study.announce)
 
 
 def _audit(study: Study) -> Context:

@@ -8,7 +8,7 @@ import numpy as np
 
 from geometry.errors import InputError
 from geometry.device.parameters import Piezo
-from validation.view import plots
+from validation.view.bimorph import bridge_plot, support_plot
 from validation.report.sections.section import Context
 from validation.report.study import Study
 
@@ -61,7 +61,7 @@ def _one_material(study: Study, name: str, rungs: list[Rung]) -> dict[str, Any]:
     return {
         "material": name,
         "rungs": rungs,
-        "plot": plots.bridge_plot(rungs, "solid against TMM"),
+        "plot": bridge_plot(rungs, "solid against TMM"),
         "ends": None if study.quick else end_effect(_of(study, name)),
     }
 
@@ -84,7 +84,7 @@ def holding_section(study: Study) -> Context | None:
         "chain": rungs,
         "beam_to_rod": chain.beam_values,
         "branches": chain.branches(),
-        "plot": plots.bridge_plot(rungs, "generator against clamp"),
+        "plot": bridge_plot(rungs, "generator against clamp"),
         "free_tab": chain.free_tab,
         **_support(study, chain),
     }
@@ -151,7 +151,7 @@ def _support_plot(found: SupportStudy, joint: float) -> str:
         "solid, tab alone": found.tab_for(found.target),
         "solid, tab, glue and rod": found.tab_for(found.target, joint=joint),
     }
-    return plots.support_plot(found.lengths, curves, 1.0 / found.target, best)
+    return support_plot(found.lengths, curves, 1.0 / found.target, best)
 
 
 def _lateral_effect(study: Study) -> float:

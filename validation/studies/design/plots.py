@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,21 +15,28 @@ from validation.catalogue.detection import (
     STATED_VOLTAGES,
     ThresholdCurve,
 )
-from validation.view.plots import svg
+from validation.view.figures import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    new_figure,
+    plain_numbers,
+    shades,
+    svg,
+)
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from validation.studies.design.excitation_voltage import Case
     from validation.studies.design.length_design import Design
     from validation.studies.design.length_map import LengthMap
 
 #: One style per wiring and load, in every plot of voltages.
 VOLTAGE_STYLE: dict[Case, dict[str, Any]] = {
-    ("parallel", "loaded"): {"color": "#0072B2", "linestyle": "-"},
-    ("parallel", "free"): {"color": "#0072B2", "linestyle": "--"},
-    ("series", "loaded"): {"color": "#D55E00", "linestyle": "-"},
-    ("series", "free"): {"color": "#D55E00", "linestyle": "--"},
+    ("parallel", "loaded"): {"color": BLUE, "linestyle": "-"},
+    ("parallel", "free"): {"color": BLUE, "linestyle": "--"},
+    ("series", "loaded"): {"color": ORANGE, "linestyle": "-"},
+    ("series", "free"): {"color": ORANGE, "linestyle": "--"},
 }
 
 
@@ -47,8 +54,9 @@ def length_plot(study: LengthMap, found: Design) -> str:
     found : Design
         Threshold and margin asked for.
     """
-    layout = [[*6 * ["curves"], *2 * ["key"]], [*4 * ["margin"], *4 * ["minimum"]]]
-    figure, axes = _figure(9.0, 7.4, layout, (1.25, 1.0))
+    layout: list[Any] = [[*6 * ["curves"], *2 * ["key"]], [*4 * ["margin"], *4 * ["minimum"]]]
+    figure = new_figure(9.0, 7.4)
+    axes = figure.subplot_mosaic(layout, height_ratios=(1.25, 1.0))
     _curves(axes["curves"], study, found.aim.threshold)
     names = axes["curves"].get_legend_handles_labels()
     axes["key"].legend(*names, frameon=False, loc="center left", fontsize=8)
@@ -59,10 +67,9 @@ def length_plot(study: LengthMap, found: Design) -> str:
 
 
 def _curves(axis: Any, study: LengthMap, threshold: ThresholdCurve) -> None:
-    import matplotlib as mpl
-
-    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.9, study.lengths.size))
-    rows = zip(colours, study.lengths, study.displacement, study.minima, strict=True)
+    rows = zip(
+        shades(study.lengths.size), study.lengths, study.displacement, study.minima, strict=True
+    )
     for colour, length, values, minimum in rows:
         axis.plot(study.frequencies, values * 1e6, color=colour, label=f"{length * 1e3:.4g} mm")
         if minimum is not None:
@@ -79,11 +86,11 @@ def _curves(axis: Any, study: LengthMap, threshold: ThresholdCurve) -> None:
 
 def _margin(axis: Any, found: Design) -> None:
     millimetres = 1e3 * found.lengths
-    axis.plot(millimetres, found.margins, color="#0072B2", lw=1.8)
+    axis.plot(millimetres, found.margins, color=BLUE, lw=1.8)
     axis.axhline(found.aim.margin, color="black", lw=0.9, ls=":")
     for interval in found.intervals:
-        axis.axvspan(1e3 * interval.shortest, 1e3 * interval.longest, color="#009E73", alpha=0.15)
-    axis.plot(1e3 * found.length, found.margin, "o", color="#D55E00", clip_on=False, label="found")
+        axis.axvspan(1e3 * interval.shortest, 1e3 * interval.longest, color=GREEN, alpha=0.15)
+    axis.plot(1e3 * found.length, found.margin, "o", color=ORANGE, clip_on=False, label="found")
     own = 1e3 * found.scene.bimorph.length
     if millimetres[0] <= own <= millimetres[-1]:
         axis.plot(own, found.present[0], "ko", mfc="white", clip_on=False, label="the scene's")
@@ -100,7 +107,7 @@ def _minimum(axis: Any, study: LengthMap) -> None:
     pairs = [(l, m.frequency) for l, m in zip(study.lengths, study.minima, strict=True) if m]
     if pairs:
         lengths, frequencies = np.array(pairs).T
-        axis.plot(1e3 * lengths, frequencies, "o", color="#0072B2")
+        axis.plot(1e3 * lengths, frequencies, "o", color=BLUE)
         law = study.minimum_law
         if law is not None:
             exponent = law[0]
@@ -129,7 +136,8 @@ def voltage_plot(
     loads : dict
         Title of each load.
     """
-    figure, axes = _figure(9.0, 6.4, [["voltage"], ["threshold"]], (1.7, 1.0))
+    figure = new_figure(9.0, 6.4)
+    axes = figure.subplot_mosaic([["voltage"], ["threshold"]], height_ratios=(1.7, 1.0))
     axis = axes["voltage"]
     for case, values in voltages.items():
         wiring, load = case
@@ -157,7 +165,7 @@ def _threshold(axis: Any, frequencies: Floats) -> None:
     points = np.array([(p.frequency, p.amplitude) for p in DISPLAY_THRESHOLD.points]).T
     axis.plot(points[0], 1e6 * points[1], "k^", clip_on=False, label="in the text (display, 50 g)")
     bound = LITERATURE_BOUND
-    axis.hlines(1e6 * bound.amplitude, bound.frequency, frequencies[-1], color="#999999",
+    axis.hlines(1e6 * bound.amplitude, bound.frequency, frequencies[-1], color=GREY,
                 label="literature: below this above 100 Hz")  # fmt: skip
     axis.set(xscale="log", yscale="log", xlim=(frequencies[0], frequencies[-1]))
     axis.set_xlabel("frequency (Hz)")
@@ -165,34 +173,8 @@ def _threshold(axis: Any, frequencies: Floats) -> None:
     axis.legend(frameon=False, fontsize=8)
 
 
-def _figure(
-    width: float, height: float, mosaic: Sequence[Sequence[str]], heights: Sequence[float]
-) -> tuple[Figure, dict[str, Any]]:
-    from matplotlib.figure import Figure as NewFigure
-
-    figure = NewFigure(figsize=(width, height), layout="constrained")
-    axes = figure.subplot_mosaic([list(row) for row in mosaic], height_ratios=list(heights))
-    return figure, dict(axes)
-
-
-def _drawn(figure: Figure) -> str:
-    import matplotlib as mpl
-
+def _drawn(figure: Any) -> str:
     for axis in figure.axes:
         axis.grid(visible=True, which="both", alpha=0.25)
-        for side in (axis.xaxis, axis.yaxis):
-            if side.get_scale() == "log":
-                _label(side)
-    with mpl.rc_context({"svg.hashsalt": "tactgen"}):  # the same picture, the same ids
-        return svg(figure)
-
-
-def _label(side: Any) -> None:
-    """Write plain numbers at a log axis, at 1, 2 and 5 if it spans little more than a decade."""
-    from matplotlib.ticker import LogLocator
-
-    low, high = side.get_view_interval()
-    if high < 20.0 * low:
-        side.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    side.set_major_formatter("{x:g}")
-    side.set_minor_formatter("")
+        plain_numbers(axis.xaxis, axis.yaxis)
+    return svg(figure)

@@ -14,6 +14,7 @@ from geometry.files import written_whole
 from geometry.units import quoted
 from validation.studies.identification.curve_model import curve_model
 from validation.studies.identification.identify import Identification
+from validation.view.figures import BLUE, GREY, ORANGE, panels
 from validation.view.formats import engineering
 
 if TYPE_CHECKING:
@@ -21,12 +22,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _DATA: dict[str, Any] = {
-    "color": "#0072B2", "linestyle": "none", "marker": "o", "markersize": 3.0,
+    "color": BLUE, "linestyle": "none", "marker": "o", "markersize": 3.0,
     "markerfacecolor": "none", "markeredgewidth": 0.8,
 }  # fmt: skip
-_FIT: dict[str, Any] = {"color": "#D55E00", "linewidth": 1.8}
-_START: dict[str, Any] = {"color": "#888888", "linewidth": 1.2, "linestyle": "--"}
-_BAND: dict[str, Any] = {"color": "#D55E00", "alpha": 0.35, "linewidth": 0.0}
+_FIT: dict[str, Any] = {"color": ORANGE, "linewidth": 1.8}
+_START: dict[str, Any] = {"color": GREY, "linewidth": 1.2, "linestyle": "--"}
+_BAND: dict[str, Any] = {"color": ORANGE, "alpha": 0.35, "linewidth": 0.0}
 #: Points of the smooth curves, and points above which markers become an image.
 _SMOOTH, _MANY = 600, 3000
 
@@ -67,12 +68,15 @@ def write_plot(found: Identification, path: Path) -> Path:
 
 def draw(found: Identification) -> Figure:
     """Return the figure: magnitude and, if measured, phase, each above its residuals."""
-    from matplotlib.figure import Figure as NewFigure
-
     columns = 2 if found.curve.has_phase else 1
-    figure = NewFigure(figsize=(6.0 + 5.0 * (columns - 1), 6.0), layout="constrained")
-    axes = figure.subplots(
-        2, columns, sharex=True, squeeze=False, gridspec_kw={"height_ratios": [2.0, 1.0]}
+    figure, axes = panels(
+        6.0 + 5.0 * (columns - 1),
+        6.0,
+        nrows=2,
+        ncols=columns,
+        sharex=True,
+        squeeze=False,
+        gridspec_kw={"height_ratios": [2.0, 1.0]},
     )
     _draw_curves(axes[0], found)
     fitted, left = np.abs(found.fitted), found.residuals
@@ -100,7 +104,6 @@ def draw(found: Identification) -> Figure:
         # as the measurement was spaced: each point then has its own place
         if np.median(f) < 0.25 * (f[0] + f[-1]):
             axis.set_xscale("log")
-        axis.grid(visible=True, which="both", alpha=0.2)
     figure.suptitle(_title(found), fontsize=10)
     return figure
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from validation.studies.uncertainty.propagation import Uncertainty
-from validation.view.plots import svg
+from validation.view.figures import GREY, SKY, panels, svg
 
 #: Contributors shown per number, and panels per row.
 _SHOWN, _COLUMNS = 5, 3
@@ -17,11 +17,11 @@ def contributors_plot(rows: Sequence[Uncertainty]) -> str:
 
     The thin line is the 95 % confidence interval of the estimate.
     """
-    from matplotlib.figure import Figure
-
     lines = math.ceil(len(rows) / _COLUMNS)
-    figure = Figure(figsize=(10.0, 1.75 * lines), layout="constrained")
-    axes = figure.subplots(lines, _COLUMNS, squeeze=False, sharex=True).ravel()
+    figure, grid = panels(
+        10.0, 1.75 * lines, nrows=lines, ncols=_COLUMNS, squeeze=False, sharex=True
+    )
+    axes = grid.ravel()
     for axis, row in zip(axes, rows, strict=False):
         largest = row.contributors[:_SHOWN]
         names = [key.replace("_", " ").replace(".", ": ", 1) for key, _, _ in largest]
@@ -29,13 +29,12 @@ def contributors_plot(rows: Sequence[Uncertainty]) -> str:
             names,
             [100.0 * index for _, index, _ in largest],
             xerr=[100.0 * bar for _, _, bar in largest],
-            color="#999999" if row.target.ill_conditioned else "#56B4E9",
+            color=GREY if row.target.ill_conditioned else SKY,
             error_kw={"elinewidth": 1.0},
         )
         axis.invert_yaxis()
         axis.set_title(row.target.label, fontsize=10)
         axis.tick_params(labelsize=8)
-        axis.grid(visible=True, axis="x", alpha=0.3)
     for axis in axes[len(rows) :]:
         axis.set_visible(False)
     for axis in axes[max(0, len(rows) - _COLUMNS) : len(rows)]:

@@ -1,45 +1,27 @@
-"""Line plots of the report, as inline SVG (matplotlib, no display, no global state)."""
+"""Plots of the lateral actuator: responses, the bridge to the solid, what holds the ceramic."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from validation.view.figures import AMBER, BLUE, GREY, ORANGE, panels, svg
 
+if TYPE_CHECKING:
     from validation.models.bimorph.bridge import Rung
 
 Array = NDArray[Any]
 
-#: One colour and line style per model, used in every plot (Okabe-Ito palette).
+#: One colour and line style per model, used in every plot.
 MODEL_STYLE: dict[str, dict[str, Any]] = {
-    "lumped": {"color": "#999999", "linestyle": ":", "linewidth": 2.2},
-    "tmm": {"color": "#0072B2", "linestyle": "-", "linewidth": 2.0},
-    "beam": {"color": "#E69F00", "linestyle": (0, (4, 4)), "linewidth": 2.0},
-    "solid": {"color": "#D55E00", "linestyle": "-.", "linewidth": 2.0},
+    "lumped": {"color": GREY, "linestyle": ":", "linewidth": 2.2},
+    "tmm": {"color": BLUE, "linestyle": "-", "linewidth": 2.0},
+    "beam": {"color": AMBER, "linestyle": (0, (4, 4)), "linewidth": 2.0},
+    "solid": {"color": ORANGE, "linestyle": "-.", "linewidth": 2.0},
 }
-
-
-def svg(figure: Figure) -> str:
-    """Return a figure as an SVG element that can stand inside a page."""
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", bbox_inches="tight", metadata={"Date": None})
-    text = buffer.getvalue()
-    return text[text.index("<svg") :]
-
-
-def _figure(width: float, height: float, **grid: Any) -> tuple[Figure, Any]:
-    import matplotlib as mpl
-    from matplotlib.figure import Figure as NewFigure
-
-    mpl.rcParams["svg.hashsalt"] = "tactgen"  # the same picture has the same ids every time
-    figure = NewFigure(figsize=(width, height), layout="constrained")
-    return figure, figure.subplots(**grid)
 
 
 def response_plot(
@@ -58,7 +40,7 @@ def response_plot(
     labels : dict
         Title of each load case.
     """
-    figure, axes = _figure(10.0, 7.6, nrows=3, ncols=len(curves), sharex=True, squeeze=False)
+    figure, axes = panels(10.0, 7.6, nrows=3, ncols=len(curves), sharex=True, squeeze=False)
     first_phase = {
         case: np.rad2deg(np.angle(list(models.values())[-1][0])) for case, models in curves.items()
     }
@@ -83,7 +65,8 @@ def response_plot(
     axes[0][0].set_ylabel("tip displacement |w| (µm)")
     axes[1][0].set_ylabel("phase (°)")
     axes[0][0].legend(frameon=False)
-    _finish(axes, log_x=_spans_decades(frequencies))
+    if _spans_decades(frequencies):
+        axes[0][0].set_xscale("log")
     return svg(figure)
 
 
@@ -105,13 +88,13 @@ def bridge_plot(rungs: Sequence[Rung], whole: str) -> str:
         "first_frequency": "first frequency",
         "capacitance": "capacitance",
     }
-    figure, axes = _figure(11.0, 0.42 * len(rungs) + 1.3, ncols=3, sharey=True, squeeze=False)
+    figure, axes = panels(11.0, 0.42 * len(rungs) + 1.3, ncols=3, sharey=True, squeeze=False)
     names = [*(rung.name for rung in rungs[1:]), whole]
     for axis, (quantity, title) in zip(axes[0], quantities.items(), strict=True):
         values = np.array([getattr(rung, quantity) for rung in rungs])
         ends = 100.0 * (values / values[0] - 1.0)
         starts, widths = np.append(ends[:-1], 0.0), np.append(np.diff(ends), ends[-1])
-        colours = [*np.where(np.diff(ends) > 0.0, "#D55E00", "#0072B2"), "#999999"]
+        colours = [*np.where(np.diff(ends) > 0.0, ORANGE, BLUE), GREY]
         axis.barh(names, widths, left=starts, color=colours, height=0.62)
         marks = []
         for attribute, marker in (("predicted", "|"), ("section", "o")):
@@ -128,7 +111,6 @@ def bridge_plot(rungs: Sequence[Rung], whole: str) -> str:
             text = f"{round(100.0 * value, 2) + 0.0:+.2f} % "
             axis.text(high + 0.6 * span, place, text, ha="right", va="center", fontsize=9)
         axis.set(title=title, xlabel=f"difference from {rungs[0].name} (%)")
-        axis.grid(visible=True, axis="x", alpha=0.3)
     axes[0][0].invert_yaxis()
     return svg(figure)
 
@@ -149,9 +131,9 @@ def support_plot(
     best : mapping of str to float
         Length (m) at which each reaches it; nan where none does.
     """
-    figure, axes = _figure(10.0, 3.8, squeeze=False)
+    figure, axes = panels(10.0, 3.8, squeeze=False)
     axis = axes[0][0]
-    styles = (("#999999", ":"), ("#0072B2", "-"), ("#D55E00", "-."))
+    styles = ((GREY, ":"), (BLUE, "-"), (ORANGE, "-."))
     for (name, values), (colour, line) in zip(rotations.items(), styles, strict=False):
         axis.plot(1e3 * lengths, values, color=colour, linestyle=line, linewidth=2.0, label=name)
         if np.isfinite(best[name]):
@@ -169,17 +151,9 @@ def support_plot(
     axis.set(xlabel="free length of the tab (mm)", ylabel="rotation per moment (rad/(N m))")
     axis.set(xlim=(0.0, 1e3 * lengths[-1]), ylim=(0.0, None))
     axis.legend(frameon=False)
-    axis.grid(visible=True, alpha=0.3)
     return svg(figure)
 
 
 def _spans_decades(frequencies: Array) -> bool:
     positive = frequencies[frequencies > 0.0]
     return bool(positive.size and positive.max() / positive.min() > 30.0)
-
-
-def _finish(axes: Any, *, log_x: bool) -> None:
-    for axis in np.ravel(axes):
-        if log_x:
-            axis.set_xscale("log")
-        axis.grid(visible=True, which="both", alpha=0.25)

@@ -1,0 +1,71 @@
+"""What all line plots share: one figure, one palette, plain numbers on axes, inline SVG.
+
+Matplotlib without a display and without global state.
+"""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geometry.arrays import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: The palette (Okabe and Ito), told apart by the colour-blind too.
+BLUE, ORANGE, AMBER, GREEN, SKY = "#0072B2", "#D55E00", "#E69F00", "#009E73", "#56B4E9"
+GREY, DARK = "#999999", "#1d2733"
+
+#: A logarithmic axis that spans more than this factor has labels at whole decades only.
+_WIDE = 30.0
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure of so many inches."""
+    from matplotlib.figure import Figure as NewFigure
+
+    return NewFigure(figsize=(width, height), layout="constrained")
+
+
+def panels(width: float, height: float, **grid: Any) -> tuple[Figure, Any]:
+    """Return a figure with a grid of axes, as matplotlib's `subplots` names it."""
+    figure = new_figure(width, height)
+    axes = figure.subplots(**grid)
+    for axis in np.ravel(axes):
+        axis.grid(visible=True, which="both", alpha=0.25)
+    return figure, axes
+
+
+def shades(count: int) -> Floats:
+    """Return colours (count, 4) for a family of curves, from dark to light."""
+    import matplotlib as mpl
+
+    return np.asarray(mpl.colormaps["viridis"](np.linspace(0.0, 0.9, count)))
+
+
+def plain_numbers(*sides: Any) -> None:
+    """Write plain numbers at logarithmic axes, at 1, 2 and 5 if they span little over a decade."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    for side in sides:
+        low, high = side.get_view_interval()
+        if side.get_scale() != "log":
+            continue
+        if high < _WIDE * low:
+            side.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        side.set_major_formatter("{x:g}")
+        side.set_minor_formatter(NullFormatter())
+
+
+def svg(figure: Figure) -> str:
+    """Return a figure as an SVG element that can stand inside a page."""
+    import matplotlib as mpl
+
+    buffer = io.StringIO()
+    with mpl.rc_context({"svg.hashsalt": "tactgen"}):  # the same picture has the same ids
+        figure.savefig(buffer, format="svg", bbox_inches="tight", metadata={"Date": None})
+    text = buffer.getvalue()
+    return text[text.index("<svg") :]
