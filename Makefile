@@ -4,6 +4,8 @@ SHELL := /bin/bash
 BIN := .venv/bin
 READY := .venv/.ready
 PACKAGES := geometry fem tmm validation
+# as the command line does for itself: small products gain nothing from more threads
+export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: help setup report report-quick test test-heavy lint format lock clean
 
