@@ -32,11 +32,10 @@ def solved(model, quantities, *overrides, scene="paper"):
     return solve(load_scene(scene, overrides)[0], (model,), quantities).quantities
 
 
-@pytest.mark.parametrize("support", ["clamped", "spring"])
-def test_beam_elements_bar_is_the_error_of_half_as_many(support):
+def test_beam_elements_bar_is_the_error_of_half_as_many():
     """Elements of order five gain 2¹⁰ by halving: the error takes 1/1023 of the bar, the
     difference from half as many.  At 500 kHz it is far above rounding."""
-    overrides = (f"support.kind={support}", "load.kind=none", "frequency=500 kHz")
+    overrides = ("support.kind=clamped", "load.kind=none", "frequency=500 kHz")
     names = ("tip_displacement", "tip_rotation", "blocked_force")
     beam, exact = (solved(model, names, *overrides) for model in ("beam", "tmm"))
     for name, share in shares(beam, exact).items():
