@@ -8,8 +8,8 @@
 # %%
 from tmm.reluctance.coenergy.fit import fit
 from tmm.reluctance.coenergy.map import closed_loop_work
-from tmm.reluctance.coenergy.range import map_grid
 from tmm.reluctance.coil_heat import thermal_statement
+from tmm.reluctance.map_range import map_grid
 from tmm.reluctance.network import network_bridge, network_samples
 from tmm.reluctance.switching import finger_force, switching
 from validation.scene.scene import load_scene

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.arrays import Floats
 from geometry.cad.solids import build_solids, fuse, quartered, thinnest_feature
 from geometry.cad.tessellation import Plane, Tessellation, tessellate
 from geometry.device.layout import BIMORPH, MM, Standing, ceramic_base, layout, rod_base, shim_base
 from geometry.device.parameters import Device
 from geometry.errors import InputError, MeshError
-from geometry.meshing.mesh import Floats, Mesh
+from geometry.meshing.mesh import Mesh
 from geometry.meshing.mirror import MIRRORS
 from geometry.meshing.tetwild.conform import NamedFace, conform
 from geometry.meshing.tetwild.run import SizingField, run_ftetwild, sizing_along_z, sizing_at_points

@@ -14,9 +14,10 @@ import numpy as np
 from geometry.arrays import Floats, Ints
 from geometry.store.values import storable
 
-__all__ = ["CellKind", "Floats", "Ints", "Mesh"]
-
 CellKind = Literal["tetra", "tetra10", "hexahedron"]
+
+#: Corners of the four faces of a tetrahedron in VTK order, seen from outside.
+TET_FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 
 
 @storable

@@ -11,15 +11,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from geometry.arrays import Floats, Ints
 from geometry.cad.tessellation import Face
 from geometry.errors import MeshError
-from geometry.meshing.mesh import Floats, Ints
+from geometry.meshing.mesh import TET_FACES
 from geometry.meshing.quadratic import (
     jacobian_coefficients,
     smallest_dihedral_angles,
     triangle_areas,
 )
-from geometry.meshing.tetwild.tagging import TET_FACES
 
 #: Largest relative difference between mesh and CAD: where cylinders are involved, …
 TOLERANCE = 1e-3

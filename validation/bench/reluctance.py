@@ -18,7 +18,7 @@ import numpy as np
 
 from fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
 from geometry.device.parameters import Device
-from tmm.reluctance.coenergy.range import map_grid
+from tmm.reluctance.map_range import map_grid
 from validation.bench.one_core import on_one_core
 from validation.bench.result import Bench, Target, Timing
 from validation.checks.cases.magnetics.sphere_in_field import Potential

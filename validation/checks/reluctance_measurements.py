@@ -14,7 +14,7 @@ from geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
 from geometry.reluctance.team20 import MEASURED_FORCE
 from tmm.reluctance.coenergy.fit import fit
 from tmm.reluctance.coenergy.map import CoenergyMap, Samples, closed_loop_work
-from tmm.reluctance.coenergy.range import map_grid
+from tmm.reluctance.map_range import map_grid
 from tmm.reluctance.network import network_samples
 from tmm.reluctance.switching import spring_force
 from validation.checks.cases.magnetics import coaxial_coils, infinite_solenoid, square_law

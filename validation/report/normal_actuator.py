@@ -13,7 +13,7 @@ from geometry.arrays import Floats
 from geometry.errors import InputError
 from geometry.device.parameters import Device
 from tmm.reluctance.coenergy.map import CoenergyMap
-from validation.report.comparison import ComparedRow, compare
+from validation.models.comparison import ComparedRow, compare
 from validation.models.reluctance.field import AxisymmetricModel
 from validation.models.reluctance.model import MagneticModel, NetworkModel
 from validation.models.reluctance.point import MagneticPoint

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from geometry.files import write_text
-from validation.report.comparison import ComparedRow
+from validation.models.comparison import ComparedRow
 from geometry.files import writable_folder
 from validation.view.formats import filters
 from validation.report.sections.contents import sections

@@ -14,7 +14,7 @@ from tmm.ports.invariants import passivity_margin, reciprocity_error
 from tmm.ports.terminations import outside_finger_range
 from validation.checks.row import Outcome, run_check
 from validation.checks.verification import group_rows
-from validation.report.comparison import ComparedRow, compare
+from validation.models.comparison import ComparedRow, compare
 from validation.models.bimorph.two_meshes import TwoMeshModel
 from validation.scene.parameter_list import ParameterRow, parameter_rows
 from validation.engine.plan import Plan, check_models

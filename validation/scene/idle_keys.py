@@ -53,6 +53,12 @@ def scene_warnings(
     return (*found, *_weightless(scene.load))
 
 
+def idle(scene: Scene, key: str) -> str:
+    """Return why a key has no effect with the scene's kinds, or nothing if it may have one."""
+    found = scene_warnings(scene, {key: ""})
+    return next((sentence for sentence in found if sentence.startswith(f"{key} = ")), "")
+
+
 def _not_asked(scene: Scene, key: str) -> str:
     """Return why a key has no effect on the models asked for."""
     group, models = key.split(".", 1)[0], f"with models = {', '.join(scene.models)}"

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.arrays import Floats, Ints
 from geometry.cad.tessellation import Plane, Tessellation
 from geometry.device.layout import MM
 from geometry.errors import MeshError
-from geometry.meshing.mesh import Floats, Ints, Mesh
+from geometry.meshing.mesh import Mesh
 from geometry.meshing.mesh_check import (
     check_areas,
     check_conformity,

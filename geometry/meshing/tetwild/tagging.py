@@ -12,15 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Ints
 from geometry.cad.tessellation import OUTSIDE, Face, Surface
 from geometry.errors import MeshError
-from geometry.meshing.mesh import Floats, Ints
+from geometry.meshing.mesh import TET_FACES
 
 if TYPE_CHECKING:
     import cadquery as cq
-
-#: Corners of the four faces of a tetrahedron in VTK order, seen from outside.
-TET_FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geometry.device.parameters import Coil, Device, Sleeve, Spring
-from tmm.reluctance.coenergy.range import map_grid
+from tmm.reluctance.map_range import map_grid
 from tmm.reluctance.network import network_samples
 
 

@@ -10,7 +10,7 @@ from tmm.reluctance import coil_heat
 from tmm.reluctance import switching as normal_actuator
 from tmm.reluctance.coenergy.fit import fit
 from tmm.reluctance.coenergy.map import Samples
-from tmm.reluctance.coenergy.range import map_grid
+from tmm.reluctance.map_range import map_grid
 from tmm.reluctance.network import network_samples
 
 #: A linear actuator: λ = C i/(g + G0), F = C i²/(2 (g + G0)²).

@@ -13,8 +13,8 @@ from validation.command_line.cli import main
 from validation.engine.model import Model, Modes, Refined
 from validation.engine.plan import make_plan
 from validation.engine.solve import solve
+from validation.models.comparison import compare
 from validation.report import page
-from validation.report.comparison import compare
 from validation.report.sections.contents import sections as all_sections
 from validation.scene.scene import load_scene
 

@@ -13,7 +13,7 @@ from validation.command_line.cli import main
 from validation.engine.plan import make_plan
 from validation.engine.results import Measured
 from validation.engine.solve import solve
-from validation.report.comparison import compare
+from validation.models.comparison import compare
 from validation.scene.scene import load_scene
 from validation.scene.template import template
 from validation.studies.identification.curve_model import curve_model

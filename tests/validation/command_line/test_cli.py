@@ -10,7 +10,7 @@ import pytest
 
 from geometry.errors import InputError
 from validation.command_line.cli import main
-from validation.export.export import export
+from validation.export.files import export
 from validation.scene.scene import load_scene
 
 
@@ -202,7 +202,7 @@ def test_export_writes_all_or_nothing(tmp_path, monkeypatch):
         lambda _: SimpleNamespace(meshes=(SimpleNamespace(faces={}),) * 2),
     )
     monkeypatch.setattr(
-        "validation.export.export._export_solids",
+        "validation.export.files._export_solids",
         lambda _scene, files, _announce: files["step"].write_text("solid"),
     )
     targets = {"step": tmp_path / "a.step", "mesh": tmp_path / "a.vtu"}
@@ -263,7 +263,7 @@ def test_closed_pipe_is_no_error(tmp_path):
 
 ENDED = """
 import os, signal, sys
-import validation.export.export
+import validation.export.files
 from validation.command_line.cli import main
 
 def half(scene, drafts, announce):
@@ -271,7 +271,7 @@ def half(scene, drafts, announce):
         draft.write_text("half")
     os.kill(os.getpid(), signal.SIGTERM)
 
-validation.export.export._write = half
+validation.export.files._write = half
 sys.exit(main(["export", "reluctance", "--set", "models=network", "--map", sys.argv[1]]))
 """
 

@@ -9,7 +9,7 @@ from validation.checks.solid_coverage import cad_cases, coverage, judged
 from validation.engine.plan import make_plan
 from validation.engine.solve import solve
 from validation.models.bimorph.meshes import cells_of, mesh_pair
-from validation.report.comparison import compare
+from validation.models.comparison import compare
 from validation.scene.scene import load_scene
 
 SHORT = ("bimorph.length=6mm", "support.kind=clamped", "load.kind=none", "accuracy=1e-2")

@@ -125,7 +125,7 @@ def test_a_rod_that_does_not_pull_in_is_said_once(monkeypatch):
     """Null in JSON, one warning with the spring and a remedy; other quantities keep theirs."""
     # in the network more current always pulls more: its map is cut short here
     small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)
-    monkeypatch.setattr("tmm.reluctance.coenergy.range.map_grid", lambda _: small)
+    monkeypatch.setattr("tmm.reluctance.map_range.map_grid", lambda _: small)
     solution = solved(quantities=("pull_in_current", "holding_current", "magnetic_force"))
     pull_in, holding, force = as_json(solution)["quantities"]
     assert pull_in["value"] is None

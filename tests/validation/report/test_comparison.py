@@ -5,7 +5,7 @@ import pytest
 
 from validation.catalogue.needs import Actuator
 from validation.engine.results import Quantity
-from validation.report.comparison import compare
+from validation.models.comparison import compare
 from validation.scene.scene import load_scene
 
 

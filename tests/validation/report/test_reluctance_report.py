@@ -11,7 +11,7 @@ from geometry.errors import InputError
 from tmm.reluctance.coenergy.files import read_map
 from validation.command_line.cli import main
 from validation.engine.solve import solve
-from validation.export.export import normal_actuator_solids, scene_solids
+from validation.export.files import normal_actuator_solids, scene_solids
 from validation.report.normal_actuator import NormalActuator
 from validation.report.page import write_report
 from validation.report.study import Study
@@ -161,7 +161,7 @@ def test_words_follow_the_spring(tmp_path, overrides, there, not_there):
 def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
     """Words instead of a number wherever pull-in is shown, and no picture fails."""
     small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)
-    monkeypatch.setattr("tmm.reluctance.coenergy.range.map_grid", lambda _: small)
+    monkeypatch.setattr("tmm.reluctance.map_range.map_grid", lambda _: small)
     text = shown(tmp_path, "coil.current=40 mA")
     assert "No current up to 60 mA draws the rod down" in text
     assert "not reached" in text
@@ -288,7 +288,7 @@ def test_lateral_report_imports_nothing_magnetic():
     assert "validation.report.sections.bimorph" in loaded
     assert not loaded & {
         "fem.reluctance.axisymmetric.actuator", "fem.reluctance.axisymmetric.field",
-        "tmm.reluctance.network", "validation.checks.reluctance", "validation.view.reluctance",
+        "tmm.reluctance.network", "validation.checks.reluctance", "validation.report.figures.reluctance",
         "validation.report.sections.reluctance",
     }  # fmt: skip
 

@@ -8,10 +8,11 @@ import pytest
 from geometry.errors import InputError
 from validation.catalogue.quantities import measurable
 from validation.engine.solve import solve
+from validation.scene.keys import with_values
 from validation.scene.scene import load_scene
 from validation.studies.identification.curve_fit import Misfit
 from validation.studies.identification.curve_model import curve_model, sensitivities
-from validation.studies.identification.fit_parameters import fit_parameter, with_values
+from validation.studies.identification.fit_parameters import fit_parameter
 from validation.studies.identification.identify import identify
 from validation.studies.identification.measured_curve import MeasuredCurve
 

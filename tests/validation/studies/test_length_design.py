@@ -11,6 +11,7 @@ from geometry.errors import InputError
 from tmm.ports import terminations
 from validation.catalogue.detection import DISPLAY_THRESHOLD
 from validation.engine.solve import solve
+from validation.scene.keys import value_of, with_values
 from validation.scene.scene import load_scene
 from validation.studies.design import voltage_section
 from validation.studies.design.aim import PAPER_LENGTHS, Aim
@@ -21,7 +22,7 @@ from validation.studies.design.length_scan import lowest_margin
 from validation.studies.design.length_section import section
 from validation.studies.design.plots import length_plot
 from validation.studies.design.wording import sentences, signed
-from validation.studies.identification.fit_parameters import fit_parameter, value_of, with_values
+from validation.studies.identification.fit_parameters import fit_parameter
 from validation.view.formats import filters
 
 BAND = (10.0, 1000.0)

@@ -14,9 +14,9 @@ import numpy as np
 from geometry.arrays import Floats
 from geometry.bimorph.pieces import Piece, beam_pieces
 from geometry.device.parameters import Beam, Device, Support
-from tmm.beam.section.bonded_tab import bonded_tab
 from tmm.beam.section.section import section
 from tmm.beam.section.tapered import segmented
+from tmm.beam.transfer.bonded_tab import bonded_tab
 from tmm.beam.transfer.scattering import Element, joined
 from tmm.ports.multiport import Multiport
 from tmm.ports.port import BIMORPH

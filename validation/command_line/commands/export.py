@@ -33,7 +33,7 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from validation.command_line.progress import announcer
-    from validation.export.export import export
+    from validation.export.files import export
     from validation.scene.scene import load_scene
 
     scene, _ = load_scene(options.scene, options.overrides)

@@ -5,14 +5,21 @@ Shares with the bricks of the model solid the equations and nothing of mesh or a
 
 from __future__ import annotations
 
+from geometry.device.checks import check_plain_layers
 from validation.models.bimorph.adaptive_meshes import AdaptedPair, adapted_pair, level_limits
 from validation.models.bimorph.two_meshes import TwoMeshModel
+from validation.scene.scene import Scene
 
 
 class CadModel(TwoMeshModel):
     """The bimorph alone, or glued into its rod, on tetrahedra refined for its accuracy."""
 
     name = "cad"
+
+    @classmethod
+    def check(cls, scene: Scene) -> None:
+        """Refuse what the CAD solids do not know: profiles, bare ends, glue between layers."""
+        check_plain_layers(scene.device)
 
     def make_pair(self) -> AdaptedPair:
         """Return the last mesh of the refinement, and the one that it was refined from."""

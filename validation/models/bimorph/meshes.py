@@ -5,34 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from geometry.bimorph.bricks import Bricks
-from geometry.device.checks import check_bonded, check_constant_section, check_plain_layers
-from geometry.errors import InputError
 from geometry.meshing.mesh import Mesh
 from geometry.meshing.mirror import whole_mesh
 from validation.scene.scene import Scene
 
 if TYPE_CHECKING:
     from validation.models.bimorph.two_meshes import MeshPair
-
-
-def check_meshable(scene: Scene, model: str) -> None:
-    """Refuse a bimorph that the mesh of ``solid`` (bricks) or ``cad`` (tetrahedra) does not know.
-
-    Raises
-    ------
-    InputError
-        In one sentence that names the models that can.
-    """
-    if model == "cad":
-        check_plain_layers(scene.device)
-        return
-    check_constant_section(scene.device)
-    check_bonded(scene.device)
-    if scene.support.kind == "rod":
-        raise InputError(
-            'support.kind = "rod" is round, which the bricks of the model solid are not; ask for '
-            "models=lumped,tmm,beam,cad"
-        )
 
 
 def mesh_pair(scene: Scene) -> MeshPair:
@@ -45,12 +23,13 @@ def mesh_pair(scene: Scene) -> MeshPair:
     """
     if scene.support.kind == "rod" or ("cad" in scene.models and "solid" not in scene.models):
         from validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
+        from validation.models.bimorph.cad import CadModel
 
-        check_meshable(scene, "cad")
+        CadModel.check(scene)
         return adapted_pair(scene, *level_limits(scene))
-    from validation.models.bimorph.solid import brick_pair
+    from validation.models.bimorph.solid import SolidModel, brick_pair
 
-    check_meshable(scene, "solid")
+    SolidModel.check(scene)
     return brick_pair(scene)
 
 

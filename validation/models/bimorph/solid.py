@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from geometry.bimorph.bricks import Bricks
+from geometry.device.checks import check_bonded, check_constant_section
 from geometry.device.parameters import Device
+from geometry.errors import InputError
 from validation.engine.refinement import ASSUMED_GAIN, BRICK_FACTOR, SAFETY
 from validation.models.bimorph.two_meshes import TwoMeshModel
 from validation.scene.scene import Scene
@@ -25,6 +27,17 @@ class SolidModel(TwoMeshModel):
     """The bimorph alone on bricks."""
 
     name = "solid"
+
+    @classmethod
+    def check(cls, scene: Scene) -> None:
+        """Refuse what bricks do not know: profiles, layers that slide, the rod."""
+        check_constant_section(scene.device)
+        check_bonded(scene.device)
+        if scene.support.kind == "rod":
+            raise InputError(
+                'support.kind = "rod" is round, which the bricks of the model solid are not; ask '
+                "for models=lumped,tmm,beam,cad"
+            )
 
     def make_pair(self) -> BrickPair:
         """Return the level that the accuracy asks for, and the next coarser one."""

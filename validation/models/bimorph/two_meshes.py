@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from fem.bimorph.system import SolidSystem
     from geometry.bimorph.bricks import Bricks
     from geometry.meshing.mesh import Mesh
-    from validation.scene.scene import Scene
 
 T = TypeVar("T")
 
@@ -89,13 +88,6 @@ class SolidModes:
 
 class TwoMeshModel(BimorphModel):
     """The piezoelectric solid on two meshes."""
-
-    @classmethod
-    def check(cls, scene: Scene) -> None:
-        """Refuse a bimorph that its kind of mesh does not know."""
-        from validation.models.bimorph.meshes import check_meshable
-
-        check_meshable(scene, cls.name)
 
     @abstractmethod
     def make_pair(self) -> MeshPair:

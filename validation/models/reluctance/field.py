@@ -96,7 +96,7 @@ class AxisymmetricModel(_FieldModel):
 
     def _map(self) -> CoenergyMap:
         from fem.reluctance.axisymmetric.actuator import solve_map
-        from tmm.reluctance.coenergy.range import map_grid
+        from tmm.reluctance.map_range import map_grid
 
         device = self.scene.device
         currents, gaps = map_grid(device)
@@ -146,7 +146,7 @@ class Magnetic3dModel(_FieldModel):
         """Return the map, solved gap by gap: an interrupted one goes on where it was."""
         from fem.reluctance.three_d.actuator import solve_row
         from geometry.reluctance.sector_tets import Sector
-        from tmm.reluctance.coenergy.range import map_grid
+        from tmm.reluctance.map_range import map_grid
 
         check_solid_map(self.scene)
         device, announce = self.scene.device, self.stages.announce

@@ -104,7 +104,7 @@ class NetworkModel(MagneticModel):
 
     def _map(self) -> CoenergyMap:
         from tmm.reluctance.coenergy.fit import fit
-        from tmm.reluctance.coenergy.range import map_grid
+        from tmm.reluctance.map_range import map_grid
         from tmm.reluctance.network import network_samples
 
         device = self.scene.device

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from validation.checks.paper import audit
-from validation.view.bimorph import response_plot
+from validation.report.figures.bimorph import response_plot
 from validation.catalogue.bimorph import OPEN_CIRCUIT_FREQUENCIES, SHORT_CIRCUIT_FREQUENCIES
 from validation.catalogue.models import MODELS, ranked
 from validation.catalogue.quantities import QUANTITIES
-from validation.report.comparison import UNEXPLAINED
+from validation.models.comparison import UNEXPLAINED
 from validation.studies.design import length_section, voltage_section
 from validation.report.sections import gallery
 from validation.report.sections.bridge import bridge_section, holding_section, material_section

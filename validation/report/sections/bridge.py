@@ -8,7 +8,7 @@ import numpy as np
 
 from geometry.errors import InputError
 from geometry.device.parameters import Piezo
-from validation.view.bimorph import bridge_plot, support_plot
+from validation.report.figures.bimorph import bridge_plot, support_plot
 from validation.report.sections.section import Context
 from validation.report.study import Study
 

@@ -27,7 +27,7 @@ def _lateral(study: Study) -> list[dict[str, str]]:
     """Return pictures of the bimorph; none of one that only the beam models know."""
     if beyond_plain_layers(study.scene.bimorph):
         return []
-    from validation.export.export import scene_solids
+    from validation.export.files import scene_solids
     from validation.view.pictures import mesh_picture, solids_picture
     from validation.models.bimorph.meshes import cells_of
 
@@ -46,7 +46,7 @@ def _lateral(study: Study) -> list[dict[str, str]]:
 
 def _normal(study: Study) -> dict[str, str]:
     """Return a picture of rod, coil and sleeve."""
-    from validation.export.export import normal_actuator_solids
+    from validation.export.files import normal_actuator_solids
     from validation.view.pictures import solids_picture
 
     study.announce("picture of the normal actuator")

@@ -29,7 +29,7 @@ _PICTURE: dict[str, Any] = {"order": 2, "refinement": 3.0}
 
 def _models(actuator: NormalActuator) -> Context:
     """Return the models side by side and the bridge between them."""
-    from validation.view.reluctance import bridge_plot
+    from validation.report.figures.reluctance import bridge_plot
 
     field = actuator.field_model
     titles = {"force": "pull", "flux_linkage": "flux linkage"}
@@ -66,7 +66,7 @@ def _field(actuator: NormalActuator) -> Context | None:
     if actuator.field_model is None:
         return None
     from fem.reluctance.axisymmetric.actuator import solve_point
-    from validation.view.magnetic_field import field_plot
+    from validation.report.figures.magnetic_field import field_plot
 
     device, current = actuator.device, actuator.current
     stop = device.spring.stop_gap
@@ -107,7 +107,7 @@ class ElectricalRow:
 
 def _characteristics(actuator: NormalActuator) -> Context:
     """Return families, switching, finger force and the coil's electrical and thermal values."""
-    from validation.view.reluctance import Families, flux_families, force_families, switching_plot
+    from validation.report.figures.reluctance import Families, flux_families, force_families, switching_plot
 
     device, current = actuator.device, actuator.current
     shown = Families(device, actuator.maps, actuator.currents, actuator.gaps, actuator.points)

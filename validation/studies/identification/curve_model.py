@@ -16,8 +16,8 @@ from tmm.beam.transfer.transfer_matrix import multiport
 from tmm.ports.multiport import Multiport, in_series
 from tmm.ports.terminations import attach
 from validation.catalogue.quantities import QUANTITIES
+from validation.scene.keys import with_values
 from validation.scene.scene import Scene
-from validation.studies.identification.fit_parameters import with_values
 
 #: Groups that act through the ports' terminations only: D(Ω) does not depend on them.
 _ATTACHED = ("support.", "load.", "drive.")

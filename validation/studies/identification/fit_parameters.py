@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -16,18 +15,10 @@ from pydantic import BeforeValidator, TypeAdapter, ValidationError
 from geometry.errors import InputError
 from geometry.units import Unit, quoted
 from tmm.beam.parametric import check_length_free
-from validation.scene.idle_keys import scene_warnings
+from validation.scene.keys import SYMBOLS, value_of
 from validation.scene.scene import Scene, scene_keys
 from validation.scene.wording import nearest, one_line
 
-#: Symbols of the paper that stand for scene keys.
-SYMBOLS = {
-    "c_s": "support.rotational_stiffness",
-    "c_sl": "support.lateral_stiffness",
-    "d_s": "support.rotational_damping",
-    "theta": "support.rotational_inertia",
-    "rho_p": "piezo.density",
-}
 #: What a velocity curve over the first resonance determines.
 DEFAULT_FIT = ("c_s", "d_s")
 #: Bounds where none are given: this factor below and above the start.
@@ -139,30 +130,3 @@ def _unit(scene: Scene, key: str, name: str) -> Unit:
             f"--fit {key} is not a number that can be fitted; use for example {', '.join(SYMBOLS)}"
         )
     return unit
-
-
-def value_of(scene: Scene, key: str) -> Any:
-    """Return the value of a dotted key."""
-    value: Any = scene
-    for name in key.split("."):
-        value = getattr(value, name)
-    return value
-
-
-def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """Return the scene with other values (SI) at some dotted keys, without checking them."""
-    update: dict[str, Any] = {}
-    for key, value in values.items():
-        group, _, last = key.rpartition(".")
-        if group:
-            inner = update.get(group, getattr(scene, group))
-            update[group] = inner.model_copy(update={last: value})
-        else:
-            update[last] = value
-    return scene.model_copy(update=update)
-
-
-def idle(scene: Scene, key: str) -> str:
-    """Return why a key has no effect with the scene's kinds, or nothing if it may have one."""
-    found = scene_warnings(scene, {key: ""})
-    return next((sentence for sentence in found if sentence.startswith(f"{key} = ")), "")

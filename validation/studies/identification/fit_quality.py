@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Complex, Floats, Numbers
+from validation.scene.idle_keys import idle
+from validation.scene.keys import value_of
 from validation.scene.parameter_list import ParameterRow, parameter_rows
 from validation.scene.scene import Scene
 from validation.studies.identification.curve_fit import Misfit, Scan
 from validation.studies.identification.curve_model import CurveModel, curve_model, sensitivities
-from validation.studies.identification.fit_parameters import idle, value_of
 from validation.studies.identification.identifiability import (
     RANK,
     Statistics,

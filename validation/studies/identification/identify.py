@@ -14,6 +14,8 @@ import numpy as np
 from geometry.arrays import Complex, Floats
 from geometry.errors import InputError
 from validation.engine.limits import load_warnings
+from validation.scene.idle_keys import idle
+from validation.scene.keys import with_values
 from validation.scene.scene import Scene
 from validation.studies.identification.curve_fit import Misfit, Scan, descend, scan
 from validation.studies.identification.curve_model import CurveModel, curve_model, sensitivities
@@ -21,8 +23,6 @@ from validation.studies.identification.fit_parameters import (
     DEFAULT_FIT,
     FitParameter,
     fit_parameter,
-    idle,
-    with_values,
 )
 from validation.studies.identification.fit_quality import (
     ROUNDING,

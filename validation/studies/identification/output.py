@@ -16,8 +16,8 @@ from geometry.errors import InputError
 from geometry.files import write_text
 from geometry.units import quoted
 from validation.scene.files import scene_name
+from validation.scene.keys import SYMBOLS, value_of
 from validation.scene.parameter_list import parameter_rows
-from validation.studies.identification.fit_parameters import SYMBOLS, value_of
 from validation.studies.identification.fit_quality import Assumption
 from validation.studies.identification.identify import Estimate, Identification
 from validation.view.formats import engineering

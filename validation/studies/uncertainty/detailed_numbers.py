@@ -8,7 +8,7 @@ import numpy as np
 
 from validation.catalogue.models import MODELS, gives
 from validation.engine.solve import Solution, solve
-from validation.report.comparison import compare
+from validation.models.comparison import compare
 from validation.scene.scene import Scene
 from validation.studies.uncertainty.headline_numbers import Target
 

@@ -8,9 +8,10 @@ from geometry.device.profile import Profile
 from geometry.errors import InputError
 from geometry.units import quoted
 from tmm.beam.parametric import Actuator, check_keys, parameter_keys
+from validation.scene.idle_keys import idle
+from validation.scene.keys import SYMBOLS, value_of
 from validation.scene.scene import Scene, scene_keys
 from validation.scene.wording import nearest
-from validation.studies.identification.fit_parameters import SYMBOLS, idle, value_of
 
 #: Groups that no one-dimensional model of the lateral actuator reads.
 _ELSEWHERE = ("coil", "sleeve", "spring", "steel", "mesh")

@@ -13,7 +13,7 @@ from fem.bimorph.solid import assemble
 from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
 from geometry.device.parameters import Bimorph, Device, Piezo
 from geometry.errors import InputError
-from validation.export.export import export
+from validation.export.files import export
 from validation.scene.scene import load_scene
 
 MESHING = BrickMeshing((2, 2, 2), smallest=0.5)

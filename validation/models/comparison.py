@@ -115,10 +115,9 @@ def _cell(
     scene: Scene, row: QuantityRow, q: Quantity, reference: Quantity, rungs: Sequence[Rung] | None
 ) -> Cell:
     (value, bar), (base, base_bar) = _first(q), _first(reference)
+    difference = 0.0 if value == base else np.inf
     if base != 0.0:
         difference = value / base - 1.0
-    else:
-        difference = 0.0 if value == base else np.inf
     covered = abs(value - base) <= bar + base_bar + 1e-12 * abs(base)
     covered |= np.isnan(value) and np.isnan(base)  # neither model has a value
     verdict: Verdict = "agrees"

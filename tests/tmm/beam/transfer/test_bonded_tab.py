@@ -8,8 +8,8 @@ from geometry.bimorph.ends import Ends
 from geometry.bimorph.pieces import Piece
 from geometry.device.parameters import Beam, Bimorph, Device, Glue, Shim, Support
 from tmm.beam.modes import bending_frequencies
-from tmm.beam.section.bonded_tab import bonded_tab
 from tmm.beam.transfer import transfer_matrix as tmm
+from tmm.beam.transfer.bonded_tab import bonded_tab
 
 DEPTH = 0.4e-3
 PIECE = Piece("bond", DEPTH)
