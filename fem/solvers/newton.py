@@ -17,8 +17,8 @@ import numpy as np
 from fem.solvers.linear_solver import Factor, SolverError, factorise
 from geometry.arrays import Floats, Sparse
 
-#: Stop when the energy norm of what is left is this fraction of the field's: energies are then
-#: right to its square, everything else to about the number itself.
+#: Stop when the energy norm of what is left is this fraction of the field's; most of it is then
+#: taken away by the factors at hand.
 _TOLERANCE = 1e-8
 #: Rounding may keep it above; a last step of this size leaves its square.
 _LAST_STEP = 1e-7
@@ -114,8 +114,11 @@ def minimise(energy: ConvexEnergy, start: Floats, factors: Factors | None = None
         x, gradient = _stepped(energy, x, direction, slope)
         size = energy.scale(x)
         # what is left is measured by the factors from before the step: the same to first order
-        left = np.sqrt(abs(float(gradient @ factors.solve(gradient))) / size) if size else 0.0
-        if left <= _TOLERANCE or -slope <= _LAST_STEP**2 * size:
+        rest = factors.solve(gradient)
+        left = np.sqrt(abs(float(gradient @ rest)) / size) if size else 0.0
+        if left <= _TOLERANCE:
+            return Minimum(x - rest, step)  # known, so taken away as well
+        if -slope <= _LAST_STEP**2 * size:
             return Minimum(x, step)
     raise SolverError(
         f"the magnetic field did not settle in {_MAX_STEPS} Newton steps "

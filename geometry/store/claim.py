@@ -37,13 +37,16 @@ def claimed(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
 
 def _locked(path: Path, waiting: Callable[[], None]) -> int:
     """Return the descriptor of the locked file."""
+    said = False
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         try:
             try:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                waiting()
+                if not said:
+                    waiting()
+                    said = True
                 fcntl.flock(descriptor, fcntl.LOCK_EX)
             # who had it before may have taken the file away
             with contextlib.suppress(FileNotFoundError):

@@ -91,7 +91,7 @@ def with_tab(**bimorph):
 @pytest.mark.parametrize(
     ("device", "support", "words"),
     [
-        (p.Device(bimorph=p.Bimorph(width=2.5e-3)), p.Support(), ("2.5 mm", "2.3 mm", "narrower")),
+        (p.Device(bimorph=with_tab(width=2.5e-3)), ROD, ("2.5 mm", "2.3 mm", "narrower")),
         (p.Device(bimorph=with_tab(width=2.25e-3)), ROD, ("slot", "narrower")),
         (p.Device(bimorph=p.Bimorph()), ROD, ("tab_length = 0 mm", "at least 0.4 mm")),
         (p.Device(bimorph=with_tab(), rod=p.Rod(slot_depth=0.5e-3)), ROD, ("slot_depth", "head")),

@@ -265,7 +265,7 @@ print(*sys.modules)
 NORMAL_ONLY = """
 import sys
 import validation.report.study as study
-from validation.report.sections.all import sections
+from validation.report.sections.contents import sections
 from validation.scene.scene import load_scene
 scene, origins = load_scene("reluctance", ("models=network",))
 made = study.Study(scene, origins, lambda _: None, quick=True)
