@@ -147,7 +147,8 @@ _ROWS = (
     ModelRow(
         "beam", "Timoshenko beam finite elements", "bimorph",
         "validation.models.bimorph.beam", "BeamModel", theory="beam", rank=3,
-        stages=_row_stages("modes"), gives=_ROW_GIVES, quick=True, kept=("ports", "static", "modes"),
+        stages=_row_stages("modes"), gives=_ROW_GIVES, quick=True,
+        kept=("ports", "static", "modes"),
     ),
     ModelRow(
         "solid", "3D piezoelectric solid on bricks of high order, the bimorph alone", "bimorph",
