@@ -11,8 +11,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from geometry.errors import InputError
-from geometry.files import written_whole
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import written_whole
 
 #: Line number in the file, and the cells of that line.
 Row: TypeAlias = tuple[int, list[str]]

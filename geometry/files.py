@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from geometry.errors import InputError
+from tactgen.geometry.errors import InputError
 
 
 @contextmanager

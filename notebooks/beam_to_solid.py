@@ -5,9 +5,9 @@
 # One assumption at a time is given up; coarse bricks are enough, since all steps share them.
 
 # %%
-from validation.models.bimorph.bridge import bridge
-from validation.models.bimorph.bridge.end_effect import end_effect
-from validation.scene.scene import load_scene
+from tactgen.validation.models.bimorph.bridge import bridge
+from tactgen.validation.models.bimorph.bridge.end_effect import end_effect
+from tactgen.validation.scene.scene import load_scene
 
 scene, _ = load_scene("paper", ["support.kind=clamped", "load.kind=none"])
 rungs = bridge(scene, print)

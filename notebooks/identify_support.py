@@ -8,10 +8,10 @@
 # %%
 import numpy as np
 
-from validation.engine.solve import solve
-from validation.scene.scene import load_scene
-from validation.studies.identification.identify import identify
-from validation.studies.identification.measured_curve import MeasuredCurve
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.identification.identify import identify
+from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
 
 scene, _ = load_scene("prototype", ["frequency=10:2000:80:log"])
 exact = np.abs(solve(scene, ["tmm"], ["tip_velocity"]).quantities[0].value)

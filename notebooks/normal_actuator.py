@@ -6,13 +6,13 @@
 # the reluctance network, which takes a moment; the field gives the same kind of map.
 
 # %%
-from tmm.reluctance.coenergy.fit import fit
-from tmm.reluctance.coenergy.map import closed_loop_work
-from tmm.reluctance.coil_heat import thermal_statement
-from tmm.reluctance.map_range import map_grid
-from tmm.reluctance.network import network_bridge, network_samples
-from tmm.reluctance.switching import finger_force, switching
-from validation.scene.scene import load_scene
+from tactgen.tmm.reluctance.coenergy.fit import fit
+from tactgen.tmm.reluctance.coenergy.map import closed_loop_work
+from tactgen.tmm.reluctance.coil_heat import thermal_statement
+from tactgen.tmm.reluctance.map_range import map_grid
+from tactgen.tmm.reluctance.network import network_bridge, network_samples
+from tactgen.tmm.reluctance.switching import finger_force, switching
+from tactgen.validation.scene.scene import load_scene
 
 device = load_scene("reluctance")[0].device
 pull = fit(network_samples(device, *map_grid(device)))

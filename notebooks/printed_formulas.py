@@ -9,10 +9,10 @@
 # %%
 import numpy as np
 
-from tmm.beam.printed_formulas import MISPRINTS, from_dynamic_stiffness, matrix_a
-from tmm.beam.transfer.transfer_matrix import multiport, sections
-from validation.checks.paper.audit import AT, audit
-from validation.scene.scene import load_scene
+from tactgen.tmm.beam.printed_formulas import MISPRINTS, from_dynamic_stiffness, matrix_a
+from tactgen.tmm.beam.transfer.transfer_matrix import multiport, sections
+from tactgen.validation.checks.paper.audit import AT, audit
+from tactgen.validation.scene.scene import load_scene
 
 scene, _ = load_scene("paper")
 result = audit(scene)

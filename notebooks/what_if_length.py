@@ -8,10 +8,10 @@
 # %%
 import numpy as np
 
-from validation.scene.scene import load_scene
-from validation.studies.design.aim import Aim
-from validation.studies.design.length_design import design
-from validation.studies.design.length_map import length_map
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.design.aim import Aim
+from tactgen.validation.studies.design.length_design import design
+from tactgen.validation.studies.design.length_map import length_map
 
 scene, _ = load_scene("paper")
 found = length_map(scene, np.arange(16, 42, 2) * 1e-3, (10.0, 1000.0))

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from fem.beam.section import gauss, section_constants
-from geometry.arrays import Complex, Floats, Ints
-from geometry.bimorph.ends import Ends
-from geometry.bimorph.pieces import Piece, beam_pieces
-from geometry.device.parameters import Beam, Device, Support
-from tmm.ports.multiport import Multiport
-from tmm.ports.port import BIMORPH
+from tactgen.fem.beam.section import gauss, section_constants
+from tactgen.geometry.arrays import Complex, Floats, Ints
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
+from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.tmm.ports.port import BIMORPH
 
 #: Polynomial order of w and ψ (equal orders lock only at low order).
 ORDER = 5

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
-from geometry.bimorph.pieces import Piece
-from geometry.device.materials import EPS0
-from geometry.device.parameters import Beam, Device
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Beam, Device
 
 
 def section_constants(

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fem.solvers.sparse_rows import wide_product
-from geometry.arrays import Floats, Numbers, Sparse
+from tactgen.fem.solvers.sparse_rows import wide_product
+from tactgen.geometry.arrays import Floats, Numbers, Sparse
 
 #: Ports that are unknowns: w_base, ψ_base and U.
 PORTS = 3

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.bimorph.motions import SHIFT, ModeClass, classify
-from fem.bimorph.system import SolidSystem
-from fem.solvers.linear_solver import factorise
-from geometry.arrays import Floats, Sparse
-from geometry.bimorph.ends import Ends, Springs
+from tactgen.fem.bimorph.motions import SHIFT, ModeClass, classify
+from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.geometry.arrays import Floats, Sparse
+from tactgen.geometry.bimorph.ends import Ends, Springs
 
 #: Residual of a mode against its inverse eigenvalue; the frequency's error is its square.
 _RESIDUAL = 1e-9

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats
 
 #: The motions of a body with two planes of symmetry: bending in x is odd in x and even in
 #: y, and the only one that the ports take part in.  ``all`` is a body taken whole.

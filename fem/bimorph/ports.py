@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.bimorph.system import SolidSystem
-from fem.solvers.linear_solver import Factor, factorise
-from geometry.arrays import Complex, Floats, Numbers
-from tmm.ports.multiport import Multiport
-from tmm.ports.port import BIMORPH
+from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.solvers.linear_solver import Factor, factorise
+from tactgen.geometry.arrays import Complex, Floats, Numbers
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.tmm.ports.port import BIMORPH
 
 
 def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:

@@ -13,15 +13,15 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from fem.bimorph.motions import Motion
-from fem.bimorph.symmetry import SIGNS, Unknowns, lumped, mirror_signs
-from fem.bimorph.system import Material, SolidSystem
-from fem.elements.block_pattern import BlockPattern
-from fem.elements.skfem_mesh import to_skfem
-from geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
-from geometry.device.parameters import Bimorph
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.mirror import MIRRORS, is_quarter, mirrored_points
+from tactgen.fem.bimorph.motions import Motion
+from tactgen.fem.bimorph.symmetry import SIGNS, Unknowns, lumped, mirror_signs
+from tactgen.fem.bimorph.system import Material, SolidSystem
+from tactgen.fem.elements.block_pattern import BlockPattern
+from tactgen.fem.elements.skfem_mesh import to_skfem
+from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
+from tactgen.geometry.device.parameters import Bimorph
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.mirror import MIRRORS, is_quarter, mirrored_points
 
 #: Cells worked on at a time: bounds the memory.
 _CHUNK = 4000

@@ -15,14 +15,14 @@ displacement, so that all entries of the system are alike.
 
 from __future__ import annotations
 
-from fem.bimorph.bricks.assembly import assemble_bricks
-from fem.bimorph.skfem_body import SkfemBody
-from fem.bimorph.system import SolidSystem, materials, volts_per_unit
-from geometry.bimorph.bricks import Bricks
-from geometry.device.materials import Piezoceramic
-from geometry.device.parameters import Device
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.mirror import is_quarter
+from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+from tactgen.fem.bimorph.skfem_body import SkfemBody
+from tactgen.fem.bimorph.system import SolidSystem, materials, volts_per_unit
+from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.device.materials import Piezoceramic
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.mirror import is_quarter
 
 
 def assemble(

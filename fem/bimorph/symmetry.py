@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fem.bimorph.bordered import Bordered
-from fem.bimorph.motions import Motion
-from geometry.arrays import Bools, Floats, Ints, Sparse
+from tactgen.fem.bimorph.bordered import Bordered
+from tactgen.fem.bimorph.motions import Motion
+from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
 
 #: Signs of (u_x, u_y, u_z, φ) under the reflections at x = 0 and at y = 0.
 SIGNS: dict[Motion, tuple[tuple[int, ...], tuple[int, ...]]] = {

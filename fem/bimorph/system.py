@@ -11,17 +11,17 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.bimorph.bordered import PORTS, Bordered
-from fem.bimorph.motions import Motion
-from fem.solvers.linear_solver import Factor, factorise
-from geometry.arrays import Floats, Ints, Numbers, Sparse
-from geometry.device.materials import (
+from tactgen.fem.bimorph.bordered import PORTS, Bordered
+from tactgen.fem.bimorph.motions import Motion
+from tactgen.fem.solvers.linear_solver import Factor, factorise
+from tactgen.geometry.arrays import Floats, Ints, Numbers, Sparse
+from tactgen.geometry.device.materials import (
     Piezoceramic,
     PiezoTensors,
     isotropic_stiffness,
     orthotropic_stiffness,
 )
-from geometry.device.parameters import Device
+from tactgen.geometry.device.parameters import Device
 
 #: Voigt index of a pair of axes.
 VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from geometry.arrays import Ints, Numbers, Sparse
+from tactgen.geometry.arrays import Ints, Numbers, Sparse
 
 
 class BlockPattern:

@@ -12,8 +12,8 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import legendre
 
-from geometry.arrays import Floats, Ints
-from geometry.bimorph.bricks import Axis, lobatto_points
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.bimorph.bricks import Axis, lobatto_points
 
 
 @dataclass(frozen=True)

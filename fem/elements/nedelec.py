@@ -22,7 +22,7 @@ from skfem.element import DiscreteField
 from skfem.element.element_hcurl import ElementHcurl
 from skfem.refdom import RefTet
 
-from geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats
 
 #: ∇λ on the reference tetrahedron, one row per corner.
 _SLOPES = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])

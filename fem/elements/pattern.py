@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from geometry.arrays import Floats, Ints, Sparse
+from tactgen.geometry.arrays import Floats, Ints, Sparse
 
 
 class Pattern:

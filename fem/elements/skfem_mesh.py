@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Ints
-from geometry.meshing.mesh import Mesh
+from tactgen.geometry.arrays import Ints
+from tactgen.geometry.meshing.mesh import Mesh
 
 #: VTK's eight corners in scikit-fem's order.
 _HEX_ORDER = [0, 4, 3, 1, 7, 5, 2, 6]

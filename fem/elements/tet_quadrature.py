@@ -11,7 +11,7 @@ import itertools
 
 import numpy as np
 
-from geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats
 
 #: Barycentric coordinate that three corners share, and weight (N. J. Walkington, Quadrature
 #: on simplices of arbitrary dimension, Carnegie Mellon University 2000; 14 points).

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.device.steel_law import MU0, MagnetisationCurve
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve
 
 #: Cells (n,) and their curve, for each region that is not vacuum.
 Iron = Sequence[tuple[Ints, MagnetisationCurve]]

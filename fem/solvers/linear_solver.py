@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fem.solvers.pardiso import Pardiso, PardisoError, mkl
-from fem.solvers.sparse_rows import row_blocks, wide_product
-from geometry.arrays import Bools, Floats, Ints, Sparse
+from tactgen.fem.solvers.pardiso import Pardiso, PardisoError, mkl
+from tactgen.fem.solvers.sparse_rows import row_blocks, wide_product
+from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
 
 Array: TypeAlias = NDArray[Any]
 

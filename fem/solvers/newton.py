@@ -14,8 +14,8 @@ from typing import Protocol
 
 import numpy as np
 
-from fem.solvers.linear_solver import Factor, SolverError, factorise
-from geometry.arrays import Floats, Sparse
+from tactgen.fem.solvers.linear_solver import Factor, SolverError, factorise
+from tactgen.geometry.arrays import Floats, Sparse
 
 #: Stop when the energy norm of what is left is this fraction of the field's; most of it is then
 #: taken away by the factors at hand.

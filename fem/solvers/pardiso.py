@@ -18,8 +18,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.solvers.threads import thread_count
-from geometry.arrays import Ints
+from tactgen.fem.solvers.threads import thread_count
+from tactgen.geometry.arrays import Ints
 
 Array: TypeAlias = NDArray[Any]
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from geometry.arrays import Ints, Sparse
+from tactgen.geometry.arrays import Ints, Sparse
 
 Array = NDArray[Any]
 

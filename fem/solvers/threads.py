@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 
-from geometry.errors import InputError
+from tactgen.geometry.errors import InputError
 
 VARIABLE = "TACTGEN_THREADS"
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.bimorph.bricks import Axis, Bricks, Held, Slab
-from geometry.device.checks import check_bonded, check_constant_section
-from geometry.device.parameters import Bimorph, Device
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.bricks import Axis, Bricks, Held, Slab
+from tactgen.geometry.device.checks import check_bonded, check_constant_section
+from tactgen.geometry.device.parameters import Bimorph, Device
 
 #: Ratio of neighbouring intervals towards a side edge.
 _GROWTH = 4.0

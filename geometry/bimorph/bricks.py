@@ -15,8 +15,8 @@ from typing import Literal
 import numpy as np
 from numpy.polynomial import legendre
 
-from geometry.arrays import Bools, Floats, Ints
-from geometry.meshing.mesh import Mesh
+from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.meshing.mesh import Mesh
 
 __all__ = ["Axis", "Bricks", "Slab", "lobatto_points"]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-from geometry.arrays import Complex, Floats
+from tactgen.geometry.arrays import Complex, Floats
 
 #: Dynamic stiffness (n,) in N/m of a load that depends on the frequencies (n,) in Hz.
 Law: TypeAlias = Callable[[Floats], Complex]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal
 
-from geometry.device.parameters import NOMINAL_GAP, Bimorph, Device, Support
+from tactgen.geometry.device.parameters import NOMINAL_GAP, Bimorph, Device, Support
 
 #: Points closer than this share of the ceramic's length are one.
 _APART = 1e-9

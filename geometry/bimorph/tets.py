@@ -12,19 +12,32 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.cad.solids import build_solids, fuse, quartered, thinnest_feature
-from geometry.cad.tessellation import Plane, Tessellation, tessellate
-from geometry.device.layout import BIMORPH, MM, Standing, ceramic_base, layout, rod_base, shim_base
-from geometry.device.parameters import Device
-from geometry.errors import InputError, MeshError
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.mirror import MIRRORS
-from geometry.meshing.tetwild.conform import NamedFace, conform
-from geometry.meshing.tetwild.run import SizingField, run_ftetwild, sizing_along_z, sizing_at_points
-from geometry.meshing.tetwild.sizing import Sizing
-from geometry.meshing.tetwild.stretching import Stretching
-from geometry.store.store import kept
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.cad.solids import build_solids, fuse, quartered, thinnest_feature
+from tactgen.geometry.cad.tessellation import Plane, Tessellation, tessellate
+from tactgen.geometry.device.layout import (
+    BIMORPH,
+    MM,
+    Standing,
+    ceramic_base,
+    layout,
+    rod_base,
+    shim_base,
+)
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError, MeshError
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.mirror import MIRRORS
+from tactgen.geometry.meshing.tetwild.conform import NamedFace, conform
+from tactgen.geometry.meshing.tetwild.run import (
+    SizingField,
+    run_ftetwild,
+    sizing_along_z,
+    sizing_at_points,
+)
+from tactgen.geometry.meshing.tetwild.sizing import Sizing
+from tactgen.geometry.meshing.tetwild.stretching import Stretching
+from tactgen.geometry.store.store import kept
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -32,7 +45,7 @@ if TYPE_CHECKING:
 __all__ = ["MeshError", "TetMeshing", "squeezed", "tetrahedralise"]
 
 #: What makes a mesh; the mesher's own process is started by its file.
-_MADE_OF = ("geometry.bimorph.tets", "geometry.meshing.tetwild")
+_MADE_OF = ("tactgen.geometry.bimorph.tets", "tactgen.geometry.meshing.tetwild")
 
 #: How far the mesher may stray from the surface, as a share of the thinnest feature, since
 #: its vertices are put back afterwards; …

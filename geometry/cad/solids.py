@@ -11,11 +11,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.cad.system_libraries import require_library
-from geometry.device.layout import MM, Box, Part, Standing, Turned, closed_form_volumes, layout
-from geometry.device.parameters import Device
-from geometry.errors import InputError
-from geometry.files import written_whole
+from tactgen.geometry.cad.system_libraries import require_library
+from tactgen.geometry.device.layout import (
+    MM,
+    Box,
+    Part,
+    Standing,
+    Turned,
+    closed_form_volumes,
+    layout,
+)
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import written_whole
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 
-from geometry.errors import InputError
+from tactgen.geometry.errors import InputError
 
 #: Debian package of each library.
 _PACKAGE = {"libGL.so.1": "libgl1", "libOSMesa.so.8": "libosmesa6"}

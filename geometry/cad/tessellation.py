@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.errors import InputError
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.errors import InputError
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from geometry.device.parameters import NOMINAL_GAP, Bimorph, Device, Support
-from geometry.errors import InputError
+from tactgen.geometry.device.parameters import NOMINAL_GAP, Bimorph, Device, Support
+from tactgen.geometry.errors import InputError
 
 #: Rounding of sums of dimensions (m).
 _ROUNDING = 1e-12

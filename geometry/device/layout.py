@@ -10,9 +10,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from geometry.device.checks import check_fit, check_plain_layers
-from geometry.device.parameters import NOMINAL_GAP, Device, Support
-from geometry.errors import InputError
+from tactgen.geometry.device.checks import check_fit, check_plain_layers
+from tactgen.geometry.device.parameters import NOMINAL_GAP, Device, Support
+from tactgen.geometry.errors import InputError
 
 #: The bimorph by itself, or the whole generator with the bimorph glued into the rod.
 Standing = Literal["alone", "rod"]

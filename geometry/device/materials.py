@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Floats, Numbers
-from geometry.errors import InputError
+from tactgen.geometry.arrays import Floats, Numbers
+from tactgen.geometry.errors import InputError
 
 #: Vacuum permittivity (F/m), CODATA 2018.
 EPS0 = 8.8541878128e-12

@@ -12,11 +12,11 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from geometry import units as u
-from geometry.device.materials import PRINTED, Piezoceramic, Spread
-from geometry.device.piezo_library import LIBRARY
-from geometry.device.profile import UNIFORM, LengthProfile, Profile
-from geometry.errors import InputError
+from tactgen.geometry import units as u
+from tactgen.geometry.device.materials import PRINTED, Piezoceramic, Spread
+from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.device.profile import UNIFORM, LengthProfile, Profile
+from tactgen.geometry.errors import InputError
 
 #: Gap at which the reconstructed normal actuator's axial positions are stated (m).
 NOMINAL_GAP = 0.2e-3

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.device.materials import EPS0, PRINTED, Piezoceramic, Spread
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.materials import EPS0, PRINTED, Piezoceramic, Spread
 
 
 def _transversely_isotropic(s11: float, s12: float, s13: float, s33: float, s44: float) -> Floats:

@@ -14,8 +14,8 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, ValidationInfo
 
-from geometry.arrays import Floats
-from geometry.units import Unit
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.units import Unit
 
 _EXAMPLE = "0 mm: 2.1 mm, 20 mm: 1 mm"
 _LIMITS = (1e-9, 100.0)

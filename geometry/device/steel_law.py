@@ -13,8 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.errors import InputError
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.errors import InputError
 
 #: Permeability of vacuum (H/m), CODATA 2018; equal to 4e-7 π to 1e-9.
 MU0 = 1.25663706212e-6

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.csv_rows import csv_rows
-from geometry.device.parameters import Steel
-from geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
-from geometry.errors import InputError
-from geometry.units import quoted
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.csv_rows import csv_rows
+from tactgen.geometry.device.parameters import Steel
+from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import quoted
 
 #: A table may be steeper than vacuum by this much: measured curves are rounded to about 1 %.
 _ROUNDING = 0.01

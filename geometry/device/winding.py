@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from geometry.device.parameters import Coil
+from tactgen.geometry.device.parameters import Coil
 
 #: Copper: temperature coefficient of its resistance at 20 °C (1/K) (IEC 60028), and heat
 #: capacity per volume (J/(m³ K)): 385 J/(kg K) times 8960 kg/m³ (CRC Handbook).

@@ -11,8 +11,8 @@ from typing import Literal
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.store.values import storable
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.store.values import storable
 
 CellKind = Literal["tetra", "tetra10", "hexahedron"]
 

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.cad.tessellation import Face
-from geometry.errors import MeshError
-from geometry.meshing.mesh import TET_FACES
-from geometry.meshing.quadratic import (
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.cad.tessellation import Face
+from tactgen.geometry.errors import MeshError
+from tactgen.geometry.meshing.mesh import TET_FACES
+from tactgen.geometry.meshing.quadratic import (
     jacobian_coefficients,
     smallest_dihedral_angles,
     triangle_areas,

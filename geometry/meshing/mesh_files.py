@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.arrays import Floats, Ints
-from geometry.errors import InputError
-from geometry.files import written_whole
-from geometry.meshing.mesh import CellKind, Mesh
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import written_whole
+from tactgen.geometry.meshing.mesh import CellKind, Mesh
 
 if TYPE_CHECKING:
     import meshio

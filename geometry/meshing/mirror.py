@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Bools, Floats, Ints
-from geometry.meshing.mesh import Mesh
+from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.meshing.mesh import Mesh
 
 #: Named faces of a quarter: on x = 0 and on y = 0.
 MIRRORS = ("mirror_x", "mirror_y")

@@ -10,7 +10,7 @@ from math import factorial
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
+from tactgen.geometry.arrays import Floats, Ints
 
 #: Corners of the six edges of a tetrahedron, in the order of VTK's mid-edge nodes.
 TET_EDGES = np.array([[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]])

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.quadratic import unique_edges
-from geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.quadratic import unique_edges
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
 
 #: Sides of the box in (r, φ, z) that stay sides of the sector, and their names there.
 _SIDES = {

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.meshing.mesh import Mesh
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.meshing.mesh import Mesh
 
 #: Names of the six outer sides, in the order of axis and end.
 SIDES = ("x_low", "x_high", "y_low", "y_high", "z_low", "z_high")

@@ -13,8 +13,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from geometry.arrays import Bools, Floats, Ints
-from geometry.device.steel_law import MagnetisationCurve
+from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.device.steel_law import MagnetisationCurve
 
 #: Cells at an iron line: this part of the distance to the nearest facing edge.
 CORNER = 0.2

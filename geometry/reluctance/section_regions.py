@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from geometry.device.checks import check_gap
-from geometry.device.parameters import NOMINAL_GAP, Device
-from geometry.device.steel_table import magnetisation_curve
-from geometry.errors import InputError
-from geometry.reluctance.section_grid import Region
+from tactgen.geometry.device.checks import check_gap
+from tactgen.geometry.device.parameters import NOMINAL_GAP, Device
+from tactgen.geometry.device.steel_table import magnetisation_curve
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.reluctance.section_grid import Region
 
 #: Rounding of coordinates (m), so that edges meant to be level are so.
 _DIGITS = 12

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.device.parameters import Device
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.swept_tets import swept_tetrahedra
-from geometry.reluctance.section_grid import OUTER_RADIUS, Grid, Region, graded_grid
-from geometry.reluctance.section_regions import actuator_regions
-from geometry.reluctance.tets import REGIONS
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.swept_tets import swept_tetrahedra
+from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, Grid, Region, graded_grid
+from tactgen.geometry.reluctance.section_regions import actuator_regions
+from tactgen.geometry.reluctance.tets import REGIONS
 
 #: Lines closer than this (m) are one: cells between them would be slivers.
 _APART = 1e-9

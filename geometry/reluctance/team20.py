@@ -22,9 +22,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
 
 #: Ampere-turns at which the force was measured, and that force (N), downwards.
 MEASURED_FORCE = {1000.0: 8.1, 3000.0: 54.4, 4500.0: 75.0, 5000.0: 80.1}

@@ -13,17 +13,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.cad.solids import build_solids, fuse, thinnest_feature
-from geometry.cad.tessellation import tessellate
-from geometry.device.layout import MM, Turned, layout
-from geometry.device.parameters import Bimorph, Device
-from geometry.errors import MeshError
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.tensor_tets import box_tetrahedra
-from geometry.meshing.tetwild.conform import conform
-from geometry.meshing.tetwild.run import SizingField, run_ftetwild
-from geometry.store.store import kept
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.cad.solids import build_solids, fuse, thinnest_feature
+from tactgen.geometry.cad.tessellation import tessellate
+from tactgen.geometry.device.layout import MM, Turned, layout
+from tactgen.geometry.device.parameters import Bimorph, Device
+from tactgen.geometry.errors import MeshError
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.meshing.tetwild.conform import conform
+from tactgen.geometry.meshing.tetwild.run import SizingField, run_ftetwild
+from tactgen.geometry.store.store import kept
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -35,7 +35,7 @@ REGIONS = ("rod", "coil", "sleeve", "near", "air", "far")
 _PARTS = ("rod", "coil", "sleeve")
 
 #: What makes a mesh; the mesher's own process is started by its file.
-_MADE_OF = ("geometry.reluctance.tets", "geometry.meshing.tetwild")
+_MADE_OF = ("tactgen.geometry.reluctance.tets", "tactgen.geometry.meshing.tetwild")
 #: Envelope and deflection of the cylinders, as shares of the thinnest feature, and how much
 #: tighter each further attempt is; as in :mod:`geometry.bimorph.tets`.
 _ENVELOPE, _DEFLECTION, _TIGHTER = 0.2, 0.125, 0.7

@@ -11,8 +11,8 @@ import stat
 from pathlib import Path
 from typing import Any
 
-from geometry.files import written_whole
-from geometry.store.values import from_bytes, to_bytes
+from tactgen.geometry.files import written_whole
+from tactgen.geometry.store.values import from_bytes, to_bytes
 
 #: First bytes of every file: what it is, and the version of the format.
 MAGIC = b"tactgen kept 1\n"

@@ -16,8 +16,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from geometry.errors import InputError
-from geometry.store.entry import SUFFIX, Damaged, read_entry, sealed, write_entry
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.entry import SUFFIX, Damaged, read_entry, sealed, write_entry
 
 #: The project's packages, and the package that holds them, if any.
 _PACKAGES = frozenset({"geometry", "tmm", "fem", "validation"})

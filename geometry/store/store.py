@@ -19,11 +19,11 @@ from functools import cache
 from pathlib import Path
 from typing import TypeVar
 
-from geometry.errors import InputError
-from geometry.store.claim import claimed
-from geometry.store.entry import SUFFIX, Damaged, read_entry, sealed, write_entry
-from geometry.store.sources import source_digest
-from geometry.store.values import fingerprint
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.claim import claimed
+from tactgen.geometry.store.entry import SUFFIX, Damaged, read_entry, sealed, write_entry
+from tactgen.geometry.store.sources import source_digest
+from tactgen.geometry.store.values import fingerprint
 
 T = TypeVar("T")
 

@@ -8,9 +8,9 @@ import argparse
 
 import pytest
 
-from validation.command_line import cli
-from validation.engine.solve import solve
-from validation.scene.scene import load_scene
+from tactgen.validation.command_line import cli
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
 
 COMMANDS = next(
     action.choices

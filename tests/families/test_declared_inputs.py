@@ -5,11 +5,11 @@ from typing import Literal, get_args, get_origin
 import numpy as np
 import pytest
 
-from geometry.device.parameters import Parameters
-from geometry.device.profile import Profile
-from validation.engine.plan import make_plan
-from validation.engine.solve import solve
-from validation.scene.scene import Scene, load_scene, scene_keys
+from tactgen.geometry.device.parameters import Parameters
+from tactgen.geometry.device.profile import Profile
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import Scene, load_scene, scene_keys
 
 #: What of a scene no stage reads: whose it is, and what is asked.
 ASKED = ("name", "description", "models", "quantities")

@@ -8,12 +8,12 @@ stated, with the reason why it is as large as that.
 import numpy as np
 import pytest
 
-from fem.reluctance.axisymmetric.actuator import solve_point
-from fem.reluctance.three_d.actuator import solve_solid
-from geometry.device.parameters import Device
-from geometry.reluctance.sector_tets import Sector
-from validation.engine.solve import solve
-from validation.scene.scene import load_scene
+from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+from tactgen.fem.reluctance.three_d.actuator import solve_solid
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.reluctance.sector_tets import Sector
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
 
 DEVICE = Device()
 MAGNETIC = ("force", "flux_linkage", "coenergy", "incremental_inductance")

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tmm.ports.invariants import passivity_margin, reciprocity_error
-from validation.engine.solve import solve
-from validation.scene.scene import load_scene
+from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
 
 
 def lateral(model, *overrides, scene="j1"):

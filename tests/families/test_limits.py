@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from validation.engine.solve import solve
-from validation.scene.scene import load_scene
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
 
 MODELS = ("lumped", "tmm", "beam", "solid")
 

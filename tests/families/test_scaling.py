@@ -2,8 +2,8 @@
 
 import pytest
 
-from validation.engine.solve import solve
-from validation.scene.scene import load_scene
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
 
 FACTOR = 1e-2
 LENGTHS = ("length", "width", "piezo_thickness", "shim_thickness")

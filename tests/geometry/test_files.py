@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-import geometry
-from geometry.errors import InputError
-from geometry.files import written_whole
+from tactgen import geometry
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import written_whole
 
 PRODUCT = Path(geometry.__file__).parents[1]
 

@@ -14,13 +14,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
-from geometry.store import entry, sources, store
-from geometry.store.entry import Damaged, read_entry, sealed, write_entry
-from geometry.store.values import fingerprint, from_bytes, storable, to_bytes
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store import entry, sources, store
+from tactgen.geometry.store.entry import Damaged, read_entry, sealed, write_entry
+from tactgen.geometry.store.values import fingerprint, from_bytes, storable, to_bytes
 
 #: Some module to be made of.
-CODE = ("geometry.arrays",)
+CODE = ("tactgen.geometry.arrays",)
 ROOT = Path(store.__file__).parents[2]
 
 
@@ -127,7 +127,7 @@ def test_a_value_is_computed_once(folder):
         assert same(store.kept("sample", (1,), CODE, counted(calls)), VALUE)
     assert len(calls) == 1
     store.kept("sample", (2,), CODE, counted(calls))
-    store.kept("sample", (1,), ("geometry.units",), counted(calls))
+    store.kept("sample", (1,), ("tactgen.geometry.units",), counted(calls))
     store.kept("sample", (1,), CODE, counted(calls), serves=lambda _: False)
     assert len(calls) == 4
     assert store.holdings()["sample"].entries == 3
@@ -361,7 +361,7 @@ def test_failed_work_leaves_no_claim(folder):
 WORKER = """
 import sys, time
 import numpy as np
-from geometry.store.store import kept
+from tactgen.geometry.store.store import kept
 log, rounds, pause = open(sys.argv[1], "a"), int(sys.argv[2]), float(sys.argv[3])
 
 def value(number):
@@ -370,7 +370,7 @@ def value(number):
         time.sleep(pause)
         print(number, file=log, flush=True)
         return below + number
-    return kept("chain", (number,), ("geometry.arrays",), work)
+    return kept("chain", (number,), ("tactgen.geometry.arrays",), work)
 
 print("ready", flush=True)
 for number in range(rounds):
@@ -491,5 +491,5 @@ def test_damaged_index_of_sources_changes_nothing(project):
 
 def test_this_code_is_found():
     """Every module that the store's own key names is hashed from its file."""
-    found = sources._files_of("geometry.store")
+    found = sources._files_of("tactgen.geometry.store")
     assert {path.name for path in found} >= {"store.py", "values.py", "entry.py", "claim.py"}

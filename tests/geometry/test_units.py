@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BeforeValidator, TypeAdapter, ValidationError
 
-from geometry import units as u
-from geometry.device.parameters import Bimorph
+from tactgen.geometry import units as u
+from tactgen.geometry.device.parameters import Bimorph
 
 FREQUENCY = Annotated[float, BeforeValidator(u.FREQUENCY), u.FREQUENCY]
 SCENE = {"units_required": True}

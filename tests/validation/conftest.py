@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from validation.checks.stress import beam
-from validation.checks.stress.result import Approach, ErrorMap, Point, Stress, judged
+from tactgen.validation.checks.stress import beam
+from tactgen.validation.checks.stress.result import Approach, ErrorMap, Point, Stress, judged
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def made_up_stress(monkeypatch):
 @pytest.fixture
 def run_elsewhere(monkeypatch, made_up_stress):
     """Let a report show its checks as passed and a made-up stress run, without running either."""
-    from validation.report import study  # slow to import
+    from tactgen.validation.report import study  # slow to import
 
     monkeypatch.setattr(study, "run_check", lambda check: study.Outcome(check, 1.0, 0.0, "pass"))
     made_up_stress()

@@ -13,14 +13,14 @@ from functools import reduce
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
-from geometry.bimorph.ends import Ends
-from geometry.device.parameters import Beam, Device, Support
-from tmm.beam.section.section import Joint, Section
-from tmm.beam.transfer.scattering import Element
-from tmm.beam.transfer.transfer_matrix import SEGMENTS, sections
-from tmm.ports.multiport import Multiport
-from tmm.ports.port import BIMORPH
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.tmm.beam.section.section import Joint, Section
+from tactgen.tmm.beam.transfer.scattering import Element
+from tactgen.tmm.beam.transfer.transfer_matrix import SEGMENTS, sections
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.tmm.ports.port import BIMORPH
 
 
 @dataclass(frozen=True)

@@ -26,11 +26,11 @@ from typing import TypeAlias
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats, Ints
-from geometry.bimorph.ends import Ends
-from tmm.beam.section.section import Section
-from tmm.beam.transfer.scattering import THROUGH, Element, in_waves, star
-from tmm.beam.transfer.timoshenko import wavenumbers
+from tactgen.geometry.arrays import Complex, Floats, Ints
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.transfer.scattering import THROUGH, Element, in_waves, star
+from tactgen.tmm.beam.transfer.timoshenko import wavenumbers
 
 Row: TypeAlias = Sequence[Element]
 

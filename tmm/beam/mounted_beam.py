@@ -29,15 +29,15 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from geometry.arrays import Bools, Complex, Floats, Numbers
-from geometry.bimorph.ends import Ends
-from tmm.beam.section.section import Section
-from tmm.beam.transfer.blocks import BLOCK, blocks
-from tmm.beam.transfer.precision import EPS, EXTENDED, TOLERATED, error_bound, size
-from tmm.beam.transfer.scattering import Element
-from tmm.beam.transfer.span import Span, extended_span, span
-from tmm.ports.multiport import Response
-from tmm.ports.terminations import base_stiffness, tip_stiffness
+from tactgen.geometry.arrays import Bools, Complex, Floats, Numbers
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.transfer.blocks import BLOCK, blocks
+from tactgen.tmm.beam.transfer.precision import EPS, EXTENDED, TOLERATED, error_bound, size
+from tactgen.tmm.beam.transfer.scattering import Element
+from tactgen.tmm.beam.transfer.span import Span, extended_span, span
+from tactgen.tmm.ports.multiport import Response
+from tactgen.tmm.ports.terminations import base_stiffness, tip_stiffness
 
 
 @dataclass(frozen=True)

@@ -14,18 +14,18 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.bimorph.ends import Ends
-from geometry.bimorph.pieces import Layers, Piece, beam_pieces
-from geometry.device.parameters import Beam, Bimorph, Device, Drive, Load, Support
-from geometry.errors import InputError
-from geometry.units import Unit, quoted
-from tmm.beam.mounted_beam import uniform_response
-from tmm.beam.section.section import Section
-from tmm.beam.transfer.scattering import Element
-from tmm.beam.transfer.transfer_matrix import SEGMENTS, chain, elements
-from tmm.ports.multiport import Multiport, Response, in_series, respond
-from tmm.ports.terminations import attach, ends_of
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.pieces import Layers, Piece, beam_pieces
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Drive, Load, Support
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import Unit, quoted
+from tactgen.tmm.beam.mounted_beam import uniform_response
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.transfer.scattering import Element
+from tactgen.tmm.beam.transfer.transfer_matrix import SEGMENTS, chain, elements
+from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond
+from tactgen.tmm.ports.terminations import attach, ends_of
 
 #: Values by scene key, each a number or an array over the points.
 Values = Mapping[str, Any]

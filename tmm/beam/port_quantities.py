@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
-from tmm.beam.parametric import Actuator, Values, terminated, tip_response
-from tmm.ports.invariants import symmetric_form
-from tmm.ports.multiport import hold
-from tmm.ports.readout import ELECTRICAL, Readout
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.tmm.beam.parametric import Actuator, Values, terminated, tip_response
+from tactgen.tmm.ports.invariants import symmetric_form
+from tactgen.tmm.ports.multiport import hold
+from tactgen.tmm.ports.readout import ELECTRICAL, Readout
 
 
 def evaluate(actuator: Actuator, read: Readout, values: Values, frequencies: Floats) -> Complex:

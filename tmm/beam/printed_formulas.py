@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
-from geometry.device.materials import EPS0
-from geometry.device.parameters import Device
-from tmm.beam.section.section import Section
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Device
+from tactgen.tmm.beam.section.section import Section
 
 
 @dataclass(frozen=True)

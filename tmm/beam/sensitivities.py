@@ -31,15 +31,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats, Numbers
-from geometry.errors import InputError
-from tmm.beam.modes import bending_frequencies
-from tmm.beam.parametric import Actuator, check_keys, parameter_keys, terminated
-from tmm.beam.port_quantities import evaluate
-from tmm.beam.transfer.transfer_matrix import sections
-from tmm.ports.invariants import symmetric_form
-from tmm.ports.multiport import hold, respond
-from tmm.ports.readout import ELECTRICAL, Circuit, ModalReadout, Readout
+from tactgen.geometry.arrays import Complex, Floats, Numbers
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.parametric import Actuator, check_keys, parameter_keys, terminated
+from tactgen.tmm.beam.port_quantities import evaluate
+from tactgen.tmm.beam.transfer.transfer_matrix import sections
+from tactgen.tmm.ports.invariants import symmetric_form
+from tactgen.tmm.ports.multiport import hold, respond
+from tactgen.tmm.ports.readout import ELECTRICAL, Circuit, ModalReadout, Readout
 
 _RADIUS, _POINTS = 0.003, 16
 

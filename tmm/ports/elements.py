@@ -7,9 +7,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.arrays import Floats
-from tmm.ports.multiport import Multiport, connect
-from tmm.ports.port import AXIAL, CHARGE, LATERAL, LINK_FORCE, LINK_MOMENT, ROTATION, Pair, Port
+from tactgen.geometry.arrays import Floats
+from tactgen.tmm.ports.multiport import Multiport, connect
+from tactgen.tmm.ports.port import (
+    AXIAL,
+    CHARGE,
+    LATERAL,
+    LINK_FORCE,
+    LINK_MOMENT,
+    ROTATION,
+    Pair,
+    Port,
+)
 
 #: Both ends of a rod that moves in the bending plane, and what goes through it.
 RIGID_ROD = (

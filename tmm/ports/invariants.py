@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
-from tmm.ports.multiport import Multiport, balanced
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.tmm.ports.multiport import Multiport, balanced
 
 
 def symmetric_form(port: Multiport) -> Complex:

@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats, Numbers
-from geometry.errors import InputError
-from geometry.store.values import storable
-from tmm.ports.port import VOLTAGE, Port
+from tactgen.geometry.arrays import Complex, Floats, Numbers
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.values import storable
+from tactgen.tmm.ports.port import VOLTAGE, Port
 
 
 @storable

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from geometry.store.values import storable
+from tactgen.geometry.store.values import storable
 
 
 @storable

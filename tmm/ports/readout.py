@@ -12,9 +12,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
-from tmm.ports.multiport import Multiport, Response, respond
-from tmm.ports.port import BIMORPH, VOLTAGE
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.tmm.ports.multiport import Multiport, Response, respond
+from tactgen.tmm.ports.port import BIMORPH, VOLTAGE
 
 #: The bimorph's mechanical ports, and the electrical one.
 MECHANICAL = tuple(port.name for port in BIMORPH if port.pair != VOLTAGE)

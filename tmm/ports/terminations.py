@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.arrays import Bools, Complex, Floats
-from geometry.bimorph.ends import Ends, Law, Springs, TipLoad
-from geometry.device.parameters import Load, Support
-from tmm.ports.multiport import Multiport, hold, terminate
+from tactgen.geometry.arrays import Bools, Complex, Floats
+from tactgen.geometry.bimorph.ends import Ends, Law, Springs, TipLoad
+from tactgen.geometry.device.parameters import Load, Support
+from tactgen.tmm.ports.multiport import Multiport, hold, terminate
 
 #: Range in which the paper fitted the finger's impedance (Hz).
 FINGER_RANGE = (10.0, 1000.0)

@@ -18,14 +18,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from geometry.arrays import Bools, Floats, Ints
-from geometry.device.checks import check_gap
-from geometry.device.parameters import NOMINAL_GAP, Device
-from geometry.device.steel_law import MU0, MagnetisationCurve, linear
-from geometry.device.steel_table import magnetisation_curve
-from geometry.errors import InputError
-from tmm.reluctance.flux_ladder import Ladder
-from tmm.reluctance.gap_permeance import GapPermeance, pole_radii, straight, with_fringing
+from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.device.checks import check_gap
+from tactgen.geometry.device.parameters import NOMINAL_GAP, Device
+from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve, linear
+from tactgen.geometry.device.steel_table import magnetisation_curve
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.reluctance.flux_ladder import Ladder
+from tactgen.tmm.reluctance.gap_permeance import GapPermeance, pole_radii, straight, with_fringing
 
 #: Cells in each of the ladder's zones; the error falls with their square.
 CELLS = 24

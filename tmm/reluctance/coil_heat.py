@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from geometry.device.parameters import Device
-from geometry.device.winding import winding
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.winding import winding
 
 #: Heat transfer to still air (W/(m² K)), the most that free convection gives (Incropera and
 #: DeWitt, Fundamentals of Heat and Mass Transfer, table 1.1: 2 to 25).

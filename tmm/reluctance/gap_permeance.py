@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.device.parameters import Device
-from geometry.device.steel_law import MU0
-from geometry.errors import InputError
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.errors import InputError
 
 #: Roters' half cylinder between two flush edges, its permeance over µ0 and length.
 _HALF_CYLINDER = 0.26

@@ -10,15 +10,15 @@ import math
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.device.checks import widest_gap
-from geometry.device.parameters import Device
-from geometry.device.steel_law import MU0
-from geometry.errors import InputError
-from tmm.reluctance.circuit import widest_circuit
-from tmm.reluctance.gap_permeance import pole_area
-from tmm.reluctance.network import network_samples
-from tmm.reluctance.switching import between_stops, spring_force
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.checks import widest_gap
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.reluctance.circuit import widest_circuit
+from tactgen.tmm.reluctance.gap_permeance import pole_area
+from tactgen.tmm.reluctance.network import network_samples
+from tactgen.tmm.reluctance.switching import between_stops, spring_force
 
 #: The map reaches so many times the largest current at which the network's pull and the spring
 #: balance; the fields switch at currents up to a third above it.

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.device.parameters import Device
-from geometry.device.steel_law import MU0
-from tmm.reluctance.circuit import CELLS, FULL, ONE_GAP, Refinements, circuit
-from tmm.reluctance.coenergy.map import Samples
-from tmm.reluctance.flux_ladder import LadderSolution, solve
-from tmm.reluctance.gap_permeance import pole_area
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.tmm.reluctance.circuit import CELLS, FULL, ONE_GAP, Refinements, circuit
+from tactgen.tmm.reluctance.coenergy.map import Samples
+from tactgen.tmm.reluctance.flux_ladder import LadderSolution, solve
+from tactgen.tmm.reluctance.gap_permeance import pole_area
 
 
 def textbook_force(device: Device, current: float, gap: float) -> float:

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.device.parameters import Device
-from geometry.errors import InputError
-from tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 
 #: Positions between the stops at which forces are compared, before refinement.
 _POSITIONS = 101

@@ -8,14 +8,14 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Iterable
 
-from validation.bench.result import Bench
+from tactgen.validation.bench.result import Bench
 
 #: Name of each part and the module that measures it.
 PARTS = {
-    "tmm": "validation.bench.bimorph.beam",
-    "magnetics": "validation.bench.reluctance",
-    "piezo": "validation.bench.bimorph.solid",
-    "solver": "validation.bench.solver",
+    "tmm": "tactgen.validation.bench.bimorph.beam",
+    "magnetics": "tactgen.validation.bench.reluctance",
+    "piezo": "tactgen.validation.bench.bimorph.solid",
+    "solver": "tactgen.validation.bench.solver",
 }
 
 

@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from geometry.errors import InputError
+from tactgen.geometry.errors import InputError
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -49,7 +49,7 @@ def on_one_core(module: str, function: str, *arguments: Any, python: str = sys.e
 
 def _path() -> str:
     """Return PYTHONPATH with this package's place, which another interpreter need not know."""
-    here = str(Path(__file__).parents[2])
+    here = str(Path(__file__).parents[3])
     return os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
 
 

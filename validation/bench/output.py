@@ -9,11 +9,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from geometry.csv_rows import write_csv
-from geometry.files import write_text
-from validation.bench.result import Bench, Timing
-from validation.view.figures import ORANGE, panels, plain_numbers, svg
-from validation.view.formats import engineering
+from tactgen.geometry.csv_rows import write_csv
+from tactgen.geometry.files import write_text
+from tactgen.validation.bench.result import Bench, Timing
+from tactgen.validation.view.figures import ORANGE, panels, plain_numbers, svg
+from tactgen.validation.view.formats import engineering
 
 
 def print_bench(parts: Iterable[Bench]) -> None:

@@ -16,14 +16,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
-from geometry.device.parameters import Device
-from tmm.reluctance.map_range import map_grid
-from validation.bench.one_core import on_one_core
-from validation.bench.result import Bench, Target, Timing
-from validation.checks.cases.magnetics.sphere_in_field import Potential
-from validation.checks.cases.magnetics.team20 import pole_forces
-from validation.view.formats import engineering
+from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
+from tactgen.geometry.device.parameters import Device
+from tactgen.tmm.reluctance.map_range import map_grid
+from tactgen.validation.bench.one_core import on_one_core
+from tactgen.validation.bench.result import Bench, Target, Timing
+from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential
+from tactgen.validation.checks.cases.magnetics.team20 import pole_forces
+from tactgen.validation.view.formats import engineering
 
 #: Errors asked for, relative.
 _FORCE, _LINKAGE = 1e-3, 5e-4
@@ -190,7 +190,7 @@ def _targets(
         ),
         Target(
             "map of 10 gaps by 10 currents", 60.0, map_time, "s", True,
-            f"fem.reluctance.axisymmetric.actuator.solve_map, order {_MAP_ORDER}",
+            f"tactgen.fem.reluctance.axisymmetric.actuator.solve_map, order {_MAP_ORDER}",
         ),
     )  # fmt: skip
 
@@ -222,8 +222,8 @@ def map_seconds(gaps: int, currents: int) -> float:
 
 def solid_of(name: str, scale: float) -> dict[str, float]:
     """Return TEAM problem 20 by one potential, and the processor time (s) from mesh to force."""
-    from fem.reluctance.three_d.scalar_potential import ScalarPotential
-    from fem.reluctance.three_d.vector_potential import VectorPotential
+    from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
+    from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
 
     potential: Potential = VectorPotential if name == "A" else ScalarPotential
     seconds, found = _timed(lambda: next(pole_forces(potential, scale, (_SATURATED,))), 1)

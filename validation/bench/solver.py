@@ -17,13 +17,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
-from geometry.bimorph.bricks import Bricks
-from geometry.device.parameters import Device
-from geometry.errors import InputError
-from validation.bench.one_core import on_one_core, peak_memory
-from validation.bench.result import Bench, Target, Timing
-from validation.view.formats import engineering
+from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.validation.bench.one_core import on_one_core, peak_memory
+from tactgen.validation.bench.result import Bench, Target, Timing
+from tactgen.validation.view.formats import engineering
 
 #: Unknowns asked for.
 _SIZES = (50_000, 200_000, 500_000)
@@ -102,7 +102,7 @@ class SolverTiming(Timing):
 
 def run(quick: bool, announce: Callable[[str], None]) -> Bench:
     """Measure everything on one core; some ten minutes, or under one if `quick`."""
-    from fem.solvers.linear_solver import available_solver
+    from tactgen.fem.solvers.linear_solver import available_solver
 
     started = time.perf_counter()
     has_pardiso = available_solver().startswith("Pardiso")
@@ -208,7 +208,7 @@ def write_matrix(unknowns: int, lossy: bool, path: str) -> int:
     """Write the matrix of about as many unknowns, and return how many are potentials."""
     from scipy import sparse
 
-    from fem.bimorph.solid import assemble
+    from tactgen.fem.bimorph.solid import assemble
 
     device = Device()
     system = assemble(device, _bricks(device, unknowns), lossy=lossy)
@@ -220,7 +220,7 @@ def measured(path: str, solver: str) -> dict[str, float]:
     """Return the processor times (s) of the steps, peak memory (bytes), error and pivots."""
     from scipy import sparse
 
-    from fem.solvers.linear_solver import factorise
+    from tactgen.fem.solvers.linear_solver import factorise
 
     matrix = sparse.load_npz(path)
     known = np.random.default_rng(3).uniform(-1.0, 1.0, (matrix.shape[0], _RIGHT_SIDES))

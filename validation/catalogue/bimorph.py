@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from geometry.units import Unit
-from tmm.ports.readout import ELECTRICAL, MECHANICAL, ModalReadout, PortMatrix, Readout
-from validation.catalogue.detection import DISPLAY_THRESHOLD
-from validation.catalogue.row import QuantityRow
+from tactgen.geometry.units import Unit
+from tactgen.tmm.ports.readout import ELECTRICAL, MECHANICAL, ModalReadout, PortMatrix, Readout
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
+from tactgen.validation.catalogue.row import QuantityRow
 
 #: Largest plausible magnitude of any measured curve (SI).
 _LARGEST = 1e3

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Bools, Floats
+from tactgen.geometry.arrays import Bools, Floats
 
 _FIG_17 = "paper sections 6 and 7, Fig 17: mean of 10 subjects on the display, 50 g preload"
 

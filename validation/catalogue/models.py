@@ -10,9 +10,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from validation.catalogue.needs import Actuator, Need
-from validation.catalogue.quantities import QUANTITIES
-from validation.catalogue.row import QuantityRow
+from tactgen.validation.catalogue.needs import Actuator, Need
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import QuantityRow
 
 #: Equations that a model solves: two of one theory differ by no more than their error bars.
 Theory = Literal["beam", "solid", "circuit", "field"]
@@ -103,7 +103,7 @@ _MAGNETIC_GIVES: Mapping[Need, tuple[str, ...]] = {
 }  # fmt: skip
 _MAGNETIC_KEPT = ("point", "map", "switching")
 #: The mesher runs in a process that is started by its file.
-_MESHER = ("geometry.meshing.tetwild",)
+_MESHER = ("tactgen.geometry.meshing.tetwild",)
 
 
 _SOLID_KEPT = ("static", "modal", "ports")
@@ -135,43 +135,43 @@ def _row_stages(*modes: str) -> dict[str, tuple[str, ...]]:
 _ROWS = (
     ModelRow(
         "lumped", "static closed forms, consistent mass, one-mode circuit", "bimorph",
-        "validation.models.bimorph.rows", "LumpedModel", theory="beam", rank=1,
+        "tactgen.validation.models.bimorph.rows", "LumpedModel", theory="beam", rank=1,
         stages=_row_stages(), gives=_ROW_GIVES, quick=True,
         shortcut="the inertia is that of the static shapes",
     ),
     ModelRow(
         "tmm", "exact Timoshenko transfer-matrix model (paper appendix A, corrected)", "bimorph",
-        "validation.models.bimorph.rows", "TmmModel", theory="beam", rank=2,
+        "tactgen.validation.models.bimorph.rows", "TmmModel", theory="beam", rank=2,
         stages=_row_stages("modes"), gives=_ROW_GIVES, quick=True,
     ),
     ModelRow(
         "beam", "Timoshenko beam finite elements", "bimorph",
-        "validation.models.bimorph.beam", "BeamModel", theory="beam", rank=3,
+        "tactgen.validation.models.bimorph.beam", "BeamModel", theory="beam", rank=3,
         stages=_row_stages("modes"), gives=_ROW_GIVES, quick=True,
         kept=("ports", "static", "modes"),
     ),
     ModelRow(
         "solid", "3D piezoelectric solid on bricks of high order, the bimorph alone", "bimorph",
-        "validation.models.bimorph.solid", "SolidModel", theory="solid", rank=5,
+        "tactgen.validation.models.bimorph.solid", "SolidModel", theory="solid", rank=5,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
         remedy="raise mesh.level (at most 5) or accept the bar", kept=_SOLID_KEPT,
     ),
     ModelRow(
         "cad", "3D piezoelectric solid on the CAD solids: fTetWild's tetrahedra in scikit-fem",
-        "bimorph", "validation.models.bimorph.cad", "CadModel", theory="solid", rank=4,
+        "bimorph", "tactgen.validation.models.bimorph.cad", "CadModel", theory="solid", rank=4,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
         remedy="raise mesh.level (at most 5) or accept the bar",
         kept=_SOLID_KEPT, loads=_MESHER,
     ),
     ModelRow(
         "network", "lumped reluctance network with fringing, leakage and saturation", "reluctance",
-        "validation.models.reluctance.model", "NetworkModel", theory="circuit", rank=1,
+        "tactgen.validation.models.reluctance.model", "NetworkModel", theory="circuit", rank=1,
         stages={"point": _MAGNETIC, "map": _MAP, "switching": _MAP}, gives=_MAGNETIC_GIVES,
         quick=True, kept=_MAGNETIC_KEPT,
     ),
     ModelRow(
         "axisymmetric", "nonlinear magnetic field in the half section, finite elements",
-        "reluctance", "validation.models.reluctance.field", "AxisymmetricModel",
+        "reluctance", "tactgen.validation.models.reluctance.field", "AxisymmetricModel",
         theory="field", rank=3,
         stages={"point": (*_MAGNETIC, "accuracy"), "map": _MAP, "switching": (*_MAP, "accuracy")},
         gives=_MAGNETIC_GIVES, remedy="its finest grid was used, so accept the bar",
@@ -179,7 +179,7 @@ _ROWS = (
     ),
     ModelRow(
         "magnetic3d", "nonlinear magnetic field in 3D by vector and scalar potential",
-        "reluctance", "validation.models.reluctance.field", "Magnetic3dModel",
+        "reluctance", "tactgen.validation.models.reluctance.field", "Magnetic3dModel",
         theory="field", rank=2,
         stages={
             "point": (*_MAGNETIC, "accuracy", "mesh.kind", *_SLOT),

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from validation.catalogue import bimorph, reluctance
-from validation.catalogue.needs import Actuator
-from validation.catalogue.row import QuantityRow
+from tactgen.validation.catalogue import bimorph, reluctance
+from tactgen.validation.catalogue.needs import Actuator
+from tactgen.validation.catalogue.row import QuantityRow
 
 QUANTITIES: dict[str, QuantityRow] = {q.name: q for q in (*bimorph.ROWS, *reluctance.ROWS)}
 

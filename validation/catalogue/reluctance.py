@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from validation.catalogue.row import AnswerReadout, QuantityRow
+from tactgen.validation.catalogue.row import AnswerReadout, QuantityRow
 
 
 def _at_point(of: Callable[[Any], Any]) -> AnswerReadout:

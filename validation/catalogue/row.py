@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from geometry.units import Unit
-from tmm.ports.readout import ModalReadout, PortMatrix, Readout
-from validation.catalogue.needs import NEEDS, Actuator, Need
+from tactgen.geometry.units import Unit
+from tactgen.tmm.ports.readout import ModalReadout, PortMatrix, Readout
+from tactgen.validation.catalogue.needs import NEEDS, Actuator, Need
 
 
 @dataclass(frozen=True)

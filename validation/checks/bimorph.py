@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from validation.checks import bimorph_measurements as m
-from validation.checks.row import Check
+from tactgen.validation.checks import bimorph_measurements as m
+from tactgen.validation.checks.row import Check
 
 #: What the bridge follows, by the rung's attribute.
 _BRIDGED = {

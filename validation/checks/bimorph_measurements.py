@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tmm.ports.terminations import finger_spring_damper
-from validation.engine.solve import Solution, solve
-from validation.scene.scene import Scene, load_scene
+from tactgen.tmm.ports.terminations import finger_spring_damper
+from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.scene.scene import Scene, load_scene
 
 if TYPE_CHECKING:
-    from validation.models.bimorph.bridge import Rung, Steps
+    from tactgen.validation.models.bimorph.bridge import Rung, Steps
 
 
 def _scene(name: str, *overrides: str) -> Scene:
@@ -146,7 +146,7 @@ def lumped_over_tmm_frequency() -> float:
 @cache
 def _clamped_bridge() -> list[Rung]:
     """Rungs of the paper's bimorph on a rigid clamp, where f1 is the bimorph's own."""
-    from validation.models.bimorph.bridge import bridge
+    from tactgen.validation.models.bimorph.bridge import bridge
 
     return bridge(_scene("paper", "support.kind=clamped"), lambda _: None, sections=False)
 
@@ -165,7 +165,7 @@ def field_variation(quantity: str) -> float:
 
 @cache
 def _ends_rest() -> Steps:
-    from validation.models.bimorph.bridge.end_effect import end_effect
+    from tactgen.validation.models.bimorph.bridge.end_effect import end_effect
 
     return end_effect(_scene("paper")).rest
 

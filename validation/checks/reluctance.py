@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from functools import partial
 
-from geometry.reluctance.team20 import MEASURED_FORCE
-from validation.checks import reluctance_measurements as m
-from validation.checks.row import Check
+from tactgen.geometry.reluctance.team20 import MEASURED_FORCE
+from tactgen.validation.checks import reluctance_measurements as m
+from tactgen.validation.checks.row import Check
 
 _MAXWELL = "Maxwell, Treatise, art. 701: elliptic integrals over both sections"
 _OPEN = "the accuracy wanted; walls at eighty coil radii leave 2e-6"

@@ -7,20 +7,20 @@ from functools import cache, partial
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
-from geometry.arrays import Floats
-from geometry.device.parameters import Device, Steel
-from geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
-from geometry.reluctance.team20 import MEASURED_FORCE
-from tmm.reluctance.coenergy.fit import fit
-from tmm.reluctance.coenergy.map import CoenergyMap, Samples, closed_loop_work
-from tmm.reluctance.map_range import map_grid
-from tmm.reluctance.network import network_samples
-from tmm.reluctance.switching import spring_force
-from validation.checks.cases.magnetics import coaxial_coils, infinite_solenoid, square_law
-from validation.checks.cases.magnetics.long_conductors import conductors
-from validation.checks.cases.magnetics.sphere_in_field import Potential, ball_error
-from validation.checks.cases.magnetics.team20 import PoleForce, pole_forces
+from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Device, Steel
+from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.reluctance.team20 import MEASURED_FORCE
+from tactgen.tmm.reluctance.coenergy.fit import fit
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples, closed_loop_work
+from tactgen.tmm.reluctance.map_range import map_grid
+from tactgen.tmm.reluctance.network import network_samples
+from tactgen.tmm.reluctance.switching import spring_force
+from tactgen.validation.checks.cases.magnetics import coaxial_coils, infinite_solenoid, square_law
+from tactgen.validation.checks.cases.magnetics.long_conductors import conductors
+from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential, ball_error
+from tactgen.validation.checks.cases.magnetics.team20 import PoleForce, pole_forces
 
 #: Currents (A) and gaps (m) of the device at which force and flux linkage are compared: the
 #: paper's point, half closed with less current, nearly closed, and beyond both in saturation.
@@ -28,8 +28,8 @@ STATES = ((0.13, 0.2e-3), (0.05, 0.1e-3), (0.02, 0.02e-3), (0.195, 0.25e-3))
 
 
 def _potential(name: str) -> Potential:
-    from fem.reluctance.three_d.scalar_potential import ScalarPotential
-    from fem.reluctance.three_d.vector_potential import VectorPotential
+    from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
+    from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
 
     return VectorPotential if name == "A" else ScalarPotential
 
@@ -41,14 +41,14 @@ def coils_mutual_inductance() -> float:
 
 def coils_force() -> float:
     """Force between them by virtual work (N)."""
-    from fem.reluctance.axisymmetric.force import virtual_work_force
+    from tactgen.fem.reluctance.axisymmetric.force import virtual_work_force
 
     return virtual_work_force(coaxial_coils.solved())
 
 
 def coils_force_by_stress() -> float:
     """Force between them by the stress in the air (N)."""
-    from fem.reluctance.axisymmetric.force import eggshell_force, eggshell_weight
+    from tactgen.fem.reluctance.axisymmetric.force import eggshell_force, eggshell_weight
 
     field = coaxial_coils.solved()
     return eggshell_force(field, eggshell_weight(field.discretisation))

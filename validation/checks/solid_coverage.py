@@ -12,25 +12,25 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from fem.bimorph.bricks.assembly import assemble_bricks
-from fem.bimorph.modes import natural_modes
-from fem.bimorph.motions import Motion
-from fem.bimorph.ports import ports_from_blocks
-from fem.bimorph.system import SolidSystem
-from fem.solvers.linear_solver import factorise
-from geometry.arrays import Numbers
-from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.bimorph.bricks import Bricks, Held
-from geometry.device.checks import beyond_plain_layers
-from tmm.ports.multiport import Multiport, respond
-from tmm.ports.port import BIMORPH
-from tmm.ports.terminations import attach
-from validation.engine.model import Model, make_model
-from validation.engine.plan import make_plan
-from validation.engine.solve import evaluate, solve
-from validation.engine.stages import Stages
-from validation.models.bimorph.solid import BrickPair, SolidModel
-from validation.scene.scene import Scene, load_scene
+from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.motions import Motion
+from tactgen.fem.bimorph.ports import ports_from_blocks
+from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.geometry.arrays import Numbers
+from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import Bricks, Held
+from tactgen.geometry.device.checks import beyond_plain_layers
+from tactgen.tmm.ports.multiport import Multiport, respond
+from tactgen.tmm.ports.port import BIMORPH
+from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.engine.model import Model, make_model
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import evaluate, solve
+from tactgen.validation.engine.stages import Stages
+from tactgen.validation.models.bimorph.solid import BrickPair, SolidModel
+from tactgen.validation.scene.scene import Scene, load_scene
 
 _STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
 _MODES = ("short_circuit_frequencies", "coupling_factor")

@@ -6,14 +6,14 @@ import importlib
 from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
-from validation.checks.row import Check, run_check
+from tactgen.validation.checks.row import Check, run_check
 
 Verdict = Literal["pass", "fail", "explained", "skipped"]
 
 #: Where the rows of each group are declared; a group is imported when it is asked for.
 GROUPS: dict[str, tuple[str, str]] = {
-    "bimorph": ("validation.checks.bimorph", "CHECKS"),
-    "reluctance": ("validation.checks.reluctance", "MAGNETIC_CHECKS"),
+    "bimorph": ("tactgen.validation.checks.bimorph", "CHECKS"),
+    "reluctance": ("tactgen.validation.checks.reluctance", "MAGNETIC_CHECKS"),
 }
 
 

@@ -16,10 +16,10 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from fem.solvers.threads import thread_count
-from geometry.errors import InputError
-from geometry.store.store import size_limit
-from validation.command_line.commands import (
+from tactgen.fem.solvers.threads import thread_count
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.store import size_limit
+from tactgen.validation.command_line.commands import (
     bench,
     cache,
     design,
@@ -34,7 +34,7 @@ from validation.command_line.commands import (
     stress,
     verify,
 )
-from validation.command_line.commands.common import say
+from tactgen.validation.command_line.commands.common import say
 
 #: numpy's BLAS sees many small products here: with two threads the solid model and the magnetic
 #: field cost 15 to 50 % more processor time for no clear gain in real time, and on a busy

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from validation.engine.plan import Plan
-from validation.engine.results import Quantity
-from validation.engine.solve import Solution
+from tactgen.validation.engine.plan import Plan
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.solve import Solution
 
 #: Arrays over frequency longer than this are shown at a few of their points.
 _SHOWN = 12

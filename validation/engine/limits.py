@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geometry.errors import InputError
-from tmm.ports.readout import Readout
-from tmm.ports.terminations import FINGER_RANGE, outside_finger_range
-from validation.catalogue.detection import DISPLAY_THRESHOLD
-from validation.catalogue.models import MODELS
-from validation.catalogue.quantities import QUANTITIES
-from validation.engine.results import Quantity
-from validation.scene.scene import Scene
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.ports.readout import Readout
+from tactgen.tmm.ports.terminations import FINGER_RANGE, outside_finger_range
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
+from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.scene.scene import Scene
 
 #: Largest displacement (share of the length) that linear theory of bending is about.
 _SMALL_DEFLECTION = 0.1

@@ -12,14 +12,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, TypeVar
 
-from geometry.arrays import Floats
-from geometry.bimorph.ends import Ends
-from geometry.store.values import storable
-from tmm.ports.multiport import Response
-from validation.catalogue.models import MODELS
-from validation.catalogue.needs import Need
-from validation.engine.stages import Stages
-from validation.scene.scene import Scene
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.store.values import storable
+from tactgen.tmm.ports.multiport import Response
+from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.catalogue.needs import Need
+from tactgen.validation.engine.stages import Stages
+from tactgen.validation.scene.scene import Scene
 
 T = TypeVar("T")
 

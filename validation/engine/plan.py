@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from geometry.errors import InputError
-from validation.catalogue.models import MODELS, gives, stage_reads
-from validation.catalogue.needs import NEEDS
-from validation.catalogue.quantities import QUANTITIES
-from validation.engine.model import model_class
-from validation.engine.stages import stage_key
-from validation.scene.scene import Scene
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
+from tactgen.validation.catalogue.needs import NEEDS
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.model import model_class
+from tactgen.validation.engine.stages import stage_key
+from tactgen.validation.scene.scene import Scene
 
 
 @dataclass(frozen=True)

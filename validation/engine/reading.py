@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.bimorph.ends import Ends
-from tmm.ports.multiport import Multiport, Response, in_series, round_off
-from tmm.ports.readout import ModalReadout, PortMatrix, Readout
-from tmm.ports.terminations import attach
-from validation.catalogue.models import TERMINATIONS
-from validation.catalogue.row import AnswerReadout, QuantityRow
-from validation.engine.model import Model, Modes, Refined
-from validation.scene.scene import Scene
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.tmm.ports.multiport import Multiport, Response, in_series, round_off
+from tactgen.tmm.ports.readout import ModalReadout, PortMatrix, Readout
+from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.catalogue.models import TERMINATIONS
+from tactgen.validation.catalogue.row import AnswerReadout, QuantityRow
+from tactgen.validation.engine.model import Model, Modes, Refined
+from tactgen.validation.scene.scene import Scene
 
 Array = NDArray[Any]
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats
 
 #: Order assumed between two uniform meshes of tetrahedra.  Corners where stiffness jumps at a clamp
 #: limit quadratic elements to between 1 and 2 in energy-like quantities.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.store.values import storable
+from tactgen.geometry.store.values import storable
 
 Array = NDArray[Any]
 

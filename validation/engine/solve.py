@@ -6,22 +6,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from validation.catalogue.models import MODELS, gives
-from validation.catalogue.needs import Actuator
-from validation.catalogue.quantities import QUANTITIES
-from validation.engine.limits import (
+from tactgen.validation.catalogue.models import MODELS, gives
+from tactgen.validation.catalogue.needs import Actuator
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.limits import (
     accuracy_warnings,
     check_held,
     deflection_warnings,
     level_warnings,
     load_warnings,
 )
-from validation.engine.model import Model, make_model
-from validation.engine.plan import Plan, Step, make_plan
-from validation.engine.reading import read
-from validation.engine.results import Quantity, quantity_json
-from validation.engine.stages import Stages
-from validation.scene.scene import Scene
+from tactgen.validation.engine.model import Model, make_model
+from tactgen.validation.engine.plan import Plan, Step, make_plan
+from tactgen.validation.engine.reading import read
+from tactgen.validation.engine.results import Quantity, quantity_json
+from tactgen.validation.engine.stages import Stages
+from tactgen.validation.scene.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from geometry.device.steel_table import magnetisation_curve
-from geometry.store.store import kept
-from validation.catalogue.models import stage_code, stage_reads
-from validation.scene.scene import Scene
+from tactgen.geometry.device.steel_table import magnetisation_curve
+from tactgen.geometry.store.store import kept
+from tactgen.validation.catalogue.models import stage_code, stage_reads
+from tactgen.validation.scene.scene import Scene
 
 T = TypeVar("T")
 

@@ -8,16 +8,16 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geometry.device.parameters import Device
-from geometry.errors import InputError
-from geometry.files import written_whole
-from validation.catalogue.models import MODELS, models_of
-from validation.catalogue.quantities import QUANTITIES
-from validation.export.ports import check_state_space, write_port_files
-from validation.scene.scene import Scene
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import written_whole
+from tactgen.validation.catalogue.models import MODELS, models_of
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.export.ports import check_state_space, write_port_files
+from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tmm.reluctance.coenergy.map import CoenergyMap
+    from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 
 #: Endings that each kind of file may have.
 _SUFFIXES = {
@@ -43,7 +43,7 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
     """
     _check_targets(targets)
     if "map" in targets and _magnetic_model(scene) == "magnetic3d":
-        from validation.models.reluctance.field import check_solid_map
+        from tactgen.validation.models.reluctance.field import check_solid_map
 
         check_solid_map(scene)
     if {"ports", "state_space"} & set(targets):
@@ -107,8 +107,8 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
     if "step" in files or "glb" in files:
         _export_solids(scene, files, announce)
     if "mesh" in files:
-        from geometry.meshing.mesh_files import write_mesh
-        from validation.models.bimorph.meshes import cells_of, mesh_pair
+        from tactgen.geometry.meshing.mesh_files import write_mesh
+        from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
 
         announce("mesh")
         write_mesh(cells_of(mesh_pair(scene).meshes[0]), files["mesh"])
@@ -117,7 +117,7 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
         announce("ports of the solid")
         write_port_files(scene, reductions)
     if "map" in files:
-        from tmm.reluctance.coenergy.files import write_map
+        from tactgen.tmm.reluctance.coenergy.files import write_map
 
         write_map(files["map"], _map(scene, announce))
 
@@ -135,10 +135,10 @@ def _magnetic_model(scene: Scene) -> str:
 
 
 def _map(scene: Scene, announce: Callable[[str], None]) -> CoenergyMap:
-    from validation.engine.model import make_model
-    from validation.engine.plan import make_plan
-    from validation.engine.stages import Stages
-    from validation.models.reluctance.model import MagneticModel
+    from tactgen.validation.engine.model import make_model
+    from tactgen.validation.engine.plan import make_plan
+    from tactgen.validation.engine.stages import Stages
+    from tactgen.validation.models.reluctance.model import MagneticModel
 
     name = _magnetic_model(scene)
     quantities = [q for q, row in QUANTITIES.items() if "magnetic_map" in row.needs]
@@ -150,8 +150,8 @@ def _map(scene: Scene, announce: Callable[[str], None]) -> CoenergyMap:
 
 def scene_solids(scene: Scene) -> dict[str, Any]:
     """Return the CAD solids of a scene (mm): the whole generator, or the actuator asked about."""
-    from geometry.cad.solids import build_solids
-    from geometry.device.layout import BIMORPH
+    from tactgen.geometry.cad.solids import build_solids
+    from tactgen.geometry.device.layout import BIMORPH
 
     if scene.support.kind == "rod":
         return build_solids(scene.device, None, "rod")
@@ -165,14 +165,14 @@ def normal_actuator_solids(device: Device) -> dict[str, Any]:
 
     The bimorph matters by its cross-section only; the tab that goes into the slot fits.
     """
-    from geometry.cad.solids import build_solids
-    from geometry.reluctance.tets import with_fitting_tab
+    from tactgen.geometry.cad.solids import build_solids
+    from tactgen.geometry.reluctance.tets import with_fitting_tab
 
     return build_solids(with_fitting_tab(device, device.gap), ("rod", "coil", "sleeve"), "rod")
 
 
 def _export_solids(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> None:
-    from geometry.cad.solids import export_glb, export_step
+    from tactgen.geometry.cad.solids import export_glb, export_step
 
     announce("CAD solids")
     solids = scene_solids(scene)

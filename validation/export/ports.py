@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.errors import InputError
-from validation.scene.scene import Scene
+from tactgen.geometry.errors import InputError
+from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.bimorph.reduction.port_model import PortModel
+    from tactgen.fem.bimorph.reduction.port_model import PortModel
 
 
 def check_state_space(scene: Scene) -> None:
@@ -45,10 +45,10 @@ def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
     InputError
         If the solid model cannot take the scene or a file cannot be written.
     """
-    from fem.bimorph.reduction.files import write_ports
-    from fem.bimorph.reduction.kept import made_from, reduced_solid
-    from fem.bimorph.reduction.state_space_file import write_state_space
-    from validation.models.bimorph.meshes import mesh_pair
+    from tactgen.fem.bimorph.reduction.files import write_ports
+    from tactgen.fem.bimorph.reduction.kept import made_from, reduced_solid
+    from tactgen.fem.bimorph.reduction.state_space_file import write_state_space
+    from tactgen.validation.models.bimorph.meshes import mesh_pair
 
     mesh = mesh_pair(scene).meshes[0]
     frequencies = np.asarray(scene.frequency, dtype=float)

@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from validation.catalogue.bimorph import (
+from tactgen.validation.catalogue.bimorph import (
     CAPACITANCE_FREE,
     SHORT_CIRCUIT_FREQUENCIES,
     STATIC_TIP_DISPLACEMENT,
 )
-from validation.catalogue.models import MODELS, ModelRow, ranked
-from validation.catalogue.needs import Actuator
-from validation.catalogue.quantities import QUANTITIES, quantities_of
-from validation.catalogue.row import QuantityRow
-from validation.engine.results import Quantity
-from validation.scene.scene import Scene
+from tactgen.validation.catalogue.models import MODELS, ModelRow, ranked
+from tactgen.validation.catalogue.needs import Actuator
+from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
+from tactgen.validation.catalogue.row import QuantityRow
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from validation.models.bimorph.bridge import Rung
+    from tactgen.validation.models.bimorph.bridge import Rung
 
 Verdict = Literal["reference", "agrees", "explained", "model form", "differs"]
 

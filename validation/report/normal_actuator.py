@@ -9,24 +9,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.errors import InputError
-from geometry.device.parameters import Device
-from tmm.reluctance.coenergy.map import CoenergyMap
-from validation.models.comparison import ComparedRow, compare
-from validation.models.reluctance.field import AxisymmetricModel
-from validation.models.reluctance.model import MagneticModel, NetworkModel
-from validation.models.reluctance.point import MagneticPoint
-from validation.models.reluctance.switching import SwitchingCurrents
-from validation.engine.model import Model
-from validation.engine.plan import Plan
-from validation.catalogue.models import MODELS, ranked
-from validation.catalogue.quantities import QUANTITIES
-from validation.engine.results import Quantity
-from validation.engine.solve import Solution, solve
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.device.parameters import Device
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.validation.models.comparison import ComparedRow, compare
+from tactgen.validation.models.reluctance.field import AxisymmetricModel
+from tactgen.validation.models.reluctance.model import MagneticModel, NetworkModel
+from tactgen.validation.models.reluctance.point import MagneticPoint
+from tactgen.validation.models.reluctance.switching import SwitchingCurrents
+from tactgen.validation.engine.model import Model
+from tactgen.validation.engine.plan import Plan
+from tactgen.validation.catalogue.models import MODELS, ranked
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.solve import Solution, solve
 
 if TYPE_CHECKING:
-    from fem.reluctance.axisymmetric.actuator import FieldPoint
+    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
 
 #: Curves of a family: shares of the scene's current.
 _SHARES = (0.25, 0.5, 0.75, 1.0, 1.25)
@@ -181,7 +181,7 @@ class NormalActuator:
     @cached_property
     def bridge(self) -> list[BridgeStep]:
         """The way from the one-gap formula over the network to the field, if that was asked for."""
-        from tmm.reluctance.network import network_bridge
+        from tactgen.tmm.reluctance.network import network_bridge
 
         rows: list[tuple[str, str, dict[str, float]]] = [
             (
@@ -224,7 +224,7 @@ class NormalActuator:
         """Single solutions of the field along both families, where it has no map."""
         if self.field_model is None or self.field_model.name in self.maps:
             return ()
-        from fem.reluctance.axisymmetric.actuator import solve_map
+        from tactgen.fem.reluctance.axisymmetric.actuator import solve_map
 
         self.announce("field at single points")
         device, order = self.device, _POINT_ORDER

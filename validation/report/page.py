@@ -9,13 +9,13 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from geometry.files import write_text
-from validation.models.comparison import ComparedRow
-from geometry.files import writable_folder
-from validation.view.formats import filters
-from validation.report.sections.contents import sections
-from validation.report.study import Study
-from validation.scene.scene import Scene
+from tactgen.geometry.files import write_text
+from tactgen.validation.models.comparison import ComparedRow
+from tactgen.geometry.files import writable_folder
+from tactgen.validation.view.formats import filters
+from tactgen.validation.report.sections.contents import sections
+from tactgen.validation.report.study import Study
+from tactgen.validation.scene.scene import Scene
 
 
 def write_report(
@@ -42,7 +42,7 @@ def write_report(
 def _page(study: Study, started: float) -> str:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-    folder = resources.files("validation.report") / "templates"
+    folder = resources.files("tactgen.validation.report") / "templates"
     environment = Environment(
         loader=FileSystemLoader(str(folder)),
         autoescape=True,

@@ -9,24 +9,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.arrays import Complex
-from tmm.ports.invariants import passivity_margin, reciprocity_error
-from tmm.ports.terminations import outside_finger_range
-from validation.checks.row import Outcome, run_check
-from validation.checks.verification import group_rows
-from validation.models.comparison import ComparedRow, compare
-from validation.models.bimorph.two_meshes import TwoMeshModel
-from validation.scene.parameter_list import ParameterRow, parameter_rows
-from validation.engine.plan import Plan, check_models
-from validation.catalogue.bimorph import TIP_DISPLACEMENT
-from validation.catalogue.models import MODELS, gives
-from validation.catalogue.quantities import QUANTITIES
-from validation.report.normal_actuator import NormalActuator, needs_map
-from validation.scene.scene import Scene
-from validation.engine.solve import Solution, solve
+from tactgen.geometry.arrays import Complex
+from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
+from tactgen.tmm.ports.terminations import outside_finger_range
+from tactgen.validation.checks.row import Outcome, run_check
+from tactgen.validation.checks.verification import group_rows
+from tactgen.validation.models.comparison import ComparedRow, compare
+from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
+from tactgen.validation.engine.plan import Plan, check_models
+from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
+from tactgen.validation.catalogue.models import MODELS, gives
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.report.normal_actuator import NormalActuator, needs_map
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.engine.solve import Solution, solve
 
 if TYPE_CHECKING:
-    from validation.models.bimorph.bridge import Rung
+    from tactgen.validation.models.bimorph.bridge import Rung
 
 #: Points of the frequency response in the report.
 _PLOT_POINTS = 400
@@ -109,7 +109,7 @@ class Study:
         """The bridge from TMM to the solid, for a piezoelectric bimorph on bricks."""
         if "solid" not in self.solution.models or self.scene.piezo.d31 == 0.0:
             return None
-        from validation.models.bimorph.bridge import bridge
+        from tactgen.validation.models.bimorph.bridge import bridge
 
         return bridge(self.scene, self.announce, sections=not self.quick)
 

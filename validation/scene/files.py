@@ -8,9 +8,9 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from geometry.errors import InputError
-from geometry.units import quoted
-from validation.scene.wording import nearest
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import quoted
+from tactgen.validation.scene.wording import nearest
 
 #: Longest name that a scene may have.
 _LONGEST_NAME = 100
@@ -18,7 +18,7 @@ _LONGEST_NAME = 100
 
 def built_in_scenes() -> dict[str, str]:
     """Return the names of the built-in scenes with their descriptions."""
-    folder = resources.files("validation.scene") / "scenes"
+    folder = resources.files("tactgen.validation.scene") / "scenes"
     found = {}
     for entry in sorted(folder.iterdir(), key=lambda e: e.name):
         if entry.name.endswith(".toml"):
@@ -37,7 +37,9 @@ def read_scene(name: str) -> tuple[dict[str, Any], str]:
     """
     known = built_in_scenes()
     if name in known:
-        text = (resources.files("validation.scene") / "scenes" / f"{name}.toml").read_text("utf-8")
+        text = (resources.files("tactgen.validation.scene") / "scenes" / f"{name}.toml").read_text(
+            "utf-8"
+        )
         return tomllib.loads(text), f"scene {name}"
     path = Path(name)
     if not _is_file(path):

@@ -6,8 +6,8 @@ import math
 import re
 from typing import Any
 
-from geometry.errors import InputError
-from geometry.units import FREQUENCY, quoted
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import FREQUENCY, quoted
 
 #: Largest sweep that one request may ask for.
 _MOST = 1_000_000

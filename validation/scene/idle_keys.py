@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from geometry import units as u
-from geometry.device import parameters as p
-from validation.catalogue.models import MODELS, models_of
-from validation.catalogue.quantities import QUANTITIES
-from validation.scene.scene import ON_COMMAND_LINE, Scene
+from tactgen.geometry import units as u
+from tactgen.geometry.device import parameters as p
+from tactgen.validation.catalogue.models import MODELS, models_of
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.scene.scene import ON_COMMAND_LINE, Scene
 
 #: Groups that only the models of the lateral actuator read.
 _LATERAL = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from validation.scene.scene import Scene
+from tactgen.validation.scene.scene import Scene
 
 #: Symbols of the paper that stand for scene keys.
 SYMBOLS = {

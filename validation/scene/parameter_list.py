@@ -8,9 +8,9 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from geometry.device.parameters import Parameters, sources
-from geometry.units import Unit
-from validation.scene.scene import Scene
+from tactgen.geometry.device.parameters import Parameters, sources
+from tactgen.geometry.units import Unit
+from tactgen.validation.scene.scene import Scene
 
 
 @dataclass(frozen=True)

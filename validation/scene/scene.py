@@ -14,16 +14,16 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, field_validator
 
-from geometry import units as u
-from geometry.bimorph.ends import Ends
-from geometry.device import parameters as p
-from geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
-from geometry.errors import InputError
-from geometry.units import quoted
-from tmm.ports.terminations import ends_of
-from validation.catalogue.models import MODELS, gives, models_of
-from validation.catalogue.quantities import QUANTITIES, quantities_of
-from validation.scene.files import (
+from tactgen.geometry import units as u
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device import parameters as p
+from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import quoted
+from tactgen.tmm.ports.terminations import ends_of
+from tactgen.validation.catalogue.models import MODELS, gives, models_of
+from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
+from tactgen.validation.scene.files import (
     assign,
     checked_name,
     leaves,
@@ -31,8 +31,8 @@ from validation.scene.files import (
     scene_name,
     split_override,
 )
-from validation.scene.frequencies import parse_frequencies
-from validation.scene.wording import choices, nearest, sentence
+from tactgen.validation.scene.frequencies import parse_frequencies
+from tactgen.validation.scene.wording import choices, nearest, sentence
 
 
 @dataclass(frozen=True)

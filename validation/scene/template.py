@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from geometry.errors import InputError
-from geometry.files import write_text
-from validation.catalogue.models import MODELS, models_of
-from validation.catalogue.quantities import QUANTITIES
-from validation.scene.parameter_list import ParameterRow, parameter_rows
-from validation.scene.scene import load_scene
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import write_text
+from tactgen.validation.catalogue.models import MODELS, models_of
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
+from tactgen.validation.scene.scene import load_scene
 
 _HEAD = """\
 # A tactgen scene.  Every key is shown with the paper's value, commented out; take the

@@ -8,8 +8,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from geometry.errors import InputError
-from geometry.units import quoted
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import quoted
 
 
 def one_line(text: str) -> str:

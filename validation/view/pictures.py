@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.cad.solids import COLOURS
-from geometry.cad.system_libraries import require_library
-from geometry.meshing.mesh import Mesh
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.cad.solids import COLOURS
+from tactgen.geometry.cad.system_libraries import require_library
+from tactgen.geometry.meshing.mesh import Mesh
 
 #: Direction from the object to the viewer.
 _VIEW = (3.0, -2.2, 1.1)

@@ -11,16 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.bimorph.bricks.matrices import brick_matrices
-from fem.bimorph.bricks.order import elimination_order
-from fem.bimorph.motions import Motion
-from fem.bimorph.symmetry import SIGNS, Unknowns, lumped, mirror_signs
-from fem.bimorph.system import SolidSystem, materials, volts_per_unit
-from fem.elements.line_basis import line_weights
-from geometry.arrays import Bools, Floats, Sparse
-from geometry.bimorph.bricks import Bricks, mirrored_axis
-from geometry.device.materials import Piezoceramic
-from geometry.device.parameters import Device
+from tactgen.fem.bimorph.bricks.matrices import brick_matrices
+from tactgen.fem.bimorph.bricks.order import elimination_order
+from tactgen.fem.bimorph.motions import Motion
+from tactgen.fem.bimorph.symmetry import SIGNS, Unknowns, lumped, mirror_signs
+from tactgen.fem.bimorph.system import SolidSystem, materials, volts_per_unit
+from tactgen.fem.elements.line_basis import line_weights
+from tactgen.geometry.arrays import Bools, Floats, Sparse
+from tactgen.geometry.bimorph.bricks import Bricks, mirrored_axis
+from tactgen.geometry.device.materials import Piezoceramic
+from tactgen.geometry.device.parameters import Device
 
 
 def assemble_bricks(

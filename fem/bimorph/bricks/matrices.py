@@ -17,10 +17,10 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from fem.bimorph.system import VOIGT, Material
-from fem.elements.line_basis import LineMatrices, line_matrices
-from geometry.arrays import Floats, Ints, Numbers, Sparse
-from geometry.bimorph.bricks import Bricks, Slab
+from tactgen.fem.bimorph.system import VOIGT, Material
+from tactgen.fem.elements.line_basis import LineMatrices, line_matrices
+from tactgen.geometry.arrays import Floats, Ints, Numbers, Sparse
+from tactgen.geometry.bimorph.bricks import Bricks, Slab
 
 #: The quarter is one of four.
 _COPIES = 4.0

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.arrays import Ints
-from geometry.bimorph.bricks import Bricks
+from tactgen.geometry.arrays import Ints
+from tactgen.geometry.bimorph.bricks import Bricks
 
 
 def elimination_order(bricks: Bricks) -> Ints:

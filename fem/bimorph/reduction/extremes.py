@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.bimorph.reduction.port_model import PortModel
-from geometry.arrays import Complex, Floats
-from geometry.bimorph.ends import Ends, Springs
-from tmm.ports.multiport import Multiport, respond
-from tmm.ports.terminations import attach
+from tactgen.fem.bimorph.reduction.port_model import PortModel
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.bimorph.ends import Ends, Springs
+from tactgen.tmm.ports.multiport import Multiport, respond
+from tactgen.tmm.ports.terminations import attach
 
 #: Frequencies of the search grid; a peak is as wide as 1/Q, and Q is below some hundreds.
 _GRID = 2000

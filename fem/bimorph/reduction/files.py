@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.bimorph.reduction.krylov import ReducedSolid
-from fem.bimorph.reduction.port_model import PortModel
-from geometry.errors import InputError
-from geometry.files import written_whole
+from tactgen.fem.bimorph.reduction.krylov import ReducedSolid
+from tactgen.fem.bimorph.reduction.port_model import PortModel
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import written_whole
 
 #: What the entry `title` says; files that say otherwise are refused.
 TITLE = "piezoelectric solid reduced to its ports"

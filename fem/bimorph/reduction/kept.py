@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.bimorph.reduction.krylov import ReducedSolid, reduce_to_ports
-from fem.bimorph.solid import assemble
-from fem.bimorph.system import materials
-from geometry.arrays import Floats
-from geometry.bimorph.bricks import Bricks
-from geometry.device.parameters import Device
-from geometry.meshing.mesh import Mesh
-from geometry.store.store import kept
-from geometry.store.values import fingerprint
+from tactgen.fem.bimorph.reduction.krylov import ReducedSolid, reduce_to_ports
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.bimorph.system import materials
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.values import fingerprint
 
 #: What makes a reduction.
-_MADE_OF = ("fem.bimorph.reduction.kept",)
+_MADE_OF = ("tactgen.fem.bimorph.reduction.kept",)
 
 
 def reduced_solid(

@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.bimorph.bordered import PORTS
-from fem.bimorph.reduction.extremes import extremes, motions, standard_ends
-from fem.bimorph.reduction.port_model import PortModel, undamped_modes
-from fem.bimorph.system import SolidSystem
-from fem.solvers.linear_solver import factorise
-from fem.solvers.sparse_rows import wide_product
-from geometry.arrays import Bools, Complex, Floats, Ints, Sparse
-from geometry.store.values import storable
-from tmm.ports.multiport import Multiport
+from tactgen.fem.bimorph.bordered import PORTS
+from tactgen.fem.bimorph.reduction.extremes import extremes, motions, standard_ends
+from tactgen.fem.bimorph.reduction.port_model import PortModel, undamped_modes
+from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.fem.solvers.sparse_rows import wide_product
+from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Sparse
+from tactgen.geometry.store.values import storable
+from tactgen.tmm.ports.multiport import Multiport
 
 Wide = NDArray[Any]
 

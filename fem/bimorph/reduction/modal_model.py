@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.bimorph.motions import SHIFT, ModeClass, Motion, strongest
-from geometry.arrays import Floats
-from geometry.bimorph.ends import Ends, TipLoad
-from geometry.store.values import storable
+from tactgen.fem.bimorph.motions import SHIFT, ModeClass, Motion, strongest
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.ends import Ends, TipLoad
+from tactgen.geometry.store.values import storable
 
 #: A tip this many times stiffer than the solid is held.
 _HELD = 1e6

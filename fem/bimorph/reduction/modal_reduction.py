@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.bimorph.modes import eigenpairs
-from fem.bimorph.motions import section_motions
-from fem.bimorph.reduction.modal_model import ModalModel
-from fem.bimorph.system import SolidSystem
-from geometry.arrays import Floats, Sparse
-from geometry.bimorph.ends import Ends
+from tactgen.fem.bimorph.modes import eigenpairs
+from tactgen.fem.bimorph.motions import section_motions
+from tactgen.fem.bimorph.reduction.modal_model import ModalModel
+from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.geometry.arrays import Floats, Sparse
+from tactgen.geometry.bimorph.ends import Ends
 
 #: Held modes in the basis beyond those wanted: a load and an open circuit each lift a mode past
 #: one other at most, springs of the base none.

@@ -18,11 +18,11 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.bimorph.ports import ports_from_blocks
-from geometry.arrays import Complex, Floats
-from geometry.store.values import storable
-from tmm.ports.multiport import Multiport
-from tmm.ports.port import BIMORPH
+from tactgen.fem.bimorph.ports import ports_from_blocks
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.store.values import storable
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.tmm.ports.port import BIMORPH
 
 
 @storable

@@ -30,9 +30,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.bimorph.reduction.port_model import PortModel, undamped_modes
-from geometry.arrays import Complex, Floats
-from geometry.bimorph.ends import Springs
+from tactgen.fem.bimorph.reduction.port_model import PortModel, undamped_modes
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.bimorph.ends import Springs
 
 #: Relaxations of the capacitance per factor e (two per decade hold tan δ to 1e-3), and how far
 #: beyond the range they go (decades).

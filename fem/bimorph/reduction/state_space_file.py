@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.bimorph.reduction.extremes import extremes, motions
-from fem.bimorph.reduction.port_model import PortModel
-from fem.bimorph.reduction.state_space import StateSpace, state_space
-from geometry.arrays import Complex, Floats
-from geometry.bimorph.ends import Ends, Springs
-from geometry.files import written_whole
+from tactgen.fem.bimorph.reduction.extremes import extremes, motions
+from tactgen.fem.bimorph.reduction.port_model import PortModel
+from tactgen.fem.bimorph.reduction.state_space import StateSpace, state_space
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.bimorph.ends import Ends, Springs
+from tactgen.geometry.files import written_whole
 
 #: What the entry `title` says.
 TITLE = "state space of a piezoelectric solid on its support"

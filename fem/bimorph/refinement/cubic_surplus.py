@@ -15,14 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from fem.bimorph.symmetry import SIGNS
-from fem.bimorph.system import Material, SolidSystem, materials
-from fem.elements.skfem_mesh import to_skfem
-from fem.elements.tet_quadrature import tet_rule
-from geometry.arrays import Floats, Ints
-from geometry.device.parameters import Device
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.mirror import MIRRORS, is_quarter
+from tactgen.fem.bimorph.symmetry import SIGNS
+from tactgen.fem.bimorph.system import Material, SolidSystem, materials
+from tactgen.fem.elements.skfem_mesh import to_skfem
+from tactgen.fem.elements.tet_quadrature import tet_rule
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.mirror import MIRRORS, is_quarter
 
 #: Elements worked on at a time: bounds the memory.
 _CHUNK = 4000

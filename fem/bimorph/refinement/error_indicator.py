@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.bimorph.refinement.cubic_surplus import cubic_surplus
-from fem.bimorph.system import SolidSystem
-from fem.solvers.linear_solver import refined_solution
-from geometry.arrays import Floats, Sparse
-from geometry.device.parameters import Device
-from geometry.meshing.mesh import Mesh
+from tactgen.fem.bimorph.refinement.cubic_surplus import cubic_surplus
+from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.solvers.linear_solver import refined_solution
+from tactgen.geometry.arrays import Floats, Sparse
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.meshing.mesh import Mesh
 
 #: Error over what cubics find of it.  At edges where the field is singular, and in layers as
 #: thick as their elements, one degree more removes about half of the error.  Measured on job

@@ -11,20 +11,20 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.field import MagneticField, solve_field, truncation_error
-from fem.reluctance.axisymmetric.force import (
+from tactgen.fem.reluctance.axisymmetric.field import MagneticField, solve_field, truncation_error
+from tactgen.fem.reluctance.axisymmetric.force import (
     EggshellWeight,
     eggshell_force,
     eggshell_weight,
     virtual_work_force,
 )
-from fem.reluctance.axisymmetric.space import Discretisation, discretise, lowered
-from fem.solvers.newton import Factors
-from geometry.arrays import Ints
-from geometry.device.parameters import Device
-from geometry.errors import InputError
-from geometry.reluctance.section_grid import OUTER_RADIUS, graded_grid
-from geometry.reluctance.section_regions import actuator_regions
+from tactgen.fem.reluctance.axisymmetric.space import Discretisation, discretise, lowered
+from tactgen.fem.solvers.newton import Factors
+from tactgen.geometry.arrays import Ints
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, graded_grid
+from tactgen.geometry.reluctance.section_regions import actuator_regions
 
 #: Polynomial order that gives the accuracy wanted in the least time on this device.
 ORDER = 4

@@ -21,11 +21,11 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.space import Discretisation
-from fem.reluctance.iron import energy_density, field_from_flux, reluctivity_tensor
-from fem.solvers.newton import Factors, minimise
-from geometry.arrays import Floats, Sparse
-from geometry.device.steel_law import MU0
+from tactgen.fem.reluctance.axisymmetric.space import Discretisation
+from tactgen.fem.reluctance.iron import energy_density, field_from_flux, reluctivity_tensor
+from tactgen.fem.solvers.newton import Factors, minimise
+from tactgen.geometry.arrays import Floats, Sparse
+from tactgen.geometry.device.steel_law import MU0
 
 
 @dataclass(frozen=True, eq=False)

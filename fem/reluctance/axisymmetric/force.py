@@ -14,13 +14,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.field import MagneticField
-from fem.reluctance.axisymmetric.space import Discretisation, cells_in_order, quadrature_order
-from fem.reluctance.iron import energy_density
-from fem.solvers.linear_solver import factorise
-from geometry.arrays import Floats
-from geometry.device.steel_law import MU0
-from geometry.reluctance.section_grid import Grid
+from tactgen.fem.reluctance.axisymmetric.field import MagneticField
+from tactgen.fem.reluctance.axisymmetric.space import (
+    Discretisation,
+    cells_in_order,
+    quadrature_order,
+)
+from tactgen.fem.reluctance.iron import energy_density
+from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.reluctance.section_grid import Grid
 
 
 @dataclass(frozen=True, eq=False)

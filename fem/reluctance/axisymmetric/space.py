@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from fem.elements.pattern import Pattern
-from fem.reluctance.iron import Iron
-from geometry.arrays import Floats, Ints
-from geometry.reluctance.section_grid import Grid
+from tactgen.fem.elements.pattern import Pattern
+from tactgen.fem.reluctance.iron import Iron
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.reluctance.section_grid import Grid
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,19 +17,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.actuator import FieldErrors
-from fem.reluctance.three_d.force import MotionWeight, eggshell_force, harmonic_weight
-from fem.reluctance.three_d.problem import MagneticField, MagneticSolid, SourceField, sample
-from fem.reluctance.three_d.scalar_potential import ScalarPotential
-from fem.reluctance.three_d.vector_potential import VectorPotential
-from geometry.arrays import Floats
-from geometry.device.parameters import Device
-from geometry.device.steel_table import magnetisation_curve
-from geometry.meshing.mesh import Mesh
-from geometry.reluctance.section_regions import actuator_regions
-from geometry.reluctance.sector_tets import Sector, sector_mesh
-from geometry.reluctance.tets import ActuatorMeshing, actuator_tets
-from geometry.store.values import storable
+from tactgen.fem.reluctance.axisymmetric.actuator import FieldErrors
+from tactgen.fem.reluctance.three_d.force import MotionWeight, eggshell_force, harmonic_weight
+from tactgen.fem.reluctance.three_d.problem import MagneticField, MagneticSolid, SourceField, sample
+from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
+from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.steel_table import magnetisation_curve
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.reluctance.section_regions import actuator_regions
+from tactgen.geometry.reluctance.sector_tets import Sector, sector_mesh
+from tactgen.geometry.reluctance.tets import ActuatorMeshing, actuator_tets
+from tactgen.geometry.store.values import storable
 
 #: Where the eggshell's weight falls from 1 to 0: over all air, or next to the sleeve only.
 SHELLS = (("near", "air"), ("near",))

@@ -25,18 +25,18 @@ from typing import Any
 
 import numpy as np
 
-from fem.reluctance.three_d.problem import (
+from tactgen.fem.reluctance.three_d.problem import (
     MagneticField,
     MagneticSolid,
     SampledSolid,
     with_sorted_corners,
 )
-from fem.reluctance.three_d.scalar_potential import gradient_kernel
-from fem.solvers.linear_solver import factorise
-from geometry.arrays import Floats, Ints
-from geometry.device.steel_law import MU0
-from geometry.errors import InputError
-from geometry.meshing.mesh import Mesh
+from tactgen.fem.reluctance.three_d.scalar_potential import gradient_kernel
+from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.mesh import Mesh
 
 #: Sine of the largest angle between a direction and a face that counts as parallel.
 _PARALLEL = 1e-9

@@ -23,14 +23,14 @@ from typing import Any
 
 import numpy as np
 
-from fem.elements.skfem_mesh import to_skfem
-from fem.elements.tet_quadrature import tet_rule
-from fem.reluctance.iron import Iron, energy_density
-from geometry.arrays import Floats
-from geometry.device.steel_law import MagnetisationCurve
-from geometry.errors import InputError
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.quadratic import TET_EDGES
+from tactgen.fem.elements.skfem_mesh import to_skfem
+from tactgen.fem.elements.tet_quadrature import tet_rule
+from tactgen.fem.reluctance.iron import Iron, energy_density
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.steel_law import MagnetisationCurve
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.quadratic import TET_EDGES
 
 #: T0 (..., 3) in A/m at points (..., 3) in m, for one ampere-turn.
 SourceField = Callable[[Floats], Floats]

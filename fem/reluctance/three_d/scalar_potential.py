@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from fem.elements.pattern import FieldKernel
-from fem.reluctance.iron import coenergy_density, flux_from_field, permeability_tensor
-from fem.reluctance.three_d.problem import MagneticField, SampledSolid
-from fem.solvers.linear_solver import factorise
-from fem.solvers.newton import minimise
-from geometry.arrays import Floats, Ints, Sparse
+from tactgen.fem.elements.pattern import FieldKernel
+from tactgen.fem.reluctance.iron import coenergy_density, flux_from_field, permeability_tensor
+from tactgen.fem.reluctance.three_d.problem import MagneticField, SampledSolid
+from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.fem.solvers.newton import minimise
+from tactgen.geometry.arrays import Floats, Ints, Sparse
 
 
 class ScalarPotential:

@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from fem.elements.pattern import FieldKernel
-from fem.reluctance.iron import energy_density, field_from_flux, reluctivity_tensor
-from fem.reluctance.three_d.problem import MagneticField, SampledSolid
-from fem.solvers.newton import minimise
-from geometry.arrays import Floats, Ints, Sparse
-from geometry.device.steel_law import MU0
+from tactgen.fem.elements.pattern import FieldKernel
+from tactgen.fem.reluctance.iron import energy_density, field_from_flux, reluctivity_tensor
+from tactgen.fem.reluctance.three_d.problem import MagneticField, SampledSolid
+from tactgen.fem.solvers.newton import minimise
+from tactgen.geometry.arrays import Floats, Ints, Sparse
+from tactgen.geometry.device.steel_law import MU0
 
 #: ε times the square of the mesh's diagonal.  What a Newton step misses because of the added
 #: term is about this times a relative permeability; far smaller values cost digits in the
@@ -36,7 +36,7 @@ class VectorPotential:
     def __init__(self, solid: SampledSolid) -> None:
         from skfem import Dofs
 
-        from fem.elements.nedelec import ElementTetEdge2
+        from tactgen.fem.elements.nedelec import ElementTetEdge2
 
         self._solid = solid
         element = ElementTetEdge2()

@@ -11,23 +11,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.cad.tessellation import Plane, Tessellation
-from geometry.device.layout import MM
-from geometry.errors import MeshError
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.mesh_check import (
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.cad.tessellation import Plane, Tessellation
+from tactgen.geometry.device.layout import MM
+from tactgen.geometry.errors import MeshError
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.mesh_check import (
     check_areas,
     check_conformity,
     check_shape,
     check_volumes,
     is_poor,
 )
-from geometry.meshing.quadratic import edges_of_triangles, unique_edges
-from geometry.meshing.tetwild.relaxing import relaxed
-from geometry.meshing.tetwild.snapping import bent_middles, is_curved, memberships, snapped
-from geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
-from geometry.meshing.tetwild.tagging import Skin, region_labels, skin
+from tactgen.geometry.meshing.quadratic import edges_of_triangles, unique_edges
+from tactgen.geometry.meshing.tetwild.relaxing import relaxed
+from tactgen.geometry.meshing.tetwild.snapping import bent_middles, is_curved, memberships, snapped
+from tactgen.geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
+from tactgen.geometry.meshing.tetwild.tagging import Skin, region_labels, skin
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.arrays import Bools, Floats, Ints
-from geometry.meshing.mesh_check import is_poor
-from geometry.meshing.quadratic import smallest_dihedral_angles, tet_volumes
+from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.meshing.mesh_check import is_poor
+from tactgen.geometry.meshing.quadratic import smallest_dihedral_angles, tet_volumes
 
 #: Rounds over all flat tetrahedra at most: one helps its neighbours in the next.
 _ROUNDS = 4

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.arrays import Floats, Ints
-from geometry.errors import MeshError
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.errors import MeshError
 
 _WORKER = Path(__file__).with_name("worker.py")
 

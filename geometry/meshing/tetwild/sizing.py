@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.quadratic import TET_EDGES, unique_edges
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.quadratic import TET_EDGES, unique_edges
 
 #: Order in which an element's share of the error per volume falls with its size.  Smooth
 #: solutions would give quadratic elements 4; most of the error sits at edges where the

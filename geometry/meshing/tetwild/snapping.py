@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.cad.tessellation import Cylinder, Surface
-from geometry.errors import MeshError
-from geometry.meshing.quadratic import jacobian_coefficients, tet_volumes
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.cad.tessellation import Cylinder, Surface
+from tactgen.geometry.errors import MeshError
+from tactgen.geometry.meshing.quadratic import jacobian_coefficients, tet_volumes
 
 #: Newton steps at most: planes need one, a cylinder with planes across it two or three.
 _STEPS = 8

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats
 
 #: Points of the table that stands for the map between two stops: it is then its own exact
 #: inverse, whatever the map.

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.arrays import Floats, Ints
-from geometry.cad.tessellation import OUTSIDE, Face, Surface
-from geometry.errors import MeshError
-from geometry.meshing.mesh import TET_FACES
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.cad.tessellation import OUTSIDE, Face, Surface
+from tactgen.geometry.errors import MeshError
+from tactgen.geometry.meshing.mesh import TET_FACES
 
 if TYPE_CHECKING:
     import cadquery as cq

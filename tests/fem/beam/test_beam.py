@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from fem.beam import beam
-from geometry.bimorph.ends import Ends, Springs
-from geometry.device.parameters import Beam, Bimorph, Device, Load, Support
-from tmm.beam import modes
-from tmm.beam.transfer import transfer_matrix
-from tmm.ports import invariants
-from tmm.ports.terminations import ends_of
+from tactgen.fem.beam import beam
+from tactgen.geometry.bimorph.ends import Ends, Springs
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Support
+from tactgen.tmm.beam import modes
+from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.ports import invariants
+from tactgen.tmm.ports.terminations import ends_of
 
 FREQUENCIES = np.array([0.0, 10.0, 445.0, 1000.0, 5000.0, 20000.0])
 CASES = {

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.bimorph.modes import natural_modes
-from fem.bimorph.ports import static_multiport
-from fem.bimorph.refinement.error_indicator import goal_errors
-from fem.bimorph.solid import assemble
-from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
-from geometry.bimorph.ends import Ends
-from geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
-from geometry.meshing.tetwild.tagging import TET_FACES
-from validation.scene.scene import load_scene
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.ports import static_multiport
+from tactgen.fem.bimorph.refinement.error_indicator import goal_errors
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
+from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
+from tactgen.validation.scene.scene import load_scene
 
 DEVICE = load_scene("j1")[0].device
 

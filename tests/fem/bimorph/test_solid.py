@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.bimorph.modes import natural_modes
-from fem.bimorph.motions import classify
-from fem.bimorph.ports import direct_multiport, static_multiport
-from fem.bimorph.reduction.krylov import reduce_to_ports
-from fem.bimorph.solid import assemble
-from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.bimorph.ends import Ends, Springs, TipLoad
-from geometry.device.parameters import Bimorph, Device, Piezo, Shim, Support
-from tmm.ports import invariants, multiport
-from tmm.ports.terminations import attach, base_stiffness
-from validation.engine.solve import solve
-from validation.scene.scene import load_scene
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.motions import classify
+from tactgen.fem.bimorph.ports import direct_multiport, static_multiport
+from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
+from tactgen.geometry.device.parameters import Bimorph, Device, Piezo, Shim, Support
+from tactgen.tmm.ports import invariants, multiport
+from tactgen.tmm.ports.terminations import attach, base_stiffness
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
 
 COARSE = BrickMeshing((2, 2, 2), smallest=0.5)
 

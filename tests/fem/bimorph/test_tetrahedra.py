@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from fem.bimorph.modes import natural_modes
-from fem.bimorph.ports import static_multiport
-from fem.bimorph.refinement.error_indicator import goal_errors
-from fem.bimorph.skfem_body import SkfemBody
-from fem.bimorph.solid import assemble
-from fem.bimorph.system import materials, volts_per_unit
-from geometry.bimorph.ends import Ends
-from geometry.bimorph.tets import TetMeshing, tetrahedralise
-from geometry.device.parameters import Bimorph, Device, Shim
-from geometry.meshing.mirror import whole_mesh
-from geometry.meshing.tensor_tets import box_tetrahedra
-from geometry.meshing.tetwild.tagging import TET_FACES
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.ports import static_multiport
+from tactgen.fem.bimorph.refinement.error_indicator import goal_errors
+from tactgen.fem.bimorph.skfem_body import SkfemBody
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.bimorph.system import materials, volts_per_unit
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
+from tactgen.geometry.device.parameters import Bimorph, Device, Shim
+from tactgen.geometry.meshing.mirror import whole_mesh
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
 
 SHORT = Device(bimorph=Bimorph(length=6e-3))
 #: A homogeneous section: shim and ceramic of one modulus.

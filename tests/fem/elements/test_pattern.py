@@ -5,12 +5,12 @@ import pytest
 from skfem import Basis, BilinearForm, ElementTetP2, LinearForm
 from skfem.helpers import dot, mul
 
-from fem.elements.nedelec import ElementTetEdge2
-from fem.elements.tet_quadrature import tet_rule
-from fem.reluctance.three_d.problem import MagneticSolid, sample
-from fem.reluctance.three_d.scalar_potential import gradient_kernel
-from fem.reluctance.three_d.vector_potential import VectorPotential
-from validation.checks.cases.magnetics.sphere_mesh import sphere_mesh
+from tactgen.fem.elements.nedelec import ElementTetEdge2
+from tactgen.fem.elements.tet_quadrature import tet_rule
+from tactgen.fem.reluctance.three_d.problem import MagneticSolid, sample
+from tactgen.fem.reluctance.three_d.scalar_potential import gradient_kernel
+from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.validation.checks.cases.magnetics.sphere_mesh import sphere_mesh
 
 RULE = tet_rule()
 TENSOR = np.array([[2.0, 0.3, -0.1], [0.3, 1.0, 0.2], [-0.1, 0.2, 4.0]])

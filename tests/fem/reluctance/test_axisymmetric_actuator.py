@@ -8,12 +8,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem.reluctance.axisymmetric.actuator import FieldErrors, solve_map, solve_point
-from fem.solvers.linear_solver import SolverError
-from geometry.device.parameters import Coil, Device, Rod, Sleeve, Steel
-from geometry.device.steel_law import MU0
-from geometry.errors import InputError
-from geometry.reluctance.section_regions import actuator_regions
+from tactgen.fem.reluctance.axisymmetric.actuator import FieldErrors, solve_map, solve_point
+from tactgen.fem.solvers.linear_solver import SolverError
+from tactgen.geometry.device.parameters import Coil, Device, Rod, Sleeve, Steel
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.reluctance.section_regions import actuator_regions
 
 DEVICE = Device()
 NAMES = tuple(FieldErrors.__dataclass_fields__)
@@ -252,6 +252,6 @@ def test_an_order_without_error_bar_is_refused():
 
 def test_solver_errors_pass_through(monkeypatch):
     """A field that does not converge is an error of the point, not a value."""
-    monkeypatch.setattr("fem.solvers.newton._MAX_STEPS", 1)
+    monkeypatch.setattr("tactgen.fem.solvers.newton._MAX_STEPS", 1)
     with pytest.raises(SolverError, match="did not settle in 1 Newton steps"):
         solve_point(DEVICE, order=2, any_grid=True)

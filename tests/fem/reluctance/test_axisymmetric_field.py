@@ -9,21 +9,25 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fem.reluctance.axisymmetric.field import solve_field, truncation_error
-from fem.reluctance.axisymmetric.force import eggshell_force, eggshell_weight, virtual_work_force
-from fem.reluctance.axisymmetric.space import discretise, lowered
-from fem.solvers.linear_solver import SolverError
-from geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
-from geometry.reluctance.section_grid import Grid, Region, graded_grid
-from validation.checks.cases.magnetics import coaxial_coils
-from validation.checks.cases.magnetics.coaxial_coils import (
+from tactgen.fem.reluctance.axisymmetric.field import solve_field, truncation_error
+from tactgen.fem.reluctance.axisymmetric.force import (
+    eggshell_force,
+    eggshell_weight,
+    virtual_work_force,
+)
+from tactgen.fem.reluctance.axisymmetric.space import discretise, lowered
+from tactgen.fem.solvers.linear_solver import SolverError
+from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.reluctance.section_grid import Grid, Region, graded_grid
+from tactgen.validation.checks.cases.magnetics import coaxial_coils
+from tactgen.validation.checks.cases.magnetics.coaxial_coils import (
     HIGH,
     LOW,
     between_windings,
     mutual_inductance,
     mutual_inductance_slope,
 )
-from validation.checks.cases.magnetics.infinite_solenoid import (
+from tactgen.validation.checks.cases.magnetics.infinite_solenoid import (
     SOLENOID_ERROR,
     core_tolerance,
     exact_profile,
@@ -204,7 +208,7 @@ def test_no_current_no_field():
 
 def test_the_two_solvers_agree(monkeypatch):
     """Pardiso and SuperLU factorisations give one field."""
-    from fem.solvers import linear_solver, newton
+    from tactgen.fem.solvers import linear_solver, newton
 
     d = discretise(graded_grid((POLE, PLATE, COIL), 0.1), 3)
     first = solve_field(d, np.ones(1))
@@ -242,7 +246,7 @@ def test_badly_graded_grids(current, ratio):
 
 def test_no_silent_wrong_answer(monkeypatch):
     """A field that is not converged is refused with a sentence, never returned."""
-    monkeypatch.setattr("fem.solvers.newton._MAX_STEPS", 2)
+    monkeypatch.setattr("tactgen.fem.solvers.newton._MAX_STEPS", 2)
     d = discretise(graded_grid((POLE, PLATE, COIL), 0.1), 2)
     with pytest.raises(SolverError, match="did not settle in 2 Newton steps"):
         solve_field(d, np.array([30.0]))

@@ -5,23 +5,23 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem.reluctance.axisymmetric.actuator import solve_point
-from fem.reluctance.three_d.actuator import (
+from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+from tactgen.fem.reluctance.three_d.actuator import (
     actuator_problem,
     solve_cad,
     solve_row,
     solve_solid,
     winding_source,
 )
-from fem.reluctance.three_d.force import eggshell_force, harmonic_weight, virtual_work_force
-from fem.reluctance.three_d.problem import sample
-from fem.reluctance.three_d.scalar_potential import ScalarPotential
-from fem.reluctance.three_d.vector_potential import VectorPotential
-from geometry.device.parameters import Device
-from geometry.errors import InputError
-from geometry.meshing.quadratic import jacobian_coefficients
-from geometry.reluctance.sector_tets import Sector, sector_mesh
-from geometry.reluctance.tets import ActuatorMeshing
+from tactgen.fem.reluctance.three_d.force import eggshell_force, harmonic_weight, virtual_work_force
+from tactgen.fem.reluctance.three_d.problem import sample
+from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
+from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.quadratic import jacobian_coefficients
+from tactgen.geometry.reluctance.sector_tets import Sector, sector_mesh
+from tactgen.geometry.reluctance.tets import ActuatorMeshing
 
 DEVICE = Device()
 GAP, CURRENT = 0.2e-3, 0.13

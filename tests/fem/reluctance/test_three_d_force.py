@@ -3,26 +3,36 @@
 import numpy as np
 import pytest
 
-from fem.reluctance.three_d.force import eggshell_force, harmonic_weight, moved, virtual_work_force
-from fem.reluctance.three_d.problem import MagneticSolid, sample
-from fem.reluctance.three_d.scalar_potential import ScalarPotential
-from fem.reluctance.three_d.vector_potential import VectorPotential
-from geometry.device.steel_law import MU0, TEAM20, linear
-from geometry.errors import InputError
-from geometry.meshing.quadratic import tet_volumes
-from geometry.reluctance.team20 import (
+from tactgen.fem.reluctance.three_d.force import (
+    eggshell_force,
+    harmonic_weight,
+    moved,
+    virtual_work_force,
+)
+from tactgen.fem.reluctance.three_d.problem import MagneticSolid, sample
+from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
+from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.geometry.device.steel_law import MU0, TEAM20, linear
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.quadratic import tet_volumes
+from tactgen.geometry.reluctance.team20 import (
     MEASURED_FLUX_DENSITY,
     MEASURED_FORCE,
     Team20Meshing,
     team20_mesh,
     team20_source,
 )
-from validation.checks.cases.magnetics.long_conductors import (
+from tactgen.validation.checks.cases.magnetics.long_conductors import (
     PUBLISHED_FORCE,
     conductors,
     thin_strips,
 )
-from validation.checks.cases.magnetics.sphere_mesh import OUTER, RADIUS, mirrored, sphere_mesh
+from tactgen.validation.checks.cases.magnetics.sphere_mesh import (
+    OUTER,
+    RADIUS,
+    mirrored,
+    sphere_mesh,
+)
 
 DOWN = np.array([0.0, 0.0, -1.0])
 STEP = 2e-6  # m, beside a gap of 1.5 mm

@@ -6,17 +6,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-import fem.reluctance.three_d.vector_potential
-from fem.reluctance.iron import coenergy_density, energy_density
-from fem.reluctance.three_d.problem import MagneticSolid, sample
-from fem.reluctance.three_d.scalar_potential import ScalarPotential
-from fem.reluctance.three_d.vector_potential import VectorPotential
-from geometry.device.steel_law import MU0, TEAM20, linear
-from geometry.errors import InputError
-from geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
-from geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
-from validation.checks.cases.magnetics.sphere_in_field import ball_error
-from validation.checks.cases.magnetics.sphere_mesh import mirrored, sphere_mesh
+from tactgen.fem.reluctance.iron import coenergy_density, energy_density
+from tactgen.fem.reluctance.three_d.problem import MagneticSolid, sample
+from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
+from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.geometry.device.steel_law import MU0, TEAM20, linear
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
+from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
+from tactgen.validation.checks.cases.magnetics.sphere_in_field import ball_error
+from tactgen.validation.checks.cases.magnetics.sphere_mesh import mirrored, sphere_mesh
 
 STEEL = {"pole": TEAM20, "yoke": TEAM20}
 BOTH = pytest.mark.parametrize("potential", [VectorPotential, ScalarPotential])
@@ -242,7 +241,7 @@ def test_half_of_the_device_gives_what_a_quarter_gives(saturated, which):
 
 def test_gauge_term_leaves_the_field_alone(coarse, saturated, monkeypatch):
     """A hundred times the added mass changes no digit of the co-energy that Newton settles."""
-    monkeypatch.setattr(fem.reluctance.three_d.vector_potential, "_GAUGE", 1e-2)
+    monkeypatch.setattr("tactgen.fem.reluctance.three_d.vector_potential._GAUGE", 1e-2)
     problem = saturated[0].solid
     stiff = VectorPotential(problem).solve(5000.0)
     assert stiff.coenergy == pytest.approx(saturated[0].coenergy, rel=1e-11)

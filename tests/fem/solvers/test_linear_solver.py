@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from fem.bimorph.solid import assemble
-from fem.solvers import linear_solver, sparse_rows
-from fem.solvers.linear_solver import Factor, SolverError, factorise, refined_solution
-from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
-from geometry.device.parameters import Device
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.solvers import linear_solver, sparse_rows
+from tactgen.fem.solvers.linear_solver import Factor, SolverError, factorise, refined_solution
+from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.device.parameters import Device
 
 without_mkl = linear_solver.available_solver().startswith("SuperLU")
 needs_mkl = pytest.mark.skipif(without_mkl, reason="Intel MKL is not installed")
@@ -250,7 +250,7 @@ def test_matching_where_pivots_are_lost(monkeypatch):
 @needs_mkl
 def test_perturbed_pivots_are_counted():
     """A pivot that had to be replaced is told of."""
-    from fem.solvers.pardiso import Pardiso
+    from tactgen.fem.solvers.pardiso import Pardiso
 
     upper = sparse.triu(laplacian(50), format="csr")
     line = Pardiso(upper.indptr, upper.indices, complex_numbers=False)

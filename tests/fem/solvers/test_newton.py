@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-import fem.solvers.newton
-from fem.solvers.linear_solver import SolverError
-from fem.solvers.newton import minimise
+from tactgen.fem.solvers.linear_solver import SolverError
+from tactgen.fem.solvers.newton import minimise
 
 
 class Saturating:
@@ -66,6 +65,6 @@ def test_nothing_to_do_takes_no_step():
 
 def test_too_many_steps_are_given_up(monkeypatch):
     """The message says how far it got and what to look at."""
-    monkeypatch.setattr(fem.solvers.newton, "_MAX_STEPS", 2)
+    monkeypatch.setattr("tactgen.fem.solvers.newton._MAX_STEPS", 2)
     with pytest.raises(SolverError, match=r"in 2 Newton steps.*check the magnetisation"):
         minimise(Saturating(np.ones(1), np.array([0.99])), np.array([-5.0]))

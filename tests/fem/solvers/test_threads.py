@@ -2,9 +2,9 @@
 
 import pytest
 
-from fem.solvers.threads import VARIABLE, thread_count
-from geometry.errors import InputError
-from validation.command_line.cli import main
+from tactgen.fem.solvers.threads import VARIABLE, thread_count
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.cli import main
 
 
 @pytest.mark.parametrize(("text", "count"), [("", None), (" ", None), ("1", 1), ("16", 16)])

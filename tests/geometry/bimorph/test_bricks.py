@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.bimorph.bricks import lobatto_points
-from geometry.device.parameters import Bimorph, Device
+from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import lobatto_points
+from tactgen.geometry.device.parameters import Bimorph, Device
 
 VARIANTS = (
     {},

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from geometry.bimorph.ends import Ends, Springs, TipLoad
-from geometry.device.parameters import Load, Support
-from tmm.ports.terminations import ends_of, finger_stiffness
+from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
+from tactgen.geometry.device.parameters import Load, Support
+from tactgen.tmm.ports.terminations import ends_of, finger_stiffness
 
 SPRINGS = Springs(3e6, 0.24, rotational_damping=4.46e-6, rotational_inertia=1e-12)
 

@@ -2,15 +2,15 @@
 
 import pytest
 
-from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
-from geometry.bimorph.pieces import Layers, Piece, beam_pieces
-from geometry.device.checks import check_fit
-from geometry.device.layout import layout
-from geometry.device.parameters import Bimorph, Device, Support
-from geometry.errors import InputError
-from validation.engine.plan import make_plan
-from validation.scene.idle_keys import scene_warnings
-from validation.scene.scene import load_scene
+from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.pieces import Layers, Piece, beam_pieces
+from tactgen.geometry.device.checks import check_fit
+from tactgen.geometry.device.layout import layout
+from tactgen.geometry.device.parameters import Bimorph, Device, Support
+from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.scene.idle_keys import scene_warnings
+from tactgen.validation.scene.scene import load_scene
 
 STEP = ((0.0, 2.1e-3), (8e-3, 2.1e-3), (8e-3, 1e-3), (20e-3, 1e-3))
 TAPER = ((0.0, 0.26e-3), (20e-3, 0.13e-3))

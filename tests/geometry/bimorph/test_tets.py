@@ -7,25 +7,25 @@ import meshio
 import numpy as np
 import pytest
 
-from geometry.bimorph.tets import MeshError, TetMeshing, tetrahedralise
-from geometry.cad.solids import build_solids, fuse
-from geometry.cad.tessellation import tessellate
-from geometry.device.layout import closed_form_volumes
-from geometry.device.parameters import Bimorph, Device, Shim
-from geometry.errors import InputError
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.mesh_files import read_mesh, write_mesh
-from geometry.meshing.quadratic import (
+from tactgen.geometry.bimorph.tets import MeshError, TetMeshing, tetrahedralise
+from tactgen.geometry.cad.solids import build_solids, fuse
+from tactgen.geometry.cad.tessellation import tessellate
+from tactgen.geometry.device.layout import closed_form_volumes
+from tactgen.geometry.device.parameters import Bimorph, Device, Shim
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.mesh_files import read_mesh, write_mesh
+from tactgen.geometry.meshing.quadratic import (
     TET_EDGES,
     jacobian_coefficients,
     smallest_dihedral_angles,
     tet_volumes,
     triangle_areas,
 )
-from geometry.meshing.tetwild import run as ftetwild
-from geometry.meshing.tetwild.conform import conform
-from geometry.meshing.tetwild.run import sizing_along_z
-from geometry.meshing.tetwild.tagging import TET_FACES
+from tactgen.geometry.meshing.tetwild import run as ftetwild
+from tactgen.geometry.meshing.tetwild.conform import conform
+from tactgen.geometry.meshing.tetwild.run import sizing_along_z
+from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
 
 GENERATOR = Device(bimorph=Bimorph(tab_length=0.4e-3))
 ON_ROD = ("piezo_top", "piezo_bottom", "shim", "glue", "rod")

@@ -7,10 +7,16 @@ import sys
 
 import pytest
 
-from geometry.cad.solids import build_solids, export_glb, export_step, fuse, thinnest_feature
-from geometry.device.layout import closed_form_volumes
-from geometry.device.parameters import Bimorph, Coil, Device, Glue, Rod, Sleeve
-from geometry.errors import InputError
+from tactgen.geometry.cad.solids import (
+    build_solids,
+    export_glb,
+    export_step,
+    fuse,
+    thinnest_feature,
+)
+from tactgen.geometry.device.layout import closed_form_volumes
+from tactgen.geometry.device.parameters import Bimorph, Coil, Device, Glue, Rod, Sleeve
+from tactgen.geometry.errors import InputError
 
 GENERATOR = Device(bimorph=Bimorph(tab_length=0.4e-3))
 
@@ -199,6 +205,6 @@ def test_folder_that_does_not_exist_is_explained(tmp_path):
 
 
 def test_import_does_not_load_the_cad_kernel():
-    modules = "sys, geometry.cad.solids, geometry.bimorph.tets"
+    modules = "sys, tactgen.geometry.cad.solids, tactgen.geometry.bimorph.tets"
     code = f"import {modules}; sys.exit('cadquery' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

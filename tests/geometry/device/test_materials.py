@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.device.materials import EPS0, isotropic_stiffness, orthotropic_stiffness
-from geometry.device.parameters import Piezo
-from geometry.device.piezo_library import LIBRARY
-from geometry.errors import InputError
+from tactgen.geometry.device.materials import EPS0, isotropic_stiffness, orthotropic_stiffness
+from tactgen.geometry.device.parameters import Piezo
+from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.errors import InputError
 
 # a 6 x 6 inversion of a matrix of condition number about 10
 ROUNDING = 1e-13

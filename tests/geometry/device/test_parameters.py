@@ -3,10 +3,10 @@
 import pytest
 from pydantic import ValidationError
 
-from geometry.bimorph.pieces import Piece, beam_pieces
-from geometry.device import parameters as p
-from geometry.device.checks import check_fit
-from geometry.errors import InputError
+from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
+from tactgen.geometry.device import parameters as p
+from tactgen.geometry.device.checks import check_fit
+from tactgen.geometry.errors import InputError
 
 GROUPS = (
     p.Bimorph, p.Piezo, p.Shim, p.Glue, p.Rod, p.Coil, p.Sleeve, p.Spring,

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geometry.device.materials import EPS0
-from geometry.device.parameters import Piezo, spreads
-from geometry.device.piezo_library import LIBRARY
-from geometry.device.steel_law import TEAM20
-from geometry.device.steel_table import read_curve
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Piezo, spreads
+from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.device.steel_law import TEAM20
+from tactgen.geometry.device.steel_table import read_curve
 
 # a 6 x 6 inversion of a matrix of condition number about 10
 ROUNDING = 1e-13

@@ -2,11 +2,11 @@
 
 import pytest
 
-from geometry.device.parameters import Bimorph
-from geometry.device.profile import UNIFORM, Profile
-from geometry.errors import InputError
-from validation.scene.scene import load_scene
-from validation.scene.template import template
+from tactgen.geometry.device.parameters import Bimorph
+from tactgen.geometry.device.profile import UNIFORM, Profile
+from tactgen.geometry.errors import InputError
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.template import template
 
 STEPPED = "0 mm: 2.1 mm, 10 mm: 2.1 mm, 10 mm: 1.5 mm, 20 mm: 1 mm"
 POINTS = ((0.0, 2.1e-3), (10e-3, 2.1e-3), (10e-3, 1.5e-3), (20e-3, 1e-3))

@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from geometry.device.parameters import Steel
-from geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
-from geometry.device.steel_table import magnetisation_curve, read_curve
-from geometry.errors import InputError
+from tactgen.geometry.device.parameters import Steel
+from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.device.steel_table import magnetisation_curve, read_curve
+from tactgen.geometry.errors import InputError
 
 #: Rounding of a few operations.
 ROUNDING = 1e-13

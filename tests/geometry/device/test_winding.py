@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from geometry.device.parameters import Coil
-from geometry.device.winding import winding
+from tactgen.geometry.device.parameters import Coil
+from tactgen.geometry.device.winding import winding
 
 
 def test_wire_fills_its_share_of_the_window():

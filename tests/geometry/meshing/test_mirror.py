@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.mirror import MIRRORS, is_quarter, mirrored_points, whole_mesh
-from geometry.meshing.quadratic import (
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.mirror import MIRRORS, is_quarter, mirrored_points, whole_mesh
+from tactgen.geometry.meshing.quadratic import (
     TET_EDGES,
     jacobian_coefficients,
     tet_volumes,
     unique_edges,
 )
-from geometry.meshing.tensor_tets import box_tetrahedra
-from geometry.meshing.tetwild.tagging import TET_FACES
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
 
 
 def quarter():

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.device.steel_law import linear
-from geometry.reluctance.section_grid import CORNER, Grid, Region, graded_grid, graded_lines
+from tactgen.geometry.device.steel_law import linear
+from tactgen.geometry.reluctance.section_grid import CORNER, Grid, Region, graded_grid, graded_lines
 
 IRON = linear(1000.0)
 POLE = Region("pole", (0.0, 1.0), (0.1, 2.0), IRON, moves=True)

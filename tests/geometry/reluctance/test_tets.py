@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from geometry.device.layout import closed_form_volumes
-from geometry.device.parameters import Device
-from geometry.meshing.quadratic import jacobian_coefficients
-from geometry.reluctance.tets import (
+from tactgen.geometry.device.layout import closed_form_volumes
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.meshing.quadratic import jacobian_coefficients
+from tactgen.geometry.reluctance.tets import (
     REGIONS,
     ActuatorMeshing,
     actuator_solids,

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from geometry.bimorph.ends import Ends, Springs, TipLoad
-from geometry.device.parameters import Beam, Bimorph, Device, Support
-from tmm.beam import lumped
-from tmm.beam.modes import bending_frequencies
-from tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
+from tactgen.tmm.beam import lumped
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.transfer import transfer_matrix as tmm
 
 SPRING, CLAMPED, ROD = Support(), Support(kind="clamped"), Support(kind="rod")
 TAB = Device(bimorph=Bimorph(tab_length=2e-3))

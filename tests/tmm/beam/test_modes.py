@@ -6,14 +6,14 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from geometry.bimorph.ends import Ends, Springs, TipLoad
-from geometry.bimorph.pieces import Piece
-from geometry.device.parameters import Beam, Bimorph, Device, Support
-from tmm.beam.modes import bending_frequencies, natural_frequencies
-from tmm.beam.printed_formulas import matrix_a
-from tmm.beam.section.section import Joint, Section, section
-from tmm.beam.transfer import transfer_matrix as tmm
-from validation.checks.cases import reference_beam
+from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
+from tactgen.tmm.beam.modes import bending_frequencies, natural_frequencies
+from tactgen.tmm.beam.printed_formulas import matrix_a
+from tactgen.tmm.beam.section.section import Joint, Section, section
+from tactgen.tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.validation.checks.cases import reference_beam
 
 CLAMPED = Ends()
 UNHELD = Springs(0.0, 0.0)

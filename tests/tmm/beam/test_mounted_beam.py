@@ -8,20 +8,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.bimorph.ends import Ends
-from geometry.bimorph.pieces import Piece
-from geometry.device.parameters import Beam, Device, Load, Support
-from tmm.beam import mounted_beam
-from tmm.beam.modes import bending_frequencies
-from tmm.beam.mounted_beam import mounted_response
-from tmm.beam.section.section import Section, section
-from tmm.beam.transfer import timoshenko
-from tmm.beam.transfer.precision import error_bound
-from tmm.beam.transfer.timoshenko import dynamic_stiffness
-from tmm.beam.transfer.transfer_matrix import chain
-from tmm.ports.multiport import respond
-from tmm.ports.terminations import attach, base_stiffness, ends_of, tip_stiffness
-from validation.checks.cases import reference_beam as reference
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.parameters import Beam, Device, Load, Support
+from tactgen.tmm.beam import mounted_beam
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.mounted_beam import mounted_response
+from tactgen.tmm.beam.section.section import Section, section
+from tactgen.tmm.beam.transfer import timoshenko
+from tactgen.tmm.beam.transfer.precision import error_bound
+from tactgen.tmm.beam.transfer.timoshenko import dynamic_stiffness
+from tactgen.tmm.beam.transfer.transfer_matrix import chain
+from tactgen.tmm.ports.multiport import respond
+from tactgen.tmm.ports.terminations import attach, base_stiffness, ends_of, tip_stiffness
+from tactgen.validation.checks.cases import reference_beam as reference
 
 LENGTH = 20e-3
 EPS = np.finfo(float).eps

@@ -8,9 +8,9 @@ out here, so that nothing but the paper's own formulas is at work.
 import numpy as np
 import pytest
 
-from geometry.bimorph.pieces import Piece
-from geometry.device.parameters import Beam, Device, Support
-from tmm.beam.printed_formulas import (
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.tmm.beam.printed_formulas import (
     FORMULAS,
     MISPRINTS,
     PLACES,
@@ -18,10 +18,10 @@ from tmm.beam.printed_formulas import (
     matrix_a,
     printed_section,
 )
-from tmm.beam.section.section import section
-from tmm.beam.transfer.timoshenko import dynamic_stiffness
-from tmm.ports.terminations import finger_impedance
-from validation.checks.cases import reference_beam as reference
+from tactgen.tmm.beam.section.section import section
+from tactgen.tmm.beam.transfer.timoshenko import dynamic_stiffness
+from tactgen.tmm.ports.terminations import finger_impedance
+from tactgen.validation.checks.cases import reference_beam as reference
 
 DEVICE = Device()
 BEAM = section(Piece("bimorph", 20e-3), DEVICE, Beam(), lossy=True)

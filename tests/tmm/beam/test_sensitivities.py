@@ -10,17 +10,17 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from geometry.device.materials import EPS0
-from geometry.errors import InputError
-from tmm.beam.parametric import Actuator, parameter_keys
-from tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
-from tmm.beam.sensitivities import derivatives, logarithmic_sensitivities, values
-from tmm.ports.readout import ModalReadout, Readout
-from tmm.ports.terminations import finger_spring_damper
-from validation.catalogue.detection import DISPLAY_THRESHOLD
-from validation.catalogue.quantities import QUANTITIES
-from validation.checks.cases import reference_beam as reference
-from validation.scene.scene import load_scene
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.parametric import Actuator, parameter_keys
+from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
+from tactgen.tmm.beam.sensitivities import derivatives, logarithmic_sensitivities, values
+from tactgen.tmm.ports.readout import ModalReadout, Readout
+from tactgen.tmm.ports.terminations import finger_spring_damper
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.checks.cases import reference_beam as reference
+from tactgen.validation.scene.scene import load_scene
 
 #: How each quantity with a derivative is read, by its name.
 READS = {

@@ -5,15 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.bimorph.ends import Ends, Springs
-from geometry.device.parameters import Beam, Device, Support
-from tmm.beam.section.section import Section
-from tmm.beam.transfer import transfer_matrix as tmm
-from tmm.ports.elements import coil, contact, lumped_mass, rigid_rod, spring
-from tmm.ports.invariants import passivity_margin, reciprocity_error
-from tmm.ports.multiport import connect, hold, reduce, respond
-from tmm.ports.port import AXIAL, LATERAL, ROTATION
-from tmm.ports.terminations import attach
+from tactgen.geometry.bimorph.ends import Ends, Springs
+from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.tmm.ports.elements import coil, contact, lumped_mass, rigid_rod, spring
+from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
+from tactgen.tmm.ports.multiport import connect, hold, reduce, respond
+from tactgen.tmm.ports.port import AXIAL, LATERAL, ROTATION
+from tactgen.tmm.ports.terminations import attach
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e4])
 OMEGA = 2.0 * np.pi * FREQUENCIES

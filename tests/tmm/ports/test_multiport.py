@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.bimorph.ends import Ends, TipLoad
-from geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Shim, Support
-from geometry.errors import InputError
-from tmm.beam import lumped
-from tmm.beam.printed_formulas import printed_section
-from tmm.beam.transfer import transfer_matrix as tmm
-from tmm.ports.invariants import passivity_margin, reciprocity_error, symmetric_form
-from tmm.ports.multiport import (
+from tactgen.geometry.bimorph.ends import Ends, TipLoad
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Shim, Support
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam import lumped
+from tactgen.tmm.beam.printed_formulas import printed_section
+from tactgen.tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error, symmetric_form
+from tactgen.tmm.ports.multiport import (
     balanced,
     connect,
     hold,
@@ -24,8 +24,8 @@ from tmm.ports.multiport import (
     round_off,
     terminate,
 )
-from tmm.ports.port import BIMORPH
-from tmm.ports.terminations import attach, ends_of, finger_stiffness
+from tactgen.tmm.ports.port import BIMORPH
+from tactgen.tmm.ports.terminations import attach, ends_of, finger_stiffness
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e3, 2e4])
 CLAMPED, SPRING = Support(kind="clamped"), Support()

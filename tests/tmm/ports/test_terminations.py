@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
-from geometry.device.parameters import Beam, Device, Load, Support
-from tmm.beam.transfer import transfer_matrix as tmm
-from tmm.ports import terminations as t
-from tmm.ports.multiport import respond
+from tactgen.geometry.device.parameters import Beam, Device, Load, Support
+from tactgen.tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.tmm.ports import terminations as t
+from tactgen.tmm.ports.multiport import respond
 
 FREQUENCIES = np.array([0.0, 10.0, 300.0, 1000.0])
 

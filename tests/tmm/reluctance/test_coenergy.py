@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geometry.device.parameters import Device
-from geometry.errors import InputError
-from tmm.reluctance.circuit import FULL, Refinements
-from tmm.reluctance.coenergy.fit import fit
-from tmm.reluctance.coenergy.map import Samples, closed_loop_work
-from tmm.reluctance.network import network_samples
-from validation.checks.cases.magnetics import square_law
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.reluctance.circuit import FULL, Refinements
+from tactgen.tmm.reluctance.coenergy.fit import fit
+from tactgen.tmm.reluctance.coenergy.map import Samples, closed_loop_work
+from tactgen.tmm.reluctance.network import network_samples
+from tactgen.validation.checks.cases.magnetics import square_law
 
 #: A linear actuator: λ = C i/(g + G0).
 C, G0 = 2e-6, 0.1e-3

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
-from geometry.device.parameters import Device
-from geometry.errors import InputError
-from tmm.reluctance.coenergy.files import read_map, write_map
-from tmm.reluctance.coenergy.fit import fit
-from tmm.reluctance.coenergy.map import Samples
-from tmm.reluctance.network import network_samples
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.reluctance.coenergy.files import read_map, write_map
+from tactgen.tmm.reluctance.coenergy.fit import fit
+from tactgen.tmm.reluctance.coenergy.map import Samples
+from tactgen.tmm.reluctance.network import network_samples
 
 CURRENTS, GAPS = np.linspace(0.0, 0.2, 8), np.geomspace(0.02e-3, 0.25e-3, 7)
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from geometry.device.parameters import Coil, Device, Sleeve, Spring
-from tmm.reluctance.map_range import map_grid
-from tmm.reluctance.network import network_samples
+from tactgen.geometry.device.parameters import Coil, Device, Sleeve, Spring
+from tactgen.tmm.reluctance.map_range import map_grid
+from tactgen.tmm.reluctance.network import network_samples
 
 
 def device(current=0.13, **spring):

@@ -6,13 +6,13 @@ from functools import partial
 import numpy as np
 import pytest
 
-from geometry.device.parameters import Coil, Device, Rod, Sleeve, Steel
-from geometry.device.steel_law import MU0
-from geometry.errors import InputError
-from tmm.reluctance.circuit import FULL, ONE_GAP, Refinements
-from tmm.reluctance.coenergy.map import closed_loop_work
-from tmm.reluctance.gap_permeance import pole_area, straight, with_fringing
-from tmm.reluctance.network import network_bridge, network_samples, textbook_force
+from tactgen.geometry.device.parameters import Coil, Device, Rod, Sleeve, Steel
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.reluctance.circuit import FULL, ONE_GAP, Refinements
+from tactgen.tmm.reluctance.coenergy.map import closed_loop_work
+from tactgen.tmm.reluctance.gap_permeance import pole_area, straight, with_fringing
+from tactgen.tmm.reluctance.network import network_bridge, network_samples, textbook_force
 
 DEVICE = Device()
 CURRENTS = np.array([0.0, 1e-3, 0.02, 0.13, 1.0])

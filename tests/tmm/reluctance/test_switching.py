@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from geometry.device.parameters import Coil, Device, Spring
-from geometry.device.winding import winding
-from geometry.errors import InputError
-from tmm.reluctance import coil_heat
-from tmm.reluctance import switching as normal_actuator
-from tmm.reluctance.coenergy.fit import fit
-from tmm.reluctance.coenergy.map import Samples
-from tmm.reluctance.map_range import map_grid
-from tmm.reluctance.network import network_samples
+from tactgen.geometry.device.parameters import Coil, Device, Spring
+from tactgen.geometry.device.winding import winding
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.reluctance import coil_heat
+from tactgen.tmm.reluctance import switching as normal_actuator
+from tactgen.tmm.reluctance.coenergy.fit import fit
+from tactgen.tmm.reluctance.coenergy.map import Samples
+from tactgen.tmm.reluctance.map_range import map_grid
+from tactgen.tmm.reluctance.network import network_samples
 
 #: A linear actuator: λ = C i/(g + G0), F = C i²/(2 (g + G0)²).
 C, G0 = 2e-6, 0.1e-3

@@ -6,16 +6,16 @@ import os
 
 import pytest
 
-from geometry.errors import InputError
-from validation.bench import reluctance as magnetics
-from validation.bench import solver
-from validation.bench.bimorph import beam
-from validation.bench.bimorph.beam import BeamTiming
-from validation.bench.one_core import on_one_core, peak_memory
-from validation.bench.output import time_error_plot
-from validation.bench.reluctance import FieldTiming
-from validation.bench.result import Bench, Target
-from validation.command_line.commands import bench as command
+from tactgen.geometry.errors import InputError
+from tactgen.validation.bench import reluctance as magnetics
+from tactgen.validation.bench import solver
+from tactgen.validation.bench.bimorph import beam
+from tactgen.validation.bench.bimorph.beam import BeamTiming
+from tactgen.validation.bench.one_core import on_one_core, peak_memory
+from tactgen.validation.bench.output import time_error_plot
+from tactgen.validation.bench.reluctance import FieldTiming
+from tactgen.validation.bench.result import Bench, Target
+from tactgen.validation.command_line.commands import bench as command
 
 
 def test_measured_alone_on_one_core():

@@ -8,17 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.bimorph.system import materials
-from geometry.errors import InputError
-from validation.bench import PARTS, run_parts
-from validation.bench.bimorph import jobs, meshes, peers, solid
-from validation.bench.bimorph.peers.grid import LAYERS, SHIM, bricks
-from validation.bench.bimorph.peers.job import Clock, answer, lowest_frequencies, tensor
-from validation.bench.bimorph.timing import SolidTiming
-from validation.bench.bimorph.ways import ways
-from validation.bench.output import time_error_plot
-from validation.bench.work_precision import front, time_at_error
-from validation.command_line.commands import bench as command
+from tactgen.fem.bimorph.system import materials
+from tactgen.geometry.errors import InputError
+from tactgen.validation.bench import PARTS, run_parts
+from tactgen.validation.bench.bimorph import jobs, meshes, peers, solid
+from tactgen.validation.bench.bimorph.peers.grid import LAYERS, SHIM, bricks
+from tactgen.validation.bench.bimorph.peers.job import Clock, answer, lowest_frequencies, tensor
+from tactgen.validation.bench.bimorph.timing import SolidTiming
+from tactgen.validation.bench.bimorph.ways import ways
+from tactgen.validation.bench.output import time_error_plot
+from tactgen.validation.bench.work_precision import front, time_at_error
+from tactgen.validation.command_line.commands import bench as command
 
 COARSE = {"longest": 3e-3, "first": 2e-4, "through_piezo": 2, "across": 3}
 

@@ -6,17 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
-from tmm.beam.transfer.transfer_matrix import sections
-from validation.catalogue.models import MODELS, ModelRow
-from validation.command_line.cli import main
-from validation.engine.model import Model, Modes, Refined
-from validation.engine.plan import make_plan
-from validation.engine.solve import solve
-from validation.models.comparison import compare
-from validation.report import page
-from validation.report.sections.contents import sections as all_sections
-from validation.scene.scene import load_scene
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.transfer.transfer_matrix import sections
+from tactgen.validation.catalogue.models import MODELS, ModelRow
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.model import Model, Modes, Refined
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.comparison import compare
+from tactgen.validation.report import page
+from tactgen.validation.report.sections.contents import sections as all_sections
+from tactgen.validation.scene.scene import load_scene
 
 #: First root of cos x cosh x = -1.
 _ROOT = 1.875104068711961

@@ -5,19 +5,19 @@ import json
 import numpy as np
 import pytest
 
-from geometry.units import Unit
-from tmm.ports.readout import ModalReadout, Readout
-from validation.catalogue.quantities import QUANTITIES
-from validation.catalogue.row import AnswerReadout, QuantityRow
-from validation.command_line.cli import main
-from validation.engine.plan import make_plan
-from validation.engine.results import Measured
-from validation.engine.solve import solve
-from validation.models.comparison import compare
-from validation.scene.scene import load_scene
-from validation.scene.template import template
-from validation.studies.identification.curve_model import curve_model
-from validation.studies.uncertainty.propagation import parameter_uncertainty
+from tactgen.geometry.units import Unit
+from tactgen.tmm.ports.readout import ModalReadout, Readout
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import AnswerReadout, QuantityRow
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.comparison import compare
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.template import template
+from tactgen.validation.studies.identification.curve_model import curve_model
+from tactgen.validation.studies.uncertainty.propagation import parameter_uncertainty
 
 ACCELERATION = QuantityRow(
     "tip_acceleration",

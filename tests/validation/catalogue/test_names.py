@@ -4,9 +4,9 @@ import ast
 import re
 from pathlib import Path
 
-import validation
-from validation.catalogue.models import MODELS
-from validation.catalogue.quantities import QUANTITIES
+from tactgen import validation
+from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.catalogue.quantities import QUANTITIES
 
 ROOT = Path(validation.__file__).parent
 #: Rooms that derive from the rows.  Checks and benchmarks measure stated cases by name.

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tmm.beam.printed_formulas import FORMULAS, MISPRINTS
-from validation.checks.paper.audit import AT, audit, section
-from validation.scene.scene import load_scene
+from tactgen.tmm.beam.printed_formulas import FORMULAS, MISPRINTS
+from tactgen.validation.checks.paper.audit import AT, audit, section
+from tactgen.validation.scene.scene import load_scene
 
 
 @pytest.fixture(scope="module")

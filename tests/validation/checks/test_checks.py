@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from validation.checks.bimorph import CHECKS
-from validation.checks.cases.magnetics import coaxial_coils, square_law
-from validation.checks.reluctance import MAGNETIC_CHECKS
-from validation.checks.row import run_check
+from tactgen.validation.checks.bimorph import CHECKS
+from tactgen.validation.checks.cases.magnetics import coaxial_coils, square_law
+from tactgen.validation.checks.reluctance import MAGNETIC_CHECKS
+from tactgen.validation.checks.row import run_check
 
 ALL = (*CHECKS, *MAGNETIC_CHECKS)
 

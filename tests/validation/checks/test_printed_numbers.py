@@ -2,10 +2,10 @@
 
 import pytest
 
-from validation.catalogue import detection
-from validation.checks.bimorph import CHECKS
-from validation.checks.reluctance import MAGNETIC_CHECKS
-from validation.report.sections import reluctance
+from tactgen.validation.catalogue import detection
+from tactgen.validation.checks.bimorph import CHECKS
+from tactgen.validation.checks.reluctance import MAGNETIC_CHECKS
+from tactgen.validation.report.sections import reluctance
 
 #: References of the validation rows, as printed.
 PRINTED = {

@@ -6,17 +6,17 @@ import math
 
 import pytest
 
-from geometry.errors import InputError
-from tmm.beam.transfer.precision import error_bound
-from validation.checks.stress import beam, magnetics, output
-from validation.checks.stress.result import (
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.transfer.precision import error_bound
+from tactgen.validation.checks.stress import beam, magnetics, output
+from tactgen.validation.checks.stress.result import (
     WANTED,
     Point,
     Stress,
     answered,
     judged,
 )
-from validation.command_line.commands import stress as command
+from tactgen.validation.command_line.commands import stress as command
 
 
 @pytest.fixture(scope="module")
@@ -200,7 +200,7 @@ def test_section_for_the_report(made_up_stress):
 
     made_up_stress([synthetic(1e-13), synthetic(1e-9, 1e9)])
     context = output.section(True, lambda _: None)
-    loader = PackageLoader("validation.report", "templates")
+    loader = PackageLoader("tactgen.validation.report", "templates")
     page = Environment(loader=loader, undefined=StrictUndefined, autoescape=True)
     text = page.get_template("stress.html").render(context)
     assert text.count("<svg") == 2

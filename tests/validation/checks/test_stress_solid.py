@@ -2,7 +2,7 @@
 
 import pytest
 
-from validation.checks.stress import solid, solid_answers, solid_exact
+from tactgen.validation.checks.stress import solid, solid_answers, solid_exact
 
 EXACT = (
     solid_exact.scaling_row,

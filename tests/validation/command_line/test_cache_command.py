@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from validation.command_line.cli import main
+from tactgen.validation.command_line.cli import main
 
 
 @pytest.fixture

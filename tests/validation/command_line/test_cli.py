@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
-from validation.command_line.cli import main
-from validation.export.files import export
-from validation.scene.scene import load_scene
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.export.files import export
+from tactgen.validation.scene.scene import load_scene
 
 
 def run(capsys, *arguments):
@@ -24,12 +24,13 @@ def run(capsys, *arguments):
 def test_tmm_answer_loads_no_heavy_library():
     """A cold transfer-matrix answer imports neither CAD, nor VTK, nor finite elements."""
     script = (
-        "import sys; from validation.command_line.cli import main; "
+        "import sys; from tactgen.validation.command_line.cli import main; "
         "code = main(['solve', 'paper', '--model', 'tmm', '--quantity', 'tip_velocity', "
         "'--frequency', '10:2000:200', '--json']); "
         "heavy = [m for m in ('cadquery', 'OCP', 'vtk', 'vtkmodules', 'pyvista', 'skfem', "
         "'scipy.sparse', 'scipy.linalg', 'scipy.optimize', 'matplotlib', 'meshio', 'pytetwild', "
-        "'fem.bimorph', 'fem.beam', 'fem.reluctance') if m in sys.modules]; "
+        "'tactgen.fem.bimorph', 'tactgen.fem.beam', 'tactgen.fem.reluctance') "
+        "if m in sys.modules]; "
         "print(heavy, file=sys.stderr); sys.exit(code)"
     )
     result = subprocess.run(
@@ -125,7 +126,7 @@ def test_help_is_a_result(capsys):
 @pytest.mark.parametrize("command", ["scenes", "solve --model tmm --json"])
 def test_output_that_cannot_be_written(redirection, code, words, command):
     """A full disk or a closed stream is one sentence, no traceback, also at exit."""
-    shell = f"{sys.executable} -m validation.command_line.cli {command} {redirection}"
+    shell = f"{sys.executable} -m tactgen.validation.command_line.cli {command} {redirection}"
     result = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
     assert result.returncode == code, result.stderr
     assert words in result.stderr
@@ -146,7 +147,7 @@ def test_unsolvable_scene_is_one_sentence(capsys, monkeypatch, error):
     def fail(*_args, **_options):
         raise error
 
-    monkeypatch.setattr("validation.engine.solve.solve", fail)
+    monkeypatch.setattr("tactgen.validation.engine.solve.solve", fail)
     code, out, err = run(capsys, "solve", "prototype")
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert 'scene "prototype" cannot be solved' in err
@@ -159,7 +160,7 @@ def test_our_own_mistakes_are_not_hidden(monkeypatch):
     def fail(*_args, **_options):
         raise KeyError("x")
 
-    monkeypatch.setattr("validation.engine.solve.solve", fail)
+    monkeypatch.setattr("tactgen.validation.engine.solve.solve", fail)
     with pytest.raises(KeyError):
         main(["solve"])
 
@@ -196,13 +197,13 @@ def test_export_writes_all_or_nothing(tmp_path, monkeypatch):
     def fail(_mesh, path):
         raise InputError(f"{path} cannot be written")
 
-    monkeypatch.setattr("geometry.meshing.mesh_files.write_mesh", fail)
+    monkeypatch.setattr("tactgen.geometry.meshing.mesh_files.write_mesh", fail)
     monkeypatch.setattr(
-        "validation.models.bimorph.meshes.mesh_pair",
+        "tactgen.validation.models.bimorph.meshes.mesh_pair",
         lambda _: SimpleNamespace(meshes=(SimpleNamespace(faces={}),) * 2),
     )
     monkeypatch.setattr(
-        "validation.export.files._export_solids",
+        "tactgen.validation.export.files._export_solids",
         lambda _scene, files, _announce: files["step"].write_text("solid"),
     )
     targets = {"step": tmp_path / "a.step", "mesh": tmp_path / "a.vtu"}
@@ -256,22 +257,24 @@ def test_plan_and_scenes_print(capsys):
 
 def test_closed_pipe_is_no_error(tmp_path):
     """`tactgen solve | head -1` ends quietly."""
-    command = f"{sys.executable} -m validation.command_line.cli solve --model tmm --json | true"
+    command = (
+        f"{sys.executable} -m tactgen.validation.command_line.cli solve --model tmm --json | true"
+    )
     result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert result.stderr == "" or "warning" in result.stderr
 
 
 ENDED = """
 import os, signal, sys
-import validation.export.files
-from validation.command_line.cli import main
+from tactgen.validation.export import files
+from tactgen.validation.command_line.cli import main
 
 def half(scene, drafts, announce):
     for draft in drafts.values():
         draft.write_text("half")
     os.kill(os.getpid(), signal.SIGTERM)
 
-validation.export.files._write = half
+files._write = half
 sys.exit(main(["export", "reluctance", "--set", "models=network", "--map", sys.argv[1]]))
 """
 

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from validation.command_line.cli import main
+from tactgen.validation.command_line.cli import main
 
 
 def run(capsys, *arguments):
@@ -107,10 +107,11 @@ def test_plot_is_a_whole_svg(capsys, tmp_path):
 def test_design_loads_no_finite_elements():
     """CAD, VTK and finite elements stay out; matplotlib too if nothing is drawn."""
     script = (
-        "import sys; from validation.command_line.cli import main; "
+        "import sys; from tactgen.validation.command_line.cli import main; "
         "code = main(['design', '--json']); "
         "heavy = [m for m in ('cadquery', 'OCP', 'vtk', 'vtkmodules', 'pyvista', 'skfem', "
-        "'matplotlib', 'meshio', 'pytetwild', 'fem.bimorph', 'fem.reluctance', 'fem.beam') "
+        "'matplotlib', 'meshio', 'pytetwild', 'tactgen.fem.bimorph', 'tactgen.fem.reluctance', "
+        "'tactgen.fem.beam') "
         "if m in sys.modules]; "
         "print(heavy, file=sys.stderr); sys.exit(code)"
     )

@@ -6,12 +6,12 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from validation.command_line.cli import main
-from validation.scene.scene import load_scene
-from validation.studies.identification.curve_model import curve_model
-from validation.studies.identification.identify import identify
-from validation.studies.identification.measured_data import read_measured
-from validation.studies.identification.plot import draw
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.identification.curve_model import curve_model
+from tactgen.validation.studies.identification.identify import identify
+from tactgen.validation.studies.identification.measured_data import read_measured
+from tactgen.validation.studies.identification.plot import draw
 
 
 def run(capsys, *arguments):

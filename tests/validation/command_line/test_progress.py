@@ -2,7 +2,7 @@
 
 import io
 
-from validation.command_line.progress import announcer
+from tactgen.validation.command_line.progress import announcer
 
 
 class Terminal(io.StringIO):

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from validation.checks import bimorph, verification
-from validation.command_line.cli import main
+from tactgen.validation.checks import bimorph, verification
+from tactgen.validation.command_line.cli import main
 
 FEW = tuple(c for c in bimorph.CHECKS if c.id in ("TMM-5", "FIN-1", "PAP-2", "SOL-3"))
 FIELDS = {

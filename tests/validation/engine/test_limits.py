@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
-from validation.engine.limits import accuracy_warnings, deflection_warnings
-from validation.engine.results import Quantity
-from validation.engine.solve import solve
-from validation.scene.scene import load_scene
+from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.limits import accuracy_warnings, deflection_warnings
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
 
 
 def quantity(name, model, value, bar=0.0):

@@ -2,13 +2,13 @@
 
 import pytest
 
-from geometry.errors import InputError
-from validation.catalogue.models import MODELS, gives, stage_reads
-from validation.catalogue.quantities import QUANTITIES
-from validation.engine.plan import make_plan
-from validation.engine.solve import solve
-from validation.engine.stages import Stages, stage_key
-from validation.scene.scene import load_scene
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.stages import Stages, stage_key
+from tactgen.validation.scene.scene import load_scene
 
 #: Quantities of the normal actuator at one current and gap.
 MAGNETIC_POINT = tuple(n for n, info in QUANTITIES.items() if info.needs == ("magnetic_point",))

@@ -6,12 +6,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
-from validation.checks.solid_coverage import coverage, judged, varied_cases
-from validation.engine.refinement import least_difference, two_mesh_factor
-from validation.engine.solve import solve
-from validation.models.bimorph.solid import _BRICK_BARS, level_for
-from validation.scene.scene import load_scene
+from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.validation.checks.solid_coverage import coverage, judged, varied_cases
+from tactgen.validation.engine.refinement import least_difference, two_mesh_factor
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.bimorph.solid import _BRICK_BARS, level_for
+from tactgen.validation.scene.scene import load_scene
 
 
 def test_two_mesh_factor_is_wide_for_close_meshes():

@@ -7,14 +7,14 @@ import sys
 import numpy as np
 import pytest
 
-from geometry.store.sources import source_digest
-from geometry.store.store import holdings
-from validation.catalogue.models import gives, stage_code, stage_reads
-from validation.catalogue.quantities import QUANTITIES
-from validation.engine import stages
-from validation.engine.solve import as_json, solve
-from validation.engine.stages import Stages
-from validation.scene.scene import load_scene
+from tactgen.geometry.store.sources import source_digest
+from tactgen.geometry.store.store import holdings
+from tactgen.validation.catalogue.models import gives, stage_code, stage_reads
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine import stages
+from tactgen.validation.engine.solve import as_json, solve
+from tactgen.validation.engine.stages import Stages
+from tactgen.validation.scene.scene import load_scene
 
 #: Solid and fields, small.
 SCENES = (
@@ -44,7 +44,7 @@ def test_declarations_are_whole(own_store):
 @pytest.mark.usefixtures("own_store")
 def test_only_what_is_declared_is_kept(monkeypatch):
     """Found by the next run under the same key; computed again under another, or if not kept."""
-    monkeypatch.setattr(stages, "stage_code", lambda: {"tmm.static": ("tmm.beam",)})
+    monkeypatch.setattr(stages, "stage_code", lambda: {"tmm.static": ("tactgen.tmm.beam",)})
     computed, announced = [], []
 
     def work():
@@ -97,15 +97,16 @@ def test_answers_from_the_store_load_no_solver():
     for name, overrides in SCENES:
         answers(name, *overrides)
     script = (
-        "import json, sys; from validation.scene.scene import load_scene; "
-        "from validation.engine.solve import solve; "
-        "from validation.catalogue.models import gives; "
-        "from validation.catalogue.quantities import QUANTITIES\n"
+        "import json, sys; from tactgen.validation.scene.scene import load_scene; "
+        "from tactgen.validation.engine.solve import solve; "
+        "from tactgen.validation.catalogue.models import gives; "
+        "from tactgen.validation.catalogue.quantities import QUANTITIES\n"
         "for name, overrides in json.loads(sys.argv[1]):\n"
         "    scene, _ = load_scene(name, overrides)\n"
         "    solve(scene, None, [q for q in QUANTITIES if gives(scene.models[0], q)])\n"
         "heavy = ('scipy.sparse', 'scipy.linalg', 'scipy.optimize', 'skfem', 'pytetwild', "
-        "'pyvista', 'cadquery', 'fem.bimorph.system', 'fem.reluctance.axisymmetric.actuator')\n"
+        "'pyvista', 'cadquery', 'tactgen.fem.bimorph.system', "
+        "'tactgen.fem.reluctance.axisymmetric.actuator')\n"
         "print([m for m in heavy if m in sys.modules])"
     )
     command = [sys.executable, "-c", script, json.dumps(SCENES)]
@@ -118,8 +119,8 @@ def test_one_scene_at_once_is_solved_once():
     """Two runs of one scene beside each other: one computes a stage, the other waits for it."""
     name, overrides = SCENES[0]
     script = (
-        "import json, sys; from validation.scene.scene import load_scene; "
-        "from validation.engine.solve import solve\n"
+        "import json, sys; from tactgen.validation.scene.scene import load_scene; "
+        "from tactgen.validation.engine.solve import solve\n"
         "name, overrides = json.loads(sys.argv[1])\nran = []\n"
         "found = solve(load_scene(name, overrides)[0], announce=ran.append)\n"
         "print(json.dumps([ran, [abs(q.value).tolist() for q in found.quantities]]))"

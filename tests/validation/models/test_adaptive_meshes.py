@@ -4,19 +4,19 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from geometry.cad.tessellation import tessellate
-from geometry.errors import MeshError
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.quadratic import smallest_dihedral_angles, tet_volumes, unique_edges
-from geometry.meshing.tensor_tets import box_tetrahedra
-from geometry.meshing.tetwild import run as ftetwild
-from geometry.meshing.tetwild.conform import conform
-from geometry.meshing.tetwild.run import sizing_along_z, sizing_at_points
-from geometry.meshing.tetwild.sizing import limited_growth, sizing_for
-from geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
-from geometry.store.values import fingerprint
-from validation.models.bimorph.adaptive_meshes import adapted_pair
-from validation.scene.scene import load_scene
+from tactgen.geometry.cad.tessellation import tessellate
+from tactgen.geometry.errors import MeshError
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.quadratic import smallest_dihedral_angles, tet_volumes, unique_edges
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.meshing.tetwild import run as ftetwild
+from tactgen.geometry.meshing.tetwild.conform import conform
+from tactgen.geometry.meshing.tetwild.run import sizing_along_z, sizing_at_points
+from tactgen.geometry.meshing.tetwild.sizing import limited_growth, sizing_for
+from tactgen.geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
+from tactgen.geometry.store.values import fingerprint
+from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair
+from tactgen.validation.scene.scene import load_scene
 
 
 def uniform_box(n=6):

@@ -6,18 +6,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
-from geometry.device.parameters import Piezo
-from tmm.beam.section.laminate import laminate_section
-from tmm.beam.section.shear_correction import energy_shear_correction
-from validation.models.bimorph.bridge import bridge
-from validation.models.bimorph.bridge.assumptions import Assumptions
-from validation.models.bimorph.bridge.beam_values import beam_values
-from validation.models.bimorph.bridge.end_effect import end_effect
-from validation.models.bimorph.bridge.rung import Values
-from validation.models.bimorph.bridge.solid_values import SolidCase, far_section, solve_solid
-from validation.models.bimorph.bridge.width import width_study
-from validation.scene.scene import load_scene
+from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.device.parameters import Piezo
+from tactgen.tmm.beam.section.laminate import laminate_section
+from tactgen.tmm.beam.section.shear_correction import energy_shear_correction
+from tactgen.validation.models.bimorph.bridge import bridge
+from tactgen.validation.models.bimorph.bridge.assumptions import Assumptions
+from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
+from tactgen.validation.models.bimorph.bridge.end_effect import end_effect
+from tactgen.validation.models.bimorph.bridge.rung import Values
+from tactgen.validation.models.bimorph.bridge.solid_values import (
+    SolidCase,
+    far_section,
+    solve_solid,
+)
+from tactgen.validation.models.bimorph.bridge.width import width_study
+from tactgen.validation.scene.scene import load_scene
 
 
 def clamped(*overrides):

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
-from geometry.meshing.mirror import whole_mesh
-from validation.checks.solid_coverage import cad_cases, coverage, judged
-from validation.engine.plan import make_plan
-from validation.engine.solve import solve
-from validation.models.bimorph.meshes import cells_of, mesh_pair
-from validation.models.comparison import compare
-from validation.scene.scene import load_scene
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.mirror import whole_mesh
+from tactgen.validation.checks.solid_coverage import cad_cases, coverage, judged
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
+from tactgen.validation.models.comparison import compare
+from tactgen.validation.scene.scene import load_scene
 
 SHORT = ("bimorph.length=6mm", "support.kind=clamped", "load.kind=none", "accuracy=1e-2")
 

@@ -2,10 +2,10 @@
 
 import pytest
 
-from geometry.device.piezo_library import LIBRARY
-from geometry.errors import InputError
-from validation.models.bimorph.material_effects import choices, material_effects
-from validation.scene.scene import load_scene
+from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.errors import InputError
+from tactgen.validation.models.bimorph.material_effects import choices, material_effects
+from tactgen.validation.scene.scene import load_scene
 
 #: Choices that change the reduced set, as their names say.
 CHANGES = ("eps33", "d31")

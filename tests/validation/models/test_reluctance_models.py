@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from validation.engine.limits import accuracy_warnings
-from validation.engine.results import Quantity
-from validation.models.reluctance.field import _fine_enough
-from validation.scene.scene import load_scene
+from tactgen.validation.engine.limits import accuracy_warnings
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.models.reluctance.field import _fine_enough
+from tactgen.validation.scene.scene import load_scene
 
 GRIDS = ((2e-3, 1.0), (5e-4, 1.5), (0.0, 2.0))
 

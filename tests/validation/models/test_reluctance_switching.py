@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from geometry.device.parameters import Coil, Device, Spring
-from tmm.reluctance.coenergy.fit import fit
-from tmm.reluctance.coenergy.map import Samples
-from tmm.reluctance.network import network_samples
-from validation.engine.results import Measured
-from validation.engine.solve import as_json, solve
-from validation.models.reluctance.point import MagneticPoint
-from validation.models.reluctance.switching import switching_currents
-from validation.scene.scene import load_scene
+from tactgen.geometry.device.parameters import Coil, Device, Spring
+from tactgen.tmm.reluctance.coenergy.fit import fit
+from tactgen.tmm.reluctance.coenergy.map import Samples
+from tactgen.tmm.reluctance.network import network_samples
+from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.solve import as_json, solve
+from tactgen.validation.models.reluctance.point import MagneticPoint
+from tactgen.validation.models.reluctance.switching import switching_currents
+from tactgen.validation.scene.scene import load_scene
 
 #: A linear actuator: λ = C i/(g + G0), F = C i²/(2 (g + G0)²); its map is off by this factor.
 C, G0, OFF = 2e-6, 0.1e-3, 1.05
@@ -125,7 +125,7 @@ def test_a_rod_that_does_not_pull_in_is_said_once(monkeypatch):
     """Null in JSON, one warning with the spring and a remedy; other quantities keep theirs."""
     # in the network more current always pulls more: its map is cut short here
     small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)
-    monkeypatch.setattr("tmm.reluctance.map_range.map_grid", lambda _: small)
+    monkeypatch.setattr("tactgen.tmm.reluctance.map_range.map_grid", lambda _: small)
     solution = solved(quantities=("pull_in_current", "holding_current", "magnetic_force"))
     pull_in, holding, force = as_json(solution)["quantities"]
     assert pull_in["value"] is None

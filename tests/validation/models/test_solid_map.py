@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from fem.reluctance.three_d import actuator
-from fem.reluctance.three_d.actuator import SolidPoint, SolidValues
-from validation.engine.model import make_model
-from validation.engine.plan import make_plan
-from validation.engine.solve import solve
-from validation.engine.stages import Stages
-from validation.scene.scene import load_scene
+from tactgen.fem.reluctance.three_d import actuator
+from tactgen.fem.reluctance.three_d.actuator import SolidPoint, SolidValues
+from tactgen.validation.engine.model import make_model
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.stages import Stages
+from tactgen.validation.scene.scene import load_scene
 
 
 def test_an_interrupted_map_goes_on_where_it_was(tmp_path, monkeypatch):

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from tmm.beam.transfer import transfer_matrix
-from tmm.ports.multiport import Multiport
-from validation.models.bimorph.bridge.beam_values import beam_row, beam_values
-from validation.models.bimorph.bridge.generator import GeneratorChain
-from validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid
-from validation.models.bimorph.support import (
+from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.validation.models.bimorph.bridge.beam_values import beam_row, beam_values
+from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
+from tactgen.validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid
+from tactgen.validation.models.bimorph.support import (
     SupportCompliance,
     SupportStudy,
     fitted_springs,
@@ -20,7 +20,7 @@ from validation.models.bimorph.support import (
     tab_by_bricks,
     tab_for_frequency,
 )
-from validation.scene.scene import load_scene
+from tactgen.validation.scene.scene import load_scene
 
 
 def scene(*overrides):

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from tmm.beam.transfer.timoshenko import dynamic_stiffness
-from tmm.beam.transfer.transfer_matrix import multiport, sections
-from tmm.ports.multiport import in_series, respond, round_off
-from tmm.ports.terminations import attach
-from validation.checks.cases import reference_beam as reference
-from validation.engine.solve import solve
-from validation.scene.scene import load_scene
+from tactgen.tmm.beam.transfer.timoshenko import dynamic_stiffness
+from tactgen.tmm.beam.transfer.transfer_matrix import multiport, sections
+from tactgen.tmm.ports.multiport import in_series, respond, round_off
+from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.checks.cases import reference_beam as reference
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
 
 OF_TIP = ("tip_displacement", "tip_rotation", "input_current")
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-import validation
-from validation.report.sections.bridge import bridge_section, holding_section, material_section
-from validation.report.study import Study
-from validation.scene.scene import load_scene
-from validation.view.formats import filters
+from tactgen import validation
+from tactgen.validation.report.sections.bridge import bridge_section, holding_section, material_section
+from tactgen.validation.report.study import Study
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.view.formats import filters
 
 SECTIONS = {"bridge": bridge_section, "holding": holding_section, "material": material_section}
 

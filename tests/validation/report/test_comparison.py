@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from validation.catalogue.needs import Actuator
-from validation.engine.results import Quantity
-from validation.models.comparison import compare
-from validation.scene.scene import load_scene
+from tactgen.validation.catalogue.needs import Actuator
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.models.comparison import compare
+from tactgen.validation.scene.scene import load_scene
 
 
 def verdict(model, value, bar, reference, reference_bar=0.0, name="static_tip_displacement"):

@@ -7,15 +7,15 @@ import sys
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
-from tmm.reluctance.coenergy.files import read_map
-from validation.command_line.cli import main
-from validation.engine.solve import solve
-from validation.export.files import normal_actuator_solids, scene_solids
-from validation.report.normal_actuator import NormalActuator
-from validation.report.page import write_report
-from validation.report.study import Study
-from validation.scene.scene import load_scene
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.reluctance.coenergy.files import read_map
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.export.files import normal_actuator_solids, scene_solids
+from tactgen.validation.report.normal_actuator import NormalActuator
+from tactgen.validation.report.page import write_report
+from tactgen.validation.report.study import Study
+from tactgen.validation.scene.scene import load_scene
 
 NORMAL = ["magnetic_models", "magnetic_field", "characteristics"]
 BOTH = "quantities=tip_displacement,magnetic_force"
@@ -161,7 +161,7 @@ def test_words_follow_the_spring(tmp_path, overrides, there, not_there):
 def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
     """Words instead of a number wherever pull-in is shown, and no picture fails."""
     small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)
-    monkeypatch.setattr("tmm.reluctance.map_range.map_grid", lambda _: small)
+    monkeypatch.setattr("tactgen.tmm.reluctance.map_range.map_grid", lambda _: small)
     text = shown(tmp_path, "coil.current=40 mA")
     assert "No current up to 60 mA draws the rod down" in text
     assert "not reached" in text
@@ -251,9 +251,9 @@ def test_report_of_both_actuators(tmp_path):
 
 LATERAL_ONLY = """
 import sys
-import validation.report.study as study
-from validation.report.sections.contents import sections
-from validation.scene.scene import load_scene
+import tactgen.validation.report.study as study
+from tactgen.validation.report.sections.contents import sections
+from tactgen.validation.scene.scene import load_scene
 scene, origins = load_scene("prototype", ("models=lumped,tmm",))
 made = study.Study(scene, origins, lambda _: None, quick=True)
 for section in sections(made):
@@ -264,9 +264,9 @@ print(*sys.modules)
 """
 NORMAL_ONLY = """
 import sys
-import validation.report.study as study
-from validation.report.sections.contents import sections
-from validation.scene.scene import load_scene
+import tactgen.validation.report.study as study
+from tactgen.validation.report.sections.contents import sections
+from tactgen.validation.scene.scene import load_scene
 scene, origins = load_scene("reluctance", ("models=network",))
 made = study.Study(scene, origins, lambda _: None, quick=True)
 for section in sections(made):
@@ -285,22 +285,22 @@ def modules(script):
 def test_lateral_report_imports_nothing_magnetic():
     """A scene that asks for the bimorph alone loads no magnetic model, check or plot."""
     loaded = modules(LATERAL_ONLY)
-    assert "validation.report.sections.bimorph" in loaded
+    assert "tactgen.validation.report.sections.bimorph" in loaded
     assert not loaded & {
-        "fem.reluctance.axisymmetric.actuator", "fem.reluctance.axisymmetric.field",
-        "tmm.reluctance.network", "validation.checks.reluctance", "validation.report.figures.reluctance",
-        "validation.report.sections.reluctance",
+        "tactgen.fem.reluctance.axisymmetric.actuator", "tactgen.fem.reluctance.axisymmetric.field",
+        "tactgen.tmm.reluctance.network", "tactgen.validation.checks.reluctance", "tactgen.validation.report.figures.reluctance",
+        "tactgen.validation.report.sections.reluctance",
     }  # fmt: skip
 
 
 def test_normal_report_imports_nothing_piezoelectric():
     """The other way round: no solid, no beam elements, no lateral sections."""
     loaded = modules(NORMAL_ONLY)
-    assert "tmm.reluctance.network" in loaded
+    assert "tactgen.tmm.reluctance.network" in loaded
     assert not loaded & {
-        "fem.bimorph.solid", "fem.bimorph.modes", "fem.bimorph.ports", "fem.beam.beam",
-        "validation.models.bimorph.bridge", "validation.checks.paper.audit",
-        "validation.report.sections.bimorph",
+        "tactgen.fem.bimorph.solid", "tactgen.fem.bimorph.modes", "tactgen.fem.bimorph.ports", "tactgen.fem.beam.beam",
+        "tactgen.validation.models.bimorph.bridge", "tactgen.validation.checks.paper.audit",
+        "tactgen.validation.report.sections.bimorph",
     }  # fmt: skip
 
 

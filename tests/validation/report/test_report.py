@@ -4,13 +4,13 @@ import re
 
 import pytest
 
-from geometry.cad import system_libraries
-from geometry.errors import InputError
-from geometry.meshing.mesh_files import read_mesh
-from validation.command_line.cli import main
-from validation.report.page import write_report
-from validation.scene.scene import load_scene
-from validation.view.formats import engineering, percent, share, with_bar
+from tactgen.geometry.cad import system_libraries
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.mesh_files import read_mesh
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.report.page import write_report
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.view.formats import engineering, percent, share, with_bar
 
 
 def make(tmp_path, name, *overrides):

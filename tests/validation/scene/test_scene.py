@@ -5,13 +5,13 @@ import re
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
-from validation.scene.files import built_in_scenes
-from validation.scene.frequencies import parse_frequencies
-from validation.scene.idle_keys import scene_warnings
-from validation.scene.parameter_list import parameter_rows
-from validation.scene.scene import Scene, load_scene, scene_keys
-from validation.scene.template import template
+from tactgen.geometry.errors import InputError
+from tactgen.validation.scene.files import built_in_scenes
+from tactgen.validation.scene.frequencies import parse_frequencies
+from tactgen.validation.scene.idle_keys import scene_warnings
+from tactgen.validation.scene.parameter_list import parameter_rows
+from tactgen.validation.scene.scene import Scene, load_scene, scene_keys
+from tactgen.validation.scene.template import template
 
 CONTRACT = [
     "bimorph.length",

@@ -5,18 +5,18 @@ import json
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
-from validation.catalogue.detection import (
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.detection import (
     DISPLAY_THRESHOLD,
     HIGHEST_SUBJECT,
     LITERATURE_BOUND,
     STATED_VOLTAGES,
 )
-from validation.command_line.cli import main
-from validation.engine.solve import as_json, solve
-from validation.scene.scene import load_scene
-from validation.studies.design.excitation_voltage import CASES, voltage_study
-from validation.studies.design.voltage_section import section
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.solve import as_json, solve
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.design.excitation_voltage import CASES, voltage_study
+from tactgen.validation.studies.design.voltage_section import section
 
 
 @pytest.mark.parametrize(("frequency", "amplitude"), [(10, 2e-6), (250, 0.2e-6), (1000, 1e-6)])
@@ -161,7 +161,7 @@ def test_the_curves_hold_their_extremes(study):
 
 def test_load_factor_gives_the_papers_displacement(study):
     """With the load multiplied by the stated factor, |w| per volt is the paper's."""
-    from tmm.ports.terminations import finger_spring_damper
+    from tactgen.tmm.ports.terminations import finger_spring_damper
 
     for moved in study.moved:
         c, d = (float(v[0]) for v in finger_spring_damper(np.array([moved.frequency])))

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
-from validation.catalogue.quantities import measurable
-from validation.engine.solve import solve
-from validation.scene.keys import with_values
-from validation.scene.scene import load_scene
-from validation.studies.identification.curve_fit import Misfit
-from validation.studies.identification.curve_model import curve_model, sensitivities
-from validation.studies.identification.fit_parameters import fit_parameter
-from validation.studies.identification.identify import identify
-from validation.studies.identification.measured_curve import MeasuredCurve
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.quantities import measurable
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.keys import with_values
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.identification.curve_fit import Misfit
+from tactgen.validation.studies.identification.curve_model import curve_model, sensitivities
+from tactgen.validation.studies.identification.fit_parameters import fit_parameter
+from tactgen.validation.studies.identification.identify import identify
+from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
 
 PROTOTYPE, ORIGINS = load_scene("prototype")
 TRUTH = {"c_s": 0.24, "d_s": 4.46e-6, "c_sl": 3e6, "theta": 1e-12, "rho_p": 7900.0}

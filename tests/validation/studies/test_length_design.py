@@ -7,23 +7,28 @@ import pytest
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from scipy.optimize import minimize_scalar
 
-from geometry.errors import InputError
-from tmm.ports import terminations
-from validation.catalogue.detection import DISPLAY_THRESHOLD
-from validation.engine.solve import solve
-from validation.scene.keys import value_of, with_values
-from validation.scene.scene import load_scene
-from validation.studies.design import voltage_section
-from validation.studies.design.aim import PAPER_LENGTHS, Aim
-from validation.studies.design.length_dependence import decided_lengths, dependences
-from validation.studies.design.length_design import design, largest_margin
-from validation.studies.design.length_map import actuator, length_map, local_minima, tip_amplitude
-from validation.studies.design.length_scan import lowest_margin
-from validation.studies.design.length_section import section
-from validation.studies.design.plots import length_plot
-from validation.studies.design.wording import sentences, signed
-from validation.studies.identification.fit_parameters import fit_parameter
-from validation.view.formats import filters
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.ports import terminations
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.keys import value_of, with_values
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.design import voltage_section
+from tactgen.validation.studies.design.aim import PAPER_LENGTHS, Aim
+from tactgen.validation.studies.design.length_dependence import decided_lengths, dependences
+from tactgen.validation.studies.design.length_design import design, largest_margin
+from tactgen.validation.studies.design.length_map import (
+    actuator,
+    length_map,
+    local_minima,
+    tip_amplitude,
+)
+from tactgen.validation.studies.design.length_scan import lowest_margin
+from tactgen.validation.studies.design.length_section import section
+from tactgen.validation.studies.design.plots import length_plot
+from tactgen.validation.studies.design.wording import sentences, signed
+from tactgen.validation.studies.identification.fit_parameters import fit_parameter
+from tactgen.validation.view.formats import filters
 
 BAND = (10.0, 1000.0)
 #: From well below to above the paper's lengths: m is decided by the band's end, then a minimum.
@@ -46,7 +51,7 @@ def paper():
 def environment():
     """The report's templates: an undefined name is an error."""
     found = Environment(
-        loader=PackageLoader("validation.report", "templates"),
+        loader=PackageLoader("tactgen.validation.report", "templates"),
         autoescape=True,
         undefined=StrictUndefined,
     )

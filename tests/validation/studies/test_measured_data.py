@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
-from validation.studies.identification.measured_data import read_measured
+from tactgen.geometry.errors import InputError
+from tactgen.validation.studies.identification.measured_data import read_measured
 
 
 def written(tmp_path, text, encoding="utf-8"):

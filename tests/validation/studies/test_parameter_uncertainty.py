@@ -6,22 +6,26 @@ import json
 import numpy as np
 import pytest
 
-from geometry.device import parameters as p
-from geometry.device.materials import PRINTED
-from geometry.device.piezo_library import LIBRARY
-from geometry.errors import InputError
-from geometry.units import Unit
-from validation.command_line.commands import sensitivity
-from validation.engine.solve import solve
-from validation.scene.scene import load_scene
-from validation.studies.uncertainty.headline_numbers import HeadlineNumbers, SampledNumbers, targets
-from validation.studies.uncertainty.propagation import (
+from tactgen.geometry.device import parameters as p
+from tactgen.geometry.device.materials import PRINTED
+from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import Unit
+from tactgen.validation.command_line.commands import sensitivity
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.uncertainty.headline_numbers import (
+    HeadlineNumbers,
+    SampledNumbers,
+    targets,
+)
+from tactgen.validation.studies.uncertainty.propagation import (
     base_samples,
     parameter_uncertainty,
     uncertain_parameters,
 )
-from validation.studies.uncertainty.section import section
-from validation.studies.uncertainty.table import sensitivity_columns
+from tactgen.validation.studies.uncertainty.section import section
+from tactgen.validation.studies.uncertainty.table import sensitivity_columns
 
 GROUPS = [
     group

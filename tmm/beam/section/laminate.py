@@ -19,11 +19,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.bimorph.pieces import Piece
-from geometry.device.parameters import Beam, Device
-from geometry.errors import InputError
-from tmm.beam.section.section import Section, section
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.parameters import Beam, Device
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.section.section import Section, section
 
 
 def laminate_section(

@@ -9,9 +9,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-from geometry.bimorph.pieces import Layers, Piece
-from geometry.device.materials import EPS0
-from geometry.device.parameters import Beam, Device
+from tactgen.geometry.bimorph.pieces import Layers, Piece
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Beam, Device
 
 #: A number, or an array of them for many beams at once; complex where there are losses.
 Constant: TypeAlias = Any

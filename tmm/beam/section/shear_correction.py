@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from geometry.device.parameters import Device
+from tactgen.geometry.device.parameters import Device
 
 
 class _Layer(NamedTuple):

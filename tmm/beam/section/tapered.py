@@ -17,9 +17,9 @@ import math
 
 import numpy as np
 
-from geometry.bimorph.pieces import Piece
-from geometry.device.parameters import Beam, Device
-from tmm.beam.section.section import Constant, Section, section
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.parameters import Beam, Device
+from tactgen.tmm.beam.section.section import Constant, Section, section
 
 #: Shares of a segment's length at which its sections are taken.
 _GAUSS = (0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0)

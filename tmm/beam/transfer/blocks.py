@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Complex, Numbers
+from tactgen.geometry.arrays import Complex, Numbers
 
 #: Points in a block: the intermediate arrays then stay in a core's second-level cache.
 BLOCK = 4096

@@ -20,10 +20,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from geometry.bimorph.pieces import Piece
-from geometry.device.parameters import Beam, Device
-from tmm.beam.section.section import Constant, Joint, section
-from tmm.beam.transfer.timoshenko import dynamic_stiffness
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.parameters import Beam, Device
+from tactgen.tmm.beam.section.section import Constant, Joint, section
+from tactgen.tmm.beam.transfer.timoshenko import dynamic_stiffness
 
 
 def bonded_tab(piece: Piece, device: Device, beam: Beam) -> Joint:

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from geometry.arrays import Bools, Complex, Floats
+from tactgen.geometry.arrays import Bools, Complex, Floats
 
 #: 2^27 + 1 cuts a double's 53 bits in two halves whose products are exact.
 _SPLITTER = 134217729.0

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
-from tmm.beam.transfer.double_double import DoubleDouble
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.tmm.beam.transfer.double_double import DoubleDouble
 
 #: Working precision of the extended evaluation, and its rounding unit.
 EXTENDED = np.clongdouble

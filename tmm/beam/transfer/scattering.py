@@ -25,9 +25,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats, Numbers
-from tmm.beam.section.section import Joint, Section
-from tmm.beam.transfer.timoshenko import dynamic_stiffness, wavenumbers
+from tactgen.geometry.arrays import Complex, Floats, Numbers
+from tactgen.tmm.beam.section.section import Joint, Section
+from tactgen.tmm.beam.transfer.timoshenko import dynamic_stiffness, wavenumbers
 
 #: A beam of a length (m), or a joint with length 0.
 Element: TypeAlias = tuple[Section | Joint, Any]

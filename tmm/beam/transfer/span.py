@@ -53,10 +53,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from geometry.arrays import Bools, Complex, Floats, Numbers
-from tmm.beam.section.section import Section
-from tmm.beam.transfer.double_double import DoubleDouble
-from tmm.beam.transfer.precision import head, phase, rounded, size, sqrt
+from tactgen.geometry.arrays import Bools, Complex, Floats, Numbers
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.transfer.double_double import DoubleDouble
+from tactgen.tmm.beam.transfer.precision import head, phase, rounded, size, sqrt
 
 #: Roundings in a function relative to its size, from the series and, per 1 + |λ|, from the
 #: products.  The results of :mod:`tmm.beam.transfer.timoshenko` and :mod:`tmm.beam.mounted_beam`

@@ -26,11 +26,11 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
-from tmm.beam.section.section import Section
-from tmm.beam.transfer.blocks import blocks
-from tmm.beam.transfer.precision import EPS, TOLERATED
-from tmm.beam.transfer.span import ThroughSpan, extended_span, span
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.transfer.blocks import blocks
+from tactgen.tmm.beam.transfer.precision import EPS, TOLERATED
+from tactgen.tmm.beam.transfer.span import ThroughSpan, extended_span, span
 
 #: Rows, columns and signs of D that each of the six dimensionless entries fills.
 _PLACES = (

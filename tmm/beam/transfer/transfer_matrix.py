@@ -11,15 +11,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.bimorph.pieces import Piece, beam_pieces
-from geometry.device.parameters import Beam, Device, Support
-from tmm.beam.section.section import section
-from tmm.beam.section.tapered import segmented
-from tmm.beam.transfer.bonded_tab import bonded_tab
-from tmm.beam.transfer.scattering import Element, joined
-from tmm.ports.multiport import Multiport
-from tmm.ports.port import BIMORPH
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
+from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.tmm.beam.section.section import section
+from tactgen.tmm.beam.section.tapered import segmented
+from tactgen.tmm.beam.transfer.bonded_tab import bonded_tab
+from tactgen.tmm.beam.transfer.scattering import Element, joined
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.tmm.ports.port import BIMORPH
 
 #: Segments of a tapered piece.
 SEGMENTS = 32

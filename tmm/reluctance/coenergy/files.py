@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.errors import InputError
-from geometry.files import written_whole
-from tmm.reluctance.coenergy.fit import fit
-from tmm.reluctance.coenergy.map import CoenergyMap, Samples
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import written_whole
+from tactgen.tmm.reluctance.coenergy.fit import fit
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples
 
 #: What the global attribute `title` says; files that say otherwise are refused.
 TITLE = "co-energy map of a reluctance actuator"

@@ -11,16 +11,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.errors import InputError
-from tmm.reluctance.coenergy.map import (
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.reluctance.coenergy.map import (
     CoenergyMap,
     MapError,
     Samples,
     current_basis,
     gap_derivative,
 )
-from tmm.reluctance.coenergy.splines import SplineBasis, b_splines
+from tactgen.tmm.reluctance.coenergy.splines import SplineBasis, b_splines
 
 #: Degrees of the inductance in the current and of the surface in ln(g + g0).
 _CURRENT_DEGREE, _GAP_DEGREE = 2, 3

@@ -13,10 +13,10 @@ from functools import cached_property
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.errors import InputError
-from geometry.store.values import storable
-from tmm.reluctance.coenergy.splines import SplineBasis
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.values import storable
+from tactgen.tmm.reluctance.coenergy.splines import SplineBasis
 
 #: How far beyond its ends a map may be asked, relative to its range: rounding of a grid.
 _ROUNDING = 1e-9

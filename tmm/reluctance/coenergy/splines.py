@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.store.values import storable
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.store.values import storable
 
 
 @storable

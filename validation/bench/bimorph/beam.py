@@ -11,20 +11,20 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
-from geometry.bimorph.pieces import Piece
-from geometry.device.parameters import Beam, Device, Drive, Load, Support
-from tmm.beam.mounted_beam import mounted_response
-from tmm.beam.parametric import Actuator, tip_response
-from tmm.beam.section.section import section
-from tmm.beam.transfer.blocks import BLOCK
-from tmm.beam.transfer.transfer_matrix import chain
-from tmm.ports.multiport import respond, terminate
-from tmm.ports.terminations import base_stiffness, ends_of, tip_stiffness
-from validation.bench.one_core import on_one_core, peak_memory
-from validation.bench.result import Bench, Target, Timing
-from validation.checks.cases import reference_beam as reference
-from validation.checks.cases import textbook_beam
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.parameters import Beam, Device, Drive, Load, Support
+from tactgen.tmm.beam.mounted_beam import mounted_response
+from tactgen.tmm.beam.parametric import Actuator, tip_response
+from tactgen.tmm.beam.section.section import section
+from tactgen.tmm.beam.transfer.blocks import BLOCK
+from tactgen.tmm.beam.transfer.transfer_matrix import chain
+from tactgen.tmm.ports.multiport import respond, terminate
+from tactgen.tmm.ports.terminations import base_stiffness, ends_of, tip_stiffness
+from tactgen.validation.bench.one_core import on_one_core, peak_memory
+from tactgen.validation.bench.result import Bench, Target, Timing
+from tactgen.validation.checks.cases import reference_beam as reference
+from tactgen.validation.checks.cases import textbook_beam
 
 #: Ranges of frequency (Hz): the paper's, and one that asks for more.
 CASES = {"10 Hz to 2 kHz": (10.0, 2e3), "1 mHz to 1 MHz": (1e-3, 1e6)}
@@ -129,7 +129,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
         Target("terminated points per second", 1.5e6, rate, "points/s", False, _CLOSED),
         Target(
             "design map, 200 lengths x 2000 frequencies x 3 loads", 2.0, map_seconds, "s", True,
-            "tmm.beam.parametric.tip_response",
+            "tactgen.tmm.beam.parametric.tip_response",
         ),
         Target(
             f"peak memory of {points:.0e} points", 1e9, memory, "B", True,

@@ -11,13 +11,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from geometry.arrays import Numbers
-from geometry.bimorph.bricks import Bricks
-from geometry.device.parameters import Device
-from geometry.meshing.mesh import Mesh
-from validation.bench.bimorph import meshes
-from validation.bench.bimorph.peers.job import Answer, Clock, Job, Material, answer
-from validation.scene.scene import Scene, load_scene
+from tactgen.geometry.arrays import Numbers
+from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.validation.bench.bimorph import meshes
+from tactgen.validation.bench.bimorph.peers.job import Answer, Clock, Job, Material, answer
+from tactgen.validation.scene.scene import Scene, load_scene
 
 #: Natural frequencies that are compared.
 MODES = 4
@@ -48,7 +48,7 @@ def job(
     growth: float = 4.0,
 ) -> Job:
     """Return job J1 as plain numbers; with frequencies, its damped sweep."""
-    from fem.bimorph.system import materials
+    from tactgen.fem.bimorph.system import materials
 
     device = j1().device
     regions = ("piezo_top", "shim")
@@ -98,18 +98,22 @@ def _plain(exact: Any, lossy: Any) -> Material:
 def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
     """Solve the job (or, with frequencies, its sweep) on a mesh of one of our families."""
     # imported before the clock starts: their time is the process's, not the mesh's
-    import fem.bimorph.reduction.krylov
-    import fem.bimorph.solid
-    from fem.solvers.linear_solver import available_solver
+    from tactgen.fem.bimorph.solid import assemble
+    from tactgen.fem.solvers.linear_solver import available_solver
 
-    for later in ("scipy.sparse.linalg", "validation.models.bimorph.lowest_modes"):
+    later_on = (
+        "scipy.sparse.linalg",
+        "tactgen.fem.bimorph.reduction.krylov",
+        "tactgen.validation.models.bimorph.lowest_modes",
+    )
+    for later in later_on:
         importlib.import_module(later)
     device, make = j1().device, FAMILIES[family]
 
     clock = Clock()
     mesh = make(device, fineness)
     clock.stop("mesh")
-    system = fem.bimorph.solid.assemble(device, mesh, lossy=bool(frequencies))
+    system = assemble(device, mesh, lossy=bool(frequencies))
     clock.stop("assembly")
     if frequencies:
         values = _sweep(system, frequencies)
@@ -126,10 +130,10 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
 
 def _static(system: Any) -> tuple[float, float]:
     """Return deflection and capacitance of the clamped, free bimorph."""
-    from fem.bimorph.ports import static_multiport
-    from geometry.bimorph.ends import Ends
-    from tmm.ports.multiport import respond
-    from tmm.ports.terminations import attach
+    from tactgen.fem.bimorph.ports import static_multiport
+    from tactgen.geometry.bimorph.ends import Ends
+    from tactgen.tmm.ports.multiport import respond
+    from tactgen.tmm.ports.terminations import attach
 
     response = respond(attach(static_multiport(system), Ends()), {"voltage": 1.0})
     return float(response.motion["w_tip"][0].real), float(response.effort["voltage"][0].real)
@@ -137,10 +141,10 @@ def _static(system: Any) -> tuple[float, float]:
 
 def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
     """Return the natural frequencies; a coarse mesh says which classes of motion they are in."""
-    from fem.bimorph.modes import natural_modes
-    from fem.bimorph.solid import assemble
-    from geometry.bimorph.ends import Ends
-    from validation.models.bimorph.lowest_modes import lowest_modes, solve_modes
+    from tactgen.fem.bimorph.modes import natural_modes
+    from tactgen.fem.bimorph.solid import assemble
+    from tactgen.geometry.bimorph.ends import Ends
+    from tactgen.validation.models.bimorph.lowest_modes import lowest_modes, solve_modes
 
     clamped = Ends()
     if not isinstance(mesh, Bricks):
@@ -153,10 +157,10 @@ def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
 
 def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
     """Return the complex deflection by reduction to ports."""
-    from fem.bimorph.reduction.krylov import reduce_to_ports
-    from geometry.bimorph.ends import Ends
-    from tmm.ports.multiport import respond
-    from tmm.ports.terminations import attach
+    from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
+    from tactgen.geometry.bimorph.ends import Ends
+    from tactgen.tmm.ports.multiport import respond
+    from tactgen.tmm.ports.terminations import attach
 
     f = np.array(frequencies)
     port = reduce_to_ports(system, f, tolerance=_REDUCTION).multiport(f)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.arrays import Ints
-from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.bimorph.bricks import Bricks
-from geometry.bimorph.tets import TetMeshing, tetrahedralise
-from geometry.device.parameters import Device
-from geometry.meshing.mesh import Mesh
-from validation.bench.bimorph.peers.grid import LAYERS, bricks
-from validation.bench.bimorph.peers.job import Job
+from tactgen.geometry.arrays import Ints
+from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.validation.bench.bimorph.peers.grid import LAYERS, bricks
+from tactgen.validation.bench.bimorph.peers.job import Job
 
 #: Six tetrahedra of a brick, all around its diagonal from corner 0 to corner 6.
 _TETS = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]

@@ -18,15 +18,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats, Ints
-from validation.bench.bimorph import jobs
-from validation.bench.bimorph.peers import PEERS, missing
-from validation.bench.bimorph.peers.job import Answer
-from validation.bench.bimorph.timing import SolidTiming
-from validation.bench.bimorph.ways import Level, own, ways
-from validation.bench.result import Bench, Target
-from validation.bench.work_precision import Point, front, time_at_error
-from validation.engine.refinement import BRICK_FACTOR
+from tactgen.geometry.arrays import Complex, Floats, Ints
+from tactgen.validation.bench.bimorph import jobs
+from tactgen.validation.bench.bimorph.peers import PEERS, missing
+from tactgen.validation.bench.bimorph.peers.job import Answer
+from tactgen.validation.bench.bimorph.timing import SolidTiming
+from tactgen.validation.bench.bimorph.ways import Level, own, ways
+from tactgen.validation.bench.result import Bench, Target
+from tactgen.validation.bench.work_precision import Point, front, time_at_error
+from tactgen.validation.engine.refinement import BRICK_FACTOR
 
 #: Converged J1 as four public codes agree on it on identical meshes (deflection in m/V, f1
 #: to f4 in Hz), and to how much (relative).

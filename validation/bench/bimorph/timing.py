@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from validation.bench.result import Timing
+from tactgen.validation.bench.result import Timing
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from validation.bench.bimorph import jobs
-from validation.bench.bimorph.jobs import job
-from validation.bench.bimorph.peers import PEERS, missing, solve
-from validation.bench.bimorph.peers.job import Answer, Job
-from validation.bench.one_core import on_one_core
+from tactgen.validation.bench.bimorph import jobs
+from tactgen.validation.bench.bimorph.jobs import job
+from tactgen.validation.bench.bimorph.peers import PEERS, missing, solve
+from tactgen.validation.bench.bimorph.peers.job import Answer, Job
+from tactgen.validation.bench.one_core import on_one_core
 
 #: Solves J1, or J2 at the frequencies (Hz) given.
 Solve = Callable[[list[float]], Answer]

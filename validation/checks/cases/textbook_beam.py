@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
-from tmm.beam.printed_formulas import matrix_a
-from tmm.beam.section.section import Section
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.tmm.beam.printed_formulas import matrix_a
+from tactgen.tmm.beam.section.section import Section
 
 
 def transfer(beam: Section, length: float, frequencies: Floats) -> Complex:

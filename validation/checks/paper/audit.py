@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
-from geometry.bimorph.pieces import Piece
-from geometry.device.parameters import Device
-from geometry.device.profile import UNIFORM
-from tmm.beam.printed_formulas import (
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.profile import UNIFORM
+from tactgen.tmm.beam.printed_formulas import (
     FORMULAS,
     MISPRINTS,
     PLACES,
@@ -30,10 +30,10 @@ from tmm.beam.printed_formulas import (
     printed_section,
     wave_parameters,
 )
-from tmm.beam.section.section import Section
-from tmm.beam.section.section import section as section_constants
-from tmm.ports.terminations import base_stiffness, ends_of, tip_stiffness
-from validation.scene.scene import Scene
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.section.section import section as section_constants
+from tactgen.tmm.ports.terminations import base_stiffness, ends_of, tip_stiffness
+from tactgen.validation.scene.scene import Scene
 
 #: Frequencies at which the effects are stated (Hz).
 AT = np.array([10.0, 100.0, 500.0, 1000.0])
@@ -153,7 +153,7 @@ def _ends(scene: Scene, frequencies: Floats) -> tuple[Complex, Complex, Complex]
 def _residual(scene: Scene, beam: Section, length: float, correct: Complex) -> float:
     import mpmath as mp
 
-    from validation.checks.cases import reference_beam as reference
+    from tactgen.validation.checks.cases import reference_beam as reference
 
     errors = []
     for i, frequency in enumerate(AT):
@@ -168,8 +168,8 @@ def _residual(scene: Scene, beam: Section, length: float, correct: Complex) -> f
 
 def _deviations(scene: Scene, device: Device, beam: Section) -> dict[int, float]:
     """Return the largest relative deviation of each formula as printed."""
-    from validation.checks.cases import reference_beam as reference
-    from validation.checks.paper.exact_formulas import frequency_formulas, section_formulas
+    from tactgen.validation.checks.cases import reference_beam as reference
+    from tactgen.validation.checks.paper.exact_formulas import frequency_formulas, section_formulas
 
     found = {}
     printed = _printed_sections(device, beam)

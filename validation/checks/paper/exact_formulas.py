@@ -12,12 +12,12 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
-from geometry.device.materials import EPS0
-from geometry.device.parameters import Beam, Device, Support
-from tmm.beam.printed_formulas import PLACES
-from tmm.beam.section.section import Section
-from tmm.ports.terminations import finger_impedance
-from validation.checks.cases import reference_beam as reference
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.tmm.beam.printed_formulas import PLACES
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.ports.terminations import finger_impedance
+from tactgen.validation.checks.cases import reference_beam as reference
 
 
 def section_formulas(device: Device, beam: Beam) -> dict[int, Any]:

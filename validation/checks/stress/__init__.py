@@ -8,13 +8,13 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Iterable
 
-from validation.checks.stress.result import Stress
+from tactgen.validation.checks.stress.result import Stress
 
 #: Name of each part and the module that runs it.
 PARTS = {
-    "tmm": "validation.checks.stress.beam",
-    "solid": "validation.checks.stress.solid",
-    "magnetics": "validation.checks.stress.magnetics",
+    "tmm": "tactgen.validation.checks.stress.beam",
+    "solid": "tactgen.validation.checks.stress.solid",
+    "magnetics": "tactgen.validation.checks.stress.magnetics",
 }
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from fem.solvers.linear_solver import SolverError
-from geometry.errors import InputError
-from validation.checks.stress.result import Point
+from tactgen.fem.solvers.linear_solver import SolverError
+from tactgen.geometry.errors import InputError
+from tactgen.validation.checks.stress.result import Point
 
 #: What a model may say instead of a number.
 REFUSALS = (InputError, SolverError, ArithmeticError)

@@ -15,21 +15,29 @@ from itertools import product
 import mpmath as mp
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.bimorph.ends import Ends
-from geometry.bimorph.pieces import Piece
-from geometry.device.materials import EPS0
-from geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Support
-from tmm.beam.modes import bending_frequencies
-from tmm.beam.section.section import Section, section
-from tmm.beam.transfer.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
-from tmm.beam.transfer.span import Span, span
-from tmm.beam.transfer.transfer_matrix import chain
-from tmm.ports.terminations import ends_of
-from validation.checks.cases import reference_beam as reference
-from validation.checks.stress.beam_point import CONDITION_LIMIT, entry_error, point
-from validation.checks.stress.result import WANTED, Approach, ErrorMap, Point, Row, Stress, judged
-from validation.view.formats import engineering
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Support
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.section.section import Section, section
+from tactgen.tmm.beam.transfer.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
+from tactgen.tmm.beam.transfer.span import Span, span
+from tactgen.tmm.beam.transfer.transfer_matrix import chain
+from tactgen.tmm.ports.terminations import ends_of
+from tactgen.validation.checks.cases import reference_beam as reference
+from tactgen.validation.checks.stress.beam_point import CONDITION_LIMIT, entry_error, point
+from tactgen.validation.checks.stress.result import (
+    WANTED,
+    Approach,
+    ErrorMap,
+    Point,
+    Row,
+    Stress,
+    judged,
+)
+from tactgen.validation.view.formats import engineering
 
 _LENGTH = 20e-3
 _PAPER = ends_of(Support(), Load())

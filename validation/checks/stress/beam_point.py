@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from geometry.bimorph.ends import Ends
-from tmm.beam.mounted_beam import mounted_response
-from tmm.beam.section.section import Section
-from tmm.beam.transfer.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
-from tmm.beam.transfer.timoshenko import condition, dynamic_stiffness
-from tmm.ports.terminations import base_stiffness, tip_stiffness
-from validation.checks.cases import reference_beam as reference
-from validation.checks.cases import textbook_beam
-from validation.checks.stress.result import WANTED, Point
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.tmm.beam.mounted_beam import mounted_response
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.transfer.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
+from tactgen.tmm.beam.transfer.timoshenko import condition, dynamic_stiffness
+from tactgen.tmm.ports.terminations import base_stiffness, tip_stiffness
+from tactgen.validation.checks.cases import reference_beam as reference
+from tactgen.validation.checks.cases import textbook_beam
+from tactgen.validation.checks.stress.result import WANTED, Point
 
 #: Condition number up to which the wanted accuracy is promised.
 CONDITION_LIMIT = (WANTED - 2.0 * EPS) / (EXTENDED_ROUNDINGS * EXTENDED_EPS)

@@ -9,16 +9,16 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from validation.checks.stress.magnetics_circuit import network_rows, refused_row
-from validation.checks.stress.magnetics_device import (
+from tactgen.validation.checks.stress.magnetics_circuit import network_rows, refused_row
+from tactgen.validation.checks.stress.magnetics_device import (
     as_built_row,
     device_rows,
     graded_row,
     narrow_gap_row,
     solenoid_row,
 )
-from validation.checks.stress.magnetics_solid import ball_row, sliver_row, team20_rows
-from validation.checks.stress.result import Row, Stress
+from tactgen.validation.checks.stress.magnetics_solid import ball_row, sliver_row, team20_rows
+from tactgen.validation.checks.stress.result import Row, Stress
 
 _COLUMNS = ("family", "points", "refused", "worst", "promised", "verdict", "worst at")
 _FAMILIES: dict[str, Callable[[bool], Row | list[Row]]] = {

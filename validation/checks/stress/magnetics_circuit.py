@@ -8,19 +8,19 @@ from itertools import product
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.actuator import solve_point
-from fem.reluctance.axisymmetric.field import solve_field
-from fem.reluctance.axisymmetric.space import discretise
-from fem.reluctance.three_d.problem import MagneticSolid
-from geometry.device.parameters import Coil, Device, Steel
-from geometry.device.steel_law import MagnetisationCurve, linear
-from geometry.reluctance.section_grid import Region, graded_grid
-from geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
-from tmm.reluctance.circuit import ONE_GAP
-from tmm.reluctance.network import network_samples, textbook_force
-from validation.checks.stress.answers import REFUSALS, Family
-from validation.checks.stress.result import Row, answered
-from validation.view.formats import engineering
+from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+from tactgen.fem.reluctance.axisymmetric.field import solve_field
+from tactgen.fem.reluctance.axisymmetric.space import discretise
+from tactgen.fem.reluctance.three_d.problem import MagneticSolid
+from tactgen.geometry.device.parameters import Coil, Device, Steel
+from tactgen.geometry.device.steel_law import MagnetisationCurve, linear
+from tactgen.geometry.reluctance.section_grid import Region, graded_grid
+from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
+from tactgen.tmm.reluctance.circuit import ONE_GAP
+from tactgen.tmm.reluctance.network import network_samples, textbook_force
+from tactgen.validation.checks.stress.answers import REFUSALS, Family
+from tactgen.validation.checks.stress.result import Row, answered
+from tactgen.validation.view.formats import engineering
 
 _GAPS = (1e-6, 1e-5, 1e-4, 0.4e-3, 1e-3, 5e-3)
 _CURRENTS = np.array([1e-6, 1e-3, 0.13, 10.0, 1e3])

@@ -7,29 +7,29 @@ from itertools import product
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.actuator import (
+from tactgen.fem.reluctance.axisymmetric.actuator import (
     FieldErrors,
     FieldPoint,
     solve_map,
     solve_point,
 )
-from fem.reluctance.axisymmetric.field import MagneticField, solve_field
-from fem.reluctance.axisymmetric.space import discretise, lowered
-from geometry.arrays import Floats
-from geometry.device.parameters import Device, Sleeve, Steel
-from geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
-from geometry.reluctance.section_grid import OUTER_RADIUS, Grid, graded_grid
-from geometry.reluctance.section_regions import actuator_regions
-from validation.checks.cases.magnetics.infinite_solenoid import (
+from tactgen.fem.reluctance.axisymmetric.field import MagneticField, solve_field
+from tactgen.fem.reluctance.axisymmetric.space import discretise, lowered
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Device, Sleeve, Steel
+from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, Grid, graded_grid
+from tactgen.geometry.reluctance.section_regions import actuator_regions
+from tactgen.validation.checks.cases.magnetics.infinite_solenoid import (
     INNER,
     OUTER,
     core_tolerance,
     flux_density_in_core,
     infinite_solenoid,
 )
-from validation.checks.stress.answers import REFUSALS, Family, spread
-from validation.checks.stress.result import Row, answered
-from validation.view.formats import engineering
+from tactgen.validation.checks.stress.answers import REFUSALS, Family, spread
+from tactgen.validation.checks.stress.result import Row, answered
+from tactgen.validation.view.formats import engineering
 
 #: Steels: linear by their µr, and the saturating one.
 _STEELS = {

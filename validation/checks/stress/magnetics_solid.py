@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.reluctance.three_d.problem import MagneticField, MagneticSolid, sample
-from fem.reluctance.three_d.scalar_potential import ScalarPotential
-from fem.reluctance.three_d.vector_potential import VectorPotential
-from geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.tensor_tets import box_tetrahedra
-from geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
-from validation.checks.cases.magnetics.sphere_in_field import ball_error
-from validation.checks.stress.answers import REFUSALS, Family
-from validation.checks.stress.result import Row, answered
+from tactgen.fem.reluctance.three_d.problem import MagneticField, MagneticSolid, sample
+from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
+from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
+from tactgen.validation.checks.cases.magnetics.sphere_in_field import ball_error
+from tactgen.validation.checks.stress.answers import REFUSALS, Family
+from tactgen.validation.checks.stress.result import Row, answered
 
 #: H = T0 linear in x, y, z, with curl and without divergence: within what the elements can do.
 _TURN = np.array([[1.0, 2.0, -0.5], [0.3, -3.0, 1.0], [0.7, 0.2, 2.0]])

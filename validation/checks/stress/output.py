@@ -10,11 +10,11 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from geometry.csv_rows import write_csv
-from geometry.files import write_text
-from validation.checks.stress import run_parts
-from validation.checks.stress.plots import approach_plot, map_plot
-from validation.checks.stress.result import ErrorMap, Row, Stress
+from tactgen.geometry.csv_rows import write_csv
+from tactgen.geometry.files import write_text
+from tactgen.validation.checks.stress import run_parts
+from tactgen.validation.checks.stress.plots import approach_plot, map_plot
+from tactgen.validation.checks.stress.result import ErrorMap, Row, Stress
 
 
 def section(

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Floats
-from tmm.beam.transfer.precision import error_bound
-from validation.checks.stress.result import WANTED, Approach, ErrorMap
-from validation.view.figures import ORANGE, new_figure, panels, svg
-from validation.view.formats import engineering
+from tactgen.geometry.arrays import Floats
+from tactgen.tmm.beam.transfer.precision import error_bound
+from tactgen.validation.checks.stress.result import WANTED, Approach, ErrorMap
+from tactgen.validation.view.figures import ORANGE, new_figure, panels, svg
+from tactgen.validation.view.formats import engineering
 
 #: Decades of relative error that the colours span.
 _DECADES = (-17.0, 0.0)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats
 
 #: Relative error that is asked for.
 WANTED = 1e-12

@@ -9,14 +9,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from validation.checks.stress.result import Row, Stress
-from validation.checks.stress.solid_answers import (
+from tactgen.validation.checks.stress.result import Row, Stress
+from tactgen.validation.checks.stress.solid_answers import (
     glue_row,
     resonance_row,
     short_electrode_row,
     thickness_row,
 )
-from validation.checks.stress.solid_exact import (
+from tactgen.validation.checks.stress.solid_exact import (
     distorted_row,
     one_element_row,
     scaling_row,

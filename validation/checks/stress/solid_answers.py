@@ -6,21 +6,21 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from fem.bimorph.modes import natural_modes
-from fem.bimorph.ports import direct_multiport
-from fem.bimorph.reduction.krylov import port_error, reduce_to_ports
-from fem.bimorph.solid import assemble
-from geometry.arrays import Floats
-from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
-from geometry.bimorph.bricks import Bricks
-from geometry.bimorph.ends import Ends
-from geometry.device.parameters import Bimorph, Device, Glue
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.tensor_tets import box_tetrahedra
-from validation.checks.stress.answers import REFUSALS, Family
-from validation.checks.stress.result import Row, answered
-from validation.checks.stress.solid_exact import named_faces, static_values
-from validation.engine.refinement import BRICK_FACTOR, least_difference, two_mesh_factor
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.ports import direct_multiport
+from tactgen.fem.bimorph.reduction.krylov import port_error, reduce_to_ports
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.parameters import Bimorph, Device, Glue
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.validation.checks.stress.answers import REFUSALS, Family
+from tactgen.validation.checks.stress.result import Row, answered
+from tactgen.validation.checks.stress.solid_exact import named_faces, static_values
+from tactgen.validation.engine.refinement import BRICK_FACTOR, least_difference, two_mesh_factor
 
 _NAMES = ("tip", "capacitance", "f1")
 #: Levels of the division that is judged, of the one that judges it, and of the reference.

@@ -7,20 +7,20 @@ from itertools import product
 
 import numpy as np
 
-from fem.bimorph.modes import natural_modes
-from fem.bimorph.ports import static_multiport
-from fem.bimorph.solid import assemble
-from fem.bimorph.system import SolidSystem
-from geometry.arrays import Floats, Ints
-from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.bimorph.bricks import Axis, Bricks
-from geometry.bimorph.ends import Ends
-from geometry.device.materials import Piezoceramic
-from geometry.device.parameters import Bimorph, Device, Shim
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.tensor_tets import box_tetrahedra
-from validation.checks.stress.answers import REFUSALS, Family
-from validation.checks.stress.result import Row, answered
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.ports import static_multiport
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import Axis, Bricks
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.materials import Piezoceramic
+from tactgen.geometry.device.parameters import Bimorph, Device, Shim
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.validation.checks.stress.answers import REFUSALS, Family
+from tactgen.validation.checks.stress.result import Row, answered
 
 _TWO_LEVELS = 1.25
 _ONE_ELEMENT = BrickMeshing((2, 2, 2), smallest=0.5)

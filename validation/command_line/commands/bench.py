@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from validation.command_line.commands.common import Commands
-from validation.command_line.commands.part_runs import add_part_command, run_and_show
+from tactgen.validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.commands.part_runs import add_part_command, run_and_show
 
 
 def add(commands: Commands) -> None:
@@ -16,8 +16,8 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; a slow machine is no error, so the exit code is 0."""
-    from validation.bench import PARTS, run_parts
-    from validation.bench.output import print_bench, write_bench
+    from tactgen.validation.bench import PARTS, run_parts
+    from tactgen.validation.bench.output import print_bench, write_bench
 
     run_and_show(
         options, PARTS, run_parts, print_bench, write_bench,

@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 
-from validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.commands.common import Commands
 
 #: Units of the table, largest first.
 _UNITS = (("GB", 1e9), ("MB", 1e6), ("kB", 1e3))
@@ -26,7 +26,7 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from geometry.store.store import clear, holdings, size_limit, store_folder
+    from tactgen.geometry.store.store import clear, holdings, size_limit, store_folder
 
     held = holdings()
     if options.clear:

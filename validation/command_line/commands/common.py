@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from validation.scene.scene import Scene
+    from tactgen.validation.scene.scene import Scene
 
 #: What argparse hands out for adding commands (its type is private).
 Commands = Any
@@ -41,9 +41,9 @@ def lateral_scene(
         As :func:`validation.scene.scene.load_scene`; or if no model of the lateral actuator is
         asked for.
     """
-    from geometry.errors import InputError
-    from validation.catalogue.models import models_of
-    from validation.scene.scene import load_scene
+    from tactgen.geometry.errors import InputError
+    from tactgen.validation.catalogue.models import models_of
+    from tactgen.validation.scene.scene import load_scene
 
     scene, origins = load_scene(name, list(overrides))
     if not set(scene.models) & set(models_of("bimorph")):
@@ -57,7 +57,7 @@ def lateral_scene(
 
 def say(text: str) -> None:
     """Print one line to stderr, if that can be written."""
-    from validation.scene.wording import one_line
+    from tactgen.validation.scene.wording import one_line
 
     with contextlib.suppress(OSError):
         print(f"tactgen: {one_line(text)}", file=sys.stderr)

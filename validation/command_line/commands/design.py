@@ -9,15 +9,20 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geometry.errors import InputError
-from validation.command_line.commands.common import Commands, lateral_scene, scene_options, warn
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.commands.common import (
+    Commands,
+    lateral_scene,
+    scene_options,
+    warn,
+)
 
 if TYPE_CHECKING:
-    from validation.scene.scene import Scene
-    from validation.studies.design.aim import Aim
-    from validation.studies.design.length_dependence import Dependence
-    from validation.studies.design.length_design import Design
-    from validation.studies.design.length_map import LengthMap
+    from tactgen.validation.scene.scene import Scene
+    from tactgen.validation.studies.design.aim import Aim
+    from tactgen.validation.studies.design.length_dependence import Dependence
+    from tactgen.validation.studies.design.length_design import Design
+    from tactgen.validation.studies.design.length_map import LengthMap
 
 
 def add(commands: Commands) -> None:
@@ -50,12 +55,12 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     import numpy as np
 
-    from validation.command_line.progress import announcer
-    from validation.scene.idle_keys import scene_warnings
-    from validation.studies.design.length_dependence import dependences
-    from validation.studies.design.length_design import design
-    from validation.studies.design.length_map import length_map
-    from validation.studies.design.length_section import CURVES
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.scene.idle_keys import scene_warnings
+    from tactgen.validation.studies.design.length_dependence import dependences
+    from tactgen.validation.studies.design.length_design import design
+    from tactgen.validation.studies.design.length_map import length_map
+    from tactgen.validation.studies.design.length_section import CURVES
 
     scene, origins = lateral_scene(options.scene, options.overrides, "design")
     aim = _aim(options)
@@ -82,8 +87,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _aim(options: argparse.Namespace) -> Aim:
-    from validation.scene.frequencies import parse_frequencies
-    from validation.studies.design.aim import Aim
+    from tactgen.validation.scene.frequencies import parse_frequencies
+    from tactgen.validation.studies.design.aim import Aim
 
     try:
         margin = float(options.margin)
@@ -109,8 +114,8 @@ def _two(text: str, option: str, example: str) -> tuple[str, str]:
 def _length(text: str) -> float:
     from pydantic import TypeAdapter, ValidationError
 
-    from geometry.units import Length, quoted
-    from validation.scene.wording import one_line
+    from tactgen.geometry.units import Length, quoted
+    from tactgen.validation.scene.wording import one_line
 
     reader: TypeAdapter[float] = TypeAdapter(Length)
     try:
@@ -121,17 +126,17 @@ def _length(text: str) -> float:
 
 
 def _draw(file: Path, study: LengthMap, found: Design) -> None:
-    from geometry.files import write_text
-    from validation.studies.design.plots import length_plot
+    from tactgen.geometry.files import write_text
+    from tactgen.validation.studies.design.plots import length_plot
 
     picture = length_plot(study, found)
     write_text(file, picture)
 
 
 def _print(scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence, ...]) -> None:
-    from validation.studies.design.length_dependence import decided_lengths
-    from validation.studies.design.length_section import NEGLIGIBLE, table_rows
-    from validation.studies.design.wording import sentences, signed
+    from tactgen.validation.studies.design.length_dependence import decided_lengths
+    from tactgen.validation.studies.design.length_section import NEGLIGIBLE, table_rows
+    from tactgen.validation.studies.design.wording import sentences, signed
 
     for sentence in sentences(found):
         print(sentence)
@@ -164,9 +169,9 @@ def _as_json(
     scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence, ...]
 ) -> dict[str, Any]:
     """Return the design as plain JSON values, SI units."""
-    from validation.studies.design.length_dependence import decided_lengths
-    from validation.studies.design.length_section import table_rows
-    from validation.studies.design.wording import sentences
+    from tactgen.validation.studies.design.length_dependence import decided_lengths
+    from tactgen.validation.studies.design.length_section import table_rows
+    from tactgen.validation.studies.design.wording import sentences
 
     aim = found.aim
     return {

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from geometry.errors import InputError
-from validation.command_line.commands.common import Commands, scene_options
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.commands.common import Commands, scene_options
 
 
 def add(commands: Commands) -> None:
@@ -32,9 +32,9 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from validation.command_line.progress import announcer
-    from validation.export.files import export
-    from validation.scene.scene import load_scene
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.export.files import export
+    from tactgen.validation.scene.scene import load_scene
 
     scene, _ = load_scene(options.scene, options.overrides)
     kinds = ("step", "glb", "mesh", "map", "ports", "state_space")

@@ -6,8 +6,13 @@ import argparse
 import json
 import sys
 
-from geometry.errors import InputError
-from validation.command_line.commands.common import Commands, lateral_scene, scene_options, warn
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.commands.common import (
+    Commands,
+    lateral_scene,
+    scene_options,
+    warn,
+)
 
 _ABOUT = """\
 Fit parameters of a scene to a measured frequency response with the transfer-matrix model,
@@ -67,7 +72,7 @@ def add(commands: Commands) -> None:
 
 
 def _listing() -> tuple[str, str]:
-    from validation.catalogue.quantities import measurable
+    from tactgen.validation.catalogue.quantities import measurable
 
     units = {name: row.curve.example.split()[-1] for name, row in measurable().items() if row.curve}
     others = [f"{name} ({unit})" for name, unit in units.items() if name != "velocity"]
@@ -76,17 +81,17 @@ def _listing() -> tuple[str, str]:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from validation.scene.idle_keys import scene_warnings
-    from validation.studies.identification.fit_parameters import DEFAULT_FIT
-    from validation.studies.identification.identify import identify
-    from validation.studies.identification.measured_data import read_measured
-    from validation.studies.identification.output import (
+    from tactgen.validation.scene.idle_keys import scene_warnings
+    from tactgen.validation.studies.identification.fit_parameters import DEFAULT_FIT
+    from tactgen.validation.studies.identification.identify import identify
+    from tactgen.validation.studies.identification.measured_data import read_measured
+    from tactgen.validation.studies.identification.output import (
         as_json,
         as_text,
         checked_scene_name,
         write_scene,
     )
-    from validation.studies.identification.plot import checked_plot_name, write_plot
+    from tactgen.validation.studies.identification.plot import checked_plot_name, write_plot
 
     # what is wrong with the names is said before any work is done
     plot = None if options.plot is None else checked_plot_name(options.plot)

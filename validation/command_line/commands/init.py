@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.commands.common import Commands
 
 
 def add(commands: Commands) -> None:
@@ -17,7 +17,7 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from validation.scene.template import write_template
+    from tactgen.validation.scene.template import write_template
 
     print(write_template(Path(options.file)))
     return 0

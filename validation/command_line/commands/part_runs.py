@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.commands.common import Commands
 
 Part = TypeVar("Part")
 
@@ -39,16 +39,16 @@ def run_and_show(
     verdicts: Callable[[list[Part]], dict[str, Any]],
 ) -> list[Part]:
     """Run the chosen parts, print them as tables or as JSON, write files; return the parts."""
-    from geometry.files import writable_folder
-    from validation.command_line.progress import announcer
-    from validation.scene.wording import choices
+    from tactgen.geometry.files import writable_folder
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.scene.wording import choices
 
     names = choices(",".join(options.only or known), tuple(known), "part", "--only")
     out = writable_folder(Path(options.out)) if options.out is not None else None
     with announcer() as announce:
         parts = run_parts(names, options.quick, announce)
     if options.json:
-        from validation.command_line.plain_values import plain
+        from tactgen.validation.command_line.plain_values import plain
 
         json.dump({"parts": plain(parts), **verdicts(parts)}, sys.stdout)
         print()

@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 
-from validation.command_line.commands.common import Commands, scene_options
+from tactgen.validation.command_line.commands.common import Commands, scene_options
 
 
 def add(commands: Commands) -> None:
@@ -19,9 +19,9 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from validation.engine.plan import make_plan
-    from validation.engine.solve import plan_json
-    from validation.scene.scene import load_scene
+    from tactgen.validation.engine.plan import make_plan
+    from tactgen.validation.engine.solve import plan_json
+    from tactgen.validation.scene.scene import load_scene
 
     scene, _ = load_scene(options.scene, options.overrides)
     plan = make_plan(scene, scene.models, scene.quantities)
@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
         json.dump({"scene": scene.name, "plan": plan_json(plan)}, sys.stdout)
         print()
     else:
-        from validation.command_line.tables import print_plan
+        from tactgen.validation.command_line.tables import print_plan
 
         print_plan(scene.name, plan)
     return 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from validation.command_line.commands.common import Commands, scene_options, warn
+from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
 
 
 def add(commands: Commands) -> None:
@@ -23,10 +23,10 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from validation.command_line.progress import announcer
-    from validation.report.page import write_report
-    from validation.scene.idle_keys import scene_warnings
-    from validation.scene.scene import load_scene
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.report.page import write_report
+    from tactgen.validation.scene.idle_keys import scene_warnings
+    from tactgen.validation.scene.scene import load_scene
 
     scene, origins = load_scene(options.scene, options.overrides)
     warn(scene_warnings(scene, origins, report=True))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.commands.common import Commands
 
 
 def add(commands: Commands) -> None:
@@ -15,7 +15,7 @@ def add(commands: Commands) -> None:
 
 def run(_: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from validation.scene.files import built_in_scenes
+    from tactgen.validation.scene.files import built_in_scenes
 
     for name, description in built_in_scenes().items():
         print(f"{name:12} {description}")

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from validation.command_line.commands.common import (
+from tactgen.validation.command_line.commands.common import (
     Commands,
     lateral_scene,
     say,
@@ -19,8 +19,8 @@ from validation.command_line.commands.common import (
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from validation.studies.uncertainty.propagation import Uncertainty
-    from validation.studies.uncertainty.table import SensitivityColumn
+    from tactgen.validation.studies.uncertainty.propagation import Uncertainty
+    from tactgen.validation.studies.uncertainty.table import SensitivityColumn
 
 
 def add(commands: Commands) -> None:
@@ -52,13 +52,13 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from validation.command_line.progress import announcer
-    from validation.engine.limits import level_warnings, load_warnings
-    from validation.scene.idle_keys import scene_warnings
-    from validation.studies.uncertainty.headline_numbers import actuator
-    from validation.studies.uncertainty.propagation import parameter_uncertainty
-    from validation.studies.uncertainty.table import sensitivity_columns, thinned
-    from validation.studies.uncertainty.varied_keys import left_out
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.engine.limits import level_warnings, load_warnings
+    from tactgen.validation.scene.idle_keys import scene_warnings
+    from tactgen.validation.studies.uncertainty.headline_numbers import actuator
+    from tactgen.validation.studies.uncertainty.propagation import parameter_uncertainty
+    from tactgen.validation.studies.uncertainty.table import sensitivity_columns, thinned
+    from tactgen.validation.studies.uncertainty.varied_keys import left_out
 
     names = ",".join(options.quantity or _default())
     wanted = (f"frequency={options.frequency}", f"quantities={names}")
@@ -88,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _default() -> tuple[str, ...]:
     """Return what is asked for unless --quantity says otherwise."""
-    from validation.catalogue import bimorph
+    from tactgen.validation.catalogue import bimorph
 
     rows = (
         bimorph.STATIC_TIP_DISPLACEMENT,
@@ -166,7 +166,7 @@ def _signed(value: float) -> str:
 def _print_uncertainty(uncertain: Sequence[Uncertainty]) -> None:
     from rich.table import Table
 
-    from validation.view.formats import engineering, share
+    from tactgen.validation.view.formats import engineering, share
 
     table = Table()
     for name in ("number", "value", "numerical", "95 % of samples", "main contributors"):

@@ -7,8 +7,8 @@ import json
 import sys
 from collections.abc import Iterator
 
-from geometry.errors import InputError
-from validation.command_line.commands.common import Commands, scene_options, warn
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
 
 
 def add(commands: Commands) -> None:
@@ -34,8 +34,8 @@ def add(commands: Commands) -> None:
 
 
 def _listing() -> tuple[str, str]:
-    from validation.catalogue.models import MODELS
-    from validation.catalogue.quantities import QUANTITIES
+    from tactgen.validation.catalogue.models import MODELS
+    from tactgen.validation.catalogue.quantities import QUANTITIES
 
     quantities = "\n".join(f"  {q.name:26} {q.meaning} ({q.unit})" for q in QUANTITIES.values())
     models = "\n".join(f"  {m.name:26} {m.description}" for m in MODELS.values())
@@ -44,10 +44,10 @@ def _listing() -> tuple[str, str]:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from validation.command_line.progress import announcer
-    from validation.engine.solve import as_json, solve
-    from validation.scene.idle_keys import scene_warnings
-    from validation.scene.scene import load_scene
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.engine.solve import as_json, solve
+    from tactgen.validation.scene.idle_keys import scene_warnings
+    from tactgen.validation.scene.scene import load_scene
 
     scene, origins = load_scene(options.scene, [*options.overrides, *_wanted(options)])
     warn(scene_warnings(scene, origins))
@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
         json.dump(as_json(solution), sys.stdout)
         print()
     else:
-        from validation.command_line.tables import print_quantities
+        from tactgen.validation.command_line.tables import print_quantities
 
         print_quantities(solution)
     return 0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from validation.command_line.commands.common import Commands
-from validation.command_line.commands.part_runs import add_part_command, run_and_show
+from tactgen.validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.commands.part_runs import add_part_command, run_and_show
 
 
 def add(commands: Commands) -> None:
@@ -16,8 +16,8 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit code is 1 if a family fails."""
-    from validation.checks.stress import PARTS, run_parts
-    from validation.checks.stress.output import print_stress, write_stress
+    from tactgen.validation.checks.stress import PARTS, run_parts
+    from tactgen.validation.checks.stress.output import print_stress, write_stress
 
     parts = run_and_show(
         options, PARTS, run_parts, print_stress, write_stress,

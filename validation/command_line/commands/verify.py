@@ -7,7 +7,7 @@ import json
 import sys
 from typing import Any
 
-from validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.commands.common import Commands
 
 
 def add(commands: Commands) -> None:
@@ -22,10 +22,10 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit code is 1 if a check fails."""
-    from validation.checks.verification import GROUPS, verify
-    from validation.command_line.plain_values import plain
-    from validation.command_line.progress import announcer
-    from validation.scene.wording import choices
+    from tactgen.validation.checks.verification import GROUPS, verify
+    from tactgen.validation.command_line.plain_values import plain
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.scene.wording import choices
 
     groups = choices(",".join(options.only or GROUPS), tuple(GROUPS), "group", "--only")
     with announcer() as announce:
@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _print(rows: list[dict[str, Any]]) -> None:
-    from validation.view.formats import engineering, percent
+    from tactgen.validation.view.formats import engineering, percent
 
     print(f"{'id':9} {'verdict':10} {'measured':>14} {'deviation':>12}  requirement")
     for row in rows:

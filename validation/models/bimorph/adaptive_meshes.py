@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.device.layout import Standing
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.tetwild.sizing import Sizing, sizing_for
-from validation.engine.refinement import SAFETY, two_mesh_factor
-from validation.scene.scene import Scene
+from tactgen.geometry.device.layout import Standing
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.tetwild.sizing import Sizing, sizing_for
+from tactgen.validation.engine.refinement import SAFETY, two_mesh_factor
+from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.bimorph.refinement.error_indicator import GoalError
-    from fem.bimorph.system import SolidSystem
+    from tactgen.fem.bimorph.refinement.error_indicator import GoalError
+    from tactgen.fem.bimorph.system import SolidSystem
 
 #: Edge length of the first mesh and shortest edge of any, in thicknesses of the shim.
 _START, _SHORTEST = 2.0, 0.04
@@ -204,7 +204,7 @@ def adapted_pair(scene: Scene, accuracy: float, most_elements: int = 20_000) -> 
 
 def _finer(scene: Scene, last: Solved, allowed: float, most_elements: int) -> Solved:
     """Return the next mesh, solved; its error is allowed to be this share of the last one's."""
-    from geometry.bimorph.tets import squeezed
+    from tactgen.geometry.bimorph.tets import squeezed
 
     # each element is as fine as the goal that needs it most
     shares = np.max([goal.shares for goal in last.goals.values()], axis=0)
@@ -219,9 +219,9 @@ def _finer(scene: Scene, last: Solved, allowed: float, most_elements: int) -> So
 
 def _solved(scene: Scene, sizing: Sizing | None) -> Solved:
     """Mesh with the given sizes, by default uniform and coarse, solve, and estimate errors."""
-    from fem.bimorph.refinement.error_indicator import goal_errors
-    from fem.bimorph.solid import assemble
-    from geometry.bimorph.tets import TetMeshing, tetrahedralise
+    from tactgen.fem.bimorph.refinement.error_indicator import goal_errors
+    from tactgen.fem.bimorph.solid import assemble
+    from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 
     regions: tuple[str, ...] = ("piezo_top", "piezo_bottom", "shim")
     if _standing(scene) == "rod":

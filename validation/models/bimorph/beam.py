@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.arrays import Floats
-from tmm.ports.multiport import Multiport
-from validation.engine.model import Modes, Refined
-from validation.models.bimorph.model import BimorphModel
+from tactgen.geometry.arrays import Floats
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.validation.engine.model import Modes, Refined
+from tactgen.validation.models.bimorph.model import BimorphModel
 
 
 class BeamModel(BimorphModel):
@@ -28,7 +28,7 @@ class BeamModel(BimorphModel):
         return self.run("static", lambda: self._refined(np.zeros(1), lossy=False))
 
     def _refined(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
-        from fem.beam import beam
+        from tactgen.fem.beam import beam
 
         s = self.scene
         n = beam.elements_for(s.device, float(frequencies.max()))
@@ -45,7 +45,7 @@ class BeamModel(BimorphModel):
         return opened if open_circuit else short
 
     def _both_modes(self) -> tuple[Refined[Modes], ...]:
-        from fem.beam import beam
+        from tactgen.fem.beam import beam
 
         s = self.scene
         n = 12 + 2 * s.modes

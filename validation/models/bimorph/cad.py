@@ -5,10 +5,14 @@ Shares with the bricks of the model solid the equations and nothing of mesh or a
 
 from __future__ import annotations
 
-from geometry.device.checks import check_plain_layers
-from validation.models.bimorph.adaptive_meshes import AdaptedPair, adapted_pair, level_limits
-from validation.models.bimorph.two_meshes import TwoMeshModel
-from validation.scene.scene import Scene
+from tactgen.geometry.device.checks import check_plain_layers
+from tactgen.validation.models.bimorph.adaptive_meshes import (
+    AdaptedPair,
+    adapted_pair,
+    level_limits,
+)
+from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+from tactgen.validation.scene.scene import Scene
 
 
 class CadModel(TwoMeshModel):

@@ -11,13 +11,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem.bimorph.motions import Motion
-from fem.bimorph.reduction.modal_model import BareMode, ModalModel
-from geometry.bimorph.ends import Ends
-from geometry.store.values import storable
+from tactgen.fem.bimorph.motions import Motion
+from tactgen.fem.bimorph.reduction.modal_model import BareMode, ModalModel
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.store.values import storable
 
 if TYPE_CHECKING:
-    from fem.bimorph.system import SolidSystem
+    from tactgen.fem.bimorph.system import SolidSystem
 
 #: Classes of motion in which the ports take no part: the same on any support and circuit.
 _OTHERS: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
@@ -51,7 +51,7 @@ class MeshModes:
 
 def solve_modes(fine: SolidSystem, coarse: SolidSystem, count: int) -> tuple[MeshModes, MeshModes]:
     """Return what the lowest `count` modes need on any support, on a finer and a coarser mesh."""
-    from fem.bimorph.reduction.modal_reduction import modal_model
+    from tactgen.fem.bimorph.reduction.modal_reduction import modal_model
 
     below = MeshModes(
         modal_model(coarse, count), {m: _other(coarse, m, count) for m in _of(coarse)}
@@ -89,7 +89,7 @@ def _of(system: SolidSystem) -> tuple[Motion, ...]:
 
 
 def _other(system: SolidSystem, motion: Motion, count: int) -> tuple[BareMode, ...]:
-    from fem.bimorph.modes import natural_modes
+    from tactgen.fem.bimorph.modes import natural_modes
 
     assert system.related is not None
     found = natural_modes(system.related(motion), Ends(), count)

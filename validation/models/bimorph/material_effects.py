@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
-from geometry.device.materials import Piezoceramic
-from geometry.device.piezo_library import LIBRARY
-from geometry.errors import InputError
-from validation.models.bimorph.bridge.beam_values import beam_values
-from validation.models.bimorph.bridge.rung import Values
-from validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid
-from validation.scene.scene import Scene
+from tactgen.geometry.device.materials import Piezoceramic
+from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.errors import InputError
+from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
+from tactgen.validation.models.bimorph.bridge.rung import Values
+from tactgen.validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid
+from tactgen.validation.scene.scene import Scene
 
 #: Permittivity with which the paper's d31 and s11 give a coupling beyond known ceramics.
 _LOW_EPS33 = 3400.0

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from geometry.bimorph.bricks import Bricks
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.mirror import whole_mesh
-from validation.scene.scene import Scene
+from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.mirror import whole_mesh
+from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from validation.models.bimorph.two_meshes import MeshPair
+    from tactgen.validation.models.bimorph.two_meshes import MeshPair
 
 
 def mesh_pair(scene: Scene) -> MeshPair:
@@ -22,12 +22,12 @@ def mesh_pair(scene: Scene) -> MeshPair:
         If neither bricks nor tetrahedra know the scene's bimorph.
     """
     if scene.support.kind == "rod" or ("cad" in scene.models and "solid" not in scene.models):
-        from validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
-        from validation.models.bimorph.cad import CadModel
+        from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
+        from tactgen.validation.models.bimorph.cad import CadModel
 
         CadModel.check(scene)
         return adapted_pair(scene, *level_limits(scene))
-    from validation.models.bimorph.solid import SolidModel, brick_pair
+    from tactgen.validation.models.bimorph.solid import SolidModel, brick_pair
 
     SolidModel.check(scene)
     return brick_pair(scene)

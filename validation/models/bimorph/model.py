@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from tmm.ports.multiport import Multiport
-from validation.catalogue.needs import Need
-from validation.engine.model import Model, Modes, Refined
-from validation.engine.stages import Stages
-from validation.scene.scene import Scene
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.validation.catalogue.needs import Need
+from tactgen.validation.engine.model import Model, Modes, Refined
+from tactgen.validation.engine.stages import Stages
+from tactgen.validation.scene.scene import Scene
 
 
 class BimorphModel(Model):

@@ -9,16 +9,16 @@ from typing import TypeVar
 
 import numpy as np
 
-from geometry.bimorph.ends import Ends
-from geometry.bimorph.pieces import beam_pieces
-from tmm.beam import lumped
-from tmm.beam.modes import NaturalFrequencies, natural_frequencies
-from tmm.beam.mounted_beam import uniform_response
-from tmm.beam.transfer import transfer_matrix
-from tmm.ports.multiport import Multiport, Response
-from validation.engine.model import Modes, Refined
-from validation.engine.refinement import SAFETY
-from validation.models.bimorph.model import BimorphModel
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.tmm.beam import lumped
+from tactgen.tmm.beam.modes import NaturalFrequencies, natural_frequencies
+from tactgen.tmm.beam.mounted_beam import uniform_response
+from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.ports.multiport import Multiport, Response
+from tactgen.validation.engine.model import Modes, Refined
+from tactgen.validation.engine.refinement import SAFETY
+from tactgen.validation.models.bimorph.model import BimorphModel
 
 #: Ratio of a size at both ends of a segment from which on its order is not that of a smooth
 #: taper: (ratio − 1)⁴ is then no longer small.

@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
-from geometry.bimorph.bricks import Bricks
-from geometry.device.checks import check_bonded, check_constant_section
-from geometry.device.parameters import Device
-from geometry.errors import InputError
-from validation.engine.refinement import ASSUMED_GAIN, BRICK_FACTOR, SAFETY
-from validation.models.bimorph.two_meshes import TwoMeshModel
-from validation.scene.scene import Scene
+from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.device.checks import check_bonded, check_constant_section
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.refinement import ASSUMED_GAIN, BRICK_FACTOR, SAFETY
+from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.bimorph.system import SolidSystem
+    from tactgen.fem.bimorph.system import SolidSystem
 
 #: Relative error bar of static deflection, capacitances and first frequencies that each level
 #: stays below on the paper's bimorph and on job J1 (tests/validation/engine/test_refinement.py).
@@ -54,7 +54,7 @@ class BrickPair:
     @cached_property
     def systems(self) -> tuple[SolidSystem, SolidSystem]:
         """The lossless systems on the finer and the coarser mesh."""
-        from fem.bimorph.bricks.assembly import assemble_bricks
+        from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 
         fine, coarse = (assemble_bricks(self.device, m, lossy=False) for m in self.meshes)
         return fine, coarse

@@ -18,16 +18,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.bimorph.pieces import Piece, beam_pieces
-from tmm.beam.section.section import Joint, section
-from tmm.beam.transfer import transfer_matrix
-from tmm.beam.transfer.scattering import Element
-from tmm.ports.multiport import Multiport
-from validation.models.bimorph.bridge.beam_values import beam_row, values_of_row
-from validation.models.bimorph.bridge.generator import GeneratorChain
-from validation.models.bimorph.bridge.solid_values import SolidCase, solve_static, tip_compliance
-from validation.scene.scene import Scene
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
+from tactgen.tmm.beam.section.section import Joint, section
+from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.beam.transfer.scattering import Element
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.validation.models.bimorph.bridge.beam_values import beam_row, values_of_row
+from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
+from tactgen.validation.models.bimorph.bridge.solid_values import (
+    SolidCase,
+    solve_static,
+    tip_compliance,
+)
+from tactgen.validation.scene.scene import Scene
 
 #: Free lengths of the tab (m) for which the bricks are solved.
 TAB_LENGTHS = (0.0, 0.4e-3, 0.8e-3, 1.2e-3, 1.6e-3, 2.4e-3)

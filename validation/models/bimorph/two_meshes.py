@@ -12,20 +12,20 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
 
-from geometry.arrays import Bools, Floats
-from geometry.store.values import storable
-from tmm.ports.multiport import Multiport
-from validation.engine.model import Modes, Refined
-from validation.engine.refinement import SAFETY, least_difference
-from validation.models.bimorph.lowest_modes import MeshModes, lowest_modes, solve_modes
-from validation.models.bimorph.model import BimorphModel
+from tactgen.geometry.arrays import Bools, Floats
+from tactgen.geometry.store.values import storable
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.validation.engine.model import Modes, Refined
+from tactgen.validation.engine.refinement import SAFETY, least_difference
+from tactgen.validation.models.bimorph.lowest_modes import MeshModes, lowest_modes, solve_modes
+from tactgen.validation.models.bimorph.model import BimorphModel
 
 if TYPE_CHECKING:
-    from fem.bimorph.modes import SolidMode
-    from fem.bimorph.reduction.modal_model import BareMode
-    from fem.bimorph.system import SolidSystem
-    from geometry.bimorph.bricks import Bricks
-    from geometry.meshing.mesh import Mesh
+    from tactgen.fem.bimorph.modes import SolidMode
+    from tactgen.fem.bimorph.reduction.modal_model import BareMode
+    from tactgen.fem.bimorph.system import SolidSystem
+    from tactgen.geometry.bimorph.bricks import Bricks
+    from tactgen.geometry.meshing.mesh import Mesh
 
 T = TypeVar("T")
 
@@ -111,7 +111,7 @@ class TwoMeshModel(BimorphModel):
         """Return the lossless D(0)."""
 
         def work() -> Refined[Multiport]:
-            from fem.bimorph.ports import static_multiport
+            from tactgen.fem.bimorph.ports import static_multiport
 
             fine, coarse = (static_multiport(system) for system in self.systems())
             return self._two_meshes(fine, coarse, self._rounding(fine))
@@ -123,7 +123,7 @@ class TwoMeshModel(BimorphModel):
         return self.run("ports", self._reduced)
 
     def _reduced(self) -> Refined[Multiport]:
-        from fem.bimorph.reduction.kept import reduced_solid
+        from tactgen.fem.bimorph.reduction.kept import reduced_solid
 
         ports = []
         extra: tuple[tuple[Multiport, float], ...] = ()
@@ -172,7 +172,7 @@ class TwoMeshModel(BimorphModel):
 
     def shapes(self) -> list[SolidMode]:
         """Return the lowest modes of :meth:`modes` with their shapes, on the finer mesh."""
-        from fem.bimorph.modes import natural_modes
+        from tactgen.fem.bimorph.modes import natural_modes
 
         wanted = Counter(mode.motion for mode in self._lowest(open_circuit=False)[0])
         system = self.systems()[0]

@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.errors import InputError
-from geometry.store.store import kept
-from tmm.reluctance.coenergy.fit import fit
-from tmm.reluctance.coenergy.map import CoenergyMap, Samples
-from validation.catalogue.models import stage_code
-from validation.engine.results import Measured
-from validation.models.reluctance.model import MagneticModel
-from validation.models.reluctance.point import MagneticPoint
-from validation.scene.scene import Scene
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.store import kept
+from tactgen.tmm.reluctance.coenergy.fit import fit
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples
+from tactgen.validation.catalogue.models import stage_code
+from tactgen.validation.engine.results import Measured
+from tactgen.validation.models.reluctance.model import MagneticModel
+from tactgen.validation.models.reluctance.point import MagneticPoint
+from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.reluctance.axisymmetric.actuator import FieldPoint
-    from fem.reluctance.three_d.actuator import SolidPoint
+    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
+    from tactgen.fem.reluctance.three_d.actuator import SolidPoint
 
 _Found = TypeVar("_Found", "FieldPoint", "SolidPoint")
 
@@ -85,7 +85,7 @@ class AxisymmetricModel(_FieldModel):
         return replace(_judged(found, self._METHOD), force_by_stress=found.force_eggshell)
 
     def _solved(self, current: float, gap: float) -> FieldPoint:
-        from fem.reluctance.axisymmetric.actuator import solve_point
+        from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
 
         device, accuracy = self.scene.device, self.scene.accuracy
         return _fine_enough(
@@ -95,8 +95,8 @@ class AxisymmetricModel(_FieldModel):
         )
 
     def _map(self) -> CoenergyMap:
-        from fem.reluctance.axisymmetric.actuator import solve_map
-        from tmm.reluctance.map_range import map_grid
+        from tactgen.fem.reluctance.axisymmetric.actuator import solve_map
+        from tactgen.tmm.reluctance.map_range import map_grid
 
         device = self.scene.device
         currents, gaps = map_grid(device)
@@ -127,9 +127,9 @@ class Magnetic3dModel(_FieldModel):
         return _judged(self._solved(current, gap), self._METHOD)
 
     def _solved(self, current: float, gap: float) -> SolidPoint:
-        from fem.reluctance.three_d.actuator import solve_cad, solve_solid
-        from geometry.reluctance.sector_tets import Sector
-        from geometry.reluctance.tets import ActuatorMeshing
+        from tactgen.fem.reluctance.three_d.actuator import solve_cad, solve_solid
+        from tactgen.geometry.reluctance.sector_tets import Sector
+        from tactgen.geometry.reluctance.tets import ActuatorMeshing
 
         scene = self.scene
         if scene.mesh.kind == "tetwild":
@@ -144,9 +144,9 @@ class Magnetic3dModel(_FieldModel):
 
     def _map(self) -> CoenergyMap:
         """Return the map, solved gap by gap: an interrupted one goes on where it was."""
-        from fem.reluctance.three_d.actuator import solve_row
-        from geometry.reluctance.sector_tets import Sector
-        from tmm.reluctance.map_range import map_grid
+        from tactgen.fem.reluctance.three_d.actuator import solve_row
+        from tactgen.geometry.reluctance.sector_tets import Sector
+        from tactgen.tmm.reluctance.map_range import map_grid
 
         check_solid_map(self.scene)
         device, announce = self.scene.device, self.stages.announce

@@ -12,15 +12,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from tmm.reluctance.coenergy.map import CoenergyMap
-from validation.catalogue.models import MODELS
-from validation.catalogue.needs import Need
-from validation.engine.model import Model
-from validation.engine.results import Measured
-from validation.models.reluctance.point import MagneticPoint
-from validation.models.reluctance.switching import SwitchingCurrents, switching_currents
-from validation.models.reluctance.warnings import magnetic_warnings
-from validation.scene.files import leaves
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.catalogue.needs import Need
+from tactgen.validation.engine.model import Model
+from tactgen.validation.engine.results import Measured
+from tactgen.validation.models.reluctance.point import MagneticPoint
+from tactgen.validation.models.reluctance.switching import SwitchingCurrents, switching_currents
+from tactgen.validation.models.reluctance.warnings import magnetic_warnings
+from tactgen.validation.scene.files import leaves
 
 
 class MagneticModel(Model):
@@ -82,7 +82,7 @@ class NetworkModel(MagneticModel):
 
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Return the values at a current (A) and gap (m)."""
-        from tmm.reluctance.network import fine_and_coarse, iron_beyond_table
+        from tactgen.tmm.reluctance.network import fine_and_coarse, iron_beyond_table
 
         device = self.scene.device
         fine, coarse = fine_and_coarse(device, np.array([current]), np.array([gap]))
@@ -103,9 +103,9 @@ class NetworkModel(MagneticModel):
         )
 
     def _map(self) -> CoenergyMap:
-        from tmm.reluctance.coenergy.fit import fit
-        from tmm.reluctance.map_range import map_grid
-        from tmm.reluctance.network import network_samples
+        from tactgen.tmm.reluctance.coenergy.fit import fit
+        from tactgen.tmm.reluctance.map_range import map_grid
+        from tactgen.tmm.reluctance.network import network_samples
 
         device = self.scene.device
         found = network_samples(device, *map_grid(device))

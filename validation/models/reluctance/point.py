@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from geometry.store.values import storable
-from validation.engine.results import Measured
+from tactgen.geometry.store.values import storable
+from tactgen.validation.engine.results import Measured
 
 
 @storable

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.device.parameters import Device
-from geometry.store.values import storable
-from tmm.reluctance.coenergy.map import CoenergyMap
-from tmm.reluctance.switching import Switching, spring_force, switching
-from validation.engine.results import Measured
-from validation.models.reluctance.point import MagneticPoint
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.store.values import storable
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.reluctance.switching import Switching, spring_force, switching
+from tactgen.validation.engine.results import Measured
+from tactgen.validation.models.reluctance.point import MagneticPoint
 
 #: Solves one current (A) at one gap (m).
 Solver = Callable[[float, float], MagneticPoint]

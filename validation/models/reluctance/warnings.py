@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from validation.catalogue.quantities import QUANTITIES
-from validation.catalogue.row import AnswerReadout
-from validation.models.reluctance.point import MagneticPoint
-from validation.models.reluctance.switching import SwitchingCurrents
-from validation.scene.scene import Scene
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import AnswerReadout
+from tactgen.validation.models.reluctance.point import MagneticPoint
+from tactgen.validation.models.reluctance.switching import SwitchingCurrents
+from tactgen.validation.scene.scene import Scene
 
 #: Share of the iron beyond the end of its curve that is worth a word: less is a corner or two.
 _WORTH_A_WORD = 0.01

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.view.figures import AMBER, BLUE, GREEN, GREY, ORANGE, panels, svg
+from tactgen.validation.view.figures import AMBER, BLUE, GREEN, GREY, ORANGE, panels, svg
 
 if TYPE_CHECKING:
-    from validation.models.bimorph.bridge import Rung
+    from tactgen.validation.models.bimorph.bridge import Rung
 
 Array = NDArray[Any]
 

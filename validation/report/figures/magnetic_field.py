@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.device.parameters import NOMINAL_GAP, Device
-from validation.view.figures import BLUE, DARK, new_figure, svg
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import NOMINAL_GAP, Device
+from tactgen.validation.view.figures import BLUE, DARK, new_figure, svg
 
 if TYPE_CHECKING:
-    from fem.reluctance.axisymmetric.actuator import FieldPoint
-    from fem.reluctance.axisymmetric.field import MagneticField
-    from geometry.reluctance.section_grid import Region
+    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
+    from tactgen.fem.reluctance.axisymmetric.field import MagneticField
+    from tactgen.geometry.reluctance.section_grid import Region
 
 #: Flux lines per picture.
 _LINES = 16

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.device.parameters import Device
-from tmm.reluctance.coenergy.map import CoenergyMap
-from tmm.reluctance.switching import (
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Device
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.reluctance.switching import (
     balance_current,
     between_stops,
     equilibria,
@@ -22,12 +22,12 @@ from tmm.reluctance.switching import (
     resting_gaps,
     spring_force,
 )
-from validation.models.reluctance.switching import SwitchingCurrents
-from validation.view.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
+from tactgen.validation.models.reluctance.switching import SwitchingCurrents
+from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
 
 if TYPE_CHECKING:
-    from fem.reluctance.axisymmetric.actuator import FieldPoint
-    from validation.report.normal_actuator import BridgeStep
+    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
+    from tactgen.validation.report.normal_actuator import BridgeStep
 
 #: Line of each model; colours tell currents or gaps.
 _LINE: dict[str, Any] = {"network": (0, (4, 2)), "axisymmetric": "-", "magnetic3d": ":"}

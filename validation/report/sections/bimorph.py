@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from validation.checks.paper import audit
-from validation.report.figures.bimorph import response_plot
-from validation.catalogue.bimorph import OPEN_CIRCUIT_FREQUENCIES, SHORT_CIRCUIT_FREQUENCIES
-from validation.catalogue.models import MODELS, ranked
-from validation.catalogue.quantities import QUANTITIES
-from validation.models.comparison import UNEXPLAINED
-from validation.studies.design import length_section, voltage_section
-from validation.report.sections import gallery
-from validation.report.sections.bridge import bridge_section, holding_section, material_section
-from validation.report.sections.section import Context, Section
-from validation.report.study import Study
-from validation.models.bimorph.rows import LumpedModel
-from validation.models.bimorph.two_meshes import TwoMeshModel
-from validation.checks.stress import output as stress_output
-from validation.studies.uncertainty import section as uncertainty_section
+from tactgen.validation.checks.paper import audit
+from tactgen.validation.report.figures.bimorph import response_plot
+from tactgen.validation.catalogue.bimorph import OPEN_CIRCUIT_FREQUENCIES, SHORT_CIRCUIT_FREQUENCIES
+from tactgen.validation.catalogue.models import MODELS, ranked
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.models.comparison import UNEXPLAINED
+from tactgen.validation.studies.design import length_section, voltage_section
+from tactgen.validation.report.sections import gallery
+from tactgen.validation.report.sections.bridge import bridge_section, holding_section, material_section
+from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.study import Study
+from tactgen.validation.models.bimorph.rows import LumpedModel
+from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+from tactgen.validation.checks.stress import output as stress_output
+from tactgen.validation.studies.uncertainty import section as uncertainty_section
 
 
 def _models(study: Study) -> Context:
@@ -38,7 +38,7 @@ def _models(study: Study) -> Context:
 
 def _tetrahedra(study: Study) -> Context | None:
     """Return the tetrahedra of the CAD solids, where they stand beside bricks."""
-    from validation.models.bimorph.meshes import cells_of
+    from tactgen.validation.models.bimorph.meshes import cells_of
 
     cad = study.solution.models.get("cad")
     if study.field is cad or not isinstance(cad, TwoMeshModel):

@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.errors import InputError
-from geometry.device.parameters import Piezo
-from validation.report.figures.bimorph import bridge_plot, support_plot
-from validation.report.sections.section import Context
-from validation.report.study import Study
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.device.parameters import Piezo
+from tactgen.validation.report.figures.bimorph import bridge_plot, support_plot
+from tactgen.validation.report.sections.section import Context
+from tactgen.validation.report.study import Study
 
 if TYPE_CHECKING:
-    from validation.models.bimorph.bridge import Rung
-    from validation.models.bimorph.bridge.generator import GeneratorChain
-    from validation.models.bimorph.bridge.width import WidthPoint
-    from validation.scene.scene import Scene
-    from validation.models.bimorph.support import SupportCompliance, SupportStudy
+    from tactgen.validation.models.bimorph.bridge import Rung
+    from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
+    from tactgen.validation.models.bimorph.bridge.width import WidthPoint
+    from tactgen.validation.scene.scene import Scene
+    from tactgen.validation.models.bimorph.support import SupportCompliance, SupportStudy
 
 #: The material beside the scene's own: one whose whole tensor is published, or the paper's.
 _OTHER = {"M1876": "PZT-5H"}
@@ -30,7 +30,7 @@ def bridge_section(study: Study) -> Context:
         return {"bridge": None}
     found = [_one_material(study, study.scene.piezo.material, rungs)]
     if not study.quick:
-        from validation.models.bimorph.bridge import bridge
+        from tactgen.validation.models.bimorph.bridge import bridge
 
         name = _OTHER.get(study.scene.piezo.material, "M1876")
         study.announce(f"bridge for {name}")
@@ -42,7 +42,7 @@ def _widths(study: Study) -> list[WidthPoint]:
     """Return where the section stands between strip and plate; glue is in neither theory."""
     if study.scene.bimorph.glue_thickness > 0.0:
         return []
-    from validation.models.bimorph.bridge.width import width_study
+    from tactgen.validation.models.bimorph.bridge.width import width_study
 
     study.announce("bridge: sections of other widths")
     return width_study(study.scene)
@@ -55,7 +55,7 @@ def _of(study: Study, material: str) -> Scene:
 
 
 def _one_material(study: Study, name: str, rungs: list[Rung]) -> dict[str, Any]:
-    from validation.models.bimorph.bridge.end_effect import end_effect
+    from tactgen.validation.models.bimorph.bridge.end_effect import end_effect
 
     study.announce(f"bridge: ends, {name}")
     return {
@@ -70,8 +70,8 @@ def holding_section(study: Study) -> Context | None:
     """Return the way from a clamp to the rod, and the support's stiffness."""
     if study.quick or study.field is None or study.scene.piezo.d31 == 0.0:
         return None
-    from geometry.device.checks import check_fit
-    from validation.models.bimorph.bridge.generator import GeneratorChain
+    from tactgen.geometry.device.checks import check_fit
+    from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
 
     chain = GeneratorChain(study.scene, study.announce)
     try:
@@ -91,7 +91,7 @@ def holding_section(study: Study) -> Context | None:
 
 
 def _support(study: Study, chain: GeneratorChain) -> dict[str, Any]:
-    from validation.models.bimorph.support import GLUE_MODULI, fitted_springs, frequency_on, joint_by_beam, support_study, tab_for_frequency
+    from tactgen.validation.models.bimorph.support import GLUE_MODULI, fitted_springs, frequency_on, joint_by_beam, support_study, tab_for_frequency
 
     scene = study.scene
     found = support_study(scene, study.announce, chain)
@@ -126,14 +126,14 @@ def _support(study: Study, chain: GeneratorChain) -> dict[str, Any]:
 
 
 def _beam(scene: Scene, length: float) -> SupportCompliance | None:
-    from validation.models.bimorph.support import tab_by_beam
+    from tactgen.validation.models.bimorph.support import tab_by_beam
 
     return tab_by_beam(scene, length) if length > 0.0 else None
 
 
 def _bending_stiffness(scene: Scene) -> float:
     """Return EI of the tab (N m²)."""
-    from validation.models.bimorph.support import tab_by_beam
+    from tactgen.validation.models.bimorph.support import tab_by_beam
 
     return tab_by_beam(scene, 1.0).rotational_stiffness
 
@@ -156,7 +156,7 @@ def _support_plot(found: SupportStudy, joint: float) -> str:
 
 def _lateral_effect(study: Study) -> float:
     """Return what a lateral spring ten times softer does to the sprung beam's frequency."""
-    from validation.models.bimorph.bridge.beam_values import beam_values
+    from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
 
     scene, support = study.scene, study.scene.support.model_copy(update={"kind": "spring"})
     softer = support.model_copy(update={"lateral_stiffness": 0.1 * support.lateral_stiffness})
@@ -170,7 +170,7 @@ def material_section(study: Study) -> Context | None:
     """Return what the assumed constants of the full tensor are worth."""
     if study.quick or study.field is None or study.scene.piezo.d31 == 0.0:
         return None
-    from validation.models.bimorph.material_effects import material_effects
+    from tactgen.validation.models.bimorph.material_effects import material_effects
 
     scene = study.scene
     if scene.support.kind == "rod":

@@ -5,9 +5,9 @@ from __future__ import annotations
 import platform
 from importlib import metadata
 
-from validation.report.sections import gallery
-from validation.report.sections.section import Context, Section
-from validation.report.study import INVARIANT_TOLERANCE, Study
+from tactgen.validation.report.sections import gallery
+from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.study import INVARIANT_TOLERANCE, Study
 
 
 def sections(study: Study) -> tuple[Section, ...]:
@@ -15,12 +15,12 @@ def sections(study: Study) -> tuple[Section, ...]:
     found = [Section("what", "What was studied", _what)]
     after: list[Section] = []
     if study.lateral:
-        from validation.report.sections.bimorph import LATERAL, PRINTED_FORMULAS
+        from tactgen.validation.report.sections.bimorph import LATERAL, PRINTED_FORMULAS
 
         found += LATERAL
         after = [PRINTED_FORMULAS]
     if study.normal:
-        from validation.report.sections.reluctance import NORMAL
+        from tactgen.validation.report.sections.reluctance import NORMAL
 
         found += NORMAL
     return (
@@ -63,7 +63,7 @@ _PACKAGES = ("numpy", "scipy", "scikit-fem", "cadquery", "pytetwild", "pyvista",
 
 
 def _versions() -> dict[str, str]:
-    from fem.solvers.linear_solver import available_solver
+    from tactgen.fem.solvers.linear_solver import available_solver
 
     found = {"tactgen": metadata.version("tactgen"), "linear solver": available_solver()}
     for package in _PACKAGES:

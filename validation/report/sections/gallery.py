@@ -5,10 +5,10 @@ from __future__ import annotations
 import base64
 from typing import Any
 
-from geometry.device.checks import beyond_plain_layers
-from geometry.bimorph.bricks import Bricks
-from geometry.meshing.mesh import Mesh
-from validation.report.study import Study
+from tactgen.geometry.device.checks import beyond_plain_layers
+from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.validation.report.study import Study
 
 _KIND = {
     "tetra": "tetrahedra with 10 nodes",
@@ -27,9 +27,9 @@ def _lateral(study: Study) -> list[dict[str, str]]:
     """Return pictures of the bimorph; none of one that only the beam models know."""
     if beyond_plain_layers(study.scene.bimorph):
         return []
-    from validation.export.files import scene_solids
-    from validation.view.pictures import mesh_picture, solids_picture
-    from validation.models.bimorph.meshes import cells_of
+    from tactgen.validation.export.files import scene_solids
+    from tactgen.validation.view.pictures import mesh_picture, solids_picture
+    from tactgen.validation.models.bimorph.meshes import cells_of
 
     study.announce("picture of the geometry")
     solids = solids_picture(scene_solids(study.scene))
@@ -46,8 +46,8 @@ def _lateral(study: Study) -> list[dict[str, str]]:
 
 def _normal(study: Study) -> dict[str, str]:
     """Return a picture of rod, coil and sleeve."""
-    from validation.export.files import normal_actuator_solids
-    from validation.view.pictures import solids_picture
+    from tactgen.validation.export.files import normal_actuator_solids
+    from tactgen.validation.view.pictures import solids_picture
 
     study.announce("picture of the normal actuator")
     solids = solids_picture(normal_actuator_solids(study.scene.device))
@@ -57,7 +57,7 @@ def _normal(study: Study) -> dict[str, str]:
 
 def close_up(mesh: Mesh) -> str:
     """Return a picture of a mesh at its held end."""
-    from validation.view.pictures import mesh_picture
+    from tactgen.validation.view.pictures import mesh_picture
 
     return _inline(mesh_picture(mesh, close_up=True))
 
@@ -66,8 +66,8 @@ def modes(study: Study) -> list[dict[str, Any]]:
     """Return the first four solid modes with their pictures."""
     from scipy.spatial import cKDTree
 
-    from validation.view.pictures import mode_picture
-    from validation.models.bimorph.meshes import points_of
+    from tactgen.validation.view.pictures import mode_picture
+    from tactgen.validation.models.bimorph.meshes import points_of
 
     solid = study.field
     if solid is None:

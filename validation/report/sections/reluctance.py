@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.device.parameters import Device
-from geometry.device.winding import winding
-from tmm.reluctance.coil_heat import thermal_statement
-from tmm.reluctance.switching import Equilibrium, equilibria, finger_force, spring_force
-from validation.models.reluctance.field import AxisymmetricModel
-from validation.models.reluctance.model import NetworkModel
-from validation.engine.results import Measured
-from validation.models.reluctance.switching import SwitchingCurrents
-from validation.report.normal_actuator import NormalActuator
-from validation.report.sections.section import Context, Section
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.winding import winding
+from tactgen.tmm.reluctance.coil_heat import thermal_statement
+from tactgen.tmm.reluctance.switching import Equilibrium, equilibria, finger_force, spring_force
+from tactgen.validation.models.reluctance.field import AxisymmetricModel
+from tactgen.validation.models.reluctance.model import NetworkModel
+from tactgen.validation.engine.results import Measured
+from tactgen.validation.models.reluctance.switching import SwitchingCurrents
+from tactgen.validation.report.normal_actuator import NormalActuator
+from tactgen.validation.report.sections.section import Context, Section
 
 if TYPE_CHECKING:
-    from fem.reluctance.axisymmetric.actuator import FieldPoint
-    from validation.report.study import Study
+    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
+    from tactgen.validation.report.study import Study
 
 #: Order and fineness of pictures: many lines for smooth contours.
 _PICTURE: dict[str, Any] = {"order": 2, "refinement": 3.0}
@@ -29,7 +29,7 @@ _PICTURE: dict[str, Any] = {"order": 2, "refinement": 3.0}
 
 def _models(actuator: NormalActuator) -> Context:
     """Return the models side by side and the bridge between them."""
-    from validation.report.figures.reluctance import bridge_plot
+    from tactgen.validation.report.figures.reluctance import bridge_plot
 
     field = actuator.field_model
     titles = {"force": "pull", "flux_linkage": "flux linkage"}
@@ -65,8 +65,8 @@ def _field(actuator: NormalActuator) -> Context | None:
     """Return pictures of the field at both stops, if it was asked for."""
     if actuator.field_model is None:
         return None
-    from fem.reluctance.axisymmetric.actuator import solve_point
-    from validation.report.figures.magnetic_field import field_plot
+    from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+    from tactgen.validation.report.figures.magnetic_field import field_plot
 
     device, current = actuator.device, actuator.current
     stop = device.spring.stop_gap
@@ -107,7 +107,7 @@ class ElectricalRow:
 
 def _characteristics(actuator: NormalActuator) -> Context:
     """Return families, switching, finger force and the coil's electrical and thermal values."""
-    from validation.report.figures.reluctance import Families, flux_families, force_families, switching_plot
+    from tactgen.validation.report.figures.reluctance import Families, flux_families, force_families, switching_plot
 
     device, current = actuator.device, actuator.current
     shown = Families(device, actuator.maps, actuator.currents, actuator.gaps, actuator.points)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from validation.report.study import Study
+from tactgen.validation.report.study import Study
 
 #: What a template shows, by name.
 Context = dict[str, Any]

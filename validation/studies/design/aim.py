@@ -8,8 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from geometry.errors import InputError
-from validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 
 AimKind = Literal["shortest", "margin"]
 #: The paper's lengths (m): 20 mm (red) to 40 mm (blue line of Fig 9).

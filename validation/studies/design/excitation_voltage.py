@@ -14,16 +14,16 @@ from typing import Literal
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats, Ints
-from tmm.beam.port_quantities import evaluate
-from validation.catalogue.bimorph import TIP_DISPLACEMENT
-from validation.catalogue.detection import (
+from tactgen.geometry.arrays import Complex, Floats, Ints
+from tactgen.tmm.beam.port_quantities import evaluate
+from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
+from tactgen.validation.catalogue.detection import (
     DISPLAY_THRESHOLD,
     STATED_VOLTAGES,
     StatedVoltage,
 )
-from validation.scene.scene import Scene
-from validation.studies.design.length_map import (
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.design.length_map import (
     actuator,
     band_points,
     local_minima,

@@ -21,16 +21,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Floats
-from tmm.beam.parametric import Actuator, parameter_keys
-from tmm.beam.sensitivities import logarithmic_sensitivities
-from tmm.ports.terminations import finger_spring_damper
-from validation.catalogue.bimorph import TIP_DISPLACEMENT
-from validation.scene.parameter_list import parameter_rows
-from validation.studies.design.aim import Aim
-from validation.studies.design.length_design import Design
-from validation.studies.design.length_map import actuator
-from validation.studies.design.length_scan import lowest_margin
+from tactgen.geometry.arrays import Floats
+from tactgen.tmm.beam.parametric import Actuator, parameter_keys
+from tactgen.tmm.beam.sensitivities import logarithmic_sensitivities
+from tactgen.tmm.ports.terminations import finger_spring_damper
+from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
+from tactgen.validation.scene.parameter_list import parameter_rows
+from tactgen.validation.studies.design.aim import Aim
+from tactgen.validation.studies.design.length_design import Design
+from tactgen.validation.studies.design.length_map import actuator
+from tactgen.validation.studies.design.length_scan import lowest_margin
 
 #: How far on either side of a largest margin the slopes are taken (relative).
 _BESIDE = 1e-3

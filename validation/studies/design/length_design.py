@@ -21,12 +21,12 @@ from typing import Literal
 
 import numpy as np
 
-from geometry.arrays import Floats
-from tmm.beam.parametric import Actuator
-from validation.scene.scene import Scene
-from validation.studies.design.aim import Aim
-from validation.studies.design.length_map import actuator
-from validation.studies.design.length_scan import lowest_margin, scan
+from tactgen.geometry.arrays import Floats
+from tactgen.tmm.beam.parametric import Actuator
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.design.aim import Aim
+from tactgen.validation.studies.design.length_map import actuator
+from tactgen.validation.studies.design.length_scan import lowest_margin, scan
 
 #: What decides the length: the margin is just reached, the margin is largest, an end of the
 #: range, or no length reaches the margin and the largest one is given instead.

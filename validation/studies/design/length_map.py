@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.errors import InputError
-from tmm.beam.parametric import Actuator, check_length_free
-from tmm.beam.port_quantities import evaluate
-from validation.catalogue.bimorph import TIP_DISPLACEMENT
-from validation.scene.scene import Scene
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.parametric import Actuator, check_length_free
+from tactgen.tmm.beam.port_quantities import evaluate
+from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
+from tactgen.validation.scene.scene import Scene
 
 #: Frequencies of the map over the band; minima between them are located by narrowing.
 _POINTS = 120

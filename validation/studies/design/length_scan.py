@@ -13,14 +13,14 @@ import math
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.bimorph.pieces import beam_pieces
-from geometry.errors import InputError
-from tmm.beam.parametric import Actuator
-from tmm.beam.section.section import section
-from tmm.beam.transfer.timoshenko import wavenumbers
-from validation.studies.design.aim import Aim
-from validation.studies.design.length_map import (
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.parametric import Actuator
+from tactgen.tmm.beam.section.section import section
+from tactgen.tmm.beam.transfer.timoshenko import wavenumbers
+from tactgen.validation.studies.design.aim import Aim
+from tactgen.validation.studies.design.length_map import (
     band_points,
     check_lengths,
     check_moves,

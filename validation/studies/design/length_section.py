@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from geometry.errors import InputError
-from tmm.beam.sensitivities import logarithmic_sensitivities
-from validation.catalogue.bimorph import TIP_DISPLACEMENT
-from validation.scene.scene import Scene
-from validation.studies.design import wording
-from validation.studies.design.aim import PAPER_LENGTHS, Aim
-from validation.studies.design.length_dependence import decided_lengths, dependences
-from validation.studies.design.length_design import Design, design
-from validation.studies.design.length_map import LengthMap, actuator, length_map
-from validation.studies.design.length_scan import lowest_margin
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.sensitivities import logarithmic_sensitivities
+from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.design import wording
+from tactgen.validation.studies.design.aim import PAPER_LENGTHS, Aim
+from tactgen.validation.studies.design.length_dependence import decided_lengths, dependences
+from tactgen.validation.studies.design.length_design import Design, design
+from tactgen.validation.studies.design.length_map import LengthMap, actuator, length_map
+from tactgen.validation.studies.design.length_scan import lowest_margin
 
 #: Lengths of the table and the plot: from 20 to 40 mm in steps of 2.5 mm.
 CURVES = 9
@@ -46,7 +46,7 @@ def section(
 
 
 def _found(scene: Scene, origins: dict[str, str]) -> dict[str, Any]:
-    from validation.studies.design.plots import length_plot
+    from tactgen.validation.studies.design.plots import length_plot
 
     asked = scene.model_copy(
         update={

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.arrays import Floats
-from validation.catalogue.detection import (
+from tactgen.geometry.arrays import Floats
+from tactgen.validation.catalogue.detection import (
     DISPLAY_THRESHOLD,
     HIGHEST_SUBJECT,
     LITERATURE_BOUND,
     STATED_VOLTAGES,
     ThresholdCurve,
 )
-from validation.view.figures import (
+from tactgen.validation.view.figures import (
     BLUE,
     GREEN,
     GREY,
@@ -27,9 +27,9 @@ from validation.view.figures import (
 )
 
 if TYPE_CHECKING:
-    from validation.studies.design.excitation_voltage import Case
-    from validation.studies.design.length_design import Design
-    from validation.studies.design.length_map import LengthMap
+    from tactgen.validation.studies.design.excitation_voltage import Case
+    from tactgen.validation.studies.design.length_design import Design
+    from tactgen.validation.studies.design.length_map import LengthMap
 
 #: One style per wiring and load, in every plot of voltages.
 VOLTAGE_STYLE: dict[Case, dict[str, Any]] = {

@@ -7,9 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from validation.catalogue.detection import DISPLAY_THRESHOLD, HIGHEST_SUBJECT, LITERATURE_BOUND
-from validation.scene.scene import Scene
-from validation.studies.design.excitation_voltage import (
+from tactgen.validation.catalogue.detection import (
+    DISPLAY_THRESHOLD,
+    HIGHEST_SUBJECT,
+    LITERATURE_BOUND,
+)
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.design.excitation_voltage import (
     CASES,
     WIRINGS,
     PerVolt,
@@ -17,14 +21,14 @@ from validation.studies.design.excitation_voltage import (
     loaded,
     voltage_study,
 )
-from validation.studies.design.wording import LOADS
+from tactgen.validation.studies.design.wording import LOADS
 
 
 def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any] | None:
     """Return what the report shows of it; None for an actuator that does not move."""
     if scene.piezo.d31 == 0.0:
         return None
-    from validation.studies.design.plots import voltage_plot
+    from tactgen.validation.studies.design.plots import voltage_plot
 
     announce("excitation voltage")
     study = voltage_study(scene)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from validation.scene.scene import Scene
-from validation.studies.design.length_design import Design
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.design.length_design import Design
 
 #: What the tip pushes against, by the scene's ``load.kind``.
 LOADS = {

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats, Ints, Numbers
-from validation.studies.identification.curve_model import CurveModel, sensitivities
-from validation.studies.identification.fit_parameters import FitParameter
-from validation.studies.identification.measured_curve import MeasuredCurve
+from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
+from tactgen.validation.studies.identification.curve_model import CurveModel, sensitivities
+from tactgen.validation.studies.identification.fit_parameters import FitParameter
+from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
 
 #: Grid of the scan: ratio between neighbouring nodes, and points of the curve it looks at.
 _RATIOS = {"support.rotational_stiffness": 2.0, "support.rotational_damping": 10.0}

@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats, Ints
-from tmm.beam.transfer.transfer_matrix import multiport
-from tmm.ports.multiport import Multiport, in_series
-from tmm.ports.terminations import attach
-from validation.catalogue.quantities import QUANTITIES
-from validation.scene.keys import with_values
-from validation.scene.scene import Scene
+from tactgen.geometry.arrays import Complex, Floats, Ints
+from tactgen.tmm.beam.transfer.transfer_matrix import multiport
+from tactgen.tmm.ports.multiport import Multiport, in_series
+from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.scene.keys import with_values
+from tactgen.validation.scene.scene import Scene
 
 #: Groups that act through the ports' terminations only: D(Ω) does not depend on them.
 _ATTACHED = ("support.", "load.", "drive.")

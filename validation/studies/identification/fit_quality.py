@@ -7,20 +7,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats, Numbers
-from validation.scene.idle_keys import idle
-from validation.scene.keys import value_of
-from validation.scene.parameter_list import ParameterRow, parameter_rows
-from validation.scene.scene import Scene
-from validation.studies.identification.curve_fit import Misfit, Scan
-from validation.studies.identification.curve_model import CurveModel, curve_model, sensitivities
-from validation.studies.identification.identifiability import (
+from tactgen.geometry.arrays import Complex, Floats, Numbers
+from tactgen.validation.scene.idle_keys import idle
+from tactgen.validation.scene.keys import value_of
+from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.identification.curve_fit import Misfit, Scan
+from tactgen.validation.studies.identification.curve_model import (
+    CurveModel,
+    curve_model,
+    sensitivities,
+)
+from tactgen.validation.studies.identification.identifiability import (
     RANK,
     Statistics,
     neighbours_alike,
     unlikely_scatter,
 )
-from validation.studies.identification.measured_curve import MeasuredCurve
+from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
 
 #: Share of the curve left unexplained above which the model is called wrong.
 _UNEXPLAINED = 0.2

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats
 
 #: Probability that an interval is made for.
 CONFIDENCE = 0.95

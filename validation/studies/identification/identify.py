@@ -11,27 +11,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Complex, Floats
-from geometry.errors import InputError
-from validation.engine.limits import load_warnings
-from validation.scene.idle_keys import idle
-from validation.scene.keys import with_values
-from validation.scene.scene import Scene
-from validation.studies.identification.curve_fit import Misfit, Scan, descend, scan
-from validation.studies.identification.curve_model import CurveModel, curve_model, sensitivities
-from validation.studies.identification.fit_parameters import (
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.limits import load_warnings
+from tactgen.validation.scene.idle_keys import idle
+from tactgen.validation.scene.keys import with_values
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.identification.curve_fit import Misfit, Scan, descend, scan
+from tactgen.validation.studies.identification.curve_model import (
+    CurveModel,
+    curve_model,
+    sensitivities,
+)
+from tactgen.validation.studies.identification.fit_parameters import (
     DEFAULT_FIT,
     FitParameter,
     fit_parameter,
 )
-from validation.studies.identification.fit_quality import (
+from tactgen.validation.studies.identification.fit_quality import (
     ROUNDING,
     Assumption,
     assumed_slopes,
     doubts,
     phase_hint,
 )
-from validation.studies.identification.identifiability import (
+from tactgen.validation.studies.identification.identifiability import (
     INSEPARABLE,
     VAGUE,
     Statistics,
@@ -39,8 +43,8 @@ from validation.studies.identification.identifiability import (
     statistics,
     vague,
 )
-from validation.studies.identification.measured_curve import MeasuredCurve
-from validation.studies.identification.profile_likelihood import profile_interval
+from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
+from tactgen.validation.studies.identification.profile_likelihood import profile_interval
 
 #: Kinds of noise that may be asked for where no uncertainty is stated.
 NOISE = ("relative", "constant")

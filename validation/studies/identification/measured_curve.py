@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Bools, Floats, Ints, Numbers
-from validation.catalogue.quantities import measurable
-from validation.catalogue.row import QuantityRow
+from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers
+from tactgen.validation.catalogue.quantities import measurable
+from tactgen.validation.catalogue.row import QuantityRow
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from geometry.arrays import Floats, Numbers
-from geometry.csv_rows import Row, csv_rows
-from geometry.errors import InputError
-from geometry.units import FREQUENCY, Unit, quoted
-from validation.catalogue.quantities import measurable
-from validation.scene.wording import nearest
-from validation.studies.identification.measured_curve import MeasuredCurve
+from tactgen.geometry.arrays import Floats, Numbers
+from tactgen.geometry.csv_rows import Row, csv_rows
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import FREQUENCY, Unit, quoted
+from tactgen.validation.catalogue.quantities import measurable
+from tactgen.validation.scene.wording import nearest
+from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
 
 _PHASE = Unit("rad", "phase", "30 deg", limits=(0.0, 1e4))
 _WEIGHT = Unit("", "weight", "1", limits=(1e-12, 1e12))

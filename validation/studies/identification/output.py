@@ -11,16 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from geometry.device.profile import Profile
-from geometry.errors import InputError
-from geometry.files import write_text
-from geometry.units import quoted
-from validation.scene.files import scene_name
-from validation.scene.keys import SYMBOLS, value_of
-from validation.scene.parameter_list import parameter_rows
-from validation.studies.identification.fit_quality import Assumption
-from validation.studies.identification.identify import Estimate, Identification
-from validation.view.formats import engineering
+from tactgen.geometry.device.profile import Profile
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import write_text
+from tactgen.geometry.units import quoted
+from tactgen.validation.scene.files import scene_name
+from tactgen.validation.scene.keys import SYMBOLS, value_of
+from tactgen.validation.scene.parameter_list import parameter_rows
+from tactgen.validation.studies.identification.fit_quality import Assumption
+from tactgen.validation.studies.identification.identify import Estimate, Identification
+from tactgen.validation.view.formats import engineering
 
 #: Assumptions that shift every estimate by less than this (in percent per percent) are counted.
 _SLIGHT = 0.005

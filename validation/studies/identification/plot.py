@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.errors import InputError
-from geometry.files import written_whole
-from geometry.units import quoted
-from validation.studies.identification.curve_model import curve_model
-from validation.studies.identification.identify import Identification
-from validation.view.figures import BLUE, GREY, ORANGE, panels
-from validation.view.formats import engineering
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import written_whole
+from tactgen.geometry.units import quoted
+from tactgen.validation.studies.identification.curve_model import curve_model
+from tactgen.validation.studies.identification.identify import Identification
+from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels
+from tactgen.validation.view.formats import engineering
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

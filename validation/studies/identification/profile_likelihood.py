@@ -12,10 +12,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geometry.arrays import Floats
-from validation.studies.identification.curve_fit import Misfit, least_squares
-from validation.studies.identification.curve_model import CurveModel
-from validation.studies.identification.fit_parameters import FitParameter
+from tactgen.geometry.arrays import Floats
+from tactgen.validation.studies.identification.curve_fit import Misfit, least_squares
+from tactgen.validation.studies.identification.curve_model import CurveModel
+from tactgen.validation.studies.identification.fit_parameters import FitParameter
 
 #: An end is found to this fraction of its distance from the optimum (in ln p).
 _TOLERANCE = 1e-2

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from validation.catalogue.models import MODELS, gives
-from validation.engine.solve import Solution, solve
-from validation.models.comparison import compare
-from validation.scene.scene import Scene
-from validation.studies.uncertainty.headline_numbers import Target
+from tactgen.validation.catalogue.models import MODELS, gives
+from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.models.comparison import compare
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.uncertainty.headline_numbers import Target
 
 
 def detailed_numbers(

@@ -11,16 +11,16 @@ from typing import Literal
 
 import numpy as np
 
-from geometry.arrays import Floats
-from tmm.beam.parametric import Actuator
-from tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
-from tmm.beam.sensitivities import derivatives, values
-from tmm.ports.readout import Circuit, ModalReadout, Readout
-from validation.catalogue.bimorph import TIP_DISPLACEMENT, TIP_VELOCITY
-from validation.catalogue.quantities import QUANTITIES
-from validation.catalogue.row import QuantityRow
-from validation.engine.solve import Solution, solve
-from validation.scene.scene import Scene
+from tactgen.geometry.arrays import Floats
+from tactgen.tmm.beam.parametric import Actuator
+from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
+from tactgen.tmm.beam.sensitivities import derivatives, values
+from tactgen.tmm.ports.readout import Circuit, ModalReadout, Readout
+from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT, TIP_VELOCITY
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import QuantityRow
+from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.scene.scene import Scene
 
 #: Frequencies at which loaded or free motion is a headline number (Hz), and one at which
 #: it is shown as a warning: beside a minimum of the loaded 20 mm actuator.

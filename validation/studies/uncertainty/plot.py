@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from validation.studies.uncertainty.propagation import Uncertainty
-from validation.view.figures import GREY, SKY, panels, svg
+from tactgen.validation.studies.uncertainty.propagation import Uncertainty
+from tactgen.validation.view.figures import GREY, SKY, panels, svg
 
 #: Contributors shown per number, and panels per row.
 _SHOWN, _COLUMNS = 5, 3

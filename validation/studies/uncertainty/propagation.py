@@ -15,14 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from geometry.bimorph.pieces import beam_pieces
-from geometry.device.materials import PRINTED
-from geometry.device.parameters import spreads
-from tmm.beam.parametric import parameter_keys
-from tmm.beam.transfer.transfer_matrix import is_tapered
-from validation.scene.parameter_list import show
-from validation.scene.scene import Scene
-from validation.studies.uncertainty.headline_numbers import (
+from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.device.materials import PRINTED
+from tactgen.geometry.device.parameters import spreads
+from tactgen.tmm.beam.parametric import parameter_keys
+from tactgen.tmm.beam.transfer.transfer_matrix import is_tapered
+from tactgen.validation.scene.parameter_list import show
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.uncertainty.headline_numbers import (
     HeadlineNumbers,
     SampledNumbers,
     Target,

@@ -5,23 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from validation.catalogue.models import ranked
-from validation.engine.solve import Solution
-from validation.scene.scene import Scene
-from validation.studies.uncertainty.detailed_numbers import detailed_numbers
-from validation.studies.uncertainty.headline_numbers import actuator
-from validation.studies.uncertainty.propagation import (
+from tactgen.validation.catalogue.models import ranked
+from tactgen.validation.engine.solve import Solution
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.uncertainty.detailed_numbers import detailed_numbers
+from tactgen.validation.studies.uncertainty.headline_numbers import actuator
+from tactgen.validation.studies.uncertainty.propagation import (
     affordable,
     base_samples,
     parameter_uncertainty,
     uncertain_parameters,
 )
-from validation.studies.uncertainty.varied_keys import left_out
+from tactgen.validation.studies.uncertainty.varied_keys import left_out
 
 
 def section(scene: Scene, solution: Solution, announce: Callable[[str], None]) -> dict[str, Any]:
     """Return what the report shows of the headline numbers and their uncertainty."""
-    from validation.studies.uncertainty.plot import contributors_plot
+    from tactgen.validation.studies.uncertainty.plot import contributors_plot
 
     rows = parameter_uncertainty(scene, announce=announce)
     parameters = uncertain_parameters(scene)

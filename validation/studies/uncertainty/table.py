@@ -7,17 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.errors import InputError
-from tmm.beam.parametric import Actuator, parameter_keys
-from tmm.beam.sensitivities import derivatives, values
-from tmm.ports.readout import ModalReadout, Readout
-from validation.catalogue.quantities import QUANTITIES
-from validation.catalogue.row import QuantityRow
-from validation.engine.limits import check_held
-from validation.scene.scene import Scene
-from validation.studies.uncertainty.headline_numbers import actuator
-from validation.studies.uncertainty.varied_keys import chosen_keys
-from validation.view.formats import engineering
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.parametric import Actuator, parameter_keys
+from tactgen.tmm.beam.sensitivities import derivatives, values
+from tactgen.tmm.ports.readout import ModalReadout, Readout
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import QuantityRow
+from tactgen.validation.engine.limits import check_held
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.uncertainty.headline_numbers import actuator
+from tactgen.validation.studies.uncertainty.varied_keys import chosen_keys
+from tactgen.validation.view.formats import engineering
 
 #: Columns that a table for people has at most, if a quantity's frequencies can be thinned.
 _SHOWN = 8

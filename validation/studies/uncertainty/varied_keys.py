@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from geometry.device.profile import Profile
-from geometry.errors import InputError
-from geometry.units import quoted
-from tmm.beam.parametric import Actuator, check_keys, parameter_keys
-from validation.scene.idle_keys import idle
-from validation.scene.keys import SYMBOLS, value_of
-from validation.scene.scene import Scene, scene_keys
-from validation.scene.wording import nearest
+from tactgen.geometry.device.profile import Profile
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import quoted
+from tactgen.tmm.beam.parametric import Actuator, check_keys, parameter_keys
+from tactgen.validation.scene.idle_keys import idle
+from tactgen.validation.scene.keys import SYMBOLS, value_of
+from tactgen.validation.scene.scene import Scene, scene_keys
+from tactgen.validation.scene.wording import nearest
 
 #: Groups that no one-dimensional model of the lateral actuator reads.
 _ELSEWHERE = ("coil", "sleeve", "spring", "steel", "mesh")

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.bimorph.bricks.assembly import assemble_bricks
-from fem.bimorph.modes import natural_modes
-from fem.bimorph.ports import static_multiport
-from fem.bimorph.solid import assemble
-from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.bimorph.bricks import Axis
-from geometry.bimorph.ends import Ends
-from geometry.device.parameters import Bimorph, Device, Shim
+from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.ports import static_multiport
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import Axis
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 
 MOTIONS = ("bending_x", "bending_y", "torsion", "axial")
 COARSE = BrickMeshing((2, 2, 2), smallest=0.5)
@@ -113,8 +113,8 @@ def skfem_matrices(device, mesh):
     from skfem import Basis, BilinearForm, ElementHex1, ElementVector
     from skfem.helpers import dot
 
-    from fem.bimorph.system import materials
-    from fem.elements.skfem_mesh import to_skfem
+    from tactgen.fem.bimorph.system import materials
+    from tactgen.fem.elements.skfem_mesh import to_skfem
 
     domain = to_skfem(mesh)
     known = materials(device, mesh.regions, device.piezo.ceramic(), lossy=False)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from fem.bimorph.bricks.assembly import assemble_bricks
-from fem.bimorph.bricks.order import elimination_order
-from fem.solvers.linear_solver import factorise
-from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
-from geometry.device.parameters import Bimorph, Device
+from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+from tactgen.fem.bimorph.bricks.order import elimination_order
+from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.device.parameters import Bimorph, Device
 
 BIMORPHS = ({}, {"tab_length": 1e-3}, {"bare_below": 1e-3, "glue_thickness": 20e-6})
 

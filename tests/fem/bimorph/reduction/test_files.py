@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.bimorph.reduction import kept as port_cache
-from fem.bimorph.reduction.files import read_ports, write_ports
-from fem.bimorph.reduction.kept import made_from, reduced_solid
-from fem.bimorph.reduction.krylov import reduce_to_ports
-from fem.bimorph.solid import assemble
-from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
-from geometry.device.parameters import Bimorph, Device, Piezo
-from geometry.errors import InputError
-from validation.export.files import export
-from validation.scene.scene import load_scene
+from tactgen.fem.bimorph.reduction import kept as port_cache
+from tactgen.fem.bimorph.reduction.files import read_ports, write_ports
+from tactgen.fem.bimorph.reduction.kept import made_from, reduced_solid
+from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.device.parameters import Bimorph, Device, Piezo
+from tactgen.geometry.errors import InputError
+from tactgen.validation.export.files import export
+from tactgen.validation.scene.scene import load_scene
 
 MESHING = BrickMeshing((2, 2, 2), smallest=0.5)
 SWEEP = np.array([10.0, 1000.0, 5000.0])

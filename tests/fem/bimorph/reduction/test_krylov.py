@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from fem.bimorph.ports import direct_multiport
-from fem.bimorph.reduction.extremes import extremes, motions, standard_ends
-from fem.bimorph.reduction.krylov import port_error, reduce_to_ports
-from fem.bimorph.solid import assemble
-from geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
-from geometry.bimorph.ends import Ends
-from geometry.device.parameters import Device, Load, Piezo, Support
-from tmm.ports.invariants import passivity_margin, reciprocity_error
-from tmm.ports.multiport import respond
-from tmm.ports.terminations import attach, ends_of
+from tactgen.fem.bimorph.ports import direct_multiport
+from tactgen.fem.bimorph.reduction.extremes import extremes, motions, standard_ends
+from tactgen.fem.bimorph.reduction.krylov import port_error, reduce_to_ports
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.parameters import Device, Load, Piezo, Support
+from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
+from tactgen.tmm.ports.multiport import respond
+from tactgen.tmm.ports.terminations import attach, ends_of
 
 BOUNDS = (10.0, 20000.0)
 SWEEP = np.geomspace(*BOUNDS, 1000)

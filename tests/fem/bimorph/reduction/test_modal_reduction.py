@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from fem.bimorph.modes import natural_modes
-from fem.bimorph.reduction.modal_reduction import modal_model
-from fem.bimorph.solid import assemble
-from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
-from geometry.bimorph.ends import Ends, Springs, TipLoad
-from geometry.device.parameters import Bimorph, Device
-from geometry.store.values import from_bytes, to_bytes
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.reduction.modal_reduction import modal_model
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
+from tactgen.geometry.device.parameters import Bimorph, Device
+from tactgen.geometry.store.values import from_bytes, to_bytes
 
 COARSE = BrickMeshing((2, 2, 2), smallest=0.5)
 COUNT = 4

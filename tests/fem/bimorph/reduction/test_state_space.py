@@ -4,20 +4,20 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from fem.bimorph.reduction.extremes import motions
-from fem.bimorph.reduction.krylov import reduce_to_ports
-from fem.bimorph.reduction.state_space import _branches, state_space
-from fem.bimorph.reduction.state_space_file import (
+from tactgen.fem.bimorph.reduction.extremes import motions
+from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
+from tactgen.fem.bimorph.reduction.state_space import _branches, state_space
+from tactgen.fem.bimorph.reduction.state_space_file import (
     TITLE,
     differences,
     write_state_space,
 )
-from fem.bimorph.solid import assemble
-from geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
-from geometry.bimorph.ends import Ends
-from geometry.device.parameters import Device, Load, Support
-from tmm.ports.terminations import ends_of
-from validation.command_line.cli import main
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.parameters import Device, Load, Support
+from tactgen.tmm.ports.terminations import ends_of
+from tactgen.validation.command_line.cli import main
 
 BOUNDS = (10.0, 20000.0)
 SPRINGS = ends_of(Support(), Load()).base

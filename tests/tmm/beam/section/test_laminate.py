@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from geometry.bimorph.pieces import Piece
-from geometry.device.materials import EPS0
-from geometry.device.parameters import Beam, Bimorph, Device, Piezo, Shim
-from geometry.errors import InputError
-from tmm.beam.section.laminate import laminate_section
-from tmm.beam.section.section import section
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Piezo, Shim
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.section.laminate import laminate_section
+from tactgen.tmm.beam.section.section import section
 
 
 def by_quadrature(device):

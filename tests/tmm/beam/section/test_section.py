@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.bimorph.pieces import Layers, Piece
-from geometry.device.materials import EPS0
-from geometry.device.parameters import Beam, Bimorph, Device, Glue, Piezo, Rod, Shim
-from tmm.beam.section.section import section
-from validation.checks.cases import reference_beam as reference
+from tactgen.geometry.bimorph.pieces import Layers, Piece
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Glue, Piezo, Rod, Shim
+from tactgen.tmm.beam.section.section import section
+from tactgen.validation.checks.cases import reference_beam as reference
 
 NAMES = ("EI", "GA", "m", "rhoI", "K", "C")
 BIMORPH = Piece("bimorph", 20e-3)

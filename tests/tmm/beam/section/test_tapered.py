@@ -5,14 +5,14 @@ import pytest
 from scipy import special
 from scipy.optimize import brentq
 
-from fem.beam import beam as elements
-from geometry.bimorph.ends import Ends
-from geometry.device.parameters import Beam, Bimorph, Device, Support
-from tmm.beam import lumped
-from tmm.beam.modes import bending_frequencies
-from tmm.beam.transfer import transfer_matrix as tmm
-from tmm.ports.multiport import respond
-from tmm.ports.terminations import attach
+from tactgen.fem.beam import beam as elements
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
+from tactgen.tmm.beam import lumped
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.tmm.ports.multiport import respond
+from tactgen.tmm.ports.terminations import attach
 
 CLAMPED = Support(kind="clamped")
 FREQUENCIES = np.array([0.0, 10.0, 445.0, 1000.0, 5000.0])
@@ -191,8 +191,8 @@ def test_lumped_model_of_segments_is_that_of_the_beam():
 @pytest.mark.parametrize("model", ["lumped", "tmm"])
 def test_error_bar_of_a_taper_covers_it(model):
     """The bar from half as many segments covers the distance to four times as many."""
-    from validation.engine.solve import solve
-    from validation.scene.scene import load_scene
+    from tactgen.validation.engine.solve import solve
+    from tactgen.validation.scene.scene import load_scene
 
     settings = [
         "bimorph.piezo_thickness_profile=0 mm: 0.26 mm, 20 mm: 0.1 mm", "support.kind=clamped",
@@ -225,8 +225,8 @@ RUNNING_OUT = ("bimorph.piezo_thickness_profile=0 mm: 0.26 mm, 20 mm: 0.001 mm",
 @pytest.mark.parametrize("settings", [ENTANGLED, RUNNING_OUT], ids=["steps", "runs out"])
 def test_natural_frequencies_agree_with_beam_elements(settings):
     """Two models of one theory: all modes and the coupling factor agree within their bars."""
-    from validation.engine.solve import solve
-    from validation.scene.scene import load_scene
+    from tactgen.validation.engine.solve import solve
+    from tactgen.validation.scene.scene import load_scene
 
     scene, _ = load_scene("paper", list(settings))
     names = ("short_circuit_frequencies", "open_circuit_frequencies", "coupling_factor")

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from geometry.bimorph.pieces import Piece
-from geometry.device.parameters import Beam, Device
-from tmm.beam.section.section import Section, section
-from tmm.beam.transfer.precision import EXTENDED_EPS
-from tmm.beam.transfer.span import Span, ThroughSpan, extended_span, span
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.parameters import Beam, Device
+from tactgen.tmm.beam.section.section import Section, section
+from tactgen.tmm.beam.transfer.precision import EXTENDED_EPS
+from tactgen.tmm.beam.transfer.span import Span, ThroughSpan, extended_span, span
 
 NAMES = tuple(ThroughSpan.__dataclass_fields__)[2:]
 EPS = np.finfo(float).eps

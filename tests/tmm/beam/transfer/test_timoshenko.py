@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.bimorph.pieces import Piece
-from geometry.device.parameters import Beam, Device
-from tmm.beam.section.section import Section, section
-from tmm.beam.transfer.precision import error_bound
-from tmm.beam.transfer.timoshenko import condition, dynamic_stiffness, wavenumbers
-from validation.checks.cases import reference_beam as reference
-from validation.checks.stress.beam_point import CONDITION_LIMIT
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.parameters import Beam, Device
+from tactgen.tmm.beam.section.section import Section, section
+from tactgen.tmm.beam.transfer.precision import error_bound
+from tactgen.tmm.beam.transfer.timoshenko import condition, dynamic_stiffness, wavenumbers
+from tactgen.validation.checks.cases import reference_beam as reference
+from tactgen.validation.checks.stress.beam_point import CONDITION_LIMIT
 
 EPS = np.finfo(float).eps
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from geometry.bimorph.ends import Ends
-from geometry.device.parameters import Beam, Bimorph, Device, Load, Support
-from tmm.beam.modes import bending_frequencies
-from tmm.beam.transfer import transfer_matrix as tmm
-from tmm.ports.multiport import respond, round_off
-from tmm.ports.terminations import attach, ends_of
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Support
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.tmm.ports.multiport import respond, round_off
+from tactgen.tmm.ports.terminations import attach, ends_of
 
 SUPPORT = Support()
 

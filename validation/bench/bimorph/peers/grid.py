@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from validation.bench.bimorph.peers.job import Job
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.validation.bench.bimorph.peers.job import Job
 
 #: At x > 0, at x < 0, and between.
 LAYERS = ("piezo_top", "piezo_bottom", "shim")

@@ -13,8 +13,8 @@ from typing import TypedDict
 
 import numpy as np
 
-from geometry.arrays import Floats, Numbers
-from validation.bench.one_core import peak_memory
+from tactgen.geometry.arrays import Floats, Numbers
+from tactgen.validation.bench.one_core import peak_memory
 
 
 class Material(TypedDict):

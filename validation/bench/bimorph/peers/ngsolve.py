@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Floats
-from validation.bench.bimorph.peers.grid import LAYERS, Bricks, bricks
-from validation.bench.bimorph.peers.job import (
+from tactgen.geometry.arrays import Floats
+from tactgen.validation.bench.bimorph.peers.grid import LAYERS, Bricks, bricks
+from tactgen.validation.bench.bimorph.peers.job import (
     Answer,
     Clock,
     Job,

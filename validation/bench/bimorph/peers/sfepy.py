@@ -14,10 +14,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints, Sparse
-from geometry.errors import InputError
-from validation.bench.bimorph.peers.grid import bricks
-from validation.bench.bimorph.peers.job import (
+from tactgen.geometry.arrays import Floats, Ints, Sparse
+from tactgen.geometry.errors import InputError
+from tactgen.validation.bench.bimorph.peers.grid import bricks
+from tactgen.validation.bench.bimorph.peers.job import (
     Answer,
     Clock,
     Job,

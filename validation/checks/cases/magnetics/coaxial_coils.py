@@ -11,11 +11,11 @@ from functools import cache
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.field import MagneticField, solve_field
-from fem.reluctance.axisymmetric.space import discretise
-from geometry.arrays import Floats
-from geometry.device.steel_law import MU0
-from geometry.reluctance.section_grid import Region, graded_grid
+from tactgen.fem.reluctance.axisymmetric.field import MagneticField, solve_field
+from tactgen.fem.reluctance.axisymmetric.space import discretise
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.reluctance.section_grid import Region, graded_grid
 
 LOW = Region("low", (0.04, 0.05), (-0.02, -0.005), turns=100.0)
 HIGH = Region("high", (0.03, 0.045), (0.01, 0.02), turns=50.0, moves=True)

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.reluctance.axisymmetric.field import MagneticField, solve_field
-from fem.reluctance.axisymmetric.space import discretise
-from geometry.arrays import Floats
-from geometry.device.steel_law import MU0, MagnetisationCurve
-from geometry.reluctance.section_grid import Grid, Region
+from tactgen.fem.reluctance.axisymmetric.field import MagneticField, solve_field
+from tactgen.fem.reluctance.axisymmetric.space import discretise
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve
+from tactgen.geometry.reluctance.section_grid import Grid, Region
 
 #: Radii of the winding and of the core (m).
 INNER, OUTER, CORE = 10e-3, 20e-3, 8e-3

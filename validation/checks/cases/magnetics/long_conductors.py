@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.reluctance.three_d.force import eggshell_force, harmonic_weight
-from fem.reluctance.three_d.problem import MagneticSolid, sample
-from geometry.arrays import Floats
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
-from validation.checks.cases.magnetics.sphere_in_field import Potential
+from tactgen.fem.reluctance.three_d.force import eggshell_force, harmonic_weight
+from tactgen.fem.reluctance.three_d.problem import MagneticSolid, sample
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
+from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential
 
 CURRENT, APART, TALL, THICK = 24.0, 10e-3, 12e-3, 0.5e-3
 PUBLISHED_FORCE = 9.684e-3

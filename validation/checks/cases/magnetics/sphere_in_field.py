@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.reluctance.three_d.problem import MagneticSolid, SampledSolid, sample
-from fem.reluctance.three_d.scalar_potential import ScalarPotential
-from fem.reluctance.three_d.vector_potential import VectorPotential
-from geometry.device.steel_law import MU0, linear
-from validation.checks.cases.magnetics.sphere_mesh import OUTER, RADIUS, sphere_mesh
+from tactgen.fem.reluctance.three_d.problem import MagneticSolid, SampledSolid, sample
+from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
+from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.geometry.device.steel_law import MU0, linear
+from tactgen.validation.checks.cases.magnetics.sphere_mesh import OUTER, RADIUS, sphere_mesh
 
 Potential = type[VectorPotential] | type[ScalarPotential]
 

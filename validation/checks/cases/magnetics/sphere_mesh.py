@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
-from geometry.meshing.mesh import Mesh
-from geometry.meshing.quadratic import unique_edges
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.quadratic import unique_edges
 
 RADIUS, OUTER, CORE = 1.0, 3.0, 0.4
 

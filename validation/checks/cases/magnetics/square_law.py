@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Floats
-from geometry.device.steel_law import MagnetisationCurve
-from tmm.reluctance.coenergy.fit import fit
-from tmm.reluctance.coenergy.map import CoenergyMap, Samples
-from tmm.reluctance.flux_ladder import Ladder, LadderSolution, solve
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.steel_law import MagnetisationCurve
+from tactgen.tmm.reluctance.coenergy.fit import fit
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples
+from tactgen.tmm.reluctance.flux_ladder import Ladder, LadderSolution, solve
 
 CURRENT, FLUX_LINKAGE = 0.2, 0.25
 COENERGY, ENERGY = 2.0 / 3.0 * CURRENT * FLUX_LINKAGE, CURRENT * FLUX_LINKAGE / 3.0

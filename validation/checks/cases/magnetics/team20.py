@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.reluctance.three_d.force import eggshell_force, harmonic_weight
-from fem.reluctance.three_d.problem import MagneticSolid, sample
-from geometry.device.steel_law import TEAM20
-from geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
-from validation.checks.cases.magnetics.sphere_in_field import Potential
+from tactgen.fem.reluctance.three_d.force import eggshell_force, harmonic_weight
+from tactgen.fem.reluctance.three_d.problem import MagneticSolid, sample
+from tactgen.geometry.device.steel_law import TEAM20
+from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
+from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential
 
 #: Direction in which the pole is pulled.
 DOWN = np.array([0.0, 0.0, -1.0])

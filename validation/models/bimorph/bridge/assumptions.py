@@ -12,15 +12,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.device.materials import Piezoceramic
-from geometry.errors import InputError
-from tmm.beam.section.laminate import laminate_section
-from tmm.beam.section.section import Section
-from tmm.beam.section.shear_correction import energy_shear_correction
-from validation.models.bimorph.bridge.beam_values import beam_values
-from validation.models.bimorph.bridge.rung import Rung, Values
-from validation.models.bimorph.bridge.solid_values import SolidCase, far_section, solve_solid
-from validation.scene.scene import Scene
+from tactgen.geometry.device.materials import Piezoceramic
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.section.laminate import laminate_section
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.section.shear_correction import energy_shear_correction
+from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
+from tactgen.validation.models.bimorph.bridge.rung import Rung, Values
+from tactgen.validation.models.bimorph.bridge.solid_values import (
+    SolidCase,
+    far_section,
+    solve_solid,
+)
+from tactgen.validation.scene.scene import Scene
 
 
 @dataclass(frozen=True)

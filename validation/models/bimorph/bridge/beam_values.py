@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.bimorph.pieces import Piece, beam_pieces
-from tmm.beam.modes import bending_frequencies
-from tmm.beam.section.section import Section, without_electrode
-from tmm.beam.transfer import transfer_matrix
-from tmm.beam.transfer.scattering import Element
-from tmm.ports.multiport import Multiport, respond
-from tmm.ports.terminations import attach
-from validation.models.bimorph.bridge.rung import Values
-from validation.scene.scene import Scene
+from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.section.section import Section, without_electrode
+from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.beam.transfer.scattering import Element
+from tactgen.tmm.ports.multiport import Multiport, respond
+from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.models.bimorph.bridge.rung import Values
+from tactgen.validation.scene.scene import Scene
 
 
 def beam_row(scene: Scene, active: Section | None = None) -> list[Element]:

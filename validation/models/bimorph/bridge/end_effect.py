@@ -12,11 +12,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Floats
-from validation.models.bimorph.bridge.beam_values import beam_values
-from validation.models.bimorph.bridge.rung import Steps
-from validation.models.bimorph.bridge.solid_values import SolidCase, far_section, solve_solid
-from validation.scene.scene import Scene
+from tactgen.geometry.arrays import Floats
+from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
+from tactgen.validation.models.bimorph.bridge.rung import Steps
+from tactgen.validation.models.bimorph.bridge.solid_values import (
+    SolidCase,
+    far_section,
+    solve_solid,
+)
+from tactgen.validation.scene.scene import Scene
 
 #: Lengths in terms of the scene's.
 _SHARES = (1.0, 0.75, 0.5)

@@ -10,15 +10,19 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
-from geometry.bimorph.pieces import beam_pieces
-from geometry.device.parameters import Glue, Rod
-from geometry.meshing.mesh import Mesh
-from tmm.beam.transfer import transfer_matrix
-from tmm.beam.transfer.scattering import Element
-from validation.models.bimorph.bridge.beam_values import beam_values, values_of_row
-from validation.models.bimorph.bridge.rung import Rung, Values
-from validation.models.bimorph.bridge.solid_values import SolidCase, SolvedSolid, solve_solid
-from validation.scene.scene import Scene
+from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.device.parameters import Glue, Rod
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.beam.transfer.scattering import Element
+from tactgen.validation.models.bimorph.bridge.beam_values import beam_values, values_of_row
+from tactgen.validation.models.bimorph.bridge.rung import Rung, Values
+from tactgen.validation.models.bimorph.bridge.solid_values import (
+    SolidCase,
+    SolvedSolid,
+    solve_solid,
+)
+from tactgen.validation.scene.scene import Scene
 
 #: Tab of a scene that has none (m): that of the built-in scene ``generator``.
 USUAL_TAB = 2e-3
@@ -86,7 +90,7 @@ class GeneratorChain:
     @cached_property
     def mesh(self) -> Mesh:
         """The tetrahedra of bimorph, glue and rod: a quarter."""
-        from validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
+        from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
 
         self.announce("bridge: tetrahedra of the generator")
         return adapted_pair(self.device, *level_limits(self.device)).fine.mesh

@@ -12,19 +12,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.bimorph.modes import natural_modes
-from fem.bimorph.ports import static_multiport
-from fem.bimorph.solid import assemble
-from geometry.arrays import Floats
-from geometry.bimorph.brick_family import LEVELS, bimorph_bricks
-from geometry.bimorph.bricks import Bricks, Held
-from geometry.device.materials import Piezoceramic
-from geometry.meshing.mesh import Mesh
-from tmm.beam.section.section import Section, section
-from tmm.ports.multiport import Multiport, hold, respond
-from validation.models.bimorph.bridge.beam_values import bimorph_piece, static_values
-from validation.models.bimorph.bridge.rung import Values
-from validation.scene.scene import Scene
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.ports import static_multiport
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import Bricks, Held
+from tactgen.geometry.device.materials import Piezoceramic
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.tmm.beam.section.section import Section, section
+from tactgen.tmm.ports.multiport import Multiport, hold, respond
+from tactgen.validation.models.bimorph.bridge.beam_values import bimorph_piece, static_values
+from tactgen.validation.models.bimorph.bridge.rung import Values
+from tactgen.validation.scene.scene import Scene
 
 
 @dataclass(frozen=True)

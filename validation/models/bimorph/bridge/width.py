@@ -9,9 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tmm.beam.section.laminate import laminate_section
-from validation.models.bimorph.bridge.solid_values import SolidCase, far_section, solve_solid
-from validation.scene.scene import Scene
+from tactgen.tmm.beam.section.laminate import laminate_section
+from tactgen.validation.models.bimorph.bridge.solid_values import (
+    SolidCase,
+    far_section,
+    solve_solid,
+)
+from tactgen.validation.scene.scene import Scene
 
 #: Widths in terms of the scene's.
 WIDTHS = (0.1, 0.5, 1.0, 2.0, 5.0)

@@ -1,0 +1,30 @@
+"""tactgen: models of a tactile generator, verified against each other.
+
+The packages lie beside the project file; this folder gives them their common name.  What a
+script needs most is here; it is imported when it is first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tactgen.geometry.errors import InputError
+    from tactgen.validation.engine.solve import solve
+    from tactgen.validation.scene.scene import load_scene
+
+__all__ = ["InputError", "load_scene", "solve"]
+
+_HOMES = {
+    "InputError": "tactgen.geometry.errors",
+    "load_scene": "tactgen.validation.scene.scene",
+    "solve": "tactgen.validation.engine.solve",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Return one of the public names from where it is defined."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'tactgen' has no attribute {name!r}")
+    return getattr(importlib.import_module(_HOMES[name]), name)
