@@ -55,7 +55,7 @@ def test_import_and_solve(installed):
 def test_command(installed):
     """The command's entry point is there and gives JSON."""
     (points,) = installed.glob("*.dist-info/entry_points.txt")
-    _, name, module, function = points.read_text().replace("=", " ").replace(":", " ").split()[1:]
+    name, module, function = points.read_text().replace("=", " ").replace(":", " ").split()[1:]
     assert name == "tactgen"
     script = (
         f"import sys; from {module} import {function}; sys.exit({function}(['solve', '--model', "
