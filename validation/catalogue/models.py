@@ -72,10 +72,8 @@ class ModelRow:
 
     def stages_for(self, quantity: QuantityRow) -> tuple[str, ...]:
         """Return the names of the stages that a quantity needs, in order."""
-        own = [f"{self.name}.{stage}" for need in quantity.needs for stage in self.gives[need]]
-        # whatever is read off the ports has something attached to them
-        ports = [TERMINATIONS] if {"static", "harmonic"} & set(quantity.needs) else []
-        return tuple(dict.fromkeys((*own, *ports)))
+        own = (f"{self.name}.{stage}" for need in quantity.needs for stage in self.gives[need])
+        return tuple(dict.fromkeys(own))
 
 
 _PIECES = ("bimorph", "piezo", "shim", "beam", "support.kind", "glue", "rod")
@@ -194,10 +192,6 @@ _ROWS = (
 #: Cheapest first within each actuator.
 MODELS: dict[str, ModelRow] = {row.name: row for row in _ROWS}
 
-#: The stage that all models of the bimorph share: what is attached to their ports.
-TERMINATIONS = "terminations"
-_ATTACHED = ("support", "load", "drive", "bimorph.wiring", "frequency")
-
 
 def models_of(actuator: Actuator) -> tuple[str, ...]:
     """Return the names of an actuator's models, cheapest first."""
@@ -216,12 +210,11 @@ def gives(model: str, quantity: str) -> bool:
 
 def stage_reads() -> dict[str, tuple[str, ...]]:
     """Return the scene keys that each stage reads; a changed voltage re-meshes nothing."""
-    own = {
+    return {
         f"{row.name}.{stage}": reads
         for row in MODELS.values()
         for stage, reads in row.stages.items()
     }
-    return own | {TERMINATIONS: _ATTACHED}
 
 
 def stage_code() -> dict[str, tuple[str, ...]]:

@@ -97,8 +97,7 @@ def _list(names: list[str]) -> str:
 
 def _why_not(stage: str, models: Sequence[str]) -> str:
     model, _, own = stage.partition(".")
-    if model in MODELS and model not in models:
+    if model not in models:
         return f"model {model} is not asked for"
-    needs = [n for n, stages in MODELS[model].gives.items() if own in stages] if own else []
-    wanted = " or ".join(NEEDS[need].words for need in needs) or "a terminated response"
-    return f"no quantity that is wanted needs {wanted}"
+    needs = [NEEDS[n].words for n, stages in MODELS[model].gives.items() if own in stages]
+    return f"no quantity that is wanted needs {' or '.join(needs)}"

@@ -12,11 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.ports.multiport import Multiport, Response, in_series, round_off
 from tactgen.tmm.ports.readout import ModalReadout, PortMatrix, Readout
 from tactgen.tmm.ports.terminations import attach
-from tactgen.validation.catalogue.models import TERMINATIONS
 from tactgen.validation.catalogue.row import AnswerReadout, QuantityRow
 from tactgen.validation.engine.model import Model, Modes, Refined
 from tactgen.validation.scene.scene import Scene
@@ -63,9 +61,8 @@ def _judge(refined: Refined[Any], of: Callable[[Any], Any], rounding: Any) -> Ju
 
 def _at_ports(readout: Readout | PortMatrix, model: Model, refined: Refined[Multiport]) -> Judged:
     scene = model.scene
-    ends = _ends(model)
     static = isinstance(readout, Readout) and readout.static
-    ends = ends.lossless if static else ends
+    ends = scene.ends.lossless if static else scene.ends
     if isinstance(readout, Readout) and readout.is_of_tip and not static:
         closed = model.closed_form(ends)
         if closed is not None:
@@ -92,11 +89,6 @@ def _of_tip(readout: Readout, scene: Scene, refined: Refined[Response]) -> Judge
         return readout.scaled(readout.variable(response), scene.drive.voltage, frequencies)
 
     return _judge(refined, of, 0.0)
-
-
-def _ends(model: Model) -> Ends:
-    """Return what the scene attaches."""
-    return model.stages.run(TERMINATIONS, lambda: model.scene.ends)
 
 
 def _frequencies(refined: Refined[Modes], count: int) -> Judged:

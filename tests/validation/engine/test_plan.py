@@ -18,7 +18,7 @@ def test_only_what_is_needed_runs():
     """A static value by TMM touches no mesh, no mode, no other model."""
     scene, _ = load_scene("paper")
     plan = make_plan(scene, ("tmm",), ("capacitance_free",))
-    assert [s.stage for s in plan.run] == ["tmm.static", "terminations"]
+    assert [s.stage for s in plan.run] == ["tmm.static"]
     skipped = {s.stage: s.reason for s in plan.skipped}
     assert skipped["solid.mesh"] == "model solid is not asked for"
     assert "static" not in skipped["tmm.modes"]
@@ -114,8 +114,7 @@ def test_a_quantity_costs_what_its_stages_cost():
     seconds = solution.stages.seconds
     for model in ("tmm", "lumped"):
         for name in ("tip_velocity", "input_current"):
-            ports = seconds[f"{model}.ports"] + seconds["terminations"]
-            assert solution.get(name, model).seconds == pytest.approx(ports, rel=1e-12)  # a sum
+            assert solution.get(name, model).seconds == seconds[f"{model}.ports"]
         assert solution.get("coupling_factor", model).seconds == seconds[f"{model}.modes"]
 
 
@@ -147,20 +146,19 @@ FIELD_MODES = {f"{model}.modes_{end}" for model in ("solid", "cad") for end in (
 @pytest.mark.parametrize(
     ("override", "stale"),
     [
-        ("drive.voltage=7V", {"terminations"}),
+        ("drive.voltage=7V", set()),
         ("coil.length=1.9mm", MAGNETIC),
         ("gap=0.15mm", MAGNETIC),
         ("steel.curve=linear", MAGNETIC),
-        ("rod.density=7800kg/m^3", set(stage_reads()) - MAGNETIC - {"terminations"}),
-        ("load.kind=none", {"terminations", "lumped.modes", "tmm.modes", "beam.modes"}
-         | FIELD_MODES),
+        ("rod.density=7800kg/m^3", set(stage_reads()) - MAGNETIC),
+        ("load.kind=none", {"lumped.modes", "tmm.modes", "beam.modes"} | FIELD_MODES),
         ("modes=3", {"tmm.modes", "beam.modes", "solid.modal", "cad.modal", *FIELD_MODES}),
         ("accuracy=3e-3", {s for s in stage_reads() if s.startswith(("solid", "cad"))}
          | {"axisymmetric.point", "axisymmetric.switching"}
          | {"magnetic3d.point", "magnetic3d.switching"}),
         ("mesh.level=3", {s for s in stage_reads() if s.startswith(("solid", "cad"))}),
-        ("piezo.density=7800kg/m^3", set(stage_reads()) - MAGNETIC - {"terminations"}),
-        ("bimorph.length=21mm", set(stage_reads()) - MAGNETIC - {"terminations"}),
+        ("piezo.density=7800kg/m^3", set(stage_reads()) - MAGNETIC),
+        ("bimorph.length=21mm", set(stage_reads()) - MAGNETIC),
     ],
 )  # fmt: skip
 def test_keys_change_with_the_inputs_that_a_stage_reads(override, stale):
@@ -178,7 +176,7 @@ def test_results_are_reused_when_their_inputs_are_the_same():
     first = solve(finger, quantities=("tip_displacement",))
     ran = []
     again = solve(free, quantities=("tip_displacement",), announce=ran.append, reuse=first)
-    assert ran == ["terminations"]
+    assert ran == []
     fresh = solve(free, quantities=("tip_displacement",))
     for a, b in zip(again.quantities, fresh.quantities, strict=True):
         assert (a.value == b.value).all()

@@ -65,7 +65,7 @@ def test_the_same_again_is_read(name, overrides):
     first = answers(name, *overrides)
     ran = []
     assert answers(name, *overrides, announce=ran.append) == first
-    assert set(ran) <= {"terminations", "solid.modes_short", "solid.modes_open"}
+    assert set(ran) <= {"solid.modes_short", "solid.modes_open"}
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def test_a_changed_load_support_or_voltage_solves_nothing(change):
     before = answers(name, *overrides)
     ran = []
     after = answers(name, *overrides, *change.split(), announce=ran.append)
-    assert set(ran) <= {"terminations", "solid.modes_short", "solid.modes_open"}
+    assert set(ran) <= {"solid.modes_short", "solid.modes_open"}
     changed = [
         a["name"]
         for a, b in zip(after["quantities"], before["quantities"], strict=True)
