@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.errors import InputError
 from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.validation.catalogue.models import MODELS, ranked
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.model import Model
+from tactgen.validation.engine.plan import Plan
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.comparison import ComparedRow, compare
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import MagneticModel, NetworkModel
 from tactgen.validation.models.reluctance.point import MagneticPoint
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
-from tactgen.validation.engine.model import Model
-from tactgen.validation.engine.plan import Plan
-from tactgen.validation.catalogue.models import MODELS, ranked
-from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.results import Quantity
-from tactgen.validation.engine.solve import Solution, solve
 
 if TYPE_CHECKING:
     from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
@@ -150,9 +150,7 @@ class NormalActuator:
     def _mapped_models(self) -> dict[str, MagneticModel]:
         models = self.mapped.models
         return {
-            name: model
-            for name in MODELS
-            if isinstance(model := models.get(name), MagneticModel)
+            name: model for name in MODELS if isinstance(model := models.get(name), MagneticModel)
         }
 
     @property

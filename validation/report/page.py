@@ -9,13 +9,12 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from tactgen.geometry.files import write_text
+from tactgen.geometry.files import writable_folder, write_text
 from tactgen.validation.models.comparison import ComparedRow
-from tactgen.geometry.files import writable_folder
-from tactgen.validation.view.formats import filters
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.view.formats import filters
 
 
 def write_report(

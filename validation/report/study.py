@@ -12,18 +12,18 @@ import numpy as np
 from tactgen.geometry.arrays import Complex
 from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
 from tactgen.tmm.ports.terminations import outside_finger_range
-from tactgen.validation.checks.row import Outcome, run_check
-from tactgen.validation.checks.verification import group_rows
-from tactgen.validation.models.comparison import ComparedRow, compare
-from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
-from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
-from tactgen.validation.engine.plan import Plan, check_models
 from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.report.normal_actuator import NormalActuator, needs_map
-from tactgen.validation.scene.scene import Scene
+from tactgen.validation.checks.row import Outcome, run_check
+from tactgen.validation.checks.verification import group_rows
+from tactgen.validation.engine.plan import Plan, check_models
 from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+from tactgen.validation.models.comparison import ComparedRow, compare
+from tactgen.validation.report.normal_actuator import NormalActuator, needs_map
+from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
+from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge import Rung
@@ -129,7 +129,9 @@ class Study:
         """The suite's checks that are about this very scene, if nothing of it was changed."""
         if set(self.origins.values()) != {f"scene {self.scene.name}"}:
             return []
-        groups = [g for g, asked in (("bimorph", self.lateral), ("reluctance", self.normal)) if asked]
+        groups = [
+            g for g, asked in (("bimorph", self.lateral), ("reluctance", self.normal)) if asked
+        ]
         rows = [c for g in groups for c in group_rows(g) if c.scene == self.scene.name]
         found = []
         for check in rows:

@@ -7,7 +7,11 @@ import pytest
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from tactgen import validation
-from tactgen.validation.report.sections.bridge import bridge_section, holding_section, material_section
+from tactgen.validation.report.sections.bridge import (
+    bridge_section,
+    holding_section,
+    material_section,
+)
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.view.formats import filters

@@ -288,7 +288,8 @@ def test_lateral_report_imports_nothing_magnetic():
     assert "tactgen.validation.report.sections.bimorph" in loaded
     assert not loaded & {
         "tactgen.fem.reluctance.axisymmetric.actuator", "tactgen.fem.reluctance.axisymmetric.field",
-        "tactgen.tmm.reluctance.network", "tactgen.validation.checks.reluctance", "tactgen.validation.report.figures.reluctance",
+        "tactgen.tmm.reluctance.network", "tactgen.validation.checks.reluctance",
+        "tactgen.validation.report.figures.reluctance",
         "tactgen.validation.report.sections.reluctance",
     }  # fmt: skip
 
@@ -298,7 +299,8 @@ def test_normal_report_imports_nothing_piezoelectric():
     loaded = modules(NORMAL_ONLY)
     assert "tactgen.tmm.reluctance.network" in loaded
     assert not loaded & {
-        "tactgen.fem.bimorph.solid", "tactgen.fem.bimorph.modes", "tactgen.fem.bimorph.ports", "tactgen.fem.beam.beam",
+        "tactgen.fem.bimorph.solid", "tactgen.fem.bimorph.modes", "tactgen.fem.bimorph.ports",
+        "tactgen.fem.beam.beam",
         "tactgen.validation.models.bimorph.bridge", "tactgen.validation.checks.paper.audit",
         "tactgen.validation.report.sections.bimorph",
     }  # fmt: skip

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from tactgen.validation.checks.paper import audit
-from tactgen.validation.report.figures.bimorph import response_plot
 from tactgen.validation.catalogue.bimorph import OPEN_CIRCUIT_FREQUENCIES, SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.models.comparison import UNEXPLAINED
-from tactgen.validation.studies.design import length_section, voltage_section
-from tactgen.validation.report.sections import gallery
-from tactgen.validation.report.sections.bridge import bridge_section, holding_section, material_section
-from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.report.study import Study
+from tactgen.validation.checks.paper import audit
+from tactgen.validation.checks.stress import output as stress_output
 from tactgen.validation.models.bimorph.rows import LumpedModel
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
-from tactgen.validation.checks.stress import output as stress_output
+from tactgen.validation.models.comparison import UNEXPLAINED
+from tactgen.validation.report.figures.bimorph import response_plot
+from tactgen.validation.report.sections import gallery
+from tactgen.validation.report.sections.bridge import (
+    bridge_section,
+    holding_section,
+    material_section,
+)
+from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.study import Study
+from tactgen.validation.studies.design import length_section, voltage_section
 from tactgen.validation.studies.uncertainty import section as uncertainty_section
 
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tactgen.geometry.errors import InputError
 from tactgen.geometry.device.parameters import Piezo
+from tactgen.geometry.errors import InputError
 from tactgen.validation.report.figures.bimorph import bridge_plot, support_plot
 from tactgen.validation.report.sections.section import Context
 from tactgen.validation.report.study import Study
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge import Rung
     from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
     from tactgen.validation.models.bimorph.bridge.width import WidthPoint
-    from tactgen.validation.scene.scene import Scene
     from tactgen.validation.models.bimorph.support import SupportCompliance, SupportStudy
+    from tactgen.validation.scene.scene import Scene
 
 #: The material beside the scene's own: one whose whole tensor is published, or the paper's.
 _OTHER = {"M1876": "PZT-5H"}
@@ -91,7 +91,14 @@ def holding_section(study: Study) -> Context | None:
 
 
 def _support(study: Study, chain: GeneratorChain) -> dict[str, Any]:
-    from tactgen.validation.models.bimorph.support import GLUE_MODULI, fitted_springs, frequency_on, joint_by_beam, support_study, tab_for_frequency
+    from tactgen.validation.models.bimorph.support import (
+        GLUE_MODULI,
+        fitted_springs,
+        frequency_on,
+        joint_by_beam,
+        support_study,
+        tab_for_frequency,
+    )
 
     scene = study.scene
     found = support_study(scene, study.announce, chain)

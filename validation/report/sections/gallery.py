@@ -5,8 +5,8 @@ from __future__ import annotations
 import base64
 from typing import Any
 
-from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.report.study import Study
 
@@ -28,8 +28,8 @@ def _lateral(study: Study) -> list[dict[str, str]]:
     if beyond_plain_layers(study.scene.bimorph):
         return []
     from tactgen.validation.export.files import scene_solids
-    from tactgen.validation.view.pictures import mesh_picture, solids_picture
     from tactgen.validation.models.bimorph.meshes import cells_of
+    from tactgen.validation.view.pictures import mesh_picture, solids_picture
 
     study.announce("picture of the geometry")
     solids = solids_picture(scene_solids(study.scene))
@@ -66,8 +66,8 @@ def modes(study: Study) -> list[dict[str, Any]]:
     """Return the first four solid modes with their pictures."""
     from scipy.spatial import cKDTree
 
-    from tactgen.validation.view.pictures import mode_picture
     from tactgen.validation.models.bimorph.meshes import points_of
+    from tactgen.validation.view.pictures import mode_picture
 
     solid = study.field
     if solid is None:

@@ -12,9 +12,9 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.winding import winding
 from tactgen.tmm.reluctance.coil_heat import thermal_statement
 from tactgen.tmm.reluctance.switching import Equilibrium, equilibria, finger_force, spring_force
+from tactgen.validation.engine.results import Measured
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import NetworkModel
-from tactgen.validation.engine.results import Measured
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.report.normal_actuator import NormalActuator
 from tactgen.validation.report.sections.section import Context, Section
@@ -107,7 +107,12 @@ class ElectricalRow:
 
 def _characteristics(actuator: NormalActuator) -> Context:
     """Return families, switching, finger force and the coil's electrical and thermal values."""
-    from tactgen.validation.report.figures.reluctance import Families, flux_families, force_families, switching_plot
+    from tactgen.validation.report.figures.reluctance import (
+        Families,
+        flux_families,
+        force_families,
+        switching_plot,
+    )
 
     device, current = actuator.device, actuator.current
     shown = Families(device, actuator.maps, actuator.currents, actuator.gaps, actuator.points)
