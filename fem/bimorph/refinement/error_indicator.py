@@ -23,7 +23,7 @@ from tactgen.geometry.meshing.mesh import Mesh
 #: Error over what cubics find of it.  At edges where the field is singular, and in layers as
 #: thick as their elements, one degree more removes about half of the error.  Measured on job
 #: J1: 1.1 to 2.2 on uniform, graded and adapted meshes of 6 000 to 150 000 unknowns, against
-#: four codes' consensus and fine hexahedra (tests/test_error_indicator.py checks coarse ones).
+#: four codes' consensus and fine hexahedra (a test checks coarse ones).
 #: At the sharp corners of the rod's slot it is about 3 on coarse meshes, by extrapolation, so
 #: error bars are not taken from the estimate alone but from two meshes and the estimated gain.
 SATURATION = 2.0
