@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tactgen.geometry.arrays import Floats
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.engine.model import Model, Modes, Refined
@@ -40,3 +41,28 @@ class BimorphModel(Model):
     @abstractmethod
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes on the scene's support."""
+
+
+class BeamTheoryModel(BimorphModel):
+    """A model of a row of beams: stages ports, static and modes, all of them fast."""
+
+    def ports(self) -> Refined[Multiport]:
+        """Return D(Ω) with losses over the scene's frequencies."""
+        return self.run("ports", lambda: self._multiport(self.frequencies, lossy=True))
+
+    def static(self) -> Refined[Multiport]:
+        """Return the lossless D(0)."""
+        return self.run("static", lambda: self._multiport(np.zeros(1), lossy=False))
+
+    def modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        """Return the lossless modes."""
+        both = self.run("modes", lambda: tuple(self._modes(open_circuit=q) for q in (False, True)))
+        return both[open_circuit]
+
+    @abstractmethod
+    def _multiport(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
+        """Return D(Ω), parallel wiring."""
+
+    @abstractmethod
+    def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        """Return the lossless modes in one circuit."""

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import astuple
-from functools import partial
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.tmm.beam import lumped
 from tactgen.tmm.beam.modes import NaturalFrequencies, natural_frequencies
 from tactgen.tmm.beam.mounted_beam import uniform_response
 from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.beam.transfer.scattering import Element
 from tactgen.tmm.ports.multiport import Multiport, Response
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.engine.refinement import SAFETY
-from tactgen.validation.models.bimorph.model import BimorphModel
+from tactgen.validation.models.bimorph.model import BeamTheoryModel
 
 #: Ratio of a size at both ends of a segment from which on its order is not that of a smooth
 #: taper: (ratio − 1)⁴ is then no longer small.
@@ -27,12 +28,26 @@ _STEEP = 1.5
 T = TypeVar("T")
 
 
-class RowModel(BimorphModel):
+class RowModel(BeamTheoryModel):
     """Closed forms for a row of beams, in which tapers are divided into segments."""
 
     _METHOD: str
     #: Order in which a taper's error falls with its segments' length.
     _ORDER: int
+    #: Gives the model over its ports, of the row divided into segments.
+    _solved: ClassVar[Callable[..., Multiport]]
+
+    def _multiport(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
+        s = self.scene
+        return self._judged(
+            lambda n: self._solved(
+                s.device, s.support, s.beam, frequencies, lossy=lossy, segments=n
+            )
+        )
+
+    def _lossless_row(self, segments: int) -> list[Element]:
+        s = self.scene
+        return transfer_matrix.sections(s.device, s.support, s.beam, lossy=False, segments=segments)
 
     def _judged(self, read: Callable[[int], T], method: str = "") -> Refined[T]:
         """Return what `read` gives for a number of segments, judged by half as many."""
@@ -66,56 +81,22 @@ class LumpedModel(RowModel):
     name = "lumped"
     _METHOD = "rounding of closed forms; the model's own error is not included"
     _ORDER = 2  # the mass of a segment's cubic shapes; the statics are of order 4
-
-    def ports(self) -> Refined[Multiport]:
-        """Return D(Ω) with losses over the scene's frequencies."""
-
-        def work() -> Refined[Multiport]:
-            s = self.scene
-            return self._judged(
-                lambda n: lumped.multiport(
-                    s.device, s.support, s.beam, self.frequencies, segments=n
-                )
-            )
-
-        return self.run("ports", work)
-
-    def static(self) -> Refined[Multiport]:
-        """Return the lossless D(0)."""
-
-        def work() -> Refined[Multiport]:
-            s = self.scene
-            return self._judged(
-                lambda n: lumped.multiport(
-                    s.device, s.support, s.beam, np.zeros(1), lossy=False, segments=n
-                )
-            )
-
-        return self.run("static", work)
-
-    def modes(self, *, open_circuit: bool) -> Refined[Modes]:
-        """Return the lossless modes."""
-        short, opened = self.run("modes", self._both_modes)
-        return opened if open_circuit else short
+    _solved = staticmethod(lumped.multiport)
 
     def circuit(self, *, open_circuit: bool = False) -> lumped.EquivalentCircuit:
         """Return the first mode as a one-mode circuit (parallel wiring)."""
         return self._circuit(transfer_matrix.SEGMENTS, open_circuit=open_circuit)
 
     def _circuit(self, segments: int, *, open_circuit: bool) -> lumped.EquivalentCircuit:
-        s = self.scene
-        row = transfer_matrix.sections(s.device, s.support, s.beam, lossy=False, segments=segments)
-        return lumped.equivalent_circuit(row, s.ends, open_circuit=open_circuit)
+        row = self._lossless_row(segments)
+        return lumped.equivalent_circuit(row, self.scene.ends, open_circuit=open_circuit)
 
-    def _both_modes(self) -> tuple[Refined[Modes], Refined[Modes]]:
-        def mode(segments: int, *, open_circuit: bool) -> Modes:
+    def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        def mode(segments: int) -> Modes:
             circuit = self._circuit(segments, open_circuit=open_circuit)
             return Modes(np.array([circuit.short_circuit_frequency]), ("bending_x",))
 
-        short, opened = (
-            self._judged(partial(mode, open_circuit=circuit)) for circuit in (False, True)
-        )
-        return short, opened
+        return self._judged(mode)
 
 
 class TmmModel(RowModel):
@@ -124,19 +105,7 @@ class TmmModel(RowModel):
     name = "tmm"
     _METHOD = "rounding: machine epsilon times the condition number of the port equations"
     _ORDER = 4
-
-    def ports(self) -> Refined[Multiport]:
-        """Return D(Ω) with losses over the scene's frequencies."""
-
-        def work() -> Refined[Multiport]:
-            s = self.scene
-            return self._judged(
-                lambda n: transfer_matrix.multiport(
-                    s.device, s.support, s.beam, self.frequencies, segments=n
-                )
-            )
-
-        return self.run("ports", work)
+    _solved = staticmethod(transfer_matrix.multiport)
 
     def closed_form(self, ends: Ends) -> Refined[Response] | None:
         """Return the response of one uniform beam, right also at the poles of D(Ω)."""
@@ -149,41 +118,18 @@ class TmmModel(RowModel):
         method = "bound from the condition number of the closed form"
         return Refined(found.response, (), method, found.error)
 
-    def static(self) -> Refined[Multiport]:
-        """Return the lossless D(0)."""
-
-        def work() -> Refined[Multiport]:
-            s = self.scene
-            return self._judged(
-                lambda n: transfer_matrix.multiport(
-                    s.device, s.support, s.beam, np.zeros(1), lossy=False, segments=n
-                )
-            )
-
-        return self.run("static", work)
-
-    def modes(self, *, open_circuit: bool) -> Refined[Modes]:
-        """Return the lossless modes."""
-        short, opened = self.run("modes", self._both_modes)
-        return opened if open_circuit else short
-
-    def _both_modes(self) -> tuple[Refined[Modes], ...]:
+    def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
         s = self.scene
 
-        def found(segments: int, *, open_circuit: bool) -> NaturalFrequencies:
-            row = transfer_matrix.sections(
-                s.device, s.support, s.beam, lossy=False, segments=segments
-            )
+        def found(segments: int) -> NaturalFrequencies:
+            row = self._lossless_row(segments)
             return natural_frequencies(row, s.ends, s.modes, open_circuit=open_circuit)
 
         def modes(of: NaturalFrequencies) -> Modes:
             return Modes(of.frequencies, ("bending_x",) * of.frequencies.size)
 
         method = "counted (Wittrick-Williams), rounding from a second evaluation in other units"
-        both = []
-        for circuit in (False, True):
-            judged = self._judged(partial(found, open_circuit=circuit), method)
-            coarser = tuple((modes(of), factor) for of, factor in judged.coarser)
-            rounding = float(judged.fine.rounding.max())
-            both.append(Refined(modes(judged.fine), coarser, judged.method, rounding))
-        return tuple(both)
+        judged = self._judged(found, method)
+        coarser = tuple((modes(of), factor) for of, factor in judged.coarser)
+        rounding = float(judged.fine.rounding.max())
+        return Refined(modes(judged.fine), coarser, judged.method, rounding)
