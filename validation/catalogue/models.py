@@ -65,10 +65,9 @@ class ModelRow:
     kept: tuple[str, ...] = ()
     loads: tuple[str, ...] = ()
 
-    def reads(self, group: str) -> bool:
-        """Return whether some stage reads a scene key of a group, or a key without one."""
-        keys = (key for read in self.stages.values() for key in read)
-        return any(key.split(".", maxsplit=1)[0] == group for key in keys)
+    def reads(self, key: str) -> bool:
+        """Return whether some stage reads a scene key."""
+        return any(key in read for read in self.stages.values())
 
     def stages_for(self, quantity: QuantityRow) -> tuple[str, ...]:
         """Return the names of the stages that a quantity needs, in order."""

@@ -13,8 +13,7 @@ from tactgen.validation.scene.scene import ON_COMMAND_LINE, Scene
 
 #: Groups that only the models of the lateral actuator read.
 _LATERAL = (
-    "bimorph", "piezo", "shim", "glue", "support", "load", "drive", "beam", "mesh", "frequency",
-    "modes",
+    "bimorph", "piezo", "shim", "glue", "support", "load", "drive", "beam", "frequency", "modes",
 )  # fmt: skip
 #: Groups and keys that only the models of the normal actuator read.
 _MAGNETIC = (
@@ -62,8 +61,8 @@ def idle(scene: Scene, key: str) -> str:
 def _not_asked(scene: Scene, key: str) -> str:
     """Return why a key has no effect on the models asked for."""
     group, models = key.split(".", 1)[0], f"with models = {', '.join(scene.models)}"
-    if group == "mesh" and _read_by_magnetic(scene, "mesh"):
-        return ""
+    if key == "mesh.level" and not any(MODELS[name].reads(key) for name in scene.models):
+        return f"{models}; ask for --model solid to use it"
     if group in _LATERAL and not set(scene.models) & set(models_of("bimorph")):
         return f"{models}; ask for one of the lateral actuator, such as --model tmm, to use it"
     magnetic = set(scene.models) & set(models_of("reluctance"))
@@ -117,16 +116,15 @@ def _idle(scene: Scene, key: str) -> str:
     tetrahedra = "cad" in scene.models or (normal and scene.mesh.kind == "tetwild")
     if key == "mesh.time_limit" and not tetrahedra:
         return f"with models = {', '.join(scene.models)}; ask for --model cad to use it"
-    graded = _read_by_magnetic(scene, "accuracy")
-    if key == "accuracy" and scene.mesh.level and not graded:
+    if key == "accuracy" and scene.mesh.level and not _read_by_magnetic(scene, key):
         return f"with mesh.level = {scene.mesh.level}; leave mesh.level out to use it"
     return ""
 
 
-def _read_by_magnetic(scene: Scene, group: str) -> bool:
-    """Return whether a model of the normal actuator that is asked for reads a group."""
+def _read_by_magnetic(scene: Scene, key: str) -> bool:
+    """Return whether a model of the normal actuator that is asked for reads a key."""
     asked = (MODELS[name] for name in scene.models)
-    return any(row.actuator == "reluctance" and row.reads(group) for row in asked)
+    return any(row.actuator == "reluctance" and row.reads(key) for row in asked)
 
 
 def _only_on_rod(scene: Scene, key: str) -> bool:

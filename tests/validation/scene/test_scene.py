@@ -231,6 +231,9 @@ def test_names_that_are_no_file_are_refused(name):
         (["sleeve.length=4 mm"], ["sleeve.length = 4 mm", "--model network"]),
         (["mesh.time_limit=60 s", "models=solid"], ["mesh.time_limit = 60 s", "--model cad"]),
         (["mesh.kind=tetwild"], ["mesh.kind = tetwild", "--model magnetic3d"]),
+        (["mesh.kind=tetwild", "models=network"], ["mesh.kind = tetwild", "--model magnetic3d"]),
+        (["mesh.level=3", "models=network"], ["mesh.level = 3", "--model solid"]),
+        (["mesh.level=3", "models=tmm"], ["mesh.level = 3", "--model solid"]),
         (["mesh.level=2", "accuracy=0.01"], ["accuracy = 0.01", "mesh.level = 2"]),
     ],
 )
