@@ -29,7 +29,7 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.transfer.scattering import THROUGH, Element, in_waves, star
+from tactgen.tmm.beam.transfer.scattering import THROUGH, Element, in_waves, neighbours, star
 from tactgen.tmm.beam.transfer.timoshenko import wavenumbers
 
 Row: TypeAlias = Sequence[Element]
@@ -233,11 +233,7 @@ def _joined(made: Complex, order: list[int]) -> tuple[Complex, Floats]:
     """
     turned = _turned(made[..., :4, :4])
     while len(order) > 1:
-        pairs = list(zip(order[::2], order[1::2], strict=False))
-        place = {pair: i for i, pair in enumerate(dict.fromkeys(pairs))}
-        lower, upper = (list(side) for side in zip(*place, strict=True))
-        left_over = order[2 * len(pairs) :]
-        order = [place[pair] for pair in pairs] + [len(place)] * len(left_over)
+        lower, upper, left_over, order = neighbours(order)
         between = made[lower][..., 2:4, 2:4] @ made[upper][..., :2, :2]
         # reflections are below one, so that each eigenvalue of 1 − R₁ R₀ has a positive part
         angle = np.angle(1.0 - np.linalg.eigvals(between)).sum(axis=-1)

@@ -298,17 +298,29 @@ def _stiffness(s: Complex, reference: Reference) -> Complex:
     return d
 
 
-def _tree(made: Complex, order: list[int]) -> Complex:
-    """Join (k, n, 5, 5) in the given order: neighbours, then pairs of neighbours, and so on.
+def neighbours(order: list[int]) -> tuple[list[int], list[int], list[int], list[int]]:
+    """Pair what stands side by side in a row of numbered things; equal pairs count once.
 
-    Equal pairs are joined once, all pairs of a level at once.
+    Returns
+    -------
+    lower, upper : list of int
+        Numbers of the two things of each different pair.
+    left_over : list of int
+        The last one of an odd row.
+    order : list of int
+        The shorter row, numbered by pairs, then what is left over.
     """
+    pairs = list(zip(order[::2], order[1::2], strict=False))
+    place = {pair: i for i, pair in enumerate(dict.fromkeys(pairs))}
+    lower, upper = (list(side) for side in zip(*place, strict=True))
+    left_over = order[2 * len(pairs) :]
+    return lower, upper, left_over, [place[p] for p in pairs] + [len(place)] * len(left_over)
+
+
+def _tree(made: Complex, order: list[int]) -> Complex:
+    """Join (k, n, 5, 5) in the given order: neighbours, then pairs of neighbours, and so on."""
     while len(order) > 1:
-        pairs = list(zip(order[::2], order[1::2], strict=False))
-        place = {pair: i for i, pair in enumerate(dict.fromkeys(pairs))}
-        lower, upper = (list(side) for side in zip(*place, strict=True))
-        left_over = order[2 * len(pairs) :]
-        order = [place[pair] for pair in pairs] + [len(place)] * len(left_over)
+        lower, upper, left_over, order = neighbours(order)
         made = np.concatenate([star(made[lower], made[upper]), made[left_over]])
     return np.asarray(made[order[0]])
 
