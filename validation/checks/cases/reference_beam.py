@@ -18,6 +18,9 @@ from typing import Any, ParamSpec, TypeVar, cast
 import mpmath as mp
 import numpy as np
 
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Beam, Device
+
 #: Decimal digits carried; exponential, inversions and doublings cost fewer than 20 of them.
 DIGITS = 80
 
@@ -51,6 +54,29 @@ class Layers:
     shear_correction: Any
     quality_factor: Any = mp.inf
     loss_tangent: Any = 0
+
+    @classmethod
+    def of(cls, device: Device, beam: Beam) -> Layers:
+        """Return the layers of a device, digit for digit."""
+        bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
+        with mp.workdps(DIGITS):
+            permittivity = mp.mpf(piezo.eps33) * mp.mpf(EPS0)
+        return cls(
+            width=bimorph.width,
+            piezo_thickness=bimorph.piezo_thickness,
+            shim_thickness=bimorph.shim_thickness,
+            piezo_density=piezo.density,
+            shim_density=shim.density,
+            shim_modulus=shim.youngs_modulus,
+            shim_shear_modulus=shim.shear_modulus,
+            s11=piezo.s11,
+            s55=piezo.s55,
+            d31=piezo.d31,
+            permittivity=permittivity,
+            shear_correction=beam.shear_correction,
+            quality_factor=piezo.quality_factor,
+            loss_tangent=piezo.loss_tangent,
+        )
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
-from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam.printed_formulas import PLACES
 from tactgen.tmm.beam.section.section import Section
@@ -38,25 +37,8 @@ def frequency_formulas(
 
 
 def _section_formulas(device: Device, beam: Beam) -> dict[int, Any]:
-    b, piezo, shim = device.bimorph, device.piezo, device.shim
-    found = reference.bimorph_constants(
-        reference.Layers(
-            width=b.width,
-            piezo_thickness=b.piezo_thickness,
-            shim_thickness=b.shim_thickness,
-            piezo_density=piezo.density,
-            shim_density=shim.density,
-            shim_modulus=shim.youngs_modulus,
-            shim_shear_modulus=shim.shear_modulus,
-            s11=piezo.s11,
-            s55=piezo.s55,
-            d31=piezo.d31,
-            permittivity=mp.mpf(piezo.eps33) * mp.mpf(EPS0),
-            shear_correction=beam.shear_correction,
-            quality_factor=piezo.quality_factor,
-            loss_tangent=piezo.loss_tangent,
-        )
-    )
+    piezo = device.piezo
+    found = reference.bimorph_constants(reference.Layers.of(device, beam))
     compliance = mp.mpf(piezo.s11) / (1 + mp.j / mp.mpf(piezo.quality_factor))
     return {
         49: found.rhoI,
@@ -65,7 +47,7 @@ def _section_formulas(device: Device, beam: Beam) -> dict[int, Any]:
         52: compliance,
         53: found.m,
         54: found.K,
-        55: found.C * mp.mpf(b.length),
+        55: found.C * mp.mpf(device.bimorph.length),
     }
 
 

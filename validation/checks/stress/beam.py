@@ -18,7 +18,6 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece
-from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Support
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.section.section import Section, section
@@ -155,7 +154,8 @@ def _constants(_: bool) -> Row:
     points = []
     for ratio, quality in product(10.0 ** np.arange(-3.0, 3.5, 1.0), (1.0, 60.0, 1e9)):
         device = device_of(ratio, quality)
-        got, exact = beam_of(device), reference.bimorph_constants(_layers(device))
+        got = beam_of(device)
+        exact = reference.bimorph_constants(reference.Layers.of(device, Beam()))
         error = max(
             reference.relative_error(getattr(got, name), getattr(exact, name))
             for name in ("EI", "GA", "m", "rhoI", "K", "C")
@@ -165,28 +165,6 @@ def _constants(_: bool) -> Row:
         )
     what = "EI, GA, m, ρI, K, C against integrals over the layers, ratios 1e-3 to 1e3, Q 1 to 1e9"
     return judged("section constants", what, points)
-
-
-def _layers(device: Device) -> reference.Layers:
-    bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
-    with mp.workdps(reference.DIGITS):
-        permittivity = mp.mpf(piezo.eps33) * mp.mpf(EPS0)
-    return reference.Layers(
-        width=bimorph.width,
-        piezo_thickness=bimorph.piezo_thickness,
-        shim_thickness=bimorph.shim_thickness,
-        piezo_density=piezo.density,
-        shim_density=shim.density,
-        shim_modulus=shim.youngs_modulus,
-        shim_shear_modulus=shim.shear_modulus,
-        s11=piezo.s11,
-        s55=piezo.s55,
-        d31=piezo.d31,
-        permittivity=permittivity,
-        shear_correction=Beam().shear_correction,
-        quality_factor=piezo.quality_factor,
-        loss_tangent=piezo.loss_tangent,
-    )
 
 
 def _quality(quick: bool) -> Row:
