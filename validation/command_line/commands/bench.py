@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Collection
 
 from tactgen.validation.command_line.commands.common import Commands
 from tactgen.validation.command_line.commands.part_runs import add_part_command, run_and_show
@@ -11,7 +12,13 @@ from tactgen.validation.command_line.commands.part_runs import add_part_command,
 def add(commands: Commands) -> None:
     """Declare the command."""
     words = "measure speed, memory and accuracy on one core"
-    add_part_command(commands, "bench", words, "fewer points", run)
+    add_part_command(commands, "bench", words, "fewer points", _known, run)
+
+
+def _known() -> Collection[str]:
+    from tactgen.validation.bench import PARTS
+
+    return PARTS
 
 
 def run(options: argparse.Namespace) -> int:

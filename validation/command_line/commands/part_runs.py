@@ -18,11 +18,17 @@ Runner = Callable[[Sequence[str], bool, Callable[[str], None]], list[Part]]
 
 
 def add_part_command(
-    commands: Commands, name: str, words: str, quick: str, run: Callable[[argparse.Namespace], int]
+    commands: Commands,
+    name: str,
+    words: str,
+    quick: str,
+    known: Callable[[], Collection[str]],
+    run: Callable[[argparse.Namespace], int],
 ) -> None:
-    """Declare a command that runs parts; `words` and `quick` are its help."""
+    """Declare a command that runs parts; `words` and `quick` are its help, with what is known."""
     parser = commands.add_parser(name, help=words)
-    only = f"one of the parts that README.md names for {name}; may be repeated, all by default"
+    parser.listing = lambda: (f"{words.capitalize()}.", f"parts: {', '.join(known())}")
+    only = "one of the parts below; may be repeated, all by default"
     parser.add_argument("--only", action="append", metavar="PART", help=only)
     parser.add_argument("--quick", action="store_true", help=quick)
     parser.add_argument("--out", metavar="DIR", help="also write tables (CSV) and plots (SVG)")

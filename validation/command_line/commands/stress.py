@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Collection
 
 from tactgen.validation.command_line.commands.common import Commands
 from tactgen.validation.command_line.commands.part_runs import add_part_command, run_and_show
@@ -11,7 +12,13 @@ from tactgen.validation.command_line.commands.part_runs import add_part_command,
 def add(commands: Commands) -> None:
     """Declare the command."""
     words = "errors against exact answers, far beyond any use"
-    add_part_command(commands, "stress", words, "a coarser grid", run)
+    add_part_command(commands, "stress", words, "a coarser grid", _known, run)
+
+
+def _known() -> Collection[str]:
+    from tactgen.validation.checks.stress import PARTS
+
+    return PARTS
 
 
 def run(options: argparse.Namespace) -> int:
