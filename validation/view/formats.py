@@ -24,14 +24,15 @@ def engineering(value: float, unit: str, digits: int = 5) -> str:
 def with_bar(value: float, bar: float, unit: str) -> str:
     """Return value ± bar in one unit, with two digits of the bar.
 
-    Bars below 1e-9 of the value are rounding and are shown as a power of ten.
+    Bars below 1e-7 of the value are shown as a power of ten, since the digits before them say
+    nothing to a reader.
     """
     if value == 0.0 or not math.isfinite(value):
         return engineering(value, unit)
     if not math.isfinite(bar):
         return f"{engineering(value, unit)} (no error bar)"
     relative = abs(bar / value)
-    if relative < 1e-9:
+    if relative < 1e-7:
         return f"{engineering(value, unit, 7)} (±{relative:.0e} relative)"
     exponent = (
         0 if unit in ("", "1") else max(-15, min(9, 3 * math.floor(math.log10(abs(value)) / 3.0)))
