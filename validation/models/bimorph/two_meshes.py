@@ -228,11 +228,15 @@ def _only(of: Bools, fine: Modes, coarse: Modes) -> Modes:
 
 
 def _moved(fine: Modes, coarse: Modes) -> Modes:
-    """Return the modes moved by what each of its class counts with at least."""
+    """Return the modes moved by what each of its class counts with at least.
+
+    A mode that is alone in its class has all others for neighbours.
+    """
     kinds, frequencies = np.array(fine.classes), fine.frequencies.copy()
     for kind in set(fine.classes):
         of = kinds == kind
-        frequencies[of] *= 1.0 + least_difference(fine.frequencies[of], coarse.frequencies[of])
+        near = of if of.sum() > 1 else np.ones_like(of)
+        frequencies[of] *= 1.0 + least_difference(fine.frequencies[near], coarse.frequencies[near])
     return Modes(frequencies, fine.classes)
 
 
