@@ -180,7 +180,11 @@ def _keep(path: Path, content: bytes) -> None:
         write_entry(path, content)
     except (OSError, InputError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        _say_once(f"results are not kept for the next run: {reason}", about="keep")
+        _say_once(
+            f"results are not kept for the next run ({reason}); set TACTGEN_CACHE to a folder that "
+            "can be written",
+            about="keep",
+        )
 
 
 def _make_room(limit: int, new: Path) -> None:
