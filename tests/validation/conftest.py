@@ -29,6 +29,17 @@ def made_up_stress(monkeypatch):
 
 
 @pytest.fixture
+def undrawn(monkeypatch):
+    """Leave a report's figures blank, for tests of its words: drawing takes most of its time."""
+    from matplotlib.figure import Figure
+
+    from tactgen.validation.view import pictures
+
+    monkeypatch.setattr(Figure, "savefig", lambda _, file, **__: file.write("<svg></svg>"))
+    monkeypatch.setattr(pictures, "solids_picture", lambda _: b"")
+
+
+@pytest.fixture
 def run_elsewhere(monkeypatch, made_up_stress):
     """Let a report show its checks as passed and a made-up stress run, without running either."""
     from tactgen.validation.report import study  # slow to import

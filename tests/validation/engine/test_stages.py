@@ -3,12 +3,14 @@
 import json
 import subprocess
 import sys
+from functools import partial
 
 import numpy as np
 import pytest
 
 from tactgen.geometry.store.sources import source_digest
 from tactgen.geometry.store.store import holdings
+from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.validation.catalogue.models import gives, stage_code, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine import stages
@@ -22,6 +24,16 @@ SCENES = (
     ("prototype", ("frequency=100,500", "mesh.level=2", "models=solid")),
     ("reluctance", ("models=network,axisymmetric", "accuracy=2%")),
 )
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small_map(tmp_path_factory):
+    """Sample the actuator's map at few points, in a store where no other test finds it."""
+    few = partial(map_grid, currents=7, gaps=6)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("store")))
+        patch.setattr("tactgen.tmm.reluctance.map_range.map_grid", few)
+        yield
 
 
 def answers(name, *overrides, announce=lambda _: None):

@@ -105,6 +105,7 @@ def test_quick_report_solves_no_map_of_the_field(reluctance):
     assert re.search(r"<td>network.map</td><td class=\"n\">[\d.]+</td>", plan)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_network_alone(tmp_path):
     """Without the field there is no picture of it, and the bridge ends at the network."""
     html, steps = make(tmp_path, "reluctance", "models=network")
@@ -126,6 +127,7 @@ def shown(tmp_path, *overrides):
     return text
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     ("overrides", "there", "not_there"),
     [
@@ -251,7 +253,9 @@ def test_report_of_both_actuators(tmp_path):
 
 LATERAL_ONLY = """
 import sys
+from matplotlib.figure import Figure
 import tactgen.validation.report.study as study
+Figure.savefig = lambda _, file, **__: file.write("<svg></svg>")  # slow, of no concern here
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.scene.scene import load_scene
 scene, origins = load_scene("prototype", ("models=lumped,tmm",))
@@ -264,7 +268,9 @@ print(*sys.modules)
 """
 NORMAL_ONLY = """
 import sys
+from matplotlib.figure import Figure
 import tactgen.validation.report.study as study
+Figure.savefig = lambda _, file, **__: file.write("<svg></svg>")  # slow, of no concern here
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.scene.scene import load_scene
 scene, origins = load_scene("reluctance", ("models=network",))

@@ -1,6 +1,7 @@
 """The report: complete, self-contained, written in one piece; exports beside it."""
 
 import re
+from html import unescape
 
 import pytest
 
@@ -22,7 +23,7 @@ def make(tmp_path, name, *overrides):
 
 def test_report_is_complete_and_self_contained(tmp_path, run_elsewhere):
     """All sections, every light check, pictures inside the page, no address to fetch."""
-    html, steps = make(tmp_path, "j1", "mesh.level=2")
+    html, steps = make(tmp_path, "j1", "mesh.level=1")
     assert re.findall(r'<h2 id="(\w+)">', html) == [
         "what", "models", "modes", "bridge", "response", "length", "voltage",
         "uncertainty", "stress", "checks", "audit", "parameters", "plan",
@@ -36,14 +37,22 @@ def test_report_is_complete_and_self_contained(tmp_path, run_elsewhere):
     assert "normal actuator is reconstructed" not in html
     assert not any("network" in step or "axisymmetric" in step for step in steps)
     assert "picture of mode 4" in steps
+    for name in ("length", "voltage"):
+        assert html[html.index(f'<h2 id="{name}">') :].split("<h2", 2)[1].count("<svg") == 1
     text = re.sub(r"<[^>]+>", " ", html[html.index("<main>") :])
     assert not re.search(r"\bnan\b|\bNone\b|Undefined", text)
 
 
 def test_report_without_the_solid_says_so(tmp_path, run_elsewhere):
-    """A scene that asks for one-dimensional models gets a report about those."""
+    """A scene that asks for one-dimensional models gets a report about those.
+
+    Where its drive and load are not those that a length is designed for, that is said.
+    """
     html, steps = make(tmp_path, "prototype", "models=lumped,tmm")
     assert "The solid model was not asked for" in html
+    text = unescape(re.sub(r"<[^>]+>", "", html))
+    assert "at 50 V under the finger instead of this scene's 1 V, with a free tip" in text
+    assert not re.search(r"\bnan\b|\bNone\b|Undefined", re.sub(r"<[^>]+>", " ", html))
     assert not any(step.startswith("solid.") for step in steps if "check" not in step)
 
 

@@ -50,7 +50,7 @@ def test_rigid_motion_needs_no_force(variant, level):
     assert system.spurious_stiffness < 1e-6 * tip
 
 
-@pytest.mark.parametrize("level", [0, 2])
+@pytest.mark.parametrize("level", [0, 1])
 @pytest.mark.parametrize("variant", [{}, {"tab_length": 1.6e-3}, {"glue_thickness": 10e-6}])
 def test_uncoupled_capacitor_is_exact(variant, level):
     """Without coupling the layers are two plate capacitors and nothing moves."""
