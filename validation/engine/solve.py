@@ -9,18 +9,18 @@ from typing import Any
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.limits import (
+from tactgen.validation.engine.model import Model, make_model
+from tactgen.validation.engine.plan import Plan, Step, make_plan
+from tactgen.validation.engine.reading import read
+from tactgen.validation.engine.results import Quantity, quantity_json
+from tactgen.validation.engine.stages import Stages
+from tactgen.validation.engine.warnings import (
     accuracy_warnings,
     check_held,
     deflection_warnings,
     level_warnings,
     load_warnings,
 )
-from tactgen.validation.engine.model import Model, make_model
-from tactgen.validation.engine.plan import Plan, Step, make_plan
-from tactgen.validation.engine.reading import read
-from tactgen.validation.engine.results import Quantity, quantity_json
-from tactgen.validation.engine.stages import Stages
 from tactgen.validation.scene.scene import Scene
 
 

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.validation.engine.limits import accuracy_warnings
 from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.warnings import accuracy_warnings
 from tactgen.validation.models.reluctance.field import _fine_enough
 from tactgen.validation.scene.scene import load_scene
 

@@ -53,7 +53,7 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.engine.limits import level_warnings, load_warnings
+    from tactgen.validation.engine.warnings import level_warnings, load_warnings
     from tactgen.validation.scene.idle_keys import scene_warnings
     from tactgen.validation.studies.uncertainty.headline_numbers import actuator
     from tactgen.validation.studies.uncertainty.propagation import parameter_uncertainty

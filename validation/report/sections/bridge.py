@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge import Rung
     from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
     from tactgen.validation.models.bimorph.bridge.width import WidthPoint
-    from tactgen.validation.models.bimorph.support import SupportCompliance, SupportStudy
+    from tactgen.validation.models.bimorph.joint_compliance import SupportCompliance, SupportStudy
     from tactgen.validation.scene.scene import Scene
 
 #: The material beside the scene's own: one whose whole tensor is published, or the paper's.
@@ -91,7 +91,7 @@ def holding_section(study: Study) -> Context | None:
 
 
 def _support(study: Study, chain: GeneratorChain) -> dict[str, Any]:
-    from tactgen.validation.models.bimorph.support import (
+    from tactgen.validation.models.bimorph.joint_compliance import (
         GLUE_MODULI,
         fitted_springs,
         frequency_on,
@@ -133,14 +133,14 @@ def _support(study: Study, chain: GeneratorChain) -> dict[str, Any]:
 
 
 def _beam(scene: Scene, length: float) -> SupportCompliance | None:
-    from tactgen.validation.models.bimorph.support import tab_by_beam
+    from tactgen.validation.models.bimorph.joint_compliance import tab_by_beam
 
     return tab_by_beam(scene, length) if length > 0.0 else None
 
 
 def _bending_stiffness(scene: Scene) -> float:
     """Return EI of the tab (N m²)."""
-    from tactgen.validation.models.bimorph.support import tab_by_beam
+    from tactgen.validation.models.bimorph.joint_compliance import tab_by_beam
 
     return tab_by_beam(scene, 1.0).rotational_stiffness
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.limits import load_warnings
+from tactgen.validation.engine.warnings import load_warnings
 from tactgen.validation.scene.idle_keys import idle
 from tactgen.validation.scene.keys import with_values
 from tactgen.validation.scene.scene import Scene

@@ -13,7 +13,7 @@ from tactgen.tmm.beam.sensitivities import derivatives, values
 from tactgen.tmm.ports.readout import ModalReadout, Readout
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import QuantityRow
-from tactgen.validation.engine.limits import check_held
+from tactgen.validation.engine.warnings import check_held
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.uncertainty.headline_numbers import actuator
 from tactgen.validation.studies.uncertainty.varied_keys import chosen_keys

@@ -8,7 +8,7 @@ from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.models.bimorph.bridge.beam_values import beam_row, beam_values
 from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
 from tactgen.validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid
-from tactgen.validation.models.bimorph.support import (
+from tactgen.validation.models.bimorph.joint_compliance import (
     SupportCompliance,
     SupportStudy,
     fitted_springs,
