@@ -55,8 +55,8 @@ def test_effects_on_what_a_reader_cares_about(paper):
     assert paper.row(41).velocity.max() < 1e-3
     assert paper.row(47).velocity.max() == pytest.approx(0.0337, abs=2e-4)
     assert paper.row(49).velocity.max() < 1e-3
-    # a capacitor that gives off power: the current only
-    assert paper.row(55).velocity.max() == 0.0
+    # a capacitor that gives off power: the current only; the rest is the processor's rounding
+    assert paper.row(55).velocity.max() < 1e-13
     assert 0.06 < paper.row(55).current.min() < paper.row(55).current.max() < 0.065
     assert paper.velocity.min() > 0.9
 
