@@ -1,0 +1,1 @@
+"""The parameters in groups, each with unit, default, source and range."""

@@ -1,0 +1,40 @@
+"""How a parameter is declared: its default, source and range, in groups that cannot change."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from tactgen.geometry.device.materials import PRINTED, Spread
+
+#: Where the numbers that the paper gives stand.
+PAPER_2 = "paper table 2"
+PAPER_4 = "paper section 4"
+PAPER_5 = "paper section 5.1"
+RECONSTRUCTED = "assumed: reconstructed normal actuator (the paper gives only 2.3 mm and the gap)"
+
+
+def field(
+    default: Any,
+    source: str,
+    description: str,
+    spread: tuple[float, float, str] | Spread | None = None,
+) -> Any:
+    """Declare a parameter; `spread` is (low, high, reason), a tenth for a reconstructed size."""
+    if spread is None and source == RECONSTRUCTED:
+        spread = (0.9 * default, 1.1 * default, "assumed: a reconstruction, a tenth either way")
+    extra: dict[str, Any] = {"source": source, "spread": list(spread) if spread else None}
+    return Field(default, description=description, json_schema_extra=extra)
+
+
+def printed(default: float, source: str, description: str, half_a_unit: float) -> Any:
+    """Declare a parameter that is known to the digits printed, trailing zeros not counted."""
+    spread = Spread(default - half_a_unit, default + half_a_unit, PRINTED, absolute=True)
+    return field(default, source, description, spread)
+
+
+class Parameters(BaseModel):
+    """Base of all parameter groups: immutable, no unknown keys, finite numbers only."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)

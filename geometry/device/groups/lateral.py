@@ -1,0 +1,158 @@
+"""The lateral actuator: bimorph, its materials, and the glue that holds it."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import model_validator
+
+from tactgen.geometry import units as u
+from tactgen.geometry.device.groups.declaration import PAPER_2, PAPER_4, Parameters, field, printed
+from tactgen.geometry.device.materials import Piezoceramic, Spread
+from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.device.profile import UNIFORM, LengthProfile, Profile
+from tactgen.geometry.errors import InputError
+
+
+class Bimorph(Parameters):
+    """The lateral actuator: piezo / shim / piezo, the shim's tab below the ceramic."""
+
+    length: u.Length = field(
+        20e-3,
+        PAPER_4,
+        "active (ceramic) length",
+        Spread(19.9e-3, 20.1e-3, "chosen by design; assumed: cut to 0.1 mm", absolute=True),
+    )
+    width: u.SmallLength = printed(2.1e-3, PAPER_2, "width b", 0.05e-3)
+    piezo_thickness: u.SmallLength = printed(
+        0.26e-3, PAPER_2, "thickness of one piezo layer h_p", 0.005e-3
+    )
+    shim_thickness: u.SmallLength = printed(0.25e-3, PAPER_2, "thickness of the shim h_s", 0.005e-3)
+    tab_length: u.LengthOrZero = field(
+        0.0, "assumed: no bare shim below the ceramic", "length of the bare shim below the ceramic"
+    )
+    width_profile: LengthProfile = field(
+        UNIFORM,
+        "assumed: uniform",
+        "width along the ceramic: uniform, or such as 0 mm: 2.1 mm, 20 mm: 1 mm; then width is "
+        "that of the tab",
+    )
+    piezo_thickness_profile: LengthProfile = field(
+        UNIFORM, "assumed: uniform", "thickness of one piezo layer along the ceramic"
+    )
+    shim_thickness_profile: LengthProfile = field(
+        UNIFORM,
+        "assumed: uniform",
+        "thickness of the shim along the ceramic; then shim_thickness is that of the tab",
+    )
+    bare_below: u.LengthOrZero = field(
+        0.0, "assumed: electrodes on the whole ceramic", "ceramic without electrode, lower end"
+    )
+    bare_above: u.LengthOrZero = field(
+        0.0, "assumed: electrodes on the whole ceramic", "ceramic without electrode, upper end"
+    )
+    glue_thickness: u.LayerThickness = field(
+        0.0, "assumed: no glue between the layers", "glue between the shim and each piezo layer"
+    )
+    wiring: Literal["parallel", "series"] = field(
+        "parallel",
+        "assumed: the paper does not say (its 50 V start near the parallel model's value)",
+        "parallel: the voltage lies across each layer; series: across both in a row",
+    )
+    poling: Literal["-x", "+x"] = field(
+        "-x",
+        "assumed: gives the signs of the paper's matrix A (positive U bends towards +x)",
+        "direction in which both layers are poled; U is outer electrodes minus shim",
+    )
+
+    @property
+    def thickness(self) -> float:
+        """Total thickness (m)."""
+        return float(2.0 * (self.piezo_thickness + self.glue_thickness) + self.shim_thickness)
+
+    @property
+    def profiles(self) -> dict[str, Profile]:
+        """The dimensions that vary along the ceramic, by their key."""
+        names = ("width_profile", "piezo_thickness_profile", "shim_thickness_profile")
+        return {name: getattr(self, name) for name in names if getattr(self, name)}
+
+    @property
+    def poling_sign(self) -> float:
+        """+1 for poling along +x, −1 along −x."""
+        return 1.0 if self.poling == "+x" else -1.0
+
+
+class Piezo(Parameters):
+    """The piezoceramic: a library material, any of whose values may be replaced."""
+
+    material: str = field("M1876", PAPER_2, "name of a library material")
+    s11: u.Compliance = field(None, "", "elastic compliance s11 at constant field")
+    s55: u.Compliance = field(None, "", "shear compliance s55 at constant field")
+    d31: u.PiezoConstant = field(None, "", "transverse piezoelectric constant")
+    eps33: u.RelativePermittivity = field(None, "", "relative permittivity at constant stress")
+    density: u.Density = field(None, "", "mass density")
+    quality_factor: u.QualityFactor = field(None, "", "mechanical quality factor Q")
+    loss_tangent: u.LossTangent = field(None, "", "dielectric loss tangent")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_from_library(cls, given: Any) -> Any:
+        if not isinstance(given, dict):
+            return given
+        name = given.get("material", "M1876")
+        if not isinstance(name, str) or name not in LIBRARY:
+            raise InputError(
+                f"piezo.material = {u.quoted(name)} is not in the library; "
+                f"use one of {', '.join(LIBRARY)} and replace single values, such as piezo.s11"
+            )
+        library = {key: u.SI(value) for key, value in LIBRARY[name].reduced().items()}
+        return {**library, **given, "material": name}
+
+    def ceramic(self) -> Piezoceramic:
+        """Return the full material that these values stand for."""
+        values = self.model_dump(exclude={"material"})
+        return LIBRARY[self.material].with_values(**values)
+
+
+class Shim(Parameters):
+    """The middle layer: elastic, electrically conducting, fibres along z."""
+
+    youngs_modulus: u.Modulus = printed(140e9, PAPER_2, "modulus along the actuator E_s", 5e9)
+    shear_modulus: u.Modulus = field(
+        5e9,
+        "assumed: unidirectional carbon fibre composite",
+        "longitudinal shear modulus G_s",
+        (4e9, 6e9, "such composites with usual fibre contents"),
+    )
+    transverse_modulus: u.Modulus | None = field(
+        None,
+        "assumed: 2 (1 + nu) G_s, exact for an isotropic shim",
+        "modulus across the fibres (solid model only)",
+    )
+    poisson_ratio: u.PoissonRatio = field(
+        0.3,
+        "assumed: typical of the composite",
+        "Poisson ratio (solid model only)",
+        (0.25, 0.35, "such composites"),
+    )
+    density: u.Density = printed(1500.0, PAPER_2, "mass density", 50.0)
+
+
+class Glue(Parameters):
+    """The adhesive between the shim's tab and the slot in the rod's head, and between layers."""
+
+    thickness: u.SmallLength = field(
+        50e-6,
+        "assumed: typical bond line",
+        "bond line around the tab",
+        (30e-6, 80e-6, "bond lines of paste epoxies"),
+    )
+    youngs_modulus: u.Modulus = field(
+        3e9, "assumed: epoxy", "modulus", (2e9, 5e9, "unfilled to filled epoxies")
+    )
+    poisson_ratio: u.PoissonRatio = field(
+        0.35, "assumed: epoxy", "Poisson ratio", (0.3, 0.4, "epoxies")
+    )
+    density: u.Density = field(
+        1200.0, "assumed: epoxy", "mass density", (1100.0, 1400.0, "unfilled to filled epoxies")
+    )

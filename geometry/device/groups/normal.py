@@ -1,0 +1,112 @@
+"""The normal actuator: moving iron, coil, sleeve and steel."""
+
+from __future__ import annotations
+
+from tactgen.geometry import units as u
+from tactgen.geometry.device.groups.declaration import (
+    PAPER_5,
+    RECONSTRUCTED,
+    Parameters,
+    field,
+    printed,
+)
+
+#: Gap at which the reconstructed normal actuator's axial positions are stated (m).
+NOMINAL_GAP = 0.2e-3
+
+
+class Rod(Parameters):
+    """The moving iron: shaft, head (the pole above the gap), flange, slot for the tab."""
+
+    radius: u.SmallLength = field(0.62e-3, RECONSTRUCTED, "shaft radius")
+    head_radius: u.SmallLength = printed(
+        1.15e-3, PAPER_5, "head radius (outer diameter 2.3 mm)", 0.025e-3
+    )
+    head_thickness: u.SmallLength = field(0.5e-3, RECONSTRUCTED, "head thickness")
+    flange_radius: u.SmallLength = field(0.91e-3, RECONSTRUCTED, "flange radius")
+    flange_thickness: u.SmallLength = field(0.9e-3, RECONSTRUCTED, "flange thickness")
+    flange_position: u.Position = field(
+        2.4e-3, RECONSTRUCTED, "flange's top below the sleeve's top at the 200 um gap"
+    )
+    length: u.SmallLength = field(
+        3.3e-3, RECONSTRUCTED, "shaft's end below the sleeve's top at the 200 um gap"
+    )
+    slot_depth: u.SmallLength = field(
+        0.45e-3,
+        "assumed: slot stays inside the head",
+        "depth of the slot that takes the tab",
+        (0.4e-3, 0.49e-3, "at least a bond, at most the head's thickness"),
+    )
+    youngs_modulus: u.Modulus = field(
+        205e9, "assumed: low-carbon steel", "modulus", (200e9, 212e9, "steels")
+    )
+    poisson_ratio: u.PoissonRatio = field(
+        0.29, "assumed: low-carbon steel", "Poisson ratio", (0.27, 0.3, "steels")
+    )
+    density: u.Density = field(
+        7850.0, "assumed: low-carbon steel", "mass density", (7800.0, 7900.0, "low-carbon steels")
+    )
+
+
+class Coil(Parameters):
+    """The winding on the rod's shaft."""
+
+    inner_radius: u.SmallLength = field(0.62e-3, RECONSTRUCTED, "inner radius")
+    outer_radius: u.SmallLength = field(0.88e-3, RECONSTRUCTED, "outer radius")
+    length: u.SmallLength = field(2.0e-3, RECONSTRUCTED, "axial length")
+    position: u.Position = field(
+        0.3e-3, RECONSTRUCTED, "coil's top below the sleeve's top at the 200 um gap"
+    )
+    turns: u.Turns = field(
+        849.0,
+        "assumed: gives the paper's 110 mN (section 5.1) at its 130 mA",
+        "number of turns",
+        (764.0, 934.0, "assumed: a reconstruction, a tenth either way"),
+    )
+    current: u.Current = field(130e-3, PAPER_5, "direct current in the winding")
+    fill_factor: u.FillFactor = field(
+        0.5,
+        "assumed: fine enamelled wire",
+        "bare copper's share of the winding's window",
+        (0.35, 0.65, "assumed: thin wires, wound wild to in layers"),
+    )
+    resistivity: u.Resistivity = field(
+        1.7241e-8,
+        "assumed: annealed copper at 20 degC (IEC 60028)",
+        "the wire's resistivity at 20 degC",
+        (1.7241e-8, 1.777e-8, "annealed to hard-drawn copper, 97 % of its conductivity"),
+    )
+    temperature: u.Temperature = field(
+        293.15,
+        "assumed: 20 degC, a cold coil",
+        "the wire's temperature",
+        (293.15, 393.15, "assumed: from cold to the limit of common enamel"),
+    )
+
+
+class Sleeve(Parameters):
+    """The fixed iron around the coil, its collar at the upper end."""
+
+    inner_radius: u.SmallLength = field(0.96e-3, RECONSTRUCTED, "bore radius")
+    outer_radius: u.SmallLength = printed(
+        1.15e-3, PAPER_5, "outer radius (outer diameter 2.3 mm)", 0.025e-3
+    )
+    length: u.SmallLength = field(3.6e-3, RECONSTRUCTED, "axial length")
+    collar_radius: u.SmallLength = field(0.9e-3, RECONSTRUCTED, "bore radius of the collar")
+    collar_thickness: u.SmallLength = field(0.2e-3, RECONSTRUCTED, "axial length of the collar")
+
+
+class Steel(Parameters):
+    """The magnetic behaviour of rod and sleeve, one material."""
+
+    curve: str = field(
+        "team20",
+        "assumed: steel of TEAM Workshop problem 20",
+        "team20, linear, or the path of a CSV file with the columns B (T) and H (A/m)",
+    )
+    relative_permeability: u.RelativePermeability = field(
+        1000.0,
+        "assumed: typical of low-carbon steel",
+        "used by the curve linear",
+        (500.0, 2000.0, "low-carbon steels, by annealing and field"),
+    )
