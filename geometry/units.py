@@ -214,6 +214,13 @@ LayerThickness = _quantity(
         at_least=0.0, limits=(1e-9, 1e-3), shown="um", per_si=1e6,
     )
 )  # fmt: skip
+#: Over which the pressure of rough surfaces changes: from a polished to a blasted one.
+RoughnessLength = _quantity(
+    Unit(
+        "m", "length of roughness", "0.3 um",
+        above=0.0, limits=(1e-10, 1e-3), shown="um", per_si=1e6,
+    )
+)  # fmt: skip
 Position = _quantity(Unit("m", "position", "0.3 mm", limits=_SIZES, shown="mm", per_si=1e3))
 Density = _quantity(
     Unit("kg/m**3", "density", "7900 kg/m^3", above=0.0, limits=(1.0, 1e5), shown="kg/m^3")
@@ -266,6 +273,12 @@ Resistivity = _quantity(
 Temperature = _quantity(Unit("K", "temperature", "20 degC", above=0.0, limits=(1.0, 2000.0)))
 FillFactor = _quantity(Unit("", "share", "0.5", above=0.0, below=1.0))
 Duration = _quantity(Unit("s", "time", "600 s", above=0.0, limits=(0.1, 1e6)))
+RelaxationTime = _quantity(
+    Unit("s", "relaxation time", "20 us", at_least=0.0, limits=(1e-12, 1.0), shown="us", per_si=1e6)
+)
+Resistance = _quantity(
+    Unit("ohm", "resistance", "10 ohm", at_least=0.0, limits=(1e-9, 1e9), shown="ohm")
+)
 #: Up to where waves in the device are shorter than 0.1 mm.
 FREQUENCY = Unit("Hz", "frequency", "500 Hz", at_least=0.0, limits=(1e-6, 1e7))
 RelativePermittivity = _quantity(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from tactgen.geometry import units as u
 from tactgen.geometry.device.groups.declaration import PAPER_5, Parameters, field
-from tactgen.geometry.device.groups.holding import Spring
+from tactgen.geometry.device.groups.holding import Contact, Guide, Spring
 from tactgen.geometry.device.groups.lateral import Bimorph, Glue, Piezo, Shim
 from tactgen.geometry.device.groups.normal import NOMINAL_GAP, Coil, Rod, Sleeve, Steel
 from tactgen.geometry.device.groups.operation import Beam, Drive, Load, Support
@@ -18,8 +18,9 @@ from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.device.piezo_library import LIBRARY
 
 __all__ = [
-    "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Device", "Drive", "Glue", "Load", "Parameters",
-    "Piezo", "Rod", "Shim", "Sleeve", "Spring", "Steel", "Support", "sources", "spreads",
+    "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Drive", "Glue", "Guide", "Load",
+    "Parameters", "Piezo", "Rod", "Shim", "Sleeve", "Spring", "Steel", "Support", "sources",
+    "spreads",
 ]  # fmt: skip
 
 
@@ -34,6 +35,8 @@ class Device(Parameters):
     coil: Coil = Coil()
     sleeve: Sleeve = Sleeve()
     spring: Spring = Spring()
+    contact: Contact = Contact()
+    guide: Guide = Guide()
     steel: Steel = Steel()
     gap: u.SmallLength = field(0.2e-3, PAPER_5, "working air gap")
 

@@ -22,6 +22,8 @@ _MAGNETIC = (
 )  # fmt: skip
 #: Of those, what only the report shows: the coil's resistance and heat.
 _HEAT = ("coil.fill_factor", "coil.resistivity", "coil.temperature")
+#: What only the whole machine reads: how the rod is held, and what it weighs.
+_MACHINE = ("coil.copper_density", "coil.supply", "coil.source_resistance")
 #: Dimensions that no formula of the reluctance network contains.
 _FIELD_ONLY = ("coil.inner_radius", "coil.outer_radius")
 #: Keys of the rod that the magnetic field does not read.
@@ -99,6 +101,8 @@ def _idle(scene: Scene, key: str) -> str:
     }.get(key)
     if needed and scene.load.kind != needed:
         return f'with load.kind = "{scene.load.kind}"; set load.kind = "{needed}" to use it'
+    if group in ("contact", "guide") or key in _MACHINE:
+        return "on any quantity"
     profile = f"{key}_profile"
     if profile.removeprefix("bimorph.") in scene.bimorph.profiles and not _has_tab(scene, key):
         return f"with {profile}, which gives it along the ceramic; leave one of the two out"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from tactgen.geometry import units as u
-from tactgen.geometry.device.groups.declaration import Parameters, field
+from tactgen.geometry.device.groups.declaration import PAPER_4, Parameters, field
 
 
 class Spring(Parameters):
@@ -29,4 +31,66 @@ class Spring(Parameters):
         "assumed: reconstructed; coating and burrs keep the head off the sleeve",
         "gap left at the lower stop",
         (5e-6, 50e-6, "assumed: from a coating to a foil"),
+    )
+
+
+class Contact(Parameters):
+    """How the rod's head touches a stop: two rough surfaces, pressed together.
+
+    The same for both stops.  The law is in tmm.generator.contact.
+    """
+
+    shape: Literal["ring", "disc"] = field(
+        "ring",
+        "assumed: the upper board is open above the head for the bimorph, the sleeve is a ring",
+        "what of the head touches: its rim, or all of it",
+    )
+    decay_length: u.RoughnessLength = field(
+        # N R² / (2 c_s) to ten digits, with the ring's law in tmm.generator.contact
+        round(0.110 * 1.15e-3**2 / (2.0 * 0.24), 16),
+        f"assumed: calibrated to c_s of {PAPER_4} at a preload of 110 mN (a disc needs half)",
+        "approach of the surfaces over which their pressure grows by e",
+        (
+            0.25e-6,
+            0.37e-6,
+            "assumed: the preload at which the paper fitted c_s, a tenth either way",
+        ),
+    )
+    relaxation_time: u.RelaxationTime = field(
+        round(4.46e-6 / 0.24, 14),
+        f"assumed: calibrated, d_s / c_s of {PAPER_4}",
+        "damping of the contact over its stiffness",
+        (15e-6, 22e-6, "assumed: a fifth either way"),
+    )
+    tangential_ratio: u.PositiveNumber = field(
+        0.82,
+        "assumed: Mindlin 1949, 2 (1 - nu) / (2 - nu) with nu = 0.3",
+        "stiffness of the contact along the surfaces over that across them",
+        (0.7, 1.0, "measured on rough surfaces: at most that of Mindlin's smooth ones, or equal"),
+    )
+
+
+class Guide(Parameters):
+    """What acts on the rod besides its stops: the sleeve's bore, the spring's ends, the air.
+
+    The clearance in the bore is sleeve.inner_radius less rod.flange_radius.
+    """
+
+    axial_damping: u.LateralDamping = field(
+        0.01,
+        "assumed: 3 % of critical on the return spring",
+        "damping of the axial motion",
+        (0.001, 0.05, "assumed: from air alone to a rod that rubs"),
+    )
+    lateral_stiffness: u.LateralStiffness = field(
+        100.0,
+        "assumed: that of the return spring along its axis",
+        "holds the rod laterally",
+        (10.0, 1000.0, "assumed: by an order of magnitude either way"),
+    )
+    rotational_stiffness: u.RotationalStiffness = field(
+        1e-4,
+        "assumed: the return spring's stiffness times its radius squared",
+        "holds the rod against tilting",
+        (1e-5, 1e-3, "assumed: by an order of magnitude either way"),
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from tactgen.geometry import units as u
 from tactgen.geometry.device.groups.declaration import (
     PAPER_5,
@@ -81,6 +83,20 @@ class Coil(Parameters):
         "assumed: 20 degC, a cold coil",
         "the wire's temperature",
         (293.15, 393.15, "assumed: from cold to the limit of common enamel"),
+    )
+    copper_density: u.Density = field(
+        8890.0,
+        "assumed: annealed copper (IEC 60028); enamel is left out",
+        "the wire's density, for the mass that moves with the rod",
+        (8890.0, 8960.0, "annealed to fully dense copper"),
+    )
+    supply: Literal["current", "voltage"] = field(
+        "current",
+        "assumed: the paper states currents",
+        "whether the coil's current is held, or the voltage that drives it",
+    )
+    source_resistance: u.Resistance = field(
+        0.0, "assumed: none", "resistance of supply and leads, in series with the wire's"
     )
 
 

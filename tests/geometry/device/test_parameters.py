@@ -9,8 +9,8 @@ from tactgen.geometry.device.checks import check_fit
 from tactgen.geometry.errors import InputError
 
 GROUPS = (
-    p.Bimorph, p.Piezo, p.Shim, p.Glue, p.Rod, p.Coil, p.Sleeve, p.Spring,
-    p.Support, p.Load, p.Drive, p.Beam,
+    p.Bimorph, p.Piezo, p.Shim, p.Glue, p.Rod, p.Coil, p.Sleeve, p.Spring, p.Contact, p.Guide,
+    p.Steel, p.Support, p.Load, p.Drive, p.Beam,
 )  # fmt: skip
 
 

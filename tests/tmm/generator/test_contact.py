@@ -1,0 +1,148 @@
+"""The law of rough contact: one energy, its limits, and integrals of the pressure."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.device.parameters import Contact, Device, Spring, Support
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.contact import RoughContact
+from tactgen.tmm.generator.stops import contact_of, stops_of
+
+R, U0, LOAD = 1.15e-3, 0.3e-6, 0.11
+SHAPES = ("ring", "disc")
+#: Tilts from far below to far above what unloads one side, either way.
+TILTS = np.array([-1e-2, -3e-4, -1e-5, 0.0, 1e-9, 2e-4, 1e-3, 5e-2])
+
+
+def law(shape="ring", **more):
+    return RoughContact(R, U0, shape, **more)
+
+
+def integrated(shape, tilt):
+    """Return load and moment at approach 0 by summing the pressure over the head.
+
+    The trapezoidal rule over a period is exact to rounding.  x = R cos t stands for the rim, or
+    with the length of its chord for a strip of the disc.
+    """
+    t = np.linspace(0.0, 2.0 * np.pi, 400, endpoint=False)
+    x = R * np.cos(t)
+    pressure = 0.1 * np.exp(x * tilt / U0) * (1.0 if shape == "ring" else 2.0 * np.sin(t) ** 2)
+    return pressure.mean(), (x * pressure).mean()
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("tilt", [0.0, 1e-5, -2e-4, 1e-3])
+def test_the_closed_form_is_the_integral_of_the_pressure(shape, tilt):
+    """Bessel functions against quadrature, to rounding."""
+    load, moment = integrated(shape, tilt)
+    found = law(shape)
+    assert found.load(0.0, tilt) == pytest.approx(load, rel=1e-13)
+    assert found.moment(0.0, tilt) == pytest.approx(moment, rel=1e-12, abs=1e-13 * load * R)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_forces_are_the_gradient_of_one_energy(shape):
+    """Central differences; a step h leaves h²/6 of the third derivative, here below 1e-6."""
+    found = law(shape)
+    d, psi = np.meshgrid([-1e-6, 0.0, 4e-7], [-2e-4, 0.0, 3e-5, 8e-4])
+    hd, hp = 1e-3 * U0, 1e-3 * U0 / R
+    by_d = (found.energy(d + hd, psi) - found.energy(d - hd, psi)) / (2 * hd)
+    by_psi = (found.energy(d, psi + hp) - found.energy(d, psi - hp)) / (2 * hp)
+    scale = found.load(d, psi)
+    np.testing.assert_allclose(found.load(d, psi), by_d, rtol=1e-6)
+    np.testing.assert_array_less(np.abs(found.moment(d, psi) - by_psi), 1e-6 * R * scale)
+    stiffness = found.tangent(d, psi)
+    assert stiffness.shape == (4, 3, 2, 2)
+    np.testing.assert_array_equal(stiffness, np.swapaxes(stiffness, -1, -2))
+    assert (np.linalg.eigvalsh(stiffness * [[1, 1 / R], [1 / R, 1 / R**2]]) > 0.0).all()
+    for at, other, step in ((0, (hd, 0.0), hd), (1, (0.0, hp), hp)):
+        for row, value in enumerate((found.load, found.moment)):
+            slope = (value(d + other[0], psi + other[1]) - value(d - other[0], psi - other[1])) / (
+                2 * step
+            )
+            size = scale / U0 * R ** (row + at)
+            np.testing.assert_array_less(np.abs(stiffness[..., row, at] - slope), 1e-6 * size)
+
+
+@pytest.mark.parametrize(("shape", "part"), [("ring", 2.0), ("disc", 4.0)])
+def test_under_a_constant_load(shape, part):
+    """A rotational spring first, N R at last; the slope and the chord agree with the moment."""
+    found = law(shape)
+    assert found.stiffness_under(LOAD) == pytest.approx(LOAD * R**2 / (part * U0), rel=1e-14)
+    assert found.secant_under(LOAD, 0.0) == found.stiffness_under(LOAD)
+    assert found.secant_under(LOAD, 1e-9) == pytest.approx(found.stiffness_under(LOAD), rel=1e-9)
+    moment = found.moment_under(LOAD, TILTS)
+    np.testing.assert_allclose(moment, -found.moment_under(LOAD, -TILTS), rtol=1e-14)
+    assert (np.abs(moment) <= found.tipping_moment(LOAD)).all()
+    # on a long lever the ring's Bessel functions differ by 1/(2a), the disc's by 3/(2a)
+    assert found.moment_under(LOAD, 1.0) == pytest.approx(LOAD * R, rel=2.0 * U0 / R)
+    step = 1e-9
+    slope = (found.moment_under(LOAD, TILTS + step) - found.moment_under(LOAD, TILTS - step)) / (
+        2 * step
+    )
+    size = found.stiffness_under(LOAD)
+    np.testing.assert_array_less(np.abs(found.stiffness_under(LOAD, TILTS) - slope), 1e-5 * size)
+    chord = moment[TILTS != 0.0] / TILTS[TILTS != 0.0]
+    np.testing.assert_allclose(found.secant_under(LOAD, TILTS)[TILTS != 0.0], chord, rtol=1e-12)
+    assert found.uplift_moment(LOAD) == pytest.approx(LOAD * R / part)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_approach_carries_its_load(shape):
+    """Load and approach are inverse, tilted or not, and the moment is the same by either."""
+    found = law(shape)
+    d = found.approach(LOAD, TILTS)
+    np.testing.assert_allclose(found.load(d, TILTS), LOAD, rtol=1e-9)  # of e^(a), a up to 200
+    bound = 1e-9 * LOAD * R
+    np.testing.assert_allclose(
+        found.moment(d, TILTS), found.moment_under(LOAD, TILTS), rtol=1e-9, atol=bound
+    )
+    assert found.approach(found.reference_load) == 0.0
+
+
+def test_a_stray_guess_does_not_overflow():
+    """A solver that goes far too deep is told a huge force and not infinity."""
+    assert np.isfinite(law().load(1.0, 1.0))
+    assert law().load(-1.0, 0.0) == 0.0
+
+
+def test_the_papers_fit_at_the_rated_preload():
+    """c_s and d_s of section 4, to the ten digits of the calibrated constants."""
+    device, fit = Device(), Support()
+    found = contact_of(device)
+    c_s = found.stiffness_under(device.spring.preload)
+    assert c_s == pytest.approx(fit.rotational_stiffness, rel=1e-9)
+    assert found.relaxation_time * c_s == pytest.approx(fit.rotational_damping, rel=1e-9)
+    disc = contact_of(Device(contact=Contact(shape="disc", decay_length=0.5 * U0)))
+    ring = contact_of(Device(contact=Contact(decay_length=U0)))
+    assert disc.stiffness_under(LOAD) == pytest.approx(ring.stiffness_under(LOAD), rel=1e-14)
+
+
+def test_where_the_head_begins_to_lift():
+    """R = 1.15 mm at 110 mN: 3.2e-5 (disc), 6.3e-5 (ring) and 1.27e-4 N m at most."""
+    assert law("disc").uplift_moment(LOAD) == pytest.approx(3.16e-5, rel=2e-3)
+    assert law("ring").uplift_moment(LOAD) == pytest.approx(6.33e-5, rel=2e-3)
+    assert law().tipping_moment(LOAD) == pytest.approx(1.265e-4, rel=1e-3)
+
+
+def test_both_stops_act_on_one_head():
+    """Far apart each acts alone; the gradient is that of the energy, to a central difference."""
+    stops = stops_of(Device(gap=0.2e-3, spring=Spring(stop_gap=20e-6)))
+    assert stops.stroke == pytest.approx(180e-6)
+    assert stops.loads(0.0) == pytest.approx((0.1, 0.0))
+    assert stops.loads(-stops.stroke) == pytest.approx((0.0, 0.1))
+    assert stops.forces(-stops.stroke, 1e-5)[0] < 0.0  # it must be held down on the lower stop
+    near = stops_of(Device(gap=21e-6, spring=Spring(stop_gap=20e-6)))
+    u, psi = np.array([-4e-7, -2e-7]), np.array([1e-4, -3e-4])
+    h = np.array([1e-10, 1e-7])
+    for k in range(2):
+        step = h * (np.arange(2) == k)
+        ahead, back = (near.energy(u + s * step[0], psi + s * step[1]) for s in (1, -1))
+        slope = (ahead - back) / (2 * h[k])
+        np.testing.assert_allclose(near.forces(u, psi)[..., k], slope, rtol=1e-5)
+        ahead, back = (near.forces(u + s * step[0], psi + s * step[1]) for s in (1, -1))
+        np.testing.assert_allclose(
+            near.tangent(u, psi)[..., k], (ahead - back) / (2 * h[k]), rtol=1e-5
+        )
+    with pytest.raises(InputError, match="no stroke"):
+        stops_of(Device(gap=20e-6, spring=Spring(stop_gap=20e-6)))

@@ -1,0 +1,149 @@
+"""The law of two rough surfaces pressed together: the rod's head on one of its stops.
+
+The pressure of rough surfaces grows exponentially as they approach, p = p₀ e^{δ/u₀}, with one
+length u₀, a few tenths of their height of roughness, as long as only a small part touches
+(B.N.J. Persson, Phys. Rev. Lett. 99 (2007) 125502).  So stiffness is proportional to load.
+Over a flat head of radius R, whose section lifts by x ψ when it tilts, the pressure integrates
+to a potential in approach δ and tilt ψ,
+
+    V(δ, ψ) = P u₀ e^{δ/u₀} S(R ψ / u₀),    S = I₀(a) of a ring, 2 I₁(a)/a of a disc,
+
+with the modified Bessel functions I_n, P the load at δ = 0.  Load N = ∂V/∂δ and moment
+M = ∂V/∂ψ follow.  At a constant load M = N R S'/S: first a rotational spring N R²/(2 u₀) of a
+ring or N R²/(4 u₀) of a disc, then ever softer as one side unloads, at last the N R at which the
+head stands on its edge.
+
+No friction, no adhesion; nothing is said about speed but the relaxation time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+
+#: Largest exponent of a pressure: a solver's stray guess gives a huge number, not an overflow.
+_LARGEST = 500.0
+
+
+@dataclass(frozen=True)
+class RoughContact:
+    """A flat round head on a flat stop.
+
+    All methods take approach δ (m, growing presses) and tilt ψ (rad), or load N (N) and tilt,
+    arrays that broadcast.
+
+    Attributes
+    ----------
+    radius : float
+        Of the head, R (m).
+    decay_length : float
+        Approach over which the pressure grows by e, u₀ (m).
+    shape : {"ring", "disc"}
+        What of the head touches: its rim or all of it.
+    relaxation_time : float
+        Viscous damping over stiffness (s).
+    tangential_ratio : float
+        Stiffness along the surfaces over that across them.
+    reference_load : float
+        Load at δ = ψ = 0 (N).  It says where δ is counted from and nothing else: twice as much
+        moves all positions by u₀ ln 2.
+    """
+
+    radius: float
+    decay_length: float
+    shape: Literal["ring", "disc"] = "ring"
+    relaxation_time: float = 0.0
+    tangential_ratio: float = 0.82
+    reference_load: float = 0.1
+
+    def energy(self, approach: Floats | float, tilt: Floats | float) -> Floats:
+        """Return the stored energy V (J), 0 far apart."""
+        shape = self._shape(tilt)[0]
+        return np.asarray(self.decay_length * self._scale(approach, tilt) * shape)
+
+    def load(self, approach: Floats | float, tilt: Floats | float) -> Floats:
+        """Return the load N = ∂V/∂δ (N), with which the surfaces push each other apart."""
+        return np.asarray(self._scale(approach, tilt) * self._shape(tilt)[0])
+
+    def moment(self, approach: Floats | float, tilt: Floats | float) -> Floats:
+        """Return the moment M = ∂V/∂ψ (N m) that tilts the head by ψ at this approach."""
+        return np.asarray(self.radius * self._scale(approach, tilt) * self._shape(tilt)[1])
+
+    def tangent(self, approach: Floats | float, tilt: Floats | float) -> Floats:
+        """Return the stiffness (..., 2, 2), ∂(N, M)/∂(δ, ψ): symmetric, positive definite."""
+        value, slope, bend = self._shape(tilt)
+        r = self.radius
+        rows = np.array([[value, r * slope], [r * slope, r * r * bend]])
+        scale = self._scale(approach, tilt) / self.decay_length
+        return np.asarray(np.moveaxis(rows * scale, (0, 1), (-2, -1)))
+
+    def approach(self, load: Floats | float, tilt: Floats | float = 0.0) -> Floats:
+        """Return the approach (m) at which the tilted head carries a load above 0."""
+        growth = np.asarray(load) / (self.reference_load * self._shape(tilt)[0])
+        return np.asarray(self.decay_length * (np.log(growth) - np.abs(self._relative(tilt))))
+
+    def moment_under(self, load: Floats | float, tilt: Floats | float) -> Floats:
+        """Return the moment (N m) that tilts the head while the load stays: N R S'/S."""
+        value, slope, _ = self._shape(tilt)
+        return np.asarray(np.asarray(load) * self.radius * slope / value)
+
+    def stiffness_under(self, load: Floats | float, tilt: Floats | float = 0.0) -> Floats:
+        """Return the slope ∂M/∂ψ (N m/rad) while the load stays."""
+        value, slope, bend = self._shape(tilt)
+        factor = bend / value - (slope / value) ** 2
+        return np.asarray(np.asarray(load) * self.radius**2 / self.decay_length * factor)
+
+    def secant_under(self, load: Floats | float, tilt: Floats | float) -> Floats:
+        """Return M/ψ (N m/rad) while the load stays."""
+        a = np.asarray(self._relative(tilt))
+        upright = a == 0.0
+        chord = self.moment_under(load, tilt) / np.where(upright, 1.0, a) * self.radius
+        return np.where(upright, self.stiffness_under(load), chord / self.decay_length)
+
+    def tangential_stiffness(self, load: Floats | float) -> Floats:
+        """Return the stiffness along the surfaces (N/m), the head upright."""
+        return np.asarray(self.tangential_ratio * np.asarray(load) / self.decay_length)
+
+    def uplift_moment(self, load: Floats | float) -> Floats:
+        """Return the moment (N m) at which a bed of linear springs would begin to lift.
+
+        N R/2 of a ring and N R/4 of a disc: a measure of where softening counts, since rough
+        surfaces unload gradually.
+        """
+        return np.asarray(np.asarray(load) * self.radius * self._upright_bend)
+
+    def tipping_moment(self, load: Floats | float) -> Floats:
+        """Return the moment (N m) at which the head stands on its edge, N R: the most it bears."""
+        return np.asarray(np.asarray(load) * self.radius)
+
+    @property
+    def _upright_bend(self) -> float:
+        """S'' of the upright head."""
+        return 0.5 if self.shape == "ring" else 0.25
+
+    def _relative(self, tilt: Floats | float) -> Floats:
+        return np.asarray(self.radius * np.asarray(tilt, dtype=float) / self.decay_length)
+
+    def _scale(self, approach: Floats | float, tilt: Floats | float) -> Floats:
+        """Return P e^{δ/u₀ + |a|}, which S e^{-|a|} multiplies: no overflow on a tilted head."""
+        exponent = np.asarray(approach, dtype=float) / self.decay_length
+        exponent = exponent + np.abs(self._relative(tilt))
+        return np.asarray(self.reference_load * np.exp(np.minimum(exponent, _LARGEST)))
+
+    def _shape(self, tilt: Floats | float) -> tuple[Floats, Floats, Floats]:
+        """Return S, S' and S'' at a = R ψ/u₀, each times e^{-|a|}.
+
+        By I_n/a = (I_{n-1} − I_{n+1})/(2n) nothing is divided by a, which may be 0.
+        """
+        from scipy.special import ive
+
+        a = self._relative(tilt)
+        i0, i1, i2, i3, i4 = (ive(n, a) for n in range(5))
+        if self.shape == "ring":
+            return i0, i1, 0.5 * (i0 + i2)
+        second = (i0 - i2) / 8.0 - (i2 - i4) / 24.0  # I₂/a²
+        return i0 - i2, 0.5 * (i1 - i3), (i0 - i2) - 6.0 * second

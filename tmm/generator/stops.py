@@ -1,0 +1,95 @@
+"""The two stops between which the rod's head moves: one potential in its lift and tilt.
+
+The lift u is 0 where the upper stop carries the contact's reference load, positive upwards; the
+working gap is then the device's `gap`, else gap + u.  At u = −stroke the lower stop carries it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.contact import RoughContact
+
+
+@dataclass(frozen=True)
+class Stops:
+    """Both stops and the way between them.
+
+    All methods take lift u (m) and tilt ψ (rad) of the head, arrays that broadcast.  Whatever
+    they return acts along u and ψ as the gradient of one energy, so nothing is created on a
+    closed way.
+
+    Attributes
+    ----------
+    upper, lower : RoughContact
+        The laws.
+    stroke : float
+        Way of the upright head from one stop to the other (m).
+    """
+
+    upper: RoughContact
+    lower: RoughContact
+    stroke: float
+
+    def energy(self, lift: Floats | float, tilt: Floats | float) -> Floats:
+        """Return the energy stored in both contacts (J)."""
+        low = self._lowered(lift)
+        return np.asarray(self.upper.energy(lift, tilt) + self.lower.energy(low, tilt))
+
+    def forces(self, lift: Floats | float, tilt: Floats | float) -> Floats:
+        """Return the energy's gradient (..., 2): N along u, N m along ψ.
+
+        What must act on the head from elsewhere, upwards and turning, to hold it there.
+        """
+        low = self._lowered(lift)
+        along = self.upper.load(lift, tilt) - self.lower.load(low, tilt)
+        turning = self.upper.moment(lift, tilt) + self.lower.moment(low, tilt)
+        return np.stack(np.broadcast_arrays(along, turning), axis=-1)
+
+    def tangent(self, lift: Floats | float, tilt: Floats | float) -> Floats:
+        """Return the stiffness (..., 2, 2) over (u, ψ): symmetric, positive definite."""
+        upper = self.upper.tangent(lift, tilt)
+        lower = self.lower.tangent(self._lowered(lift), tilt)
+        return np.asarray(upper + lower * np.array([[1.0, -1.0], [-1.0, 1.0]]))
+
+    def loads(self, lift: Floats | float, tilt: Floats | float = 0.0) -> tuple[Floats, Floats]:
+        """Return what the upper and the lower stop carry (N), both positive."""
+        return self.upper.load(lift, tilt), self.lower.load(self._lowered(lift), tilt)
+
+    def _lowered(self, lift: Floats | float) -> Floats:
+        return np.asarray(-np.asarray(lift, dtype=float) - self.stroke)
+
+
+def stops_of(device: Device) -> Stops:
+    """Return the stops of a device.
+
+    Raises
+    ------
+    InputError
+        If there is nothing between them.
+    """
+    stroke = device.gap - device.spring.stop_gap
+    if not stroke > 0.0:
+        raise InputError(
+            f"spring.stop_gap = {device.spring.stop_gap * 1e3:g} mm leaves no stroke below gap = "
+            f"{device.gap * 1e3:g} mm; use a smaller one"
+        )
+    law = contact_of(device)
+    return Stops(law, law, stroke)
+
+
+def contact_of(device: Device) -> RoughContact:
+    """Return the law of the head on either stop."""
+    c = device.contact
+    return RoughContact(
+        radius=device.rod.head_radius,
+        decay_length=c.decay_length,
+        shape=c.shape,
+        relaxation_time=c.relaxation_time,
+        tangential_ratio=c.tangential_ratio,
+    )
