@@ -6,16 +6,21 @@ What the columns mean is the readers' business.
 from __future__ import annotations
 
 import csv
+import math
+import re
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.files import written_whole
+from tactgen.geometry.files import read_text, written_whole
 
 #: Line number in the file, and the cells of that line.
 Row: TypeAlias = tuple[int, list[str]]
+
+#: A number as other programs write it; Python's float also takes 1_0, nan and other digits.
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,4})?", re.IGNORECASE | re.ASCII)
 
 
 def csv_rows(path: str | Path, name: str, remedy: str) -> list[Row]:
@@ -39,7 +44,7 @@ def csv_rows(path: str | Path, name: str, remedy: str) -> list[Row]:
         If the file cannot be read, is empty, or a line is not CSV.
     """
     try:
-        text = Path(path).read_text("utf-8-sig")  # spreadsheets begin with a byte order mark
+        text = read_text(path)  # spreadsheets begin with a byte order mark
     except UnicodeDecodeError:
         raise InputError(
             f"{name} is not UTF-8 text; save the table as CSV with UTF-8 encoding"
@@ -58,6 +63,31 @@ def csv_rows(path: str | Path, name: str, remedy: str) -> list[Row]:
     separator = counts.most_common(1)[0][0] if counts else ","
     # each line by itself: what quotes leave open would join lines and shift their numbers
     return [(number, _cells(line, separator, f"{name} line {number}")) for number, line in lines]
+
+
+def plain_number(cell: str) -> float | None:
+    """Return the finite number that a cell holds, None if it holds anything else."""
+    value = float(cell) if _NUMBER.fullmatch(cell) else math.nan
+    return value if math.isfinite(value) else None
+
+
+def check_widths(rows: list[Row], name: str, *, short: bool = False) -> None:
+    """Refuse lines with more cells than the header, such as those of a decimal comma.
+
+    `short` lines, with fewer, are let pass where the last columns are not needed.
+
+    Raises
+    ------
+    InputError
+        Naming the line.
+    """
+    (_, header), *others = rows
+    for number, cells in others:
+        if len(cells) > len(header) or (len(cells) < len(header) and not short):
+            raise InputError(
+                f"{name} line {number} has {len(cells)} cells where the header has {len(header)} "
+                "columns; fill or remove that line, and write decimals with a point"
+            )
 
 
 def _without_comment(line: str) -> str:

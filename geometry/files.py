@@ -7,12 +7,58 @@ in the same folder, which is brought to the disk and then takes the final name i
 from __future__ import annotations
 
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
+
+#: Largest text file that is read (bytes): a hundred thousand rows of ten columns.
+_MOST_TEXT = 20_000_000
+
+
+def read_text(path: str | Path) -> str:
+    """Return a text file's content, UTF-8 with or without a byte order mark.
+
+    Pipes and devices are not read: they may have no end, or nobody at the other one.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read, is no regular file, or is larger than any table.
+    UnicodeDecodeError
+        If it is not UTF-8.
+    """
+    # a pipe without a writer would be waited for
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        obstacle = _no_file(os.fstat(descriptor).st_mode)
+        if obstacle:
+            raise OSError(None, obstacle)
+        with os.fdopen(descriptor, "rb", closefd=False) as file:
+            content = file.read(_MOST_TEXT + 1)
+    finally:
+        os.close(descriptor)
+    if len(content) > _MOST_TEXT:
+        raise OSError(None, f"it is larger than {_MOST_TEXT // 10**6} MB")
+    return content.decode("utf-8-sig")
+
+
+def special(path: Path) -> str:
+    """Return what stands at a path that no file may replace, such as a device; "" if nothing."""
+    try:
+        return _no_file(path.stat().st_mode)
+    except (OSError, ValueError):
+        return ""
+
+
+def _no_file(mode: int) -> str:
+    """Return what it is instead, of something that is no regular file."""
+    if stat.S_ISDIR(mode):
+        return "it is a folder"
+    return "" if stat.S_ISREG(mode) else "it is a pipe or a device, not a file"
 
 
 @contextmanager
@@ -24,9 +70,13 @@ def written_whole(path: str | Path) -> Iterator[Path]:
     Raises
     ------
     InputError
-        If the folder does not exist or cannot be written.
+        If the folder does not exist or cannot be written, or the name is that of a folder,
+        pipe or device.
     """
     path = Path(path)
+    obstacle = special(path)
+    if obstacle:
+        raise InputError(f"{path} cannot be written ({obstacle}); choose another name")
     try:
         handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=".", dir=path.parent)
     except OSError as error:

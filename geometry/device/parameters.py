@@ -12,13 +12,20 @@ from tactgen.geometry import units as u
 from tactgen.geometry.device.groups.declaration import PAPER_5, Parameters, field
 from tactgen.geometry.device.groups.holding import Contact, Guide, Spring
 from tactgen.geometry.device.groups.lateral import Bimorph, Glue, Piezo, Shim
-from tactgen.geometry.device.groups.normal import NOMINAL_GAP, Coil, Rod, Sleeve, Steel
+from tactgen.geometry.device.groups.normal import (
+    BUILT_IN_CURVES,
+    NOMINAL_GAP,
+    Coil,
+    Rod,
+    Sleeve,
+    Steel,
+)
 from tactgen.geometry.device.groups.operation import Beam, Drive, Load, Support
 from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.device.piezo_library import LIBRARY
 
 __all__ = [
-    "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Drive", "Glue", "Guide", "Load",
+    "BUILT_IN_CURVES", "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Drive", "Glue", "Guide", "Load",
     "Parameters", "Piezo", "Rod", "Shim", "Sleeve", "Spring", "Steel", "Support", "sources",
     "spreads",
 ]  # fmt: skip

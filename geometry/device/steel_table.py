@@ -5,13 +5,12 @@ A table is refused if no steel can have it.
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.csv_rows import csv_rows
+from tactgen.geometry.csv_rows import check_widths, csv_rows, plain_number
 from tactgen.geometry.device.parameters import Steel
 from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.errors import InputError
@@ -58,6 +57,7 @@ def read_curve(path: str | Path) -> MagnetisationCurve:
     remedy = f"use team20, linear, or the path of a CSV file with the header {_HEADER}"
     rows = csv_rows(path, f"steel.curve = {quoted(str(path))}", remedy)
     columns = _columns(rows[0][1], path)
+    check_widths(rows, str(path), short=True)
     b, h = (
         np.array([_number(row, column, path, number) for number, row in rows[1:]])
         for column in columns
@@ -82,12 +82,9 @@ def _columns(header: list[str], path: Path) -> tuple[int, int]:
 
 
 def _number(row: list[str], column: int, path: Path, line: int) -> float:
-    cell = row[column].strip() if column < len(row) else ""
-    try:
-        value = float(cell)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
+    cell = row[column] if column < len(row) else ""
+    value = plain_number(cell)
+    if value is None:
         raise InputError(
             f"{path} line {line} has {quoted(cell)} where a number is needed; "
             "write plain numbers with a decimal point"

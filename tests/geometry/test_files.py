@@ -1,6 +1,7 @@
 """Files appear whole or not at all, whoever writes them."""
 
 import ast
+import os
 from pathlib import Path
 
 import pytest
@@ -38,6 +39,20 @@ def test_a_folder_that_is_not_there_is_refused(tmp_path):
     missing = written_whole(tmp_path / "no" / "a.csv")
     with pytest.raises(InputError, match=r"cannot be written .*; choose"):
         missing.__enter__()
+
+
+@pytest.mark.parametrize("kind", ["pipe", "folder", "device"])
+def test_only_files_are_replaced(tmp_path, kind):
+    """A device or pipe of that name stays what it is."""
+    target = Path("/dev/null") if kind == "device" else tmp_path / kind
+    if kind == "pipe":
+        os.mkfifo(target)
+    if kind == "folder":
+        target.mkdir()
+    before = target.stat().st_mode
+    with pytest.raises(InputError, match=r"cannot be written \(it is a .*\); choose another name"):
+        written_whole(target).__enter__()
+    assert target.stat().st_mode == before
 
 
 def writers():

@@ -82,7 +82,8 @@ def solve(
         warnings += model.warnings(quantities)
     warnings += accuracy_warnings(scene, found)
     warnings += deflection_warnings(scene, found)
-    return Solution(scene, tuple(found), plan, warnings, made, stages)
+    # models of one theory say the same
+    return Solution(scene, tuple(found), plan, tuple(dict.fromkeys(warnings)), made, stages)
 
 
 def evaluate(name: str, model: Model) -> Quantity:

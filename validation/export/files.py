@@ -47,7 +47,9 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
 
         check_solid_map(scene)
     if {"ports", "state_space"} & set(targets):
-        _refuse_without_lateral(scene)
+        _refuse_without_lateral(scene, "to reduce to its ports")
+    if "mesh" in targets and scene.support.kind != "rod":
+        _refuse_without_lateral(scene, "to divide into a mesh")
     if "state_space" in targets:
         check_state_space(scene)
     with ExitStack() as stack:
@@ -63,11 +65,14 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
     return list(targets.values())
 
 
-def _refuse_without_lateral(scene: Scene) -> None:
-    """Refuse ports of a scene that is about the normal actuator alone."""
+def _refuse_without_lateral(scene: Scene, purpose: str) -> None:
+    """Refuse files of the bimorph from a scene that is about the normal actuator alone.
+
+    The bimorph of such a scene is the default one, of which nobody spoke.
+    """
     if set(scene.models) <= set(models_of("reluctance")):
         raise InputError(
-            f"models = {','.join(scene.models)} have no bimorph to reduce to its ports; "
+            f"models = {','.join(scene.models)} have no bimorph {purpose}; "
             'name another scene, such as "paper", or set models=solid'
         )
 

@@ -9,11 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import read_text
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.wording import nearest
 
 #: Longest name that a scene may have.
 _LONGEST_NAME = 100
+#: Parts of a dotted key beyond which none is looked at: a scene's have two.
+_DEEPEST = 4
 
 
 def built_in_scenes() -> dict[str, str]:
@@ -42,14 +45,13 @@ def read_scene(name: str) -> tuple[dict[str, Any], str]:
         )
         return tomllib.loads(text), f"scene {name}"
     path = Path(name)
-    if not _is_file(path):
+    if not _is_there(path):
         raise InputError(
             f"scene {quoted(name)} is neither a readable file nor a built-in scene"
             f"{nearest(name, known)}; built in are {', '.join(known)}"
         )
     try:
-        # editors on Windows begin a file with a byte order mark
-        return tomllib.loads(path.read_text("utf-8-sig")), f"scene file {scene_name(path.name)}"
+        return tomllib.loads(read_text(path)), f"scene file {scene_name(path.name)}"
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         raise InputError(
@@ -64,11 +66,16 @@ def read_scene(name: str) -> tuple[dict[str, Any], str]:
         ) from None
 
 
-def _is_file(path: Path) -> bool:
+def _is_there(path: Path) -> bool:
     try:
-        return path.is_file()
+        return path.exists() and not path.is_dir()
     except (OSError, ValueError):  # a name too long, or with a zero byte
         return False
+
+
+def beside_scene(name: str, file: str) -> str:
+    """Return the path of a file that a scene file names: relative to the scene, not to here."""
+    return str(Path(name).parent / file)
 
 
 def scene_name(text: str) -> str:
@@ -122,11 +129,14 @@ def assign(values: dict[str, Any], key: str, value: str) -> None:
     values[last] = value
 
 
-def leaves(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield every dotted key with its value; an empty table inside counts as a value."""
+def leaves(values: dict[str, Any], prefix: str = "", depth: int = 1) -> Iterator[tuple[str, Any]]:
+    """Yield every dotted key with its value; an empty table inside counts as a value.
+
+    So does one deeper than any scene's: a file may nest them by the thousand.
+    """
     for key, value in values.items():
         name = f'{prefix}"{key}"' if "." in key else f"{prefix}{key}"
-        if isinstance(value, dict) and value:
-            yield from leaves(value, f"{name}.")
+        if isinstance(value, dict) and value and depth < _DEEPEST:
+            yield from leaves(value, f"{name}.", depth + 1)
         else:
             yield name, value

@@ -25,6 +25,7 @@ from tactgen.validation.catalogue.models import MODELS, gives, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.scene.files import (
     assign,
+    beside_scene,
     checked_name,
     leaves,
     read_scene,
@@ -164,6 +165,7 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
     """
     values, where = read_scene(name)
     origins = {key: where for key, value in leaves(values) if value != {}}
+    _point_from_scene(values, name)
     for key, value in leaves(values):
         if value != {} or key not in _groups():  # an empty group says nothing
             _check_key(key)
@@ -184,6 +186,14 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
     if "models" not in values:
         scene = scene.model_copy(update={"models": _able_models(scene)})
     return scene, origins
+
+
+def _point_from_scene(values: dict[str, Any], name: str) -> None:
+    """Let the path that a scene file states start where the file is, not where the command runs."""
+    steel = values.get("steel")
+    curve = steel.get("curve") if isinstance(steel, dict) else None
+    if isinstance(curve, str) and curve not in p.BUILT_IN_CURVES and isinstance(steel, dict):
+        steel["curve"] = beside_scene(name, curve)
 
 
 def _able_models(scene: Scene) -> tuple[str, ...]:

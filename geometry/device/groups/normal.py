@@ -13,6 +13,9 @@ from tactgen.geometry.device.groups.declaration import (
     printed,
 )
 
+#: Magnetisation curves that are known by name; other names are files.
+BUILT_IN_CURVES = ("team20", "linear")
+
 #: Gap at which the reconstructed normal actuator's axial positions are stated (m).
 NOMINAL_GAP = 0.2e-3
 

@@ -127,6 +127,8 @@ def test_the_parameter_names_the_curve():
         ("B (T),H (A/m)\n0,0\n0.5,nan\n1,100\n", 'line 3 has "nan"'),
         ("B (T),H (A/m)\n0,0\n0.5\n1,100\n", 'line 3 has ""'),
         ("B (T),H (A/m)\n0,0\n0.5,1e2x\n1,100\n", "plain numbers"),
+        ("B (T),H (A/m)\n0,0\n1_0,100\n", 'line 3 has "1_0"'),
+        ("B (T),H (A/m)\n0,0\n1,5,100,2\n", "line 3 has 4 cells where the header has 2"),
         ("B (T),H (A/m)\n0,0\n1e-7,1\n", "less than vacuum's mu0"),
         ('B (T),H (A/m)\n0,0\n1,"80\n0"\n2,1e6\n', "line 3 is not CSV"),
         ("B (T),H (A/m)\n0,0\n1," + "1" * 200000 + "\n", "line 3 is not CSV"),

@@ -191,6 +191,16 @@ def test_export_checks_all_places_first(capsys, tmp_path):
     assert not good.exists()
 
 
+@pytest.mark.parametrize("option", ["--mesh", "--ports"])
+def test_no_bimorph_is_exported_that_nobody_spoke_of(capsys, tmp_path, option):
+    """A scene of the normal actuator alone holds the default bimorph, which is not its own."""
+    target = tmp_path / ("a.vtu" if option == "--mesh" else "a.npz")
+    code, out, err = run(capsys, "export", "reluctance", option, str(target))
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "have no bimorph" in err
+    assert not target.exists()
+
+
 def test_export_writes_all_or_nothing(tmp_path, monkeypatch):
     """If a later file fails, the earlier ones do not appear, nor their drafts."""
 

@@ -1,10 +1,13 @@
 """Scenes: what is accepted, what is refused and in which words."""
 
+import os
 import re
 
 import numpy as np
 import pytest
 
+from tactgen.geometry.device.steel_law import TEAM20
+from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.files import built_in_scenes
 from tactgen.validation.scene.frequencies import parse_frequencies
@@ -398,3 +401,44 @@ def test_scene_is_frozen():
 def test_models_are_those_that_can_unless_they_are_named(name, overrides, models):
     """Bricks are not round and CAD has plain layers; what is named is never changed."""
     assert load_scene(name, overrides)[0].models == models
+
+
+def test_paths_in_a_scene_start_at_the_scene(tmp_path, monkeypatch):
+    """Wherever the command runs; one on the command line starts where that is."""
+    folder = tmp_path / "of the scene"
+    folder.mkdir()
+    (folder / "mine.csv").write_text("B (T),H (A/m)\n0,0\n1,500\n2,200000\n")
+    (folder / "my.toml").write_text('[steel]\ncurve = "mine.csv"\n')
+    for here, name in ((tmp_path, "of the scene/my.toml"), (folder, "my.toml")):
+        monkeypatch.chdir(here)
+        scene, _ = load_scene(name)
+        assert magnetisation_curve(scene.steel).flux_density[-1] == 2.0
+    monkeypatch.chdir(tmp_path)
+    scene, _ = load_scene("of the scene/my.toml", ["steel.curve=mine.csv"])
+    with pytest.raises(InputError, match=r'"mine\.csv" cannot be read'):
+        magnetisation_curve(scene.steel)
+    scene, _ = load_scene("of the scene/my.toml", ["steel.curve=team20"])
+    assert magnetisation_curve(scene.steel) is TEAM20
+
+
+@pytest.mark.parametrize(
+    "text",
+    [".".join(["a"] * 5000) + " = 1", "[" + ".".join(["a"] * 5000) + "]", "a = " + "[" * 5000,
+     "bimorph." + ".".join(["a"] * 5000) + " = 1", "a = " + "{a=" * 5000],
+    ids=["key", "table", "list", "group", "inline"],
+)  # fmt: skip
+def test_deep_nesting_is_refused(tmp_path, text):
+    """By the thousand, in one sentence of bounded length."""
+    path = tmp_path / "deep.toml"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        load_scene(str(path))
+    assert len(str(caught.value)) < 300
+
+
+def test_a_pipe_is_no_scene(tmp_path):
+    """It is not waited for."""
+    os.mkfifo(tmp_path / "pipe")
+    for name in (str(tmp_path / "pipe"), "/dev/zero"):
+        with pytest.raises(InputError, match="a pipe or a device"):
+            load_scene(name)

@@ -1,6 +1,7 @@
 """Support identification: known parameters recovered, and an honest word on those that are not."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from tactgen.validation.studies.identification.curve_model import curve_model, s
 from tactgen.validation.studies.identification.fit_parameters import fit_parameter
 from tactgen.validation.studies.identification.identify import identify
 from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
+from tactgen.validation.studies.identification.output import curve_from
 
 PROTOTYPE, ORIGINS = load_scene("prototype")
 TRUTH = {"c_s": 0.24, "d_s": 4.46e-6, "c_sl": 3e6, "theta": 1e-12, "rho_p": 7900.0}
@@ -420,3 +422,10 @@ def test_requests_that_make_no_sense():
         identify(still, synthetic(), ("theta",))
     with pytest.raises(InputError, match=r"check drive\.voltage"):
         identify(still, synthetic(), ("c_s",))
+
+
+def test_a_fitted_scene_elsewhere_names_the_same_curve(tmp_path):
+    """The path of a steel's table is written from where the new scene stands."""
+    assert curve_from(Path("fits"), "data/steel.csv") == str(Path("..") / "data" / "steel.csv")
+    for as_it_is in ("team20", "linear", str(tmp_path / "steel.csv")):
+        assert curve_from(Path("fits"), as_it_is) == as_it_is

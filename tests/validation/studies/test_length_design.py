@@ -12,8 +12,9 @@ from tactgen.tmm.ports import terminations
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.keys import value_of, with_values
+from tactgen.validation.scene.papers_device import is_papers_bimorph
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.design import voltage_section
+from tactgen.validation.studies.design import length_section, voltage_section
 from tactgen.validation.studies.design.aim import PAPER_LENGTHS, Aim
 from tactgen.validation.studies.design.length_dependence import decided_lengths, dependences
 from tactgen.validation.studies.design.length_design import design, largest_margin
@@ -261,17 +262,51 @@ def test_identification_refuses_the_length_under_a_profile():
     assert fit_parameter(load_scene("paper")[0], "bimorph.length").start == 20e-3
 
 
-@pytest.mark.parametrize(
-    "overrides", [[PROFILE], ["bimorph.bare_below=21mm", "bimorph.length=25mm"]]
-)
-def test_report_says_why_it_asks_for_no_length(overrides):
+def test_report_says_why_it_asks_for_no_length():
     """A plain sentence in place of the study."""
-    scene, origins = load_scene("paper", overrides)
+    scene, origins = load_scene("paper", [PROFILE])
     context = section(scene, origins, lambda _: None)
     assert context["found"] is None
     html = environment().get_template("length.html").render(context | {"scene": scene})
     assert "not asked of this scene: " in html
     assert "<svg" not in html
+
+
+OWN = ["bimorph.length=18mm", "piezo.material=PZT-5H", "drive.voltage=40V", "load.kind=none"]
+
+
+def test_another_device_is_asked_its_own_question():
+    """Its own voltage, load and lengths, not the paper's."""
+    scene, _ = load_scene("paper", OWN)
+    asked, aims = length_section._own_question(scene)
+    assert asked == scene
+    assert [aim.lengths for aim in aims] == [pytest.approx((9e-3, 36e-3))] * 2
+    assert not is_papers_bimorph(scene)
+    assert is_papers_bimorph(load_scene("prototype", ["bimorph.wiring=series"])[0])
+    short, _ = load_scene("paper", [*OWN, "bimorph.bare_above=10mm"])
+    assert length_section._own_question(short)[1][0].lengths[0] == pytest.approx(15e-3)
+
+
+@pytest.mark.heavy
+def test_what_is_said_of_another_device_is_its_own():
+    """The margin is that of its own solution, and no number of the paper's is in the text."""
+    scene, origins = load_scene("paper", OWN)
+    context = section(scene, origins, lambda _: None)
+    found = context["found"]
+    assert (found.scene.drive.voltage, found.scene.load.kind) == (40.0, "none")
+    assert found.aim.lengths == pytest.approx((9e-3, 36e-3))
+    at = np.geomspace(*BAND, 2001)
+    moved = solve(
+        scene.model_copy(update={"frequency": tuple(at)}), ("tmm",), ("tip_displacement",)
+    ).quantities[0]
+    own = (np.abs(moved.value) / DISPLAY_THRESHOLD.at(at)).min()
+    # the points of the sweep are 0.23 % apart: the dip's bottom lies between two of them
+    assert found.present[0] == pytest.approx(own, rel=0.01)
+    html = environment().get_template("length.html").render(context | {"scene": scene})
+    text = re.sub(r"<svg.*?</svg>", "", html, flags=re.DOTALL)
+    assert "40 V" in text
+    assert "with a free tip" in text
+    assert not re.search(r"50 V|under the finger|Fig 9|20 mm", text)
 
 
 @pytest.mark.parametrize("name", ["paper", "generator"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.engine.model import Model, Modes, Refined
 from tactgen.validation.engine.stages import Stages
+from tactgen.validation.models.bimorph.beam_theory_error import check_beam, stubby_warning
 from tactgen.validation.scene.scene import Scene
 
 
@@ -45,6 +47,16 @@ class BimorphModel(Model):
 
 class BeamTheoryModel(BimorphModel):
     """A model of a row of beams: stages ports, static and modes, all of them fast."""
+
+    @classmethod
+    def check(cls, scene: Scene) -> None:
+        """Refuse what is no beam."""
+        check_beam(scene)
+
+    def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
+        """Say of a stubby bimorph how far beam theory may be off."""
+        sentence = stubby_warning(self.scene)
+        return (sentence,) if sentence else ()
 
     def ports(self) -> Refined[Multiport]:
         """Return D(Ω) with losses over the scene's frequencies."""

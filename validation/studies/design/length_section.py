@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from tactgen.geometry.device.parameters import Drive
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.sensitivities import logarithmic_sensitivities
 from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
+from tactgen.validation.scene.papers_device import is_papers_bimorph
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.design import wording
-from tactgen.validation.studies.design.aim import PAPER_LENGTHS, Aim
+from tactgen.validation.studies.design.aim import Aim
 from tactgen.validation.studies.design.length_dependence import decided_lengths, dependences
 from tactgen.validation.studies.design.length_design import Design, design
 from tactgen.validation.studies.design.length_map import LengthMap, actuator, length_map
@@ -22,6 +24,8 @@ from tactgen.validation.studies.design.length_scan import lowest_margin
 CURVES = 9
 #: Lengths (m) that the paper does not show, for comparison.
 _SHORTER = (10e-3, 40e-3)
+#: Lengths asked about for another device, in terms of its own.
+_AROUND = (0.5, 2.0)
 _SOUGHT = {"shortest": "shortest that keeps margin 1", "margin": "largest margin"}
 #: Parameters with smaller slopes are named without their number: 10 % of one then moves the
 #: length by less than 0.005 %.
@@ -33,10 +37,11 @@ def section(
 ) -> dict[str, Any] | None:
     """Return what the report shows; None for an actuator that does not move.
 
-    The scene's bimorph and support in the paper's own question: under the finger, at 50 V.
+    The paper's actuator is asked the paper's question: under the finger, at 50 V, 20 to 40 mm.
+    Any other is asked as its scene drives and loads it, about lengths around its own.
     Where the ceramic cannot have other lengths, `found` is None and `why` says so.
     """
-    if scene.piezo.d31 == 0.0:
+    if scene.piezo.d31 == 0.0 or scene.drive.voltage == 0.0:
         return None
     announce("length design")
     try:
@@ -48,21 +53,19 @@ def section(
 def _found(scene: Scene, origins: dict[str, str]) -> dict[str, Any]:
     from tactgen.validation.studies.design.plots import length_plot
 
-    asked = scene.model_copy(
-        update={
-            "load": scene.load.model_copy(update={"kind": "finger"}),
-            "drive": scene.drive.model_copy(update={"voltage": 50.0}),
-        }
-    )
-    study = length_map(asked, np.linspace(*PAPER_LENGTHS, CURVES), Aim().band)
-    found = design(asked, Aim())
+    papers = is_papers_bimorph(scene)
+    asked, aims = _papers_question(scene) if papers else _own_question(scene)
+    study = length_map(asked, np.linspace(*aims[0].lengths, CURVES), aims[0].band)
+    found = design(asked, aims[0])
     rows = dependences(found, origins)
     return {
+        "papers": papers,
         "plot": length_plot(study, found),
         "rows": table_rows(asked, study, found.aim),
         "law": study.minimum_law,
         "found": found,
         "changed": wording.changed_setting(scene, asked),
+        "loaded": wording.LOADS[asked.load.kind],
         "caveat": wording.caveat(found),
         "statements": (
             wording.statement(found),
@@ -70,7 +73,7 @@ def _found(scene: Scene, origins: dict[str, str]) -> dict[str, Any]:
             wording.present(found),
         ),
         "signed": wording.signed,
-        "cases": _cases(asked),
+        "cases": _cases(asked, aims),
         "decided": decided_lengths(found),
         "dependences": [row for row in rows if row.largest >= NEGLIGIBLE],
         "negligible": [row.key for row in rows if row.largest < NEGLIGIBLE],
@@ -95,11 +98,31 @@ def table_rows(scene: Scene, study: LengthMap, aim: Aim) -> list[dict[str, Any]]
     ]
 
 
-def _cases(scene: Scene) -> list[tuple[str, str, Design]]:
-    """Return the aims worth comparing: title, what is sought, result."""
+def _papers_question(scene: Scene) -> tuple[Scene, list[Aim]]:
+    """Return the scene as the paper drives and loads it, and the aims worth comparing."""
+    asked = scene.model_copy(
+        update={
+            "load": scene.load.model_copy(update={"kind": "finger"}),
+            "drive": scene.drive.model_copy(update={"voltage": Drive().voltage}),
+        }
+    )
     aims = [Aim(), Aim(kind="margin")]
     if scene.bimorph.bare_below + scene.bimorph.bare_above < _SHORTER[0]:
         aims.append(Aim(kind="margin", lengths=_SHORTER))
+    return asked, aims
+
+
+def _own_question(scene: Scene) -> tuple[Scene, list[Aim]]:
+    """Return the scene as it is, and aims about lengths around its own."""
+    bimorph = scene.bimorph
+    bare = 1.5 * (bimorph.bare_below + bimorph.bare_above)
+    shortest = max(_AROUND[0] * bimorph.length, bimorph.thickness, bare)
+    lengths = shortest, _AROUND[1] * bimorph.length
+    return scene, [Aim(kind, lengths=lengths) for kind in ("shortest", "margin")]
+
+
+def _cases(scene: Scene, aims: Sequence[Aim]) -> list[tuple[str, str, Design]]:
+    """Return the aims in both wirings: title, what is sought, result."""
     found = []
     for wiring in ("parallel", "series"):
         bimorph = scene.bimorph.model_copy(update={"wiring": wiring})

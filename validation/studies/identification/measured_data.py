@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Numbers
-from tactgen.geometry.csv_rows import Row, csv_rows
+from tactgen.geometry.csv_rows import Row, check_widths, csv_rows, plain_number
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import FREQUENCY, Unit, quoted
 from tactgen.validation.catalogue.quantities import measurable
@@ -25,7 +25,6 @@ _WEIGHT = Unit("", "weight", "1", limits=(1e-12, 1e12))
 _PARTS = ("", "_re", "_im", "_phase")
 _EXAMPLE = "frequency (Hz), velocity (mm/s)"
 _HEADING = re.compile(r"(?P<name>[^()\[\]]*)(?:[(\[](?P<unit>.*)[)\]])?\s*")
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,4})?", re.IGNORECASE | re.ASCII)
 #: Most points that a curve may have: a sweep of a laboratory analyser has a few thousand.
 _MOST = 100_000
 
@@ -77,17 +76,13 @@ def _table(path: str | Path, source: str) -> tuple[Row, list[Row]]:
     remedy = f"give a CSV file with columns such as {_EXAMPLE}"
     (number, header), *rows = csv_rows(path, source, remedy)
     if not any(_plain_name(cell) in _known() for cell in header):
-        what = "numbers" if all(_NUMBER.fullmatch(cell) for cell in header) else "other text"
+        numbers = all(plain_number(cell) is not None for cell in header)
+        what = "numbers" if numbers else "other text"
         raise InputError(
             f"{source} line {number} holds {what} where the column names should be; begin the "
             f"file with a header such as {_EXAMPLE}, and lines of remarks with #"
         )
-    for at, cells in rows:
-        if len(cells) != len(header):
-            raise InputError(
-                f"{source} line {at} has {len(cells)} cells where the header has {len(header)} "
-                "columns; fill or remove that line, and write decimals with a point"
-            )
+    check_widths([(number, header), *rows], source)
     return (number, header), rows
 
 
@@ -200,10 +195,11 @@ def _cell(row: Row, at: int, names: list[str], scale: float, unit: Unit, source:
     text, where = cells[at], f"{source} line {line}, column {quoted(names[at])}:"
     if not text:
         raise InputError(f"{where} the cell is empty; fill it or remove the line")
-    if not _NUMBER.fullmatch(text):
+    number = plain_number(text)
+    if number is None:
         remedy = "write decimals with a point" if "," in text else "correct it or remove the line"
         raise InputError(f"{where} {quoted(text)} is not a finite number; {remedy}")
-    value = float(text) * scale
+    value = number * scale
     low, high = unit.limits or (0.0, np.inf)
     if value and not low <= abs(value) <= high:
         raise InputError(

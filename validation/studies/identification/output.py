@@ -5,12 +5,14 @@ from __future__ import annotations
 import io
 import json
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tactgen.geometry.device.parameters import BUILT_IN_CURVES
 from tactgen.geometry.device.profile import Profile
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
@@ -243,11 +245,11 @@ def write_scene(found: Identification, origins: Mapping[str, str], path: Path) -
     InputError
         If the file cannot be written.
     """
-    return write_text(path, scene_text(found, origins))
+    return write_text(path, scene_text(found, origins, path.parent))
 
 
-def scene_text(found: Identification, origins: Mapping[str, str]) -> str:
-    """Return the fitted scene as TOML."""
+def scene_text(found: Identification, origins: Mapping[str, str], folder: Path) -> str:
+    """Return the fitted scene as TOML for a file in `folder`, from which its paths start."""
     curve = found.curve
     estimates = {e.parameter.key: e for e in found.estimates}
     told = {
@@ -269,8 +271,18 @@ def scene_text(found: Identification, origins: Mapping[str, str]) -> str:
             group = head
         if row.key in estimates:
             lines.append(_interval_comment(estimates[row.key]))
-        lines.append(f"{name} = {_toml(value_of(found.scene, row.key), row.text)}")
+        value, text = value_of(found.scene, row.key), row.text
+        if row.key == "steel.curve":
+            text = curve_from(folder, value)
+        lines.append(f"{name} = {_toml(value, text)}")
     return "\n".join(lines) + "\n"
+
+
+def curve_from(folder: Path, curve: str) -> str:
+    """Return a steel's curve as a scene in `folder` names it: files relative to that."""
+    if curve in BUILT_IN_CURVES or Path(curve).is_absolute():
+        return curve
+    return os.path.relpath(curve, folder)
 
 
 def _interval_comment(e: Estimate) -> str:

@@ -1,0 +1,47 @@
+"""CSV files as tables: what is a file at all, how wide its lines are, what is a number."""
+
+import os
+
+import pytest
+
+from tactgen.geometry.csv_rows import check_widths, csv_rows, plain_number
+from tactgen.geometry.errors import InputError
+
+
+@pytest.mark.parametrize(
+    ("cell", "value"),
+    [("1", 1.0), ("-0.5e-3", -5e-4), (".5", 0.5), ("+2.", 2.0), ("1_0", None), ("1,0", None),
+     ("nan", None), ("inf", None), ("1e999", None), ("٣", None), ("0x10", None), ("", None),
+     ("1 0", None)],
+)  # fmt: skip
+def test_numbers_are_those_that_other_programs_write(cell, value):
+    """Python's own reading takes 1_0 for ten and digits of any script."""
+    assert plain_number(cell) == value
+
+
+def test_lines_wider_than_the_header_are_refused(tmp_path):
+    """A decimal comma makes two cells of one; fewer cells pass only where that is allowed."""
+    path = tmp_path / "a.csv"
+    path.write_text("a,b\n0,0\n1,5,100,2\n")
+    rows = csv_rows(path, "a.csv", "mend it")
+    for short in (False, True):
+        with pytest.raises(InputError, match=r"line 3 has 4 cells .* header has 2 .*; fill"):
+            check_widths(rows, "a.csv", short=short)
+    path.write_text("a,b\n0\n")
+    rows = csv_rows(path, "a.csv", "mend it")
+    check_widths(rows, "a.csv", short=True)
+    with pytest.raises(InputError, match="has 1 cells"):
+        check_widths(rows, "a.csv")
+
+
+def test_what_is_no_file_is_not_read(tmp_path):
+    """A pipe without a writer, a device without an end, a folder, a file too large: at once."""
+    os.mkfifo(tmp_path / "pipe")
+    with (tmp_path / "large").open("wb") as file:
+        file.truncate(10**12)  # takes no room on the disk
+    for name, words in (
+        (tmp_path / "pipe", "a pipe or a device"), ("/dev/zero", "a pipe or a device"),
+        (tmp_path, "a folder"), (tmp_path / "large", "larger than 20 mb"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=rf"cannot be read \(it is {words}.*\); mend it"):
+            csv_rows(name, str(name), "mend it")
