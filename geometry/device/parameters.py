@@ -25,9 +25,9 @@ from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.device.piezo_library import LIBRARY
 
 __all__ = [
-    "BUILT_IN_CURVES", "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Drive", "Glue", "Guide", "Load",
-    "Parameters", "Piezo", "Rod", "Shim", "Sleeve", "Spring", "Steel", "Support", "sources",
-    "spreads",
+    "BUILT_IN_CURVES", "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Drive",
+    "Glue", "Guide", "Load", "Parameters", "Piezo", "Rod", "Shim", "Sleeve", "Spring", "Steel",
+    "Support", "sources", "spreads",
 ]  # fmt: skip
 
 
