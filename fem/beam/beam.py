@@ -31,7 +31,8 @@ _TAB_ELEMENTS = 8
 class BeamMatrices:
     """Assembled beam, all (n, n) or (n,): dofs of w and ψ, then the scalar capacitance.
 
-    `ports` are the dofs of w and ψ at the base, then at the tip.
+    `ports` are the dofs of w and ψ at the base, then at the tip; `stations` (k, 3) the height (m)
+    of every node between elements and its dofs of w and ψ, from base to tip.
     """
 
     stiffness: Complex
@@ -39,6 +40,7 @@ class BeamMatrices:
     coupling: Complex
     capacitance: complex
     ports: Ints
+    stations: list[tuple[float, int, int]]
 
 
 def multiport(
@@ -131,6 +133,10 @@ def assemble(
         coupling=asm(moment_per_voltage, basis),
         capacitance=complex(np.sum(constants[5] * w_space.dx)),
         ports=np.array([ends[0], ends[0] + w_space.N, ends[1], ends[1] + w_space.N]),
+        stations=[
+            (float(z), int(dof), int(dof) + int(w_space.N))
+            for z, dof in zip(mesh.p[0], w_space.nodal_dofs[0], strict=True)
+        ],
     )
 
 

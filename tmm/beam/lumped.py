@@ -111,6 +111,44 @@ def equivalent_circuit(
     stiffening; the transformer is that of the same shape.
     """
     model = lumped_model(row)
+    k, m, coupling, free = _attached(model, ends, open_circuit=open_circuit)
+    capacitance = model.stiffness.real[4, 4]
+    shape = _first_mode(k, m, free)
+    stiffness, turns = float(shape @ k @ shape), float(shape @ coupling)
+    # least squares: on a free actuator the rigid motions, which the moments do not drive, drop out
+    static = np.linalg.lstsq(k[free, free], coupling[free], rcond=None)[0]
+    blocked = capacitance + coupling[free] @ static - turns**2 / stiffness
+    return EquivalentCircuit(
+        mass=float(shape @ m @ shape),
+        stiffness=stiffness,
+        turns_ratio=turns,
+        blocked_capacitance=float(blocked),
+    )
+
+
+def first_mode(row: Sequence[Element], ends: Ends, *, open_circuit: bool = False) -> Floats:
+    """Return the first mode's [w_base, ψ_base, w_tip, ψ_tip, U] per unit of w_tip, and its charge.
+
+    Parameters and remarks as of :func:`equivalent_circuit`.
+
+    Returns
+    -------
+    (6,) array
+        m, rad, V and C, each per m.
+    """
+    model = lumped_model(row)
+    k, m, coupling, free = _attached(model, ends, open_circuit=open_circuit)
+    shape = _first_mode(k, m, free)
+    charge = float(coupling @ shape)
+    if open_circuit:
+        return np.array([*shape, -charge / model.stiffness.real[4, 4], 0.0])
+    return np.array([*shape, 0.0, charge])
+
+
+def _attached(
+    model: LumpedModel, ends: Ends, *, open_circuit: bool
+) -> tuple[Floats, Floats, Floats, slice]:
+    """Return stiffness, mass (4, 4), charge per motion (4,), and which motions are free."""
     k, m = model.stiffness.real[:4, :4].copy(), model.mass[:4, :4].copy()
     coupling, capacitance = -model.stiffness.real[:4, 4], model.stiffness.real[4, 4]
     base, tip = ends.base, ends.conservative_tip
@@ -122,20 +160,14 @@ def equivalent_circuit(
     m[2, 2] += tip.mass
     if open_circuit:
         k += np.outer(coupling, coupling) / capacitance
-    free = slice(2, 4) if base is None else slice(0, 4)
+    return k, m, coupling, slice(2, 4) if base is None else slice(0, 4)
+
+
+def _first_mode(stiffness: Floats, mass: Floats, free: slice) -> Floats:
+    """Return the lowest elastic mode (4,) with a unit tip displacement."""
     shape = np.zeros(4)
-    shape[free] = _lowest_mode(k[free, free], m[free, free])
-    shape /= shape[2]
-    stiffness, turns = float(shape @ k @ shape), float(shape @ coupling)
-    # least squares: on a free actuator the rigid motions, which the moments do not drive, drop out
-    static = np.linalg.lstsq(k[free, free], coupling[free], rcond=None)[0]
-    blocked = capacitance + coupling[free] @ static - turns**2 / stiffness
-    return EquivalentCircuit(
-        mass=float(shape @ m @ shape),
-        stiffness=stiffness,
-        turns_ratio=turns,
-        blocked_capacitance=float(blocked),
-    )
+    shape[free] = _lowest_mode(stiffness[free, free], mass[free, free])
+    return np.asarray(shape / shape[2])
 
 
 def _lowest_mode(stiffness: Floats, mass: Floats) -> Floats:

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 #: Endings that each kind of file may have.
 _SUFFIXES = {
     "step": (".step", ".stp"), "glb": (".glb",), "mesh": (".vtu", ".msh"), "map": (".nc",),
-    "ports": (".npz",), "state_space": (".npz",),
+    "ports": (".npz",), "state_space": (".npz",), "fields": (".vtu", ".vtkhdf", ".pvd"),
+    "animated_glb": (".glb",),
 }  # fmt: skip
 
 
@@ -31,7 +32,8 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
 
     Parameters
     ----------
-    targets : dict of {"step", "glb", "mesh", "map", "ports", "state_space"} to Path
+    targets : dict of {"step", "glb", "mesh", "map", "ports", "state_space", "fields", \
+"animated_glb"} to Path
         What to write where.
 
     Raises
@@ -52,11 +54,16 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
         _refuse_without_lateral(scene, "to divide into a mesh")
     if "state_space" in targets:
         check_state_space(scene)
+    if {"fields", "animated_glb"} & set(targets):
+        from tactgen.validation.fields.gather import default_models
+
+        default_models(scene)
     with ExitStack() as stack:
         # the files take their names together, when all of them have been written
         drafts = {kind: stack.enter_context(written_whole(p)) for kind, p in targets.items()}
         try:
             _write(scene, drafts, announce)
+            _write_motion(scene, drafts, targets, announce)
         except InputError as error:
             text = str(error)
             for kind, draft in drafts.items():
@@ -125,6 +132,26 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
         from tactgen.tmm.reluctance.coenergy.files import write_map
 
         write_map(files["map"], _map(scene, announce))
+
+
+def _write_motion(
+    scene: Scene, drafts: dict[str, Path], targets: dict[str, Path], announce: Callable[[str], None]
+) -> None:
+    """Write what moves: fields, and an animation of them."""
+    if not {"fields", "animated_glb"} & set(drafts):
+        return
+    from tactgen.validation.fields.gather import Request, default_models, gather
+
+    (result,) = gather(scene, default_models(scene), Request(), announce)
+    if "fields" in drafts:
+        from tactgen.validation.export.fields import write_fields
+
+        write_fields(drafts["fields"], result, targets["fields"].stem)
+    if "animated_glb" in drafts:
+        from tactgen.geometry.cad.solids import COLOURS
+        from tactgen.validation.export.animated_gltf import write_animated_glb
+
+        write_animated_glb(drafts["animated_glb"], result, COLOURS)
 
 
 def _magnetic_model(scene: Scene) -> str:

@@ -1,4 +1,4 @@
-"""``tactgen export``: write CAD, mesh, map or reduced solid files."""
+"""``tactgen export``: write CAD, mesh, field, map or reduced solid files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tactgen.validation.command_line.commands.common import Commands, scene_opti
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("export", help="write CAD, mesh, map or reduced solid files")
+    parser = commands.add_parser("export", help="write CAD, mesh, field, map or port files")
     scene_options(parser)
     parser.add_argument("--step", metavar="FILE", help="solids as STEP (mm)")
     parser.add_argument("--glb", metavar="FILE", help="solids as binary glTF")
@@ -27,6 +27,15 @@ def add(commands: Commands) -> None:
         metavar="FILE.npz",
         help="the solid on its support as x' = A x + B u for time simulation (SI)",
     )
+    parser.add_argument(
+        "--fields",
+        metavar="FILE.vtu",
+        help="modes, static and harmonic fields of solid (or of the first other model) for "
+        "ParaView: .vtu, .vtkhdf, or .pvd for one period as time steps (SI)",
+    )
+    parser.add_argument(
+        "--animated-glb", metavar="FILE.glb", help="the same motions as glTF animations"
+    )
     parser.set_defaults(run=run)
 
 
@@ -37,13 +46,13 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.scene.scene import load_scene
 
     scene, _ = load_scene(options.scene, options.overrides)
-    kinds = ("step", "glb", "mesh", "map", "ports", "state_space")
+    kinds = ("step", "glb", "mesh", "map", "ports", "state_space", "fields", "animated_glb")
     targets = {kind: getattr(options, kind) for kind in kinds}
     wanted = {kind: Path(file) for kind, file in targets.items() if file}
     if not wanted:
         raise InputError(
             "export needs at least one of --step FILE, --glb FILE, --mesh FILE.vtu, --map FILE.nc, "
-            "--ports FILE.npz, --state-space FILE.npz"
+            "--ports FILE.npz, --state-space FILE.npz, --fields FILE.vtu, --animated-glb FILE.glb"
         )
     with announcer() as announce:
         for path in export(scene, wanted, announce):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.row_shape import CentreLine
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.models.bimorph.model import BeamTheoryModel
@@ -16,6 +17,24 @@ class BeamModel(BeamTheoryModel):
         "difference from half as many elements (it bounds that mesh's error), and rounding of "
         "the elimination of inner unknowns"
     )
+
+    def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
+        """Return the centre lines of the modes, at the nodes of many elements."""
+        from tactgen.fem.beam import beam, shapes
+
+        s = self.scene
+        matrices = beam.assemble(s.device, s.support, s.beam, elements=shapes.ELEMENTS, lossy=False)
+        return shapes.mode_lines(matrices, s.ends, s.modes, open_circuit=open_circuit)
+
+    def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
+        """Return the centre line at a frequency and a voltage across each layer."""
+        from tactgen.fem.beam import beam, shapes
+
+        s = self.scene
+        number = max(shapes.ELEMENTS, beam.elements_for(s.device, frequency))
+        matrices = beam.assemble(s.device, s.support, s.beam, elements=number, lossy=lossy)
+        ends = s.ends if lossy else s.ends.lossless
+        return shapes.driven_line(matrices, ends, frequency, voltage)
 
     def _multiport(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
         from tactgen.fem.beam import beam

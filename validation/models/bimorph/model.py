@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.row_shape import CentreLine
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.engine.model import Model, Modes, Refined
@@ -70,6 +71,17 @@ class BeamTheoryModel(BimorphModel):
         """Return the lossless modes."""
         both = self.run("modes", lambda: tuple(self._modes(open_circuit=q) for q in (False, True)))
         return both[open_circuit]
+
+    @abstractmethod
+    def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
+        """Return the centre line of every mode of :meth:`modes`, of unit tip displacement."""
+
+    @abstractmethod
+    def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
+        """Return the centre line at a frequency (Hz) and a voltage (V) across each layer.
+
+        Without losses the ends have none either, and the finger is left out, as in statics.
+        """
 
     @abstractmethod
     def _multiport(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:

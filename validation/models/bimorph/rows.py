@@ -11,12 +11,14 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import beam_pieces
-from tactgen.tmm.beam import lumped
+from tactgen.geometry.bimorph.row_shape import CentreLine
+from tactgen.tmm.beam import lumped, shapes
 from tactgen.tmm.beam.modes import NaturalFrequencies, natural_frequencies
 from tactgen.tmm.beam.mounted_beam import uniform_response
 from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.tmm.beam.transfer.scattering import Element
-from tactgen.tmm.ports.multiport import Multiport, Response
+from tactgen.tmm.ports.multiport import Multiport, Response, respond
+from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.engine.refinement import SAFETY
 from tactgen.validation.models.bimorph.model import BeamTheoryModel
@@ -46,8 +48,11 @@ class RowModel(BeamTheoryModel):
         )
 
     def _lossless_row(self, segments: int) -> list[Element]:
+        return self._row(lossy=False, segments=segments)
+
+    def _row(self, *, lossy: bool, segments: int = transfer_matrix.SEGMENTS) -> list[Element]:
         s = self.scene
-        return transfer_matrix.sections(s.device, s.support, s.beam, lossy=False, segments=segments)
+        return transfer_matrix.sections(s.device, s.support, s.beam, lossy=lossy, segments=segments)
 
     def _judged(self, read: Callable[[int], T], method: str = "") -> Refined[T]:
         """Return what `read` gives for a number of segments, judged by half as many."""
@@ -83,6 +88,24 @@ class LumpedModel(RowModel):
     _ORDER = 2  # the mass of a segment's cubic shapes; the statics are of order 4
     _solved = staticmethod(lumped.multiport)
 
+    def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
+        """Return the centre line of the first mode."""
+        row, ends = self._row(lossy=False), self.scene.ends
+        *motion, charge = lumped.first_mode(row, ends, open_circuit=open_circuit)
+        frequency = float(self.modes(open_circuit=open_circuit).fine.frequencies[0])
+        return [shapes.static_line(row, np.array(motion), charge, frequency)]
+
+    def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
+        """Return the static line between the ends as the ports move them."""
+        port = self._multiport(np.array([frequency]), lossy=lossy).fine
+        ends = self.scene.ends if lossy else self.scene.ends.lossless
+        found = respond(attach(port, ends), {"voltage": voltage})
+        names = ("w_base", "psi_base", "w_tip", "psi_tip")
+        ports = [found.motion[name][0] if name in found.motion else 0.0 for name in names]
+        charge = complex(found.effort["voltage"][0])
+        row = self._row(lossy=lossy)
+        return shapes.static_line(row, np.array([*ports, voltage]), charge, frequency)
+
     def circuit(self, *, open_circuit: bool = False) -> lumped.EquivalentCircuit:
         """Return the first mode as a one-mode circuit (parallel wiring)."""
         return self._circuit(transfer_matrix.SEGMENTS, open_circuit=open_circuit)
@@ -106,6 +129,16 @@ class TmmModel(RowModel):
     _METHOD = "rounding: machine epsilon times the condition number of the port equations"
     _ORDER = 4
     _solved = staticmethod(transfer_matrix.multiport)
+
+    def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
+        """Return the centre lines of the modes."""
+        s = self.scene
+        return shapes.mode_lines(self._row(lossy=False), s.ends, s.modes, open_circuit=open_circuit)
+
+    def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
+        """Return the centre line at a frequency and a voltage across each layer."""
+        ends = self.scene.ends if lossy else self.scene.ends.lossless
+        return shapes.driven_line(self._row(lossy=lossy), ends, frequency, voltage)
 
     def closed_form(self, ends: Ends) -> Refined[Response] | None:
         """Return the response of one uniform beam, right also at the poles of D(Ω)."""

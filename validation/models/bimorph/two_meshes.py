@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
 
+from tactgen.fem.bimorph.motions import Motion
 from tactgen.geometry.arrays import Bools, Floats
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
@@ -170,11 +171,15 @@ class TwoMeshModel(BimorphModel):
         )
         return Refined(fine, coarser, modal.method, rounding)
 
+    def motions(self, *, open_circuit: bool) -> dict[Motion, int]:
+        """Return how many of the lowest modes of :meth:`modes` each class of motion has."""
+        return dict(Counter(mode.motion for mode in self._lowest(open_circuit=open_circuit)[0]))
+
     def shapes(self) -> list[SolidMode]:
         """Return the lowest modes of :meth:`modes` with their shapes, on the finer mesh."""
         from tactgen.fem.bimorph.modes import natural_modes
 
-        wanted = Counter(mode.motion for mode in self._lowest(open_circuit=False)[0])
+        wanted = self.motions(open_circuit=False)
         system = self.systems()[0]
         found: list[SolidMode] = []
         for motion, count in wanted.items():

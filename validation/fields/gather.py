@@ -1,0 +1,202 @@
+"""Ask models of a scene for their fields; every number beside a picture is a quantity."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.validation.catalogue.bimorph import OPEN_CIRCUIT_FREQUENCIES, SHORT_CIRCUIT_FREQUENCIES
+from tactgen.validation.catalogue.models import MODELS, models_of
+from tactgen.validation.engine.model import Model
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.fields.brick_fields import Detail
+from tactgen.validation.fields.result import Circuit, FieldResult, State
+from tactgen.validation.fields.solid import Found, SolidFields
+from tactgen.validation.scene.scene import Scene
+
+#: Circuits that modes are shown in.
+_CIRCUITS: tuple[tuple[Circuit, str], ...] = (
+    ("short", SHORT_CIRCUIT_FREQUENCIES.name), ("open", OPEN_CIRCUIT_FREQUENCIES.name),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is wanted of every model.
+
+    Attributes
+    ----------
+    frequencies : tuple of float or None
+        Of harmonic states (Hz); None takes half the first frequency of bending and that itself.
+    detail : {"nodes", "edges"}
+        Every node of bricks, or those that a picture needs.
+    """
+
+    frequencies: tuple[float, ...] | None = None
+    detail: Detail = "nodes"
+
+
+class Fields(Protocol):
+    """One model's states with their fields, at the points of one mesh."""
+
+    @property
+    def mesh(self) -> Mesh:
+        """The points and cells."""
+
+    def modes(self, count: int, *, open_circuit: bool) -> list[tuple[str, Found]]:
+        """Return class and fields of the lowest `count` modes, ascending."""
+
+    def static(self, voltage: float) -> Found:
+        """Return the lossless fields at rest under a voltage (V) across each layer."""
+
+    def harmonic(self, frequency: float, voltage: float) -> Found:
+        """Return the fields with losses at a frequency (Hz) and voltage (V) across each layer."""
+
+
+def with_fields(scene: Scene) -> tuple[str, ...]:
+    """Return the scene's models of the lateral actuator: all of them have fields."""
+    lateral = models_of("bimorph")
+    return tuple(name for name in scene.models if name in lateral)
+
+
+def default_models(scene: Scene) -> tuple[str, ...]:
+    """Return the model to look at: the fastest solid that the scene asks for, else a row."""
+    known = with_fields(scene)
+    for name in ("solid", "cad", "tmm", "beam", "lumped"):
+        if name in known:
+            return (name,)
+    raise InputError(
+        f"models = {', '.join(scene.models)} in scene {scene.name} have no bimorph that moves; "
+        'name another scene, such as "paper", or set models=solid'
+    )
+
+
+def gather(
+    scene: Scene,
+    models: Sequence[str],
+    request: Request,
+    announce: Callable[[str], None] = lambda _: None,
+) -> list[FieldResult]:
+    """Return the fields of a scene by each of the models, in their order.
+
+    Raises
+    ------
+    InputError
+        If a model is not one of the lateral actuator.
+    """
+    for name in models:
+        if name not in models_of("bimorph"):
+            raise InputError(
+                f"the model {name} has no motion to show; models that have one are "
+                f"{', '.join(models_of('bimorph'))}"
+            )
+    solution = solve(scene, tuple(models), [name for _, name in _CIRCUITS], announce)
+    return [gather_from(solution, name, request, announce) for name in models]
+
+
+def gather_from(
+    solution: Solution,
+    name: str,
+    request: Request,
+    announce: Callable[[str], None] = lambda _: None,
+) -> FieldResult:
+    """Return the fields of one model of a solution that has its natural frequencies.
+
+    The models of the solution are asked, so that nothing is solved twice.
+    """
+    model, scene = solution.models[name], solution.scene
+    announce(f"fields of {name}")
+    fields = _fields(model, request.detail)
+    layer = 0.5 if scene.bimorph.wiring == "series" else 1.0
+    voltage = layer * scene.drive.voltage
+    states = _modes(solution, name, fields)
+    states.append(_state("static", "static", 0.0, fields.static(voltage), layer))
+    for frequency in _frequencies(scene, states, request):
+        announce(f"fields of {name} at {frequency:.5g} Hz")
+        found = fields.harmonic(frequency, voltage)
+        states.append(_state(f"{frequency:.5g} Hz", "harmonic", frequency, found, layer))
+    return FieldResult(
+        scene.name, name, fields.mesh, tuple(states), scene.drive.voltage, MODELS[name].theory
+    )
+
+
+def _fields(model: Model, detail: Detail) -> Fields:
+    from tactgen.validation.models.bimorph.model import BeamTheoryModel
+    from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+
+    if isinstance(model, TwoMeshModel):
+        return SolidFields(model, detail)
+    assert isinstance(model, BeamTheoryModel)
+    from tactgen.validation.fields.row import RowFields
+
+    return RowFields(model)
+
+
+def _modes(solution: Solution, name: str, fields: Fields) -> list[State]:
+    by_circuit = {c: solution.get(quantity, name) for c, quantity in _CIRCUITS}
+    states: list[State] = []
+    for circuit, quantity in by_circuit.items():
+        count = quantity.value.size
+        found = fields.modes(count, open_circuit=circuit == "open")
+        assert quantity.classes is not None
+        for number, (_, (values, tip, charge)) in enumerate(found):
+            states.append(
+                State(
+                    name=f"mode {number + 1}, {circuit} circuit",
+                    kind="mode",
+                    circuit=circuit,
+                    frequency=float(quantity.value[number]),
+                    bar=float(quantity.uncertainty[number]),
+                    fields=values,
+                    tip=tip,
+                    charge=charge,
+                    motion=quantity.classes[number],
+                    coupling=_coupling(by_circuit, circuit, number),
+                )
+            )
+    return states
+
+
+def _coupling(by_circuit: dict[Circuit, Quantity], circuit: Circuit, number: int) -> float:
+    """Return √(1 − (f_short / f_open)²) of a bending mode in x and its partner; nan of others."""
+    this, other = by_circuit[circuit], by_circuit["open" if circuit == "short" else "short"]
+    assert this.classes is not None
+    assert other.classes is not None
+    if this.classes[number] != "bending_x":
+        return float("nan")
+    place = this.classes[:number].count("bending_x")
+    partners = np.flatnonzero(np.array(other.classes) == "bending_x")
+    if place >= partners.size:
+        return float("nan")
+    low, high = sorted((float(this.value[number]), float(other.value[partners[place]])))
+    return float(np.sqrt(1.0 - (low / high) ** 2))
+
+
+def _state(name: str, kind: str, frequency: float, found: Found, layer: float) -> State:
+    """Return a driven state; in series the terminals see half the charge of both layers."""
+    values, tip, charge = found
+    return State(
+        name=name,
+        kind="static" if kind == "static" else "harmonic",
+        circuit="driven",
+        frequency=frequency,
+        bar=float("nan"),
+        fields=values,
+        tip=tip,
+        charge=layer * charge,
+    )
+
+
+def _frequencies(scene: Scene, states: Sequence[State], request: Request) -> tuple[float, ...]:
+    if request.frequencies is not None:
+        return request.frequencies
+    first = next(
+        (s.frequency for s in states if s.motion == "bending_x" and s.circuit == "short"), None
+    )
+    return () if first is None else (0.5 * first, first)
