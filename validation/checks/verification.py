@@ -14,6 +14,7 @@ Verdict = Literal["pass", "fail", "explained", "skipped"]
 GROUPS: dict[str, tuple[str, str]] = {
     "bimorph": ("tactgen.validation.checks.bimorph", "CHECKS"),
     "reluctance": ("tactgen.validation.checks.reluctance", "MAGNETIC_CHECKS"),
+    "amplitude": ("tactgen.validation.checks.amplitude", "AMPLITUDE_CHECKS"),
 }
 
 

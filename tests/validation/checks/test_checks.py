@@ -5,12 +5,13 @@ from dataclasses import replace
 
 import pytest
 
+from tactgen.validation.checks.amplitude import AMPLITUDE_CHECKS
 from tactgen.validation.checks.bimorph import CHECKS
 from tactgen.validation.checks.cases.magnetics import coaxial_coils, square_law
 from tactgen.validation.checks.reluctance import MAGNETIC_CHECKS
 from tactgen.validation.checks.row import run_check
 
-ALL = (*CHECKS, *MAGNETIC_CHECKS)
+ALL = (*CHECKS, *MAGNETIC_CHECKS, *AMPLITUDE_CHECKS)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,95 @@
+"""Branches followed over frequency and drive, and what is said where that cannot be done."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from tactgen.tmm.harmonic_balance.continuation import follow
+from tactgen.tmm.harmonic_balance.newton import NoConvergence
+from tactgen.tmm.harmonic_balance.response import steady_orbit
+from tactgen.tmm.harmonic_balance.special_points import folds
+from tactgen.tmm.harmonic_balance.steady import Resolution, equilibrium
+from tactgen.validation.checks.cases import oscillators as cases
+
+ROUGH = Resolution(missing=1e-5, least=5, most=40)
+
+
+def crossings(oscillator, branch, parameter, value):
+    """Return the amplitudes at which a branch passes a value, ascending."""
+    orbits, found = branch.orbits, []
+    for before, after in itertools.pairwise(orbits):
+        low, high = sorted(getattr(o, parameter) for o in (before, after))
+        if low <= value < high:
+            orbit = steady_orbit(oscillator, 1.2, 1.0, guess=after, resolution=ROUGH)
+            found.append(abs(cases.fundamental(orbit)))
+    return sorted(found)
+
+
+def test_over_the_drive_and_over_the_frequency_the_same_orbits():
+    """At Ω = 1.2 and full drive three orbits, whichever way the branch came."""
+    oscillator = cases.driven_duffing()
+    start = steady_orbit(oscillator, 1.2, 0.01, resolution=ROUGH)
+    branch = follow(oscillator, start, "level", 0.01, 3.0, resolution=ROUGH)
+    assert not branch.ended
+    assert len(folds(oscillator, branch)) == 2
+    by_drive = crossings(oscillator, branch, "level", 1.0)
+    by_frequency = crossings(oscillator, cases.driven_duffing_branch(), "omega", 1.2)
+    assert len(by_drive) == 3
+    assert by_drive == pytest.approx(by_frequency, rel=1e-6)
+
+
+def test_downwards_it_is_the_same_branch():
+    """From the upper end of the range back over both folds to the lower end."""
+    oscillator = cases.driven_duffing()
+    start = steady_orbit(oscillator, 1.6, 1.0, resolution=ROUGH)
+    branch = follow(oscillator, start, "omega", 0.9, 1.6, direction=-1, resolution=ROUGH)
+    assert branch.orbits[-1].omega == 0.9
+    at = sorted(fold.omega for fold in folds(oscillator, branch))
+    assert at == pytest.approx(sorted(o.omega for o in cases.driven_duffing_folds()), rel=1e-6)
+
+
+def test_a_drive_exactly_at_a_fold():
+    """Newton's matrix is singular at one orbit there; from rest the other, small one is found."""
+    oscillator = cases.driven_duffing()
+    fold = cases.driven_duffing_folds()[0]
+    orbit = steady_orbit(oscillator, fold.omega, 1.0)
+    assert abs(cases.fundamental(orbit)) < 0.5 * abs(cases.fundamental(fold))
+    with pytest.raises(NoConvergence, match="did not settle"):
+        steady_orbit(oscillator, fold.omega * (1.0 + 1e-4), 1.0, guess=fold)
+
+
+def test_without_damping_a_branch_passes_beside_the_backbone():
+    """No fold closes it: it goes on along the free oscillation as far as the range."""
+    lossless = cases.one_mass(cases.cubic(0.1), stiffness=1.0, force=0.1)
+    start = steady_orbit(lossless, 0.6, 1.0, resolution=ROUGH)
+    branch = follow(lossless, start, "omega", 0.6, 1.5, resolution=ROUGH)
+    last = branch.orbits[-1]
+    assert last.omega == 1.5
+    turning_point = last.motion(64)[:, 0].max()
+    backbone = cases.cubic_frequency(1.0, 0.1, 1.0, turning_point)
+    # on the backbone the spring alone carries the mass; the force adds a share F/(ω² A)
+    assert last.omega == pytest.approx(backbone, rel=0.1 / (1.5**2 * turning_point))
+
+
+def test_a_branch_that_is_too_long_says_so():
+    """The points met are kept."""
+    oscillator = cases.driven_duffing()
+    start = steady_orbit(oscillator, 0.5, 1.0, resolution=ROUGH)
+    branch = follow(oscillator, start, "omega", 0.5, 1.6, resolution=ROUGH, most=7)
+    assert branch.ended == "the branch was left after 7 points"
+    assert len(branch.orbits) == 7
+
+
+def test_what_nothing_holds_is_refused():
+    """A mass without spring has no state of rest."""
+    with pytest.raises(NoConvergence, match=r"no state of rest .* nothing holds a coordinate"):
+        equilibrium(cases.one_mass(lambda x: (0.0 * x, 0.0 * x)))
+
+
+def test_what_has_no_orbit_says_how_far_it_came():
+    """A spring that softens to nothing: x - x³/5 pushed slowly beyond its largest force."""
+    weak = cases.one_mass(cases.cubic(-0.2), stiffness=1.0, damping=0.1, force=2.0)
+    with pytest.raises(NoConvergence, match=r"no orbit was found at a drive of 1, the highest"):
+        steady_orbit(weak, 0.05, 1.0, resolution=Resolution(1e-3, 5, 15))
+    assert np.isfinite(steady_orbit(weak, 0.05, 0.3).spectrum).all()

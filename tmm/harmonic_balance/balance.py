@@ -1,0 +1,181 @@
+"""The balance of harmonics, and its exact derivatives, by alternating frequency and time.
+
+The law is evaluated at equal steps over one period and transformed back; so is its tangent,
+whose harmonics make the Jacobian (Cameron and Griffin 1989; Krack and Gross, *Harmonic Balance
+for Nonlinear Vibration Problems*, 2019).  Unknowns are real: Q₀, then real and imaginary part of
+each harmonic.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.tmm.harmonic_balance.oscillator import Orbit, Oscillator
+
+#: Instants per period and harmonic.  A smooth law needs 4; a kink's aliases fall with the square.
+_SAMPLES = 16
+_LEAST_SAMPLES = 64
+#: Relative step of the central difference of D by frequency, whose error goes with its square.
+_STEP = 1e-5
+
+
+@dataclass(frozen=True)
+class Balance:
+    """The residual of an orbit with its derivatives; m = k (2 harmonics + 1).
+
+    Attributes
+    ----------
+    residual : (m,) array
+        Efforts left over.
+    jacobian : (m, m) array
+        By the unknowns.
+    by_omega, by_level : (m,) array
+        By the two parameters.
+    """
+
+    residual: Floats
+    jacobian: Floats
+    by_omega: Floats
+    by_level: Floats
+
+
+@dataclass(frozen=True)
+class LawHarmonics:
+    """The law along an orbit.
+
+    Attributes
+    ----------
+    effort : (2 H + 1, k) complex array
+        F_n up to twice the orbit's harmonics, as Q_n.
+    by_motion, by_rate : (4 H + 1, k, k) complex array
+        Two-sided coefficients of the tangents, of n = −2 H to 2 H.
+    """
+
+    effort: Complex
+    by_motion: Complex
+    by_rate: Complex
+
+
+def samples(harmonics: int) -> int:
+    """Return the number of instants per period, a power of two."""
+    wanted = max(_LEAST_SAMPLES, _SAMPLES * harmonics)
+    return int(2 ** np.ceil(np.log2(wanted)))
+
+
+def rates(orbit: Orbit) -> Orbit:
+    """Return q̇ as an orbit."""
+    n = np.arange(orbit.harmonics + 1)[:, None]
+    return Orbit(orbit.omega, orbit.level, 1j * n * orbit.omega * orbit.spectrum)
+
+
+def law_harmonics(oscillator: Oscillator, orbit: Orbit) -> LawHarmonics:
+    """Return what the law does along an orbit."""
+    count, highest = samples(orbit.harmonics), 2 * orbit.harmonics
+    at = oscillator.law(orbit.motion(count), rates(orbit).motion(count))
+    effort = 2.0 * np.fft.rfft(at.effort, axis=0)[: highest + 1] / count
+    effort[0] *= 0.5
+    return LawHarmonics(effort, *(_two_sided(t, highest) for t in (at.by_motion, at.by_rate)))
+
+
+def _two_sided(values: Floats, highest: int) -> Complex:
+    right = np.fft.rfft(values, axis=0)[: highest + 1] / values.shape[0]
+    return np.concatenate([right[:0:-1].conj(), right])
+
+
+def real_vector(spectrum: Complex) -> Floats:
+    """Return harmonics (H + 1, k) as real unknowns (m,)."""
+    parts = np.stack([spectrum.real, spectrum.imag], axis=1)
+    k = spectrum.shape[1]
+    return np.delete(parts.ravel(), slice(k, 2 * k))
+
+
+def complex_spectrum(vector: Floats, k: int) -> Complex:
+    """Return real unknowns (m,) as harmonics (H + 1, k)."""
+    parts = np.insert(vector, k, np.zeros(k)).reshape(-1, 2, k)
+    return np.asarray(parts[:, 0] + 1j * parts[:, 1])
+
+
+def balance(oscillator: Oscillator, orbit: Orbit) -> Balance:
+    """Return the residual of an orbit and all its derivatives."""
+    k, n = oscillator.size, np.arange(orbit.harmonics + 1)
+    at, above, below = (n * orbit.omega * (1.0 + s) for s in (0.0, _STEP, -_STEP))
+    linear = oscillator.linear(np.concatenate([at, above, below]))
+    d, more, less = np.split(linear, 3)
+    slope = (more - less) / (2.0 * _STEP * orbit.omega)
+    law = law_harmonics(oscillator, orbit)
+    q = orbit.spectrum
+    residual = np.einsum("nij,nj->ni", d[..., :k], q) + law.effort[: n.size]
+    residual[0] -= oscillator.static
+    residual[1] += d[1, :, k] * orbit.level
+    by_omega = np.einsum("nij,nj->ni", slope[..., :k], q)
+    by_omega += _times(law.by_rate, 1j * n[:, None] * q)
+    by_omega[1] += slope[1, :, k] * orbit.level
+    by_level = np.zeros_like(residual)
+    by_level[1] = d[1, :, k]
+    return Balance(
+        real_vector(residual),
+        _jacobian(d[..., :k], law, orbit.omega),
+        real_vector(by_omega),
+        real_vector(by_level),
+    )
+
+
+def _columns(tangent: Complex, highest: int) -> tuple[Complex, Complex]:
+    """Return dF_n by the real and by the imaginary part of Q_l, (H + 1, H + 1, k, k) each."""
+    n = np.arange(highest + 1)
+    zero = 2 * highest
+    difference = tangent[zero + n[:, None] - n]
+    total = tangent[zero + n[:, None] + n]
+    real, imaginary = difference + total, 1j * (difference - total)
+    for part in (real, imaginary):  # the constant has half the weight of a wave, both ways
+        part[0] *= 0.5
+    real[:, 0] = 2.0 * tangent[zero + n]
+    real[0, 0] = tangent[zero]
+    return real, imaginary
+
+
+def _jacobian(d: Complex, law: LawHarmonics, omega: float) -> Floats:
+    harmonics, k = d.shape[0] - 1, d.shape[1]
+    n = np.arange(harmonics + 1)
+    real, imaginary = _columns(law.by_motion, harmonics)
+    by_rate_real, by_rate_imaginary = _columns(law.by_rate, harmonics)
+    speed = (n * omega)[None, :, None, None]
+    real += speed * by_rate_imaginary
+    imaginary -= speed * by_rate_real
+    real[n, n] += d
+    imaginary[n, n] += 1j * d
+    full = np.empty((n.size, 2, k, n.size, 2, k))
+    for place, columns in enumerate((real, imaginary)):
+        full[:, 0, :, :, place, :] = columns.real.transpose(0, 2, 1, 3)
+        full[:, 1, :, :, place, :] = columns.imag.transpose(0, 2, 1, 3)
+    side = 2 * k * n.size
+    kept = np.delete(np.arange(side), slice(k, 2 * k))
+    return np.asarray(full.reshape(side, side)[np.ix_(kept, kept)])
+
+
+def _times(tangent: Complex, motion: Complex) -> Complex:
+    """Return harmonics of the product of a tangent with a motion's harmonics (H + 1, k)."""
+    real, imaginary = _columns(tangent, motion.shape[0] - 1)
+    product = np.einsum("nlij,lj->ni", real, motion.real)
+    product += np.einsum("nlij,lj->ni", imaginary, motion.imag)
+    return np.asarray(product)
+
+
+def missing_motion(oscillator: Oscillator, orbit: Orbit) -> float:
+    """Return the share of the motion that the harmonics left out would have.
+
+    The law's efforts between the orbit's highest harmonic and twice that, answered by the
+    linear system, relative to the orbit's own oscillation; of the worst coordinate, each
+    compared at least with its scale.
+    """
+    h = orbit.harmonics
+    beyond = np.arange(h + 1, 2 * h + 1)
+    d = oscillator.linear(beyond * orbit.omega)[..., : oscillator.size]
+    effort = law_harmonics(oscillator, orbit).effort[h + 1 :]
+    left = np.linalg.solve(d, effort[..., None])[..., 0]
+    size = np.sqrt((np.abs(orbit.spectrum[1:]) ** 2).sum(axis=0))
+    size = np.maximum(size, oscillator.scales)
+    return float((np.sqrt((np.abs(left) ** 2).sum(axis=0)) / size).max())

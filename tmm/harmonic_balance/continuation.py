@@ -1,0 +1,278 @@
+"""A family of orbits followed over the frequency or the drive, round its folds.
+
+Pseudo-arclength continuation: a step along the tangent, then Newton's method in the plane across
+it (Keller 1977).  Lengths are measured with each coordinate relative to the largest motion met so
+far and the parameter relative to its range.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.tmm.harmonic_balance.balance import (
+    balance,
+    complex_spectrum,
+    missing_motion,
+    real_vector,
+)
+from tactgen.tmm.harmonic_balance.newton import NoConvergence, converge
+from tactgen.tmm.harmonic_balance.oscillator import Orbit, Oscillator
+from tactgen.tmm.harmonic_balance.steady import Resolution, at_fixed_drive
+
+Parameter = Literal["omega", "level"]
+
+#: First, longest and shortest step, in lengths of which the whole range is 1.
+_FIRST, _LONGEST, _SHORTEST = 5e-3, 0.03, 1e-7
+#: Newton steps of a correction.
+_STEPS = 10
+#: A step is repeated with half its length when the tangent turned by more than this (cosine).
+_TURN = 0.9
+
+
+@dataclass(frozen=True)
+class Course:
+    """The metric of a continuation, and where it may go.
+
+    Attributes
+    ----------
+    parameter : {"omega", "level"}
+        What varies besides the orbit.
+    low, high : float
+        Its range.
+    scales : (k,) array
+        Size of each coordinate.
+    """
+
+    parameter: Parameter
+    low: float
+    high: float
+    scales: Floats
+
+    def weights(self, harmonics: int) -> Floats:
+        """Return the size (m + 1,) of each unknown, the parameter last."""
+        return np.append(np.tile(self.scales, 2 * harmonics + 1), self.high - self.low)
+
+    def pack(self, orbit: Orbit) -> Floats:
+        """Return an orbit's unknowns with the parameter, each over its size."""
+        y = np.append(real_vector(orbit.spectrum), getattr(orbit, self.parameter))
+        return np.asarray(y / self.weights(orbit.harmonics))
+
+    def unpack(self, scaled: Floats, like: Orbit) -> Orbit:
+        """Return the orbit of scaled unknowns; the other parameter is that of `like`."""
+        k = self.scales.size
+        harmonics = ((scaled.size - 1) // k - 1) // 2
+        y = scaled * self.weights(harmonics)
+        changed = {self.parameter: float(y[-1])}
+        return replace(like, spectrum=complex_spectrum(y[:-1], k), **changed)
+
+
+@dataclass(frozen=True)
+class Step:
+    """A point of a branch and the way on.
+
+    Attributes
+    ----------
+    orbit : Orbit
+        The orbit.
+    tangent : (m + 1,) array
+        Unit tangent in scaled unknowns.
+    course : Course
+        Their sizes.
+    length : float
+        Length of the step to the next point.
+    """
+
+    orbit: Orbit
+    tangent: Floats
+    course: Course
+    length: float
+
+    def at(self, oscillator: Oscillator, length: float) -> Step:
+        """Return the point at another length along the branch, as Newton's method finds it."""
+        return _advance(oscillator, self, length)[0]
+
+
+@dataclass(frozen=True)
+class Branch:
+    """Orbits in the order in which they were met.
+
+    Attributes
+    ----------
+    steps : tuple of Step
+        The points.
+    ended : str
+        Why it ended inside the range; empty where it reached an end.
+    missing : float
+        Largest share of a motion that its harmonics left out.
+    """
+
+    steps: tuple[Step, ...]
+    ended: str
+    missing: float
+
+    @property
+    def orbits(self) -> tuple[Orbit, ...]:
+        """The orbits."""
+        return tuple(step.orbit for step in self.steps)
+
+
+def follow(
+    oscillator: Oscillator,
+    start: Orbit,
+    parameter: Parameter,
+    low: float,
+    high: float,
+    *,
+    direction: int = 1,
+    resolution: Resolution | None = None,
+    most: int = 3000,
+    announce: Callable[[Orbit], None] = lambda _: None,
+) -> Branch:
+    """Return the branch through an orbit, until the parameter leaves its range.
+
+    Parameters
+    ----------
+    start : Orbit
+        A solved orbit.
+    parameter : {"omega", "level"}
+        What varies, between `low` and `high`.
+    direction : {1, -1}
+        Whether the parameter first grows or falls.
+    most : int
+        Points after which it ends.
+    announce : callable
+        Told each orbit.
+    """
+    resolution = resolution or Resolution()
+    course = Course(parameter, low, high, _sizes(oscillator, start))
+    step = Step(start, _tangent(oscillator, start, course, None, direction), course, _FIRST)
+    steps, missing, length, ended = [step], missing_motion(oscillator, start), _FIRST, ""
+    while len(steps) < most:
+        try:
+            after, count, left = _advance_resolved(oscillator, step, length, resolution)
+        except NoConvergence as error:
+            length *= 0.5
+            if length < _SHORTEST:
+                ended = f"the branch could not be followed further: {error}"
+                break
+            continue
+        if after.tangent @ _padded(step.tangent, after.tangent.size) < _TURN:
+            length *= 0.5
+            if length >= _SHORTEST:
+                continue
+        steps[-1] = replace(step, length=length)
+        value = getattr(after.orbit, parameter)
+        if not low <= value <= high:
+            steps.append(_at_end(oscillator, step, after, low if value < low else high))
+            break
+        length = float(np.clip(length * 2.0 ** ((4 - count) / 3), 0.3 * length, _LONGEST))
+        missing = max(missing, left)
+        step = _rescaled(oscillator, after)
+        steps.append(step)
+        announce(step.orbit)
+    else:
+        ended = f"the branch was left after {most} points"
+    return Branch(tuple(steps), ended, missing)
+
+
+def _sizes(oscillator: Oscillator, orbit: Orbit) -> Floats:
+    return np.asarray(np.maximum(oscillator.scales, np.abs(orbit.spectrum).max(axis=0)))
+
+
+def _rescaled(oscillator: Oscillator, step: Step) -> Step:
+    """Return the point in sizes that have grown with the motion."""
+    scales = np.maximum(step.course.scales, _sizes(oscillator, step.orbit))
+    if (scales <= 1.2 * step.course.scales).all():
+        return step
+    course = replace(step.course, scales=scales)
+    weights = (c.weights(step.orbit.harmonics) for c in (step.course, course))
+    old, new = weights
+    tangent = step.tangent * old / new
+    return replace(step, course=course, tangent=tangent / np.linalg.norm(tangent))
+
+
+def _bordered(
+    oscillator: Oscillator, orbit: Orbit, course: Course, row: Floats
+) -> tuple[Floats, Floats]:
+    """Return residual (m,) and the scaled Jacobian (m + 1, m + 1) with `row` below it."""
+    found = balance(oscillator, orbit)
+    by_parameter = found.by_omega if course.parameter == "omega" else found.by_level
+    jacobian = np.column_stack([found.jacobian, by_parameter]) * course.weights(orbit.harmonics)
+    return found.residual, np.vstack([jacobian, row])
+
+
+def _tangent(
+    oscillator: Oscillator, orbit: Orbit, course: Course, before: Floats | None, direction: int = 1
+) -> Floats:
+    size = course.weights(orbit.harmonics).size
+    row = np.eye(size)[-1] * direction if before is None else before
+    _, matrix = _bordered(oscillator, orbit, course, row)
+    try:
+        tangent = np.linalg.solve(matrix, np.eye(size)[-1])
+    except np.linalg.LinAlgError:
+        raise NoConvergence("the branch has no tangent") from None
+    return np.asarray(tangent / np.linalg.norm(tangent))
+
+
+def _padded(tangent: Floats, size: int) -> Floats:
+    """Return a tangent over more or fewer harmonics; the parameter stays last."""
+    unknowns = np.zeros(size - 1)
+    kept = min(size, tangent.size) - 1
+    unknowns[:kept] = tangent[:kept]
+    return np.append(unknowns, tangent[-1])
+
+
+def _advance(oscillator: Oscillator, step: Step, length: float) -> tuple[Step, int]:
+    course, tangent = step.course, step.tangent
+    predicted = course.pack(step.orbit) + length * tangent
+
+    def evaluate(y: Floats) -> tuple[Floats, Floats]:
+        orbit = course.unpack(y, step.orbit)
+        if orbit.omega <= 0.0:
+            raise NoConvergence("the step led to a negative frequency")
+        residual, jacobian = _bordered(oscillator, orbit, course, tangent)
+        return np.append(residual, tangent @ (y - predicted)), jacobian
+
+    found, count = converge(evaluate, predicted, np.ones(predicted.size), _STEPS)
+    orbit = course.unpack(found, step.orbit)
+    return Step(orbit, _tangent(oscillator, orbit, course, tangent), course, length), count
+
+
+def _advance_resolved(
+    oscillator: Oscillator, step: Step, length: float, resolution: Resolution
+) -> tuple[Step, int, float]:
+    """Return the next point with the harmonics it needs, the Newton steps, and what is missing."""
+    after, count = _advance(oscillator, step, length)
+    left = missing_motion(oscillator, after.orbit)
+    while left > resolution.missing and after.orbit.harmonics < resolution.most:
+        step = with_harmonics(step, resolution.more(after.orbit.harmonics))
+        after, _ = _advance(oscillator, step, length)
+        left = missing_motion(oscillator, after.orbit)
+    fewer = after.orbit.harmonics * 3 // 4
+    if left < 1e-3 * resolution.missing and fewer >= resolution.least:
+        after = with_harmonics(after, fewer)
+    return after, count, left
+
+
+def with_harmonics(step: Step, harmonics: int) -> Step:
+    """Return a point over more harmonics, which are 0, or fewer."""
+    orbit = step.orbit.with_harmonics(harmonics)
+    size = step.course.weights(harmonics).size
+    tangent = _padded(step.tangent, size)
+    return replace(step, orbit=orbit, tangent=tangent / np.linalg.norm(tangent))
+
+
+def _at_end(oscillator: Oscillator, step: Step, after: Step, end: float) -> Step:
+    """Return the point at the end of the range, between two points of the branch."""
+    name = after.course.parameter
+    before = step.orbit.with_harmonics(after.orbit.harmonics)
+    first, last = getattr(before, name), getattr(after.orbit, name)
+    share = (end - first) / (last - first)
+    spectrum = before.spectrum + share * (after.orbit.spectrum - before.spectrum)
+    guess = replace(after.orbit, spectrum=spectrum, **{name: end})
+    return replace(after, orbit=at_fixed_drive(oscillator, guess), length=0.0)
