@@ -71,10 +71,7 @@ def kept(
     LookupError
         If a module named has no source.
     """
-    folder = store_folder()
-    code = source_digest(made_of, folder)
-    name = f"{kind}-{fingerprint(kind, inputs, code, _versions())}"
-    path = folder / (name + SUFFIX)
+    path = _place(kind, inputs, made_of)
     found = _recalled(path, serves)
     if found is not None:
         return found[0]
@@ -83,8 +80,26 @@ def kept(
         if found is not None:
             return found[0]
         value = work()
-        _keep(path, sealed(name, value))
+        _keep(path, sealed(path.name.removesuffix(SUFFIX), value))
     return value
+
+
+def recalled(
+    kind: str,
+    inputs: tuple[object, ...],
+    made_of: tuple[str, ...],
+    serves: Callable[[T], bool] = lambda _: True,
+) -> T | None:
+    """Return what :func:`kept` would find in the store, None if it would have to be computed."""
+    found = _recalled(_place(kind, inputs, made_of), serves)
+    return found[0] if found is not None else None
+
+
+def _place(kind: str, inputs: tuple[object, ...], made_of: tuple[str, ...]) -> Path:
+    """Return the file of a value."""
+    folder = store_folder()
+    code = source_digest(made_of, folder)
+    return folder / f"{kind}-{fingerprint(kind, inputs, code, _versions())}{SUFFIX}"
 
 
 def store_folder() -> Path:
@@ -176,7 +191,7 @@ def _keep(path: Path, content: bytes) -> None:
         if len(content) > limit:
             _say_once("results larger than TACTGEN_CACHE_LIMIT are not kept for the next run")
             return
-        _make_room(limit - len(content), path)
+        _make_room(limit, len(content), path)
         write_entry(path, content)
     except (OSError, InputError) as error:
         reason = getattr(error, "strerror", None) or str(error)
@@ -187,8 +202,37 @@ def _keep(path: Path, content: bytes) -> None:
         )
 
 
-def _make_room(limit: int, new: Path) -> None:
-    """Remove what was not used for longest until the others take at most `limit` bytes."""
+@dataclass
+class _Size:
+    """What the store held when it was last looked through, and what was added since."""
+
+    size: int
+    writes: int = 0
+
+
+#: By folder.  To look through ten thousand files for each new one would take longer than most
+#: of what is kept.
+_sizes: dict[Path, _Size] = {}
+#: Writes after which the store is looked through again, for what other processes added.
+_WRITES = 200
+#: Share of the limit below which the store is far from full.
+_FAR = 0.8
+
+
+def _make_room(limit: int, content: int, new: Path) -> None:
+    """Remove what was not used for longest until all takes at most `limit` bytes."""
+    last = _sizes.get(new.parent)
+    if last is not None and last.writes < _WRITES and last.size + content < _FAR * limit:
+        last.size, last.writes = last.size + content, last.writes + 1
+        return
+    _sizes[new.parent] = _Size(_shrink(limit - content, new) + content)
+
+
+def _shrink(limit: int, new: Path) -> int:
+    """Remove what was not used for longest until the others take at most `limit` bytes.
+
+    Returns the bytes that are left, without those of `new`.
+    """
     entries = [entry for entry in _entries() if entry[0] != new]
     size = sum(state.st_size for _, state in entries)
     for path, state in sorted(entries, key=lambda entry: entry[1].st_mtime_ns):
@@ -197,6 +241,7 @@ def _make_room(limit: int, new: Path) -> None:
         _remove(path)
         size -= state.st_size
     _remove_drafts(_ABANDONED)
+    return size
 
 
 def _entries() -> list[tuple[Path, os.stat_result]]:

@@ -10,6 +10,7 @@ from tactgen.geometry.device.profile import Profile
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import Scene, load_scene, scene_keys
+from tactgen.validation.studies.whatif.answers import question
 
 #: What of a scene no stage reads: whose it is, and what is asked.
 ASKED = ("name", "description", "models", "quantities")
@@ -118,3 +119,29 @@ def test_another_value_is_another_scene():
     assert {key.split(".")[0] for key in keys} >= {
         name for name, value in scene if isinstance(value, Parameters)
     }
+
+
+@pytest.mark.parametrize(
+    ("name", "model", "quantities"),
+    [
+        ("paper", "lumped", ("tip_displacement", "static_tip_displacement")),
+        ("paper", "tmm", ("admittance", "threshold_voltage", "open_circuit_frequencies")),
+        ("paper", "beam", ("blocked_force", "coupling_factor", "dynamic_stiffness")),
+        ("reluctance", "network", ("magnetic_force", "pull_in_current")),
+    ],
+)
+def test_an_answer_stands_for_all_that_is_read(name, model, quantities):
+    """Everything that does not change what a point of a study goes by is changed at once: numbers,
+    bars and warnings are the same to the last bit."""
+    scene, _ = load_scene(name, ["frequency=100,500"])
+    inputs = question(scene, model, quantities).inputs
+    unread = [
+        key for key in varied(scene)
+        if question(changed(scene, [key]), model, quantities).inputs == inputs
+    ]  # fmt: skip
+    assert len(unread) > 20
+    first, also = (solve(s, (model,), quantities) for s in (scene, changed(scene, unread)))
+    assert first.warnings == also.warnings
+    for a, b in zip(first.quantities, also.quantities, strict=True):
+        np.testing.assert_array_equal(a.value, b.value)
+        np.testing.assert_array_equal(a.uncertainty, b.uncertainty)

@@ -188,6 +188,16 @@ _ROWS = (
     ),
 )  # fmt: skip
 
+#: Scene keys that count when quantities are read off the answers, or the reader is told what to
+#: mind of them, beside those that the stages read.
+_READING: Mapping[Actuator, tuple[str, ...]] = {
+    "bimorph": (
+        "drive", "support", "load", "frequency", "modes", "accuracy", "bimorph.length",
+        "bimorph.wiring",
+    ),
+    "reluctance": ("accuracy",),
+}  # fmt: skip
+
 #: Cheapest first within each actuator.
 MODELS: dict[str, ModelRow] = {row.name: row for row in _ROWS}
 
@@ -214,6 +224,11 @@ def stage_reads() -> dict[str, tuple[str, ...]]:
         for row in MODELS.values()
         for stage, reads in row.stages.items()
     }
+
+
+def reading_reads(model: str) -> tuple[str, ...]:
+    """Return the scene keys that count when a model's answers are read, beside its stages'."""
+    return _READING[MODELS[model].actuator]
 
 
 def stage_code() -> dict[str, tuple[str, ...]]:

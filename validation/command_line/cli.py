@@ -22,19 +22,17 @@ from tactgen.geometry.store.store import size_limit
 from tactgen.validation.command_line.commands import (
     bench,
     cache,
-    design,
     export,
-    identify,
     init,
     plan,
     report,
     scenes,
-    sensitivity,
     solve,
     stress,
     verify,
 )
 from tactgen.validation.command_line.commands.common import say
+from tactgen.validation.command_line.commands.studies import design, identify, sensitivity, whatif
 
 #: numpy's BLAS sees many small products here: with two threads the solid model and the magnetic
 #: field cost 15 to 50 % more processor time for no clear gain in real time, and on a busy
@@ -150,8 +148,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.set_defaults(run=lambda _: _help(parser))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
-        report, solve, design, sensitivity, identify, plan, export, verify, stress, bench, scenes,
-        cache, init,
+        report, solve, whatif, design, sensitivity, identify, plan, export, verify, stress, bench,
+        scenes, cache, init,
     ):  # fmt: skip
         command.add(commands)
     return parser

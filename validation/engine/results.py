@@ -25,6 +25,7 @@ class Measured:
         object.__setattr__(self, "value", self.value + 0.0)  # no -0
 
 
+@storable
 @dataclass(frozen=True)
 class Quantity:
     """One number, or array over frequency or mode, by one model.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -79,9 +79,15 @@ class Stages:
 
 def stage_key(name: str, scene: Scene) -> str:
     """Return the stage's key: a hash of the scene values it reads."""
+    text = json.dumps([name, values_read(scene, stage_reads()[name])], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def values_read(scene: Scene, keys: Iterable[str]) -> dict[str, Any]:
+    """Return a scene's values by key or group, as plain values that a hash can be made of."""
     values = scene.model_dump(mode="json")
     read: dict[str, Any] = {}
-    for path in stage_reads()[name]:
+    for path in keys:
         value: Any = values
         for part in path.split("."):
             value = value[part]
@@ -89,5 +95,4 @@ def stage_key(name: str, scene: Scene) -> str:
             curve = magnetisation_curve(scene.steel)
             value = [curve.flux_density.tolist(), curve.field.tolist(), curve.slope_beyond]
         read[path] = value
-    text = json.dumps([name, read], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+    return read

@@ -121,7 +121,7 @@ def split_override(text: str) -> tuple[str, str]:
     return key.strip(), value.strip()
 
 
-def assign(values: dict[str, Any], key: str, value: str) -> None:
+def assign(values: dict[str, Any], key: str, value: Any) -> None:
     """Set the value of a dotted key in nested values."""
     *groups, last = key.split(".")
     for group in groups:

@@ -163,18 +163,41 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
     InputError
         In one sentence, for anything that cannot be used.
     """
+    values, origins = scene_values(name, overrides)
+    return checked_scene(values), origins
+
+
+def scene_values(name: str, overrides: Sequence[str] = ()) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return a scene's values as they are written, overrides in place, and where each was set.
+
+    Raises
+    ------
+    InputError
+        If there is no such scene, or a key is unknown.
+    """
     values, where = read_scene(name)
     origins = {key: where for key, value in leaves(values) if value != {}}
     _point_from_scene(values, name)
     for key, value in leaves(values):
         if value != {} or key not in _groups():  # an empty group says nothing
-            _check_key(key)
+            check_key(key)
     for override in overrides:
         key, text = split_override(override)
-        _check_key(key)
+        check_key(key)
         assign(values, key, text)
         origins[key] = ON_COMMAND_LINE
     values.setdefault("name", scene_name(Path(name).stem))
+    return values, origins
+
+
+def checked_scene(values: dict[str, Any]) -> Scene:
+    """Return the scene that values describe, as :func:`scene_values` gives them.
+
+    Raises
+    ------
+    InputError
+        In one sentence, if a value cannot be used or the device does not fit together.
+    """
     try:
         scene = Scene.model_validate(values, context={"units_required": True})
     except ValidationError as error:
@@ -185,7 +208,7 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
     check_actuator(scene.device)
     if "models" not in values:
         scene = scene.model_copy(update={"models": _able_models(scene)})
-    return scene, origins
+    return scene
 
 
 def _point_from_scene(values: dict[str, Any], name: str) -> None:
@@ -223,7 +246,8 @@ def _groups() -> set[str]:
     return {key.split(".", 1)[0] for key in scene_keys() if "." in key}
 
 
-def _check_key(key: str) -> None:
+def check_key(key: str) -> None:
+    """Refuse a key that no scene has, with the nearest one; InputError."""
     known = scene_keys()
     if key in known:
         return

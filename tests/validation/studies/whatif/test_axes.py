@@ -1,0 +1,130 @@
+"""Axes as users write them: what they mean, and what is refused in one sentence."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.studies.whatif.axes import parse_axes
+from tactgen.validation.studies.whatif.statement import Statement
+
+
+def one(text, *, sampled=False):
+    (axis,) = parse_axes([text], sampled=sampled)
+    return axis
+
+
+def statement(*vary, **more):
+    return Statement("paper", {}, vary, ("tmm",), ("capacitance_free",), **more)
+
+
+def test_ranges_and_lists_are_in_si():
+    """The ends are what was written, to the last bit; the steps are even or of one ratio."""
+    lengths = one("bimorph.length=14mm:22mm:5")
+    assert lengths.values == (0.014, 0.016, 0.018, 0.02, 0.022)
+    assert (lengths.unit, lengths.label) == ("m", "bimorph.length (m)")
+    stiffness = one("support.rotational_stiffness = 0.01 N*m/rad:1 N*m/rad:3:log").values
+    np.testing.assert_allclose(stiffness, [0.01, 0.1, 1.0], rtol=1e-15)
+    assert one("load.kind=none, finger").values == ("none", "finger")
+    assert one("mesh.level=2:5:4").values == (2, 3, 4, 5)
+    assert one("frequency=100,0.5 kHz").values == (100.0, 500.0)
+    assert one("shim.transverse_modulus=10GPa,13GPa").values == (1e10, 1.3e10)
+    profiles = one("bimorph.width_profile=uniform; 0 mm: 2.1 mm, 20 mm: 1 mm").values
+    assert profiles == ("uniform", "0 mm: 2.1 mm, 20 mm: 1 mm")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("bimorph.lenght=1mm,2mm", 'did you mean "bimorph.length"'),
+        ("bimorph.length", "is not KEY=VALUES"),
+        ("bimorph.length=", "is not KEY=VALUES"),
+        ("bimorph.length=14:22mm:5", "has no unit"),
+        ("bimorph.length=14V:22V:5", "which is not a length"),
+        ("bimorph.length=22mm:14mm:5", "runs backwards"),
+        ("bimorph.length=22mm:22mm:5", "is empty"),
+        ("bimorph.length=14mm:22mm", "add --sample N"),
+        ("bimorph.length=14mm:22mm:0", "whole number from 2"),
+        ("bimorph.length=14mm:22mm:1", "whole number from 2"),
+        ("bimorph.length=14mm:22mm:5:cubic", "is not START:STOP:N"),
+        ("bimorph.length=14mm,14mm", "names 14 mm twice"),
+        ("bimorph.length=-4mm,14mm", "must be greater than 0 mm"),
+        ("drive.voltage=0V:5V:3:log", "begin above 0"),
+        ("mesh.level=2:5:3", "mesh.level is a whole number"),
+        ("load.kind=finger,nonw", 'did you mean "none"'),
+        ("models=tmm,solid", "use --model"),
+        ("bimorph=1,2", "is a group"),
+        ("gap=normal(200um,10um)", "add for example --sample 16"),
+        ("gap=gauss(200um,10um)", "is no distribution; known are normal(mean"),
+        ("load.kind=normal(1,2)", "not a number on a scale"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_an_axis_is_refused(text, words):
+    """One sentence with the key, the value and the remedy."""
+    with pytest.raises(InputError) as caught:
+        parse_axes([text], sampled=False)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("gap=normal(200um,10V)", "which is not a length"),
+        ("gap=normal(200um,-1um)", "must be above 0"),
+        ("gap=uniform(220um,180um)", "runs backwards"),
+        ("gap=lognormal(200um,10um)", "share of the median"),
+        ("gap=200um,210um", "no axis can be drawn from"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(text, words):
+    with pytest.raises(InputError, match=words.replace("(", r"\(")):
+        parse_axes([text], sampled=True)
+
+
+def test_axes_are_combined_or_taken_hand_in_hand():
+    """The last axis runs fastest; zipped ones must be of one length."""
+    lengths, loads = "bimorph.length=14mm,20mm", "load.kind=none,finger"
+    combined = statement(lengths, loads)
+    assert [tuple(p.values()) for p in combined.points()] == [
+        (0.014, "none"), (0.014, "finger"), (0.02, "none"), (0.02, "finger"),
+    ]  # fmt: skip
+    zipped = statement(lengths, loads, zipped=True)
+    assert [tuple(p.values()) for p in zipped.points()] == [(0.014, "none"), (0.02, "finger")]
+    with pytest.raises(InputError, match=r"bimorph.length has 2, gap has 3"):
+        list(statement(lengths, "gap=10um:30um:3", zipped=True).points())
+    with pytest.raises(InputError, match=r"make 10000000000 points"):
+        _ = statement("gap=10um:30um:100000", "bimorph.length=10mm:20mm:100000").size
+    with pytest.raises(InputError, match=r"stated 2 times"):
+        _ = statement(lengths, lengths).axes
+
+
+def test_samples_grow_and_do_not_depend_on_one_another():
+    """More samples begin with the fewer; another axis leaves them; another seed does not."""
+    gap, length = "gap=normal(200um,5%)", "bimorph.length=14mm:22mm"
+
+    def drawn(*vary, samples=8, seed=1):
+        return statement(*vary, samples=samples, seed=seed).columns["gap"][1]
+
+    few, more = drawn(gap), drawn(gap, samples=16)
+    assert more[:8] == few == drawn(length, gap)
+    assert not set(drawn(gap, seed=2)) & set(few)
+    many = np.array(drawn(gap, samples=20000))
+    # the standard error of mean and deviation, four times
+    assert abs(many.mean() - 200e-6) < 4 * 10e-6 / np.sqrt(20000)
+    assert abs(many.std() - 10e-6) < 4 * 10e-6 / np.sqrt(40000)
+    # what is stepped is combined with all samples
+    mixed = statement(gap, "load.kind=none,finger", samples=8)
+    assert mixed.shape == {"sample": 8, "load.kind": 2}
+
+
+@pytest.mark.parametrize(
+    ("kind", "low", "middle", "high"),
+    [("uniform(1mm,3mm)", 1e-3, 2e-3, 3e-3), ("loguniform(1mm,4mm)", 1e-3, 2e-3, 4e-3),
+     ("lognormal(2mm,10%)", 0.0, 2e-3, 1.0)],
+)  # fmt: skip
+def test_distributions_have_their_medians_and_ends(kind, low, middle, high):
+    values = np.array(statement(f"gap={kind}", samples=4001).columns["gap"][1])
+    assert values.min() > low
+    assert values.max() < high
+    # half the samples are below the median, within four standard errors
+    assert abs((values < middle).mean() - 0.5) < 4 * 0.5 / np.sqrt(4001)

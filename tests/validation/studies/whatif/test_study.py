@@ -1,0 +1,311 @@
+"""Studies: only what changed is solved, failures are kept, files open elsewhere."""
+
+import contextlib
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.claim import claimed
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene, scene_values
+from tactgen.validation.studies.whatif import answers, schedule, workers
+from tactgen.validation.studies.whatif.answers import Question
+from tactgen.validation.studies.whatif.run import run_study
+from tactgen.validation.studies.whatif.statement import Statement
+
+
+def statement(
+    *vary, scene="prototype", models=("tmm",), quantities=("capacitance_free",), sets=(), **more
+):
+    values, _ = scene_values(scene, ["frequency=100,500", *sets])
+    return Statement(scene, values, vary, models, quantities, **more)
+
+
+@pytest.fixture
+def solved(own_store, monkeypatch):
+    """Return the list of the scenes that are solved; the store is empty."""
+    found = []
+
+    def counted(scene, *arguments, **options):
+        found.append(scene)
+        return solve(scene, *arguments, **options)
+
+    monkeypatch.setattr(answers, "solve", counted)
+    workers._earlier.clear()
+    return found
+
+
+def test_a_point_says_what_solve_says(solved):
+    """Bit for bit, by every quick model, complex and real."""
+    study = run_study(
+        statement(
+            "bimorph.length=14mm:20mm:3", "load.kind=none,finger", models=("lumped", "tmm"),
+            quantities=("tip_displacement", "short_circuit_frequencies", "capacitance_free"),
+        )
+    )  # fmt: skip
+    assert len(study.points) == 6
+    for point, model, answer in study.rows:
+        sets = [f"{k}={v!r} m" if k == "bimorph.length" else f"{k}={v}" for k, v in point.items()]
+        scene, _ = load_scene("prototype", ["frequency=100,500", *sets])
+        alone = solve(scene, (model,), study.statement.quantities)
+        assert answer.status == "ok"
+        for a, b in zip(answer.quantities, alone.quantities, strict=True):
+            assert (a.name, a.unit, a.frequency, a.classes) == (
+                b.name,
+                b.unit,
+                b.frequency,
+                b.classes,
+            )
+            np.testing.assert_array_equal(a.value, b.value)
+            np.testing.assert_array_equal(a.uncertainty, b.uncertainty)
+
+
+def test_only_new_points_are_solved(solved):
+    """A grown axis, a finer one, another axis: what was answered is not asked again."""
+    run_study(statement("bimorph.length=14mm:18mm:3"))
+    assert len(solved) == 3
+    counts = run_study(statement("bimorph.length=14mm:18mm:5")).counts
+    assert (counts.computed, counts.recalled, len(solved)) == (2, 3, 5)
+    counts = run_study(statement("bimorph.length=14mm:18mm:5", "load.kind=none,finger")).counts
+    assert (counts.computed, counts.recalled) == (5, 5)
+    # what the model does not read makes no new question
+    counts = run_study(statement("bimorph.length=14mm:18mm:5", "coil.current=1mA:9mA:9")).counts
+    assert (counts.computed, counts.recalled) == (0, 5)
+    assert len(solved) == 10
+
+
+def test_values_that_make_no_scene_are_refused_and_the_others_go_on(solved):
+    """A shim below its smallest size, a ceramic shorter than its bare end."""
+    study = run_study(
+        statement("bimorph.bare_above=1mm,15mm", quantities=("capacitance_free",))
+    )  # fmt: skip
+    statuses = [answer.status for _, _, answer in study.rows]
+    assert statuses == ["ok", "refused"]
+    assert "bimorph.bare_above" in study.answers[1]["tmm"].reason
+    assert study.counts.refused == 1
+    with pytest.raises(InputError, match=r"none of the 1 points makes a scene: .*bare_above"):
+        run_study(statement("bimorph.bare_above=15mm"))
+
+
+def test_a_failure_is_kept_until_it_is_tried_again(solved, monkeypatch):
+    """One sentence, not asked again without being told to, and the other points are there."""
+    whole = answers.solve
+
+    def failing(scene, *arguments, **options):
+        if scene.bimorph.length == 0.016:
+            solved.append(scene)
+            raise np.linalg.LinAlgError("singular\nmatrix")
+        return whole(scene, *arguments, **options)
+
+    asked = statement("bimorph.length=14mm:18mm:3")
+    monkeypatch.setattr(answers, "solve", failing)
+    study = run_study(asked)
+    assert [a.status for _, _, a in study.rows] == ["ok", "failed", "ok"]
+    assert study.answers[1]["tmm"].reason == "LinAlgError: singular matrix"
+    assert len(solved) == 3
+    monkeypatch.setattr(answers, "solve", whole)
+    assert run_study(asked).counts.failed == 1
+    assert len(solved) == 3
+    counts = run_study(asked, retry=True).counts
+    assert (counts.failed, counts.computed, counts.recalled) == (0, 1, 2)
+    assert run_study(asked).counts.failed == 0
+
+
+def test_a_damaged_answer_is_computed_anew(solved, own_store):
+    """One flipped bit in what is kept: the numbers are the same as before."""
+    asked = statement("bimorph.length=14mm,18mm")
+    first = run_study(asked)
+    for file in own_store.glob("whatif.tmm-*.kept"):
+        content = bytearray(file.read_bytes())
+        content[-3] ^= 4
+        file.write_bytes(bytes(content))
+    again = run_study(asked)
+    assert again.counts.computed == 2
+    for (_, _, a), (_, _, b) in zip(first.rows, again.rows, strict=True):
+        np.testing.assert_array_equal(a.quantities[0].value, b.quantities[0].value)
+
+
+def test_a_point_that_another_process_is_at_is_left_for_last(solved, own_store):
+    """The others are answered first; then it is waited for, and taken from the store."""
+    asked = statement("bimorph.length=14mm:18mm:3")
+    run_study(asked)
+    taken = min(own_store.glob("whatif.tmm-*.kept"))
+    content = taken.read_bytes()
+    for file in own_store.glob("whatif.tmm-*.kept"):
+        file.unlink()
+    solved.clear()
+    with contextlib.ExitStack() as elsewhere:
+        elsewhere.enter_context(claimed(taken.with_suffix(".claim"), lambda: None))
+
+        def done_elsewhere(text):
+            if "waiting" in text:
+                assert len(solved) == 2
+                taken.write_bytes(content)
+                elsewhere.close()
+
+        study = run_study(asked, 1, done_elsewhere)
+    assert [answer.status for _, _, answer in study.rows] == ["ok"] * 3
+    assert len(solved) == 2
+
+
+def test_what_is_shared_is_scheduled_once():
+    """Questions of one field solution go to one worker, those that share a stage wait for it."""
+
+    def asked(*shared):
+        return Question("solid", ("capacitance_free",), (), shared)
+
+    plain = schedule.schedule([asked("a"), asked("b"), asked("a"), asked("a", "c"), asked("d")])
+    assert [batch.numbers for batch in plain] == [(0, 2), (1,), (3,), (4,)]
+    assert [set(batch.after) for batch in plain] == [set(), set(), {0}, set()]
+    many = schedule.schedule([asked("a")] * 70)
+    assert [len(batch.numbers) for batch in many] == [32, 32, 6]
+    assert [set(batch.after) for batch in many] == [set(), {0}, {0}]
+
+
+def test_one_field_solution_for_all_loads_and_voltages(own_store, monkeypatch):
+    """Ten points that differ in load and voltage cost the solid one mesh and one reduction."""
+    ran = []
+    asked = statement(
+        "load.kind=none,finger", "drive.voltage=1V:5V:5", scene="j1", models=("solid",),
+        quantities=("tip_displacement",), sets=("mesh.level=2", "modes=2", "frequency=100"),
+    )  # fmt: skip
+    study = run_study(asked, 1, lambda text: ran.append(text.rpartition(": ")[2]))
+    assert {answer.status for _, _, answer in study.rows} == {"ok"}
+    assert ran.count("solid.ports") == ran.count("solid.mesh") == 1
+
+
+def run(capsys, *arguments):
+    code = main(["whatif", *map(str, arguments)])
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_the_files_open_elsewhere(tmp_path, capsys):
+    """netCDF by xarray with names, units, bars and provenance; CSV with the same numbers."""
+    xarray = pytest.importorskip("xarray")
+    out = tmp_path / "study"
+    code, _, err = run(
+        capsys, "prototype", "--vary", "bimorph.length=14mm:18mm:3", "--vary",
+        "bimorph.bare_above=1mm,16mm", "--vary", "gap=normal(200um,10um)", "--sample", 2,
+        "--model", "tmm", "--model", "network", "--quantity", "tip_displacement",
+        "--quantity", "short_circuit_frequencies", "--quantity", "magnetic_force",
+        "--frequency", "10,500", "--out", out,
+    )  # fmt: skip
+    assert (code, sorted(p.name for p in out.iterdir())) == (
+        0, ["study.csv", "study.json", "study.nc"],
+    )  # fmt: skip
+    assert "refused" in err
+    with xarray.open_dataset(out / "study.nc") as data:
+        assert data.sizes == {
+            "model": 2, "bimorph.length": 3, "bimorph.bare_above": 2, "sample": 2,
+            "frequency": 2, "mode": 4,
+        }  # fmt: skip
+        assert data["gap"].dims == ("sample",)
+        assert data["bimorph.length"].attrs["units"] == "m"
+        assert data.tip_displacement_re.attrs["units"] == "m"
+        assert data.attrs["scene"] == "prototype"
+        assert len(data.attrs["scene_sha256"]) == 64
+        assert data.model.values.tolist() == ["tmm", "network"]
+        place = {"model": "tmm", "bimorph.length": 0.016, "bimorph.bare_above": 1e-3}
+        at = data.sel(place).isel(sample=1)
+        assert int(at.status) == 0
+        assert at.reason.item() == ""
+        refused = data.sel(model="tmm").isel({"bimorph.bare_above": 1, "bimorph.length": 0})
+        assert data.status.attrs["flag_meanings"].split()[int(refused.status[0])] == "refused"
+        assert np.isnan(refused.short_circuit_frequencies).all()
+        scene, _ = load_scene(
+            "prototype", ["bimorph.length=16mm", "bimorph.bare_above=1mm", "frequency=10,500"]
+        )
+        alone = solve(scene, ("tmm",), ("tip_displacement",)).quantities[0]
+        np.testing.assert_array_equal(at.tip_displacement_re, alone.value.real)
+        np.testing.assert_array_equal(at.tip_displacement_im, alone.value.imag)
+        np.testing.assert_array_equal(at.tip_displacement_uncertainty, alone.uncertainty)
+        force = data.magnetic_force.sel(model="network").values.ravel()
+    with (out / "study.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0])[:3] == ["bimorph.length (m)", "bimorph.bare_above (m)", "gap (m)"]
+    mine = [r for r in rows if r["quantity"] == "magnetic_force"]
+    assert [float(r["value"]) for r in mine if r["value"]] == force[np.isfinite(force)].tolist()
+    response = [
+        r for r in rows if r["quantity"] == "tip_displacement" and r["status"] == "ok"
+        and float(r["bimorph.length (m)"]) == 0.016
+    ]  # fmt: skip
+    assert [float(r["frequency"]) for r in response[:2]] == [10.0, 500.0]
+    assert complex(float(response[0]["value"]), float(response[0]["value_im"])) == alone.value[0]
+    missing = next(r for r in rows if r["status"] == "refused")
+    assert (missing["value"], missing["uncertainty"]) == ("", "")
+    assert "bimorph.bare_above" in missing["reason"]
+
+
+def test_a_study_is_gone_on_with(tmp_path, capsys):
+    """Not overwritten unasked; resumed with nothing said, or with a finer axis."""
+    out = tmp_path / "study"
+    vary = ("--vary", "bimorph.length=14mm:18mm:3")
+    asked = ("prototype", "--quantity", "capacitance_free", "--out", out)
+    assert run(capsys, *asked, *vary)[0] == 0
+    before = (out / "study.csv").read_bytes()
+    code, _, err = run(capsys, *asked, *vary)
+    assert (code, err.count("\n")) == (2, 1)
+    assert "holds a study already; add --resume" in err
+    code, _, err = run(capsys, "--resume", "--out", out)
+    assert code == 0
+    assert "0 answers computed, 3 kept" in err
+    assert (out / "study.csv").read_bytes() == before
+    code, out_text, err = run(
+        capsys, "--resume", "--out", out, "--vary", "bimorph.length=14mm:18mm:5", "--json"
+    )
+    assert code == 0
+    assert "2 answers computed, 3 kept" in err
+    found = json.loads(out_text)
+    assert found["scene"] == "prototype"
+    assert [p["at"]["bimorph.length"] for p in found["points"]] == [
+        0.014,
+        0.015,
+        0.016,
+        0.017,
+        0.018,
+    ]
+    assert found["points"][0]["quantities"][0]["name"] == "capacitance_free"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((), "nothing is varied"),
+        (("--vary", "bimorph.length=14mm,15mm", "--sample", "0"), '--sample "0" is not a whole'),
+        (("--vary", "bimorph.length=14mm:15mm", "--sample", "2", "--seed", "x"), "--seed"),
+        (("--vary", "bimorph.length=14mm,15mm", "--jobs", "0"), "--jobs"),
+        (("--vary", "bimorph.length=14mm,15mm", "--resume"), "--resume needs the study"),
+        (
+            ("--vary", "gap=1um,2um", "--model", "tmm", "--quantity", "coenergy"),
+            "gives none of coenergy",
+        ),
+        (("--vary", "gap=1um,2um", "--model", "tnm"), 'did you mean "tmm"'),
+        (("nowhere", "--vary", "gap=1um,2um"), "neither a readable file"),
+    ],
+)
+def test_bad_requests_are_one_sentence(capsys, arguments, words):
+    code, out, err = run(capsys, *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert words in err
+
+
+def test_damaged_and_foreign_studies_are_refused(tmp_path, capsys):
+    """No study, not JSON, another version: one sentence, and nothing is written."""
+    out = tmp_path / "study"
+    assert "holds no study" in run(capsys, "--resume", "--out", out)[2]
+    assert not out.exists()
+    out.mkdir()
+    for text, words in (
+        ("{", "is damaged"), ('{"format": 99}', "format = 99, and this version reads 1"),
+        ('{"format": 1}', "is damaged"),
+    ):  # fmt: skip
+        (out / "study.json").write_text(text)
+        code, _, err = run(capsys, "--resume", "--out", out)
+        assert (code, err.count("\n")) == (2, 1)
+        assert words in err
+        assert [p.name for p in out.iterdir()] == ["study.json"]

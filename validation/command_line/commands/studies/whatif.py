@@ -1,0 +1,205 @@
+"""``tactgen whatif``: a scene at many values of any of its keys."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import quoted
+from tactgen.validation.command_line.commands.common import Commands, warn
+
+if TYPE_CHECKING:
+    from tactgen.validation.studies.whatif.run import Study
+    from tactgen.validation.studies.whatif.statement import Statement
+
+#: Most warnings that are printed, and most samples that can be drawn.
+_WARNINGS = 8
+_MOST_SAMPLES = 1_000_000
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "whatif",
+        help="a scene at many values of any of its keys, by any model; only what changed is solved",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog=_EPILOG,
+    )
+    parser.add_argument(
+        "scene", nargs="?", help="file or built-in name (default paper, or that of --resume)"
+    )
+    parser.add_argument(
+        "--vary", action="append", default=[], metavar="KEY=VALUES", help="an axis, see below"
+    )
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
+        help="change a scene key at all points",
+    )  # fmt: skip
+    parser.add_argument(
+        "--zip", action="store_true", help="take the axes' values hand in hand, not in combination"
+    )
+    parser.add_argument("--sample", metavar="N", help="draw N samples of ranges and distributions")
+    parser.add_argument("--seed", metavar="S", help="of the samples (default 1)")
+    parser.add_argument("--model", action="append", metavar="NAME", help="may be repeated")
+    parser.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated")
+    parser.add_argument(
+        "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz, for example 10:2000:200"
+    )
+    parser.add_argument("--out", metavar="STUDY", help="folder for study.nc and study.csv")
+    parser.add_argument("--jobs", metavar="N", help="processes (default: as many as pay)")
+    parser.add_argument(
+        "--resume", action="store_true", help="go on with the study in --out, or let it grow"
+    )
+    parser.add_argument("--retry", action="store_true", help="try points that failed again")
+    parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
+    parser.set_defaults(run=run)
+
+
+_EPILOG = """\
+axes:
+  KEY=START:STOP:N[:log]     N values from START to STOP, each with its unit
+  KEY=a,b,c                  these values (of a profile parted by semicolons)
+with --sample N also:
+  KEY=START:STOP[:log]       drawn from the range
+  KEY=normal(MEAN,DEVIATION) and uniform(LOW,HIGH), lognormal(MEDIAN,SHARE), loguniform(LOW,HIGH);
+                             a deviation may be a share of the mean, such as 5%
+
+example:
+  tactgen whatif paper --vary bimorph.length=14mm:22mm:9 --vary load.kind=none,finger \\
+      --quantity short_circuit_frequencies --model tmm --model solid --out lengths
+"""
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command and return its exit code."""
+    from tactgen.geometry.files import writable_folder
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.studies.whatif.run import run_study
+    from tactgen.validation.studies.whatif.statement import write_statement
+
+    folder = Path(options.out) if options.out is not None else None
+    processes = _whole(options.jobs, "--jobs", 1, 512, "2") if options.jobs else 0
+    statement = _statement(options, folder)
+    _ = statement.size  # axes that cannot be used are refused before anything is written
+    if folder is not None:
+        write_statement(writable_folder(folder), statement)
+    with announcer() as announce:
+        study = run_study(statement, processes, announce, retry=options.retry)
+        if folder is not None:
+            announce("writing")
+            _write(folder, study)
+    _show(options, study)
+    return 0
+
+
+def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
+    """Return what the options ask; where they are silent, what the study asked before."""
+    from tactgen.validation.studies.whatif.statement import FILE, read_statement
+
+    if options.resume and folder is None:
+        raise InputError("--resume needs the study to go on with; add --out STUDY")
+    if folder is not None and (folder / FILE).exists() and not options.resume:
+        raise InputError(
+            f"{folder} holds a study already; add --resume to go on with it or to let it grow, "
+            "since its points are kept, or choose another folder with --out"
+        )
+    before = None
+    fresh = options.scene or options.overrides or options.frequency or options.vary
+    if options.resume and folder is not None and ((folder / FILE).exists() or not fresh):
+        before = read_statement(folder)
+    return _stated(options, before)
+
+
+def _stated(options: argparse.Namespace, before: Statement | None) -> Statement:
+    from tactgen.validation.scene.scene import scene_values
+    from tactgen.validation.studies.whatif.choice import chosen
+    from tactgen.validation.studies.whatif.statement import Statement
+
+    overrides = list(options.overrides)
+    if options.frequency is not None:
+        overrides.append(f"frequency={options.frequency}")
+    if before is not None and options.scene is None and not overrides:
+        values, base = before.values, before
+    else:
+        values, _ = scene_values(options.scene or "paper", overrides)
+        base = before or Statement("", {}, (), (), ())
+    models, quantities = chosen(values, options.model, options.quantity, base)
+    return replace(
+        base, scene=str(values["name"]), values=values, models=models, quantities=quantities,
+        vary=tuple(options.vary) or base.vary, zipped=options.zip or base.zipped,
+        samples=(
+            _whole(options.sample, "--sample", 1, _MOST_SAMPLES, "16")
+            if options.sample is not None else base.samples
+        ),
+        seed=(
+            _whole(options.seed, "--seed", 0, 2**31, "1")
+            if options.seed is not None else base.seed
+        ),
+    )  # fmt: skip
+
+
+def _whole(text: str, option: str, least: int, most: int, example: str) -> int:
+    number = int(text) if text.strip().isdecimal() and len(text) < 12 else least - 1
+    if not least <= number <= most:
+        raise InputError(
+            f"{option} {quoted(text)} is not a whole number from {least} to {most}; write for "
+            f"example {option} {example}"
+        )
+    return number
+
+
+def _write(folder: Path, study: Study) -> list[Path]:
+    from tactgen.validation.studies.whatif.netcdf import write_netcdf
+    from tactgen.validation.studies.whatif.tidy import write_tidy
+
+    return [write_tidy(folder, study), write_netcdf(folder, study)]
+
+
+def _show(options: argparse.Namespace, study: Study) -> None:
+    from tactgen.validation.studies.whatif.summary import table_lines
+
+    warnings = study.warnings
+    warn(warnings[:_WARNINGS])
+    if len(warnings) > _WARNINGS:
+        warn([f"{len(warnings) - _WARNINGS} more kinds of warnings"
+              + (f", see {options.out}/study.csv" if options.out else "")])  # fmt: skip
+    if options.json:
+        json.dump(_as_json(study), sys.stdout, allow_nan=False)
+        print()
+    else:
+        print("\n".join(table_lines(study)))
+    counts = study.counts
+    where = f", written to {options.out}" if options.out else ""
+    print(
+        f"{len(study.points)} points: {counts.computed} answers computed, {counts.recalled} kept "
+        f"from before, {counts.failed} failed, {counts.refused} refused{where}",
+        file=sys.stderr,
+    )
+
+
+def _as_json(study: Study) -> dict[str, Any]:
+    """Return the study as plain JSON values, SI units."""
+    from tactgen.validation.command_line.plain_values import plain
+    from tactgen.validation.engine.results import quantity_json
+
+    stated = study.statement
+    return {
+        "scene": stated.scene,
+        "axes": [
+            {"key": a.key, "unit": a.unit, "dimension": stated.columns[a.key][0],
+             "values": plain(list(stated.columns[a.key][1]))}
+            for a in stated.axes
+        ],
+        "points": [
+            {"at": point, "model": model, "status": answer.status, "reason": answer.reason,
+             "seconds": answer.seconds, "quantities": [quantity_json(q) for q in answer.quantities],
+             "warnings": list(answer.warnings)}
+            for point, model, answer in study.rows
+        ],
+        "counts": plain(study.counts),
+    }  # fmt: skip

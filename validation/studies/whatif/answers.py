@@ -1,0 +1,175 @@
+"""What one model says at one point of a study, kept under all that it is computed from.
+
+The only place where a point is answered: whoever knows a faster way to many points of one
+family of scenes gives the same answers here.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.sources import source_digest
+from tactgen.geometry.store.store import kept, recalled, store_folder
+from tactgen.geometry.store.values import storable
+from tactgen.validation.catalogue.models import MODELS, gives, reading_reads
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.engine.stages import values_read
+from tactgen.validation.scene.scene import Scene, checked_scene
+from tactgen.validation.scene.wording import one_line
+
+
+class Busy(Exception):
+    """Another process is computing the answer, and this one has other work."""
+
+
+@storable
+@dataclass(frozen=True)
+class Answer:
+    """What a model says at a point.
+
+    Attributes
+    ----------
+    status : str
+        ``ok``; ``failed`` if the model could not solve the scene; ``refused`` if the values do
+        not make a scene.
+    reason : str
+        Why there are no quantities, in one sentence.
+    quantities : tuple of Quantity
+        With their error bars.
+    warnings : tuple of str
+        What the reader must be told of them.
+    seconds : float
+        What it cost when it was computed.
+    """
+
+    status: str
+    reason: str
+    quantities: tuple[Quantity, ...] = ()
+    warnings: tuple[str, ...] = ()
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Question:
+    """One model at one point: what its answer depends on, and nothing else.
+
+    Attributes
+    ----------
+    model : str
+        Its name.
+    quantities : tuple of str
+        Those that the model gives.
+    inputs : tuple
+        Plain values that stand for all of the scene that is read.
+    shared : tuple of str
+        Keys of the stages kept in the store that the answer is made of.
+    """
+
+    model: str
+    quantities: tuple[str, ...]
+    inputs: tuple[object, ...]
+    shared: tuple[str, ...]
+
+
+def question(scene: Scene, model: str, quantities: tuple[str, ...]) -> Question:
+    """Return what a model is asked at a scene.
+
+    Raises
+    ------
+    InputError
+        If the model cannot take the scene.
+    """
+    wanted = tuple(name for name in quantities if gives(model, name))
+    keys = make_plan(scene, (model,), wanted).keys
+    read = values_read(scene, reading_reads(model))
+    stored = {f"{model}.{stage}" for stage in MODELS[model].kept}
+    shared = tuple(f"{stage} {key}" for stage, key in keys.items() if stage in stored)
+    return Question(model, wanted, (keys, read, wanted), shared)
+
+
+def recall(asked: Question, *, retry: bool = False) -> Answer | None:
+    """Return the answer that is kept, if any; with `retry` only one that did not fail."""
+    return recalled(_kind(asked), asked.inputs, _made_of(asked.model), _serving(retry))
+
+
+def answer(
+    asked: Question,
+    values: dict[str, Any],
+    announce: Callable[[str], None],
+    earlier: dict[str, Solution],
+    *,
+    retry: bool = False,
+    patient: bool = True,
+) -> Answer:
+    """Return the answer, from the store if it is there; failures are answers, too.
+
+    Parameters
+    ----------
+    values : dict
+        The scene at the point, as :meth:`Statement.scene_at` gives it.
+    earlier : dict of str to Solution
+        By model the last solution of this process, whose stages are taken over where their
+        inputs are the same; brought up to date.
+    patient : bool
+        Whether to wait for another process that is at the same answer.
+
+    Raises
+    ------
+    Busy
+        If not patient, and another process is.
+    """
+
+    def waiting(text: str) -> None:
+        if not patient:
+            raise Busy
+        announce(text)
+
+    def work() -> Answer:
+        start = time.perf_counter()
+        try:
+            found = solve(
+                checked_scene(values), (asked.model,), asked.quantities, announce,
+                reuse=earlier.get(asked.model),
+            )  # fmt: skip
+        except Exception as error:  # noqa: BLE001  (one point's failure is not the study's)
+            return Answer("failed", reason(error), seconds=time.perf_counter() - start)
+        earlier[asked.model] = found
+        seconds = time.perf_counter() - start
+        return Answer("ok", "", found.quantities, found.warnings, seconds)
+
+    return kept(
+        _kind(asked), asked.inputs, _made_of(asked.model), work,
+        serves=_serving(retry), announce=waiting,
+    )  # fmt: skip
+
+
+def reason(error: Exception) -> str:
+    """Return why something failed, in one sentence."""
+    if isinstance(error, InputError):
+        return one_line(str(error))
+    name = type(error).__name__
+    return one_line(f"{name}: {error}" if str(error) else name)
+
+
+def code_of(model: str) -> str:
+    """Return the hash of the code that a model's answers are made by."""
+    return source_digest(_made_of(model), store_folder())
+
+
+def _kind(asked: Question) -> str:
+    return f"whatif.{asked.model}"
+
+
+def _made_of(model: str) -> tuple[str, ...]:
+    row = MODELS[model]
+    return (__name__, row.module, *row.loads)
+
+
+def _serving(retry: bool) -> Callable[[Answer], bool]:
+    return lambda found: found.status == "ok" or not retry

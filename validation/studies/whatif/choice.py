@@ -1,0 +1,61 @@
+"""Which models and quantities a study asks when none are named."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.models import MODELS, gives
+from tactgen.validation.catalogue.needs import Actuator
+from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
+from tactgen.validation.scene.wording import choices
+from tactgen.validation.studies.whatif.statement import Statement
+
+#: By actuator: quick, and exact within its theory.
+_USUAL: dict[Actuator, str] = {"bimorph": "tmm", "reluctance": "network"}
+
+
+def chosen(
+    values: dict[str, Any],
+    models: Sequence[str] | None,
+    quantities: Sequence[str] | None,
+    before: Statement,
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return models and quantities by name.
+
+    As the options say; else as the study says that is gone on with, or the scene; else the
+    headline quantities of the lateral actuator, by the quick model that is exact within its
+    theory.
+
+    Raises
+    ------
+    InputError
+        For an unknown name, or models that give none of the quantities.
+    """
+    stated_models = models or before.models or values.get("models")
+    stated_quantities = quantities or before.quantities or values.get("quantities")
+    by_name = _names(stated_models, tuple(MODELS), "model", "models") if stated_models else ()
+    if stated_quantities:
+        wanted = _names(stated_quantities, tuple(QUANTITIES), "quantity", "quantities")
+        if by_name:
+            wanted = tuple(q for q in wanted if any(gives(m, q) for m in by_name)) or wanted
+    else:
+        actuators = {MODELS[m].actuator for m in by_name} or {"bimorph"}
+        wanted = tuple(
+            q for actuator in ("bimorph", "reluctance") if actuator in actuators
+            for q in quantities_of(actuator) if QUANTITIES[q].headline
+        )  # fmt: skip
+    if not by_name:
+        by_name = tuple(dict.fromkeys(_USUAL[QUANTITIES[q].actuator] for q in wanted))
+    idle = [m for m in by_name if not any(gives(m, q) for q in wanted)]
+    if idle:
+        raise InputError(
+            f"model {idle[0]} gives none of {', '.join(wanted)}; leave it out, or add a --quantity "
+            "that it gives"
+        )
+    return by_name, wanted
+
+
+def _names(stated: Any, known: tuple[str, ...], kind: str, key: str) -> tuple[str, ...]:
+    return choices(",".join(stated) if not isinstance(stated, str) else stated, known, kind, key)

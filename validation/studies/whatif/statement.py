@@ -1,0 +1,177 @@
+"""What a study asks, as frozen values and as the file from which it can be gone on with."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from functools import cached_property
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import write_text
+from tactgen.geometry.units import quoted
+from tactgen.validation.scene.files import assign
+from tactgen.validation.studies.whatif.axes import MOST, Axis, parse_axes
+from tactgen.validation.studies.whatif.scene_field import as_stated
+
+#: Version of the file; another one is refused.
+FORMAT = 1
+#: File of the statement in a study's folder.
+FILE = "study.json"
+#: Dimension of values that go hand in hand, and of those that are drawn.
+ZIPPED, DRAWN = "point", "sample"
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What is asked: a scene, its axes, models and quantities.
+
+    Attributes
+    ----------
+    scene : str
+        The scene's name.
+    values : dict
+        Its values as they are written, with all overrides.
+    vary : tuple of str
+        The axes as they are written.
+    zipped : bool
+        Whether stepped axes go hand in hand instead of being combined.
+    samples, seed : int
+        How many samples are drawn (0: none), and from which seed.
+    models, quantities : tuple of str
+        By name.
+    """
+
+    scene: str
+    values: dict[str, Any]
+    vary: tuple[str, ...]
+    models: tuple[str, ...]
+    quantities: tuple[str, ...]
+    zipped: bool = False
+    samples: int = 0
+    seed: int = 1
+
+    @cached_property
+    def axes(self) -> tuple[Axis, ...]:
+        """The axes; refusals as :func:`validation.studies.whatif.axes.parse_axes`."""
+        return parse_axes(self.vary, sampled=self.samples > 0)
+
+    @cached_property
+    def columns(self) -> dict[str, tuple[str, tuple[Any, ...]]]:
+        """Of each axis by key: the dimension that it lies along, and its values.
+
+        Raises
+        ------
+        InputError
+            If axes that go hand in hand differ in length, or there are too many points.
+        """
+        stepped = [axis for axis in self.axes if axis.drawn is None]
+        if self.zipped:
+            sizes = {axis.key: len(axis.values) for axis in stepped}
+            if len(set(sizes.values())) > 1:
+                listed = ", ".join(f"{key} has {size}" for key, size in sizes.items())
+                raise InputError(
+                    f"--zip takes axes of equal length, but {listed}; give each as many values, "
+                    "or leave --zip out"
+                )
+        found = {}
+        for axis in self.axes:
+            if axis.drawn is not None:
+                drawn = axis.drawn.draw(self.samples, self.seed, axis.key)
+                found[axis.key] = (DRAWN, tuple(float(value) for value in drawn))
+            else:
+                found[axis.key] = (ZIPPED if self.zipped else axis.key, axis.values)
+        return found
+
+    @cached_property
+    def shape(self) -> dict[str, int]:
+        """Dimensions in order, each with its size.
+
+        Raises
+        ------
+        InputError
+            If they make too many points.
+        """
+        found = {dimension: len(values) for dimension, values in self.columns.values()}
+        count = 1
+        for size in found.values():
+            count *= size
+        if count > MOST:
+            raise InputError(f"the axes make {count} points; ask for at most {MOST}")
+        return found
+
+    @property
+    def size(self) -> int:
+        """How many points there are."""
+        count = 1
+        for size in self.shape.values():
+            count *= size
+        return count
+
+    def points(self) -> Iterator[dict[str, Any]]:
+        """Yield the values of all axes at each point; the last dimension runs fastest."""
+        dimensions = list(self.shape)
+        for index in itertools.product(*(range(size) for size in self.shape.values())):
+            at = dict(zip(dimensions, index, strict=True))
+            yield {key: values[at[dimension]] for key, (dimension, values) in self.columns.items()}
+
+    def scene_at(self, point: dict[str, Any]) -> dict[str, Any]:
+        """Return the values of the scene at a point, as they would be written."""
+        values = copy.deepcopy(self.values)
+        for key, value in point.items():
+            assign(values, key, as_stated(key, value))
+        return values
+
+
+def write_statement(folder: Path, statement: Statement) -> Path:
+    """Write a study's statement into its folder, whole or not at all."""
+    stated = {f.name: getattr(statement, f.name) for f in fields(statement)}
+    content = {"format": FORMAT, "written_by": f"tactgen {version('tactgen')}", **stated}
+    return write_text(folder / FILE, json.dumps(content, indent=1, default=str) + "\n")
+
+
+def read_statement(folder: Path) -> Statement:
+    """Return the statement that a study's folder holds.
+
+    Raises
+    ------
+    InputError
+        If there is none, or not one of this version.
+    """
+    path = folder / FILE
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(
+            f"{folder} holds no study that can be read ({FILE}: {reason}); name a folder that "
+            "tactgen whatif --out has written"
+        ) from None
+    except ValueError:
+        raise InputError(
+            f"{path} is damaged (it is not JSON); state the study again with --vary, its points "
+            "are kept"
+        ) from None
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        stated = content.get("format") if isinstance(content, dict) else None
+        raise InputError(
+            f"{path} has format = {quoted(stated)}, and this version reads {FORMAT}; state the "
+            "study again with --vary in another folder"
+        )
+    known = {f.name for f in fields(Statement)}
+    try:
+        stated = {key: _frozen(value) for key, value in content.items() if key in known}
+        return Statement(**stated)
+    except TypeError as error:
+        raise InputError(
+            f"{path} is damaged ({error}); state the study again with --vary"
+        ) from None
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
