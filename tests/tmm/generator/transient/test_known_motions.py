@@ -1,0 +1,298 @@
+"""Time integration against motions that are known: oscillators, a bouncing mass, coil circuits."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient.march import Sources, simulate, simulate_steps
+from tactgen.tmm.generator.transient.system import (
+    Coil,
+    CubicSpring,
+    Element,
+    Output,
+    RoughPoint,
+    Stop,
+    System,
+)
+from tactgen.tmm.generator.transient.waveform import Chirp, Constant, Sampled, Sine, Square, Step
+from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
+
+ONE, UNIT = np.ones(1), np.eye(1)
+
+
+def oscillator(law, *, mass=1.0, damping=0.0, stiffness=0.0, load=0.0, sign=1.0, scale=1.0):
+    """One mass on a linear spring, a damper and a law along sign · x."""
+    return System(
+        mass * UNIT, damping * UNIT, stiffness * UNIT, load * ONE, 0.0 * ONE, 0.0,
+        (Element("spring", law, sign * ONE),), None, {"x": Output(ONE, "m", scale)},
+    )  # fmt: skip
+
+
+class IdealGap:
+    """A gap alone: λ = C i/g, W' = C i²/(2 g)."""
+
+    def __init__(self, constant):
+        self.constant = constant
+
+    def at(self, current, gap):
+        linkage = self.constant * current / gap
+        force = 0.5 * linkage * current / gap
+        return CoenergyPoint(
+            0.5 * linkage * current, linkage, force, self.constant / gap, -linkage / gap,
+            -2.0 * force / gap,
+        )  # fmt: skip
+
+
+def circuit(inductance, resistance):
+    """A coil whose gap stands still, beside a mass that nothing moves."""
+    coil = Coil(IdealGap(inductance), 0.0 * ONE, 1.0, resistance, "voltage")
+    return System(
+        UNIT, 0.0 * UNIT, UNIT, 0.0 * ONE, 0.0 * ONE, 0.0, (), coil, {"x": Output(ONE, "m", 1.0)}
+    )
+
+
+def moving_gap(source, resistance=1.0):
+    """A mass on a spring that a coil with an ideal gap of 1 m pulls at."""
+    coil = Coil(IdealGap(1.0), -ONE, 1.0, resistance, source, width=0.1)
+    return System(
+        UNIT, 0.01 * UNIT, 4.0 * UNIT, 0.0 * ONE, 0.0 * ONE, 0.0, (), coil,
+        {"x": Output(ONE, "m", 0.1)},
+    )  # fmt: skip
+
+
+def duffing_period(amplitude, linear=1.0, cubic=1.0, mass=1.0):
+    """Return the period of m x'' + k x + k₃ x³ = 0: 4 √(m/(k + k₃A²)) K(m)."""
+    stiffening = cubic * amplitude**2
+    root = math.sqrt(mass / (linear + stiffening))
+    return 4.0 * root * float(ellipk(0.5 * stiffening / (linear + stiffening)))
+
+
+def zero_crossing(time, x):
+    """Return when x passes 0 first, by a cubic through the four points around."""
+    k = int(np.flatnonzero(x[:-1] * x[1:] <= 0.0)[0])
+    near = slice(k - 1, k + 3)
+    weights = [
+        math.prod(-other / (own - other) for other in x[near] if other != own) for own in x[near]
+    ]
+    return float(np.dot(weights, time[near]))
+
+
+@pytest.mark.parametrize("amplitude", [0.1, 1.0, 5.0])
+def test_a_hardening_spring_swings_in_its_period(amplitude):
+    """Duffing's quarter period within the run's own error bar, over the speed at the crossing."""
+    quarter = 0.25 * duffing_period(amplitude)
+    system = oscillator(CubicSpring(1.0, 1.0), scale=amplitude)
+    found = simulate(system, Sources(), 1.2 * quarter, position=amplitude * ONE, accuracy=1e-4)
+    x = found.outputs["x"]
+    off = zero_crossing(found.run.time, x) - quarter
+    speed = math.sqrt(amplitude**2 + 0.5 * amplitude**4)
+    assert found.error <= 1e-4
+    assert 0.0 < abs(off) * speed < found.errors["x"]
+
+
+def test_vm156():
+    """ANSYS VM156: 2 x + 4 x³, mass 2.588e-3, period 0.144043869 s by elliptic integrals."""
+    period = duffing_period(1.0, 2.0, 4.0, 2588e-6)
+    assert period == pytest.approx(0.144043869, rel=1e-8)  # digits given
+    system = oscillator(CubicSpring(2.0, 4.0), mass=2588e-6)
+    run = simulate_steps(system, Sources(), 0.3 * period, 1500, position=ONE)
+    # order two: (ω h)²/12 and so, with ω h = 1.3e-3
+    assert 4.0 * zero_crossing(run.time, run.position[:, 0]) == pytest.approx(period, rel=5e-7)
+
+
+def test_the_order_is_two():
+    """Halving the steps leaves a quarter of the error."""
+    system = oscillator(CubicSpring(1.0, 1.0))
+    time = 0.4 * duffing_period(2.0)
+    ends = [
+        simulate_steps(system, Sources(), time, n, position=2.0 * ONE).position[-1, 0]
+        for n in (50, 100, 200, 400)
+    ]
+    ratio = np.diff(ends)[:-1] / np.diff(ends)[1:]
+    assert ratio == pytest.approx(4.0, abs=0.05)  # the next term is of order h²
+
+
+def test_a_driven_damped_mass_follows_its_closed_form():
+    """m x'' + c x' + k x = θ U sin Ωt from rest: transient and forced motion."""
+    m, c, k, theta, omega = 2.0, 0.3, 50.0, 4.0, 3.0
+    system = System(
+        m * UNIT, c * UNIT, k * UNIT, 0.0 * ONE, theta * ONE, 1e-3, (), None,
+        {"x": Output(ONE, "m", 0.1)},
+    )  # fmt: skip
+    found = simulate(system, Sources(Sine(2.0, omega / (2.0 * math.pi))), 4.0)
+    t = found.run.time
+    steady = theta * 2.0 / (k - m * omega**2 + 1j * omega * c)
+    decay, ring = 0.5 * c / m, math.sqrt(k / m - 0.25 * (c / m) ** 2)
+    free = -(1j * omega * steady - 0.0).imag
+    a = -steady.imag
+    b = (free + decay * a) / ring
+    exact = (steady * np.exp(1j * omega * t)).imag
+    exact += np.exp(-decay * t) * (a * np.cos(ring * t) + b * np.sin(ring * t))
+    off = np.abs(found.outputs["x"] - exact).max()
+    assert 0.0 < off < found.errors["x"] < 1e-3
+    charge = theta * found.outputs["x"] + 1e-3 * found.run.voltage
+    assert found.run.charge == pytest.approx(charge, rel=1e-14)
+
+
+def test_a_bouncing_mass_keeps_its_energy_and_comes_back():
+    """Dropped on a stop without loss it rises to its height again, after the closed form's time."""
+    mass, g, k, height = 1e-3, 9.81, 1e5, 1e-3
+    system = oscillator(Stop(k), mass=mass, load=-mass * g, sign=-1.0, scale=height)
+    fall = math.sqrt(2.0 * height / g)
+    omega, sag = math.sqrt(k / mass), mass * g / k
+    touch = 2.0 * (math.pi - math.atan(g * fall / omega / sag)) / omega
+    found = simulate(system, Sources(), 2.0 * fall + touch, position=height * ONE)
+    assert found.run.position[-1, 0] == pytest.approx(height, rel=2.0 * found.error)
+    assert found.outputs["x"].min() == pytest.approx(
+        -sag - math.hypot(sag, math.sqrt(2.0 * g * height) / omega),
+        rel=1e-3,  # sampled in time
+    )
+    assert found.run.worst_imbalance < 1e-12
+
+
+@pytest.mark.parametrize("stiffness", [1e1, 1e3, 1e5, 1e7, 1e9])
+def test_stops_over_eight_decades_settle_and_keep_the_balance(stiffness):
+    """Undamped stops from soft to hard, hit at 1 m/s: no step fails, no energy appears."""
+    system = oscillator(Stop(stiffness), mass=1e-3, sign=-1.0, scale=1e-2)
+    back = 5e-3 + math.pi * math.sqrt(1e-3 / stiffness)
+    found = simulate(system, Sources(), back + 5e-3, position=5e-3 * ONE, velocity=-ONE)
+    assert found.run.position[-1, 0] == pytest.approx(5e-3, abs=found.errors["x"])
+    assert found.run.velocity[-1, 0] == pytest.approx(1.0, rel=1e-9)  # nothing lost
+    assert found.run.worst_imbalance < 1e-12
+
+
+def test_a_damped_stop_never_pulls():
+    """With a strong damper the mass leaves before the spring has come back; nothing holds it."""
+    law = Stop(1e4, 30.0)
+    system = oscillator(law, mass=1e-3, sign=-1.0, scale=1e-3)
+    run = simulate_steps(system, Sources(), 5e-3, 4000, position=1e-4 * ONE, velocity=-ONE)
+    pushed = np.diff(run.velocity[:, 0])
+    assert pushed.min() > -1e-12
+    assert pushed.max() > 0.0
+    assert 0.0 < run.velocity[-1, 0] < 0.5
+    lost = 0.5e-3 * (1.0 - run.velocity[-1, 0] ** 2)
+    assert run.element_loss[-1] == pytest.approx(lost, rel=1e-10)
+
+
+def test_rough_surfaces_send_a_mass_back():
+    """F = P e^{δ/u₀}: hit at v, the approach is u₀ ln(m v²/(2 P u₀)), and no energy is lost."""
+    mass, load, decay = 3e-4, 0.1, 3e-7
+    system = oscillator(RoughPoint(load, decay), mass=mass, sign=-1.0, scale=1e-5)
+    found = simulate(
+        system, Sources(), 1e-4, position=1e-5 * ONE, velocity=-0.3 * ONE, accuracy=1e-4
+    )
+    deepest = decay * math.log(0.5 * mass * 0.3**2 / (load * decay))
+    assert -found.outputs["x"].min() == pytest.approx(deepest, abs=2e-3 * decay)  # sampled in time
+    assert found.run.velocity[-1, 0] == pytest.approx(0.3, rel=1e-6)  # P u₀ e^{-30} is left
+    assert found.run.worst_imbalance < 1e-12
+
+
+@pytest.mark.parametrize("law", [Stop(3.0, 0.2), CubicSpring(1.0, 2.0), RoughPoint(0.3, 0.5, 0.1)])
+def test_laws_balance_whatever_the_step(law):
+    """The elastic force does what the energy changes by; the rest takes, and nothing pulls."""
+    pushes_only = not isinstance(law, CubicSpring)
+    for before, after in ((-1.0, 0.7), (0.7, -1.0), (0.2, 0.9), (0.9, 0.2), (0.4, 0.4 + 1e-9)):
+        force, slope, elastic = law.mean(before, after, 0.1)
+        change = law.energy(after) - law.energy(before)
+        assert elastic * (after - before) == pytest.approx(change, rel=1e-7, abs=1e-16)
+        assert (force - elastic) * (after - before) >= 0.0
+        assert force >= 0.0 or not pushes_only
+        if abs(after - before) > 1e-6:
+            moved = [law.mean(before, after + d, 0.1)[0] for d in (-1e-6, 1e-6)]
+            assert slope == pytest.approx((moved[1] - moved[0]) / 2e-6, rel=1e-5, abs=1e-9)
+
+
+def test_vm207():
+    """ANSYS VM207: 12 V on 5.991 Ω and the Brooks coil's 12.74 mH; 1.9849 A after 10 ms."""
+    found = simulate(circuit(0.01274, 5.991), Sources(coil=Step(12.0)), 0.01)
+    exact = 12.0 / 5.991 * -math.expm1(-5.991 / 0.01274 * 0.01)
+    assert 0.0 < abs(found.run.current[-1] - exact) < found.errors["current"]
+    assert found.run.current[-1] == pytest.approx(1.9849, abs=1e-4)  # printed digits
+
+
+@pytest.mark.parametrize("resistance", [0.0, 1e-9, 1e2, 1e4])
+def test_circuits_from_no_resistance_to_one_that_answers_at_once(resistance):
+    """The current of a stepped voltage, within the error bar; the balance to rounding."""
+    inductance = 1e-3
+    found = simulate(circuit(inductance, resistance), Sources(coil=Step(1.0)), 1e-3)
+    t = found.run.time
+    exact = (
+        t / inductance
+        if resistance == 0.0
+        else (-np.expm1(-resistance / inductance * t) / resistance)
+    )
+    bar = found.errors["current"] + 1e-12 * exact.max()
+    assert np.abs(found.run.current - exact)[2:].max() < bar
+    assert found.run.worst_imbalance < 1e-12
+
+
+def test_a_circuit_too_fast_to_follow_says_so():
+    with pytest.raises(InputError, match="prescribe the coil's current"):
+        simulate(circuit(1e-9, 1e6), Sources(coil=Step(1.0)), 1.0)
+
+
+@pytest.mark.parametrize("source", ["current", "voltage"])
+def test_a_pulled_mass_keeps_the_balance(source):
+    """Field, coil, spring, damper: what the source gives is found again, to rounding."""
+    run = simulate_steps(moving_gap(source), Sources(coil=Sine(0.3, 0.4)), 10.0, 1000)
+    assert np.ptp(run.position) > 1e-3
+    assert run.worst_imbalance < 1e-13
+    assert abs(run.coil_work[-1]) > 1e-6
+
+
+def test_the_balance_is_of_the_method_not_of_small_steps():
+    """With ten steps a period, far from the truth, not a share of energy appears."""
+    run = simulate_steps(moving_gap("voltage"), Sources(coil=Sine(0.5, 0.4)), 25.0, 100)
+    assert run.worst_imbalance < 1e-13
+
+
+@pytest.mark.heavy
+def test_the_balance_over_a_million_steps():
+    """No step's imbalance, nor their sum, reaches 1e-10 of what the run exchanged."""
+    run = simulate_steps(moving_gap("voltage"), Sources(coil=Sine(0.3, 0.4)), 5000.0, 1_000_000)
+    each = np.abs(np.diff(run.imbalance)).max()
+    assert each / (run.throughput[-1] / run.time.size) < 1e-10
+    assert run.worst_imbalance < 1e-10
+
+
+def test_small_motion_is_that_of_the_frequency_domain():
+    """Held by springs that push only, the answer to a small voltage is the linear one's, 1e-6."""
+    k, tau, theta, frequency = 1e4, 1e-4, 1.0, 40.0
+    system = System(
+        UNIT * 0.01, 6.0 * UNIT, 100.0 * UNIT, 10.0 * ONE, theta * ONE, 0.0,
+        (Element("stop", Stop(k, k * tau), ONE),), None, {"x": Output(ONE, "m", 1e-5)},
+    )  # fmt: skip
+    rest = 10.0 / (k + 100.0)
+    periods, per = 3, 2000
+    run = simulate_steps(
+        system, Sources(Sine(1e-2, frequency)), periods / frequency, periods * per,
+        position=rest * ONE,
+    )  # fmt: skip
+    last = slice(-per - 1, -1)
+    turn = np.exp(-2j * np.pi * frequency * run.time[last])
+    found = 2j * np.mean((run.position[last, 0] - rest) * turn)
+    omega = 2.0 * np.pi * frequency
+    damping = 6.0 + k * tau
+    expected = 1e-2 * theta / (100.0 + k - 0.01 * omega**2 + 1j * omega * damping)
+    # the start has decayed by e^{-c t/2m} = e^{-17}; order two leaves (ω h)²/12 = 8e-7 of c and m
+    assert abs(found / expected - 1.0) < 1e-6
+
+
+def test_waveforms_start_jump_and_end_where_they_say():
+    square = Square(0.12, 100.0, duty=0.3, start=1e-3)
+    assert square.breaks(0.02) == pytest.approx((1e-3, 4e-3, 11e-3, 14e-3))
+    assert [square.value(4e-3, t) for t in (3.9e-3, 4.1e-3)] == [0.12, 0.0]
+    assert Step(2.0, 1.0, 3.0).value(1.0, 0.9) == 0.0
+    assert Step(2.0, 1.0, 3.0).value(1.0, 1.1) == 2.0
+    assert Constant(3.0).breaks(1.0) == ()
+    ramp = Sampled((0.0, 1.0, 1.0, 2.0), (0.0, 1.0, 5.0, 6.0))
+    assert [ramp.value(1.0, t) for t in (0.9, 1.1)] == [1.0, 5.0]
+    assert ramp.value(3.0, 3.0) == 6.0
+    assert ramp.breaks(2.0) == (1.0,)
+    chirp = Chirp(1.0, 10.0, 30.0, 2.0)
+    rate = (chirp.value(1.0 + 1e-7, 1.0) - chirp.value(1.0 - 1e-7, 1.0)) / 2e-7
+    # half way the frequency is the mean of both, and 15 turns are done
+    assert rate == pytest.approx(2.0 * math.pi * 20.0, rel=1e-6)

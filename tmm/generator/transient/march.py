@@ -1,0 +1,464 @@
+"""A run: time steps chosen to a tolerance, then halved everywhere to measure the error.
+
+The first pass chooses the steps: the distance from a predictor of second order says how much a
+step errs; steps are halved where that is too much (impacts) and doubled where it is little.  The
+second pass goes over the same steps in halves and is the result.  The rule is of second order where
+the motion is smooth, and the distance between the passes then three times the error of the second;
+at impacts it is of first order, and the distance equal to that error or, where an impact is passed
+in a few steps, somewhat below it.  So three times the distance is given as the error bar.  If it
+exceeds what was asked, both passes are repeated with shorter steps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from tactgen.geometry.arrays import Bools, Floats
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient.step import Energies, Flow, State, Stepper, StepTooLongError
+from tactgen.tmm.generator.transient.system import System
+from tactgen.tmm.generator.transient.waveform import Constant, Waveform
+
+_NOTHING = Constant(0.0)
+#: Longest step as a share of the fastest waveform's period.
+_PER_PERIOD = 1.0 / 64.0
+#: Halvings of the longest step that are tried, and those after each break, where nothing is known.
+_DEEPEST, _FIRST = 20, 6
+#: Share of a circuit's time constant that the first step after a break takes.
+_PER_LAG = 0.02
+#: How much further the predictor is from the truth than the step.
+_PREDICTOR = 6.0
+#: A step is doubled where its error is below this share of the tolerance: an eighth, with margin.
+_EASY = 0.06
+#: Error bar over the distance between the two passes.
+_BAR = 3.0
+#: Local tolerance of the first round over the accuracy asked for.
+_LOCAL = 0.02
+#: Rounds of both passes, and the share of the accuracy that the next round aims at.
+_ROUNDS, _AIM = 4, 0.5
+#: Steps after which a run is given up.
+_MOST_STEPS = 3_000_000
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What drives: volts across the bimorph, amperes or volts in the coil."""
+
+    bimorph: Waveform = _NOTHING
+    coil: Waveform = _NOTHING
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What a run gave at its times (k,).
+
+    Attributes
+    ----------
+    time : (k,) float
+        s; a time at which a source jumps appears twice.
+    position, velocity : (k, n) float
+        Coordinates of the system.
+    voltage, coil_source : (k,) float
+        V; A or V.
+    current, flux_linkage, gap, pull, charge : (k,) float
+        A, Wb, m, N, C.
+    kinetic, strain, springs, load, magnetic, electric : (k,) float
+        Energies: of motion, of the structure, of springs and stops, of constant forces, of the
+        magnetic field, of the bimorph's capacitance (J).
+    bimorph_work, coil_work : (k,) float
+        Given by the sources since the start (J).
+    structure_loss, element_loss, wire_loss : (k,) float
+        Taken by dampers, by springs and stops, by the circuit's resistance since the start (J).
+    throughput : (k,) float
+        Sum since the start of the sizes of all works, losses and changes of one kind of energy
+        (J): what the balance is judged by.
+    """
+
+    time: Floats
+    position: Floats
+    velocity: Floats
+    voltage: Floats
+    coil_source: Floats
+    current: Floats
+    flux_linkage: Floats
+    gap: Floats
+    pull: Floats
+    charge: Floats
+    kinetic: Floats
+    strain: Floats
+    springs: Floats
+    load: Floats
+    magnetic: Floats
+    electric: Floats
+    bimorph_work: Floats
+    coil_work: Floats
+    structure_loss: Floats
+    element_loss: Floats
+    wire_loss: Floats
+    throughput: Floats
+
+    @property
+    def energy(self) -> Floats:
+        """All that is stored (k,), in J."""
+        mechanical = self.kinetic + self.strain + self.springs + self.load
+        return mechanical + self.magnetic + self.electric
+
+    @property
+    def imbalance(self) -> Floats:
+        """Stored energy less start, works and losses (k,), in J: rounding only."""
+        lost = self.structure_loss + self.element_loss + self.wire_loss
+        given = self.bimorph_work + self.coil_work
+        return np.asarray(self.energy - self.energy[0] - given + lost)
+
+    @property
+    def worst_imbalance(self) -> float:
+        """The largest imbalance over the throughput of the run; 0 for one at rest."""
+        whole = float(self.throughput[-1])
+        return float(np.abs(self.imbalance).max()) / whole if whole > 0.0 else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A run with what it is worth.
+
+    Attributes
+    ----------
+    run : Run
+        With every chosen step halved.
+    outputs : dict of str to (k,) float
+        The system's outputs over time.
+    errors : dict of str to float
+        Bar of each output, in its unit: three times the largest distance from the run with whole
+        steps.
+    error : float
+        The largest of them over its output's scale.
+    accuracy : float
+        What was asked for.
+    rounds : int
+        How often both passes were made.
+    """
+
+    run: Run
+    outputs: dict[str, Floats]
+    errors: dict[str, float]
+    error: float
+    accuracy: float
+    rounds: int
+
+
+#: Steps between two breaks: a time inside the piece, the start, and each step's end (s).
+_Piece = tuple[float, float, list[float]]
+
+
+def simulate(
+    system: System,
+    sources: Sources,
+    until: float,
+    *,
+    position: Floats | None = None,
+    velocity: Floats | None = None,
+    accuracy: float = 1e-3,
+    longest: float = math.inf,
+    announce: Callable[[float], None] = lambda _: None,
+) -> Answer:
+    """Return what a system does under its sources from 0 to `until` (s).
+
+    Parameters
+    ----------
+    position, velocity : (n,) float, optional
+        At the start; 0 by default.
+    accuracy : float
+        Error of the outputs, over their scales, that is aimed at.
+    longest : float
+        Longest step (s), besides a share of the fastest waveform's period.
+    announce : callable
+        Is told now and then which share of the work is done.
+
+    Raises
+    ------
+    InputError
+        If a step does not settle however short, the run needs too many, or the coil's current or
+        gap leaves what is known of it.
+    """
+    n = system.mass.shape[0]
+    first = Stepper(system).start(
+        np.zeros(n) if position is None else position,
+        np.zeros(n) if velocity is None else velocity,
+        *_at_start(system, sources, until),
+    )
+    fastest = min(sources.bimorph.shortest, sources.coil.shortest)
+    longest = min(longest, _PER_PERIOD * fastest, 0.01 * until)
+    local = _LOCAL * accuracy
+    rounds = 0
+    while True:
+        rounds += 1
+        marcher = _Marcher(system, sources, until, announce)
+        chosen, coarse = marcher.choose(first, longest, local)
+        fine, shared = marcher.follow(first, chosen, parts=2)
+        outputs, errors, error = _compared(system, coarse, fine, shared)
+        if error <= accuracy or rounds == _ROUNDS:
+            break
+        # the error of a run goes as the square of its steps, that of a step as the cube
+        local *= max((_AIM * accuracy / error) ** 1.5, 1e-3)
+    return Answer(fine, outputs, errors, error, accuracy, rounds)
+
+
+def simulate_steps(
+    system: System,
+    sources: Sources,
+    until: float,
+    steps: int,
+    *,
+    position: Floats | None = None,
+    velocity: Floats | None = None,
+) -> Run:
+    """Return a run in equal steps, `steps` between every two breaks of the sources."""
+    n = system.mass.shape[0]
+    first = Stepper(system).start(
+        np.zeros(n) if position is None else position,
+        np.zeros(n) if velocity is None else velocity,
+        *_at_start(system, sources, until),
+    )
+    pieces = [
+        (0.5 * (a + b), a, np.linspace(a, b, steps + 1)[1:].tolist())
+        for a, b in _between_breaks(sources, until)
+    ]
+    return _Marcher(system, sources, until, lambda _: None).follow(first, pieces, parts=1)[0]
+
+
+def _at_start(system: System, sources: Sources, until: float) -> tuple[float, float]:
+    """Return the voltage across the bimorph and the current just before the start."""
+    by_current = system.coil is not None and system.coil.source == "current"
+    inside = 0.5 * next(_between_breaks(sources, until))[1]
+    current = sources.coil.value(0.0, inside) if by_current else 0.0
+    return sources.bimorph.value(0.0, inside), current
+
+
+def _between_breaks(sources: Sources, until: float) -> Iterator[tuple[float, float]]:
+    breaks = {*sources.bimorph.breaks(until), *sources.coil.breaks(until)}
+    yield from pairwise(sorted({0.0, until, *breaks}))
+
+
+def _compared(
+    system: System, coarse: Run, fine: Run, shared: Bools
+) -> tuple[dict[str, Floats], dict[str, float], float]:
+    """Return the outputs, and how far apart they are at the times that both runs have."""
+    outputs: dict[str, Floats] = {}
+    errors: dict[str, float] = {}
+    error = 0.0
+    for name, output in system.outputs.items():
+        outputs[name] = fine.position @ output.row
+        off = outputs[name][shared] - coarse.position @ output.row
+        errors[name] = _BAR * float(np.abs(off).max())
+        error = max(error, errors[name] / output.scale)
+    if system.coil is not None and system.coil.source == "voltage":
+        off, largest = fine.current[shared] - coarse.current, float(np.abs(fine.current).max())
+        outputs["current"], errors["current"] = fine.current, _BAR * float(np.abs(off).max())
+        error = max(error, errors["current"] / largest) if largest else error
+    return outputs, errors, error
+
+
+class _Marcher:
+    """Goes over the pieces between breaks, and records."""
+
+    def __init__(
+        self, system: System, sources: Sources, until: float, announce: Callable[[float], None]
+    ) -> None:
+        self._system, self._sources, self._until = system, sources, until
+        self._announce = announce
+        self._stepper = Stepper(system)
+        outputs = system.outputs.values()
+        self._rows = np.array([o.row / o.scale for o in outputs]).reshape(-1, system.mass.shape[0])
+
+    def choose(self, first: State, longest: float, local: float) -> tuple[list[_Piece], Run]:
+        """Return the steps whose local errors are below `local`, and the run with them."""
+        record, state, chosen = _Record(self._stepper), first, []
+        for start, end in _between_breaks(self._sources, self._until):
+            inside = 0.5 * (start + end)
+            state = self._jumped(state, start, inside, record)
+            count = max(1, math.ceil((end - start) / longest))
+            done, whole = 0, count << _DEEPEST
+            level = self._first_level(state, (end - start) / count)
+            ends: list[float] = []
+            earlier: list[tuple[float, State]] = []
+            before = start
+            while done < whole:
+                ticks = 1 << (_DEEPEST - level)
+                time = start + (end - start) * ((done + ticks) / whole)
+                h = (end - start) * (ticks / whole)
+                try:
+                    new, flow = self._stepped(state, h, time, inside)
+                    off = self._local_error(earlier, state, new, h)
+                except StepTooLongError:
+                    if level == _DEEPEST:
+                        raise InputError(_never_settles(time)) from None
+                    off = math.inf
+                if off > local and level < _DEEPEST:
+                    level += 1
+                    continue
+                self._keep(record, time, new, flow, inside)
+                earlier, state, before = [*earlier[-1:], (h, state)], new, time
+                ends.append(time)
+                done += ticks
+                if len(record) > _MOST_STEPS:
+                    raise InputError(_too_many(time))
+                if level > 0 and off < _EASY * local and done % (2 * ticks) == 0:
+                    level -= 1
+                self._announce(before / self._until / 3.0)
+            chosen.append((inside, start, ends))
+        return chosen, record.run()
+
+    def follow(self, first: State, pieces: Sequence[_Piece], parts: int) -> tuple[Run, Bools]:
+        """Return the run with each given step cut in parts, and which times end a given step."""
+        record, state, shared = _Record(self._stepper), first, []
+        for inside, start, ends in pieces:
+            state = self._jumped(state, start, inside, record)
+            shared.append(True)
+            begin = start
+            for end in ends:
+                h = (end - begin) / parts
+                for part in range(1, parts + 1):
+                    time = end if part == parts else begin + part * h
+                    try:
+                        state, flow = self._stepped(state, h, time, inside)
+                    except StepTooLongError:
+                        raise InputError(_never_settles(time)) from None
+                    self._keep(record, time, state, flow, inside)
+                    shared.append(part == parts)
+                begin = end
+                self._announce((1.0 + 2.0 * end / self._until) / 3.0)
+        return record.run(), np.array(shared)
+
+    def _first_level(self, state: State, longest: float) -> int:
+        """Return how often the longest step is halved after a break, when sources may jump.
+
+        A circuit answers a jump within L/R, which the first step must resolve: the implicit
+        midpoint rule does not damp what it steps over.
+        """
+        coil = self._system.coil
+        if coil is None or coil.source != "voltage" or coil.resistance == 0.0:
+            return _FIRST
+        lag = state.field.inductance / coil.resistance
+        level = math.ceil(math.log2(max(longest / (_PER_LAG * lag), 1.0)))
+        if level > _DEEPEST:
+            raise InputError(
+                f"the coil's circuit answers within {lag:.3g} s (its inductance over its "
+                "resistance), too short to be followed; prescribe the coil's current instead of "
+                "its voltage"
+            )
+        return max(level, _FIRST)
+
+    def _stepped(self, state: State, h: float, time: float, inside: float) -> tuple[State, Flow]:
+        """Return the state at `time`, `h` later."""
+        coil = self._sources.coil
+        source = coil.value(time - h, inside), coil.value(time, inside)
+        return self._stepper.step(state, h, self._sources.bimorph.value(time, inside), source)
+
+    def _jumped(self, state: State, time: float, inside: float, record: _Record) -> State:
+        """Return the state after the sources' jumps at `time`, recorded."""
+        source = self._sources.coil.value(time, inside)
+        voltage = self._sources.bimorph.value(time, inside)
+        new, flow = self._stepper.jump(state, voltage, source)
+        record.add(time, new, flow, source)
+        return new
+
+    def _local_error(
+        self, earlier: list[tuple[float, State]], state: State, new: State, h: float
+    ) -> float:
+        """Return the step's error over the outputs' scales, by its distance from a predictor."""
+        if not earlier:
+            return 0.0
+        h_before, before = earlier[-1]
+        acceleration = (state.velocity - before.velocity) / h_before
+        ahead = state.position + h * state.velocity + 0.5 * h * h * acceleration
+        off = float(np.abs(self._rows @ (new.position - ahead)).max(initial=0.0))
+        coil = self._system.coil
+        if coil is not None and coil.source == "voltage" and len(earlier) == 2:
+            scale = self._sources.coil.peak / coil.resistance if coil.resistance else math.inf
+            off = max(off, abs(_bend(earlier, state, new, h)) / scale)
+        return off / _PREDICTOR
+
+    def _keep(self, record: _Record, time: float, new: State, flow: Flow, inside: float) -> None:
+        """Record a step, if the coil is still where it is known."""
+        coil = self._system.coil
+        if coil is not None and abs(new.current) > coil.largest_current:
+            raise InputError(
+                f"at {time * 1e3:.6g} ms the current is {new.current * 1e3:.6g} mA, beyond the "
+                f"{coil.largest_current * 1e3:.6g} mA to which the co-energy map goes; drive the "
+                "coil less"
+            )
+        if coil is not None and not coil.gaps[0] <= new.gap <= coil.gaps[1]:
+            low, high = coil.gaps
+            raise InputError(
+                f"at {time * 1e3:.6g} ms the gap is {new.gap * 1e6:.6g} um, outside the "
+                f"{low * 1e6:.6g} to {high * 1e6:.6g} um of the co-energy map; give the stops more "
+                "stiffness or drive the coil less"
+            )
+        record.add(time, new, flow, self._sources.coil.value(time, inside))
+
+
+def _bend(earlier: list[tuple[float, State]], state: State, new: State, h: float) -> float:
+    """Return how far the current is from the parabola through the three before it (A)."""
+    (h2, first), (h1, second) = earlier
+    slope1 = (state.current - second.current) / h1
+    slope2 = (second.current - first.current) / h2
+    curve = (slope1 - slope2) / (h1 + h2)
+    return new.current - (state.current + h * (slope1 + curve * (h + h1)))
+
+
+def _never_settles(time: float) -> str:
+    return (
+        f"at {time * 1e3:.6g} ms no step, however short, settles; give the stops less stiffness, "
+        "or the coil's circuit a longer time constant"
+    )
+
+
+def _too_many(time: float) -> str:
+    return (
+        f"more than {_MOST_STEPS} steps are needed, and {time * 1e3:.6g} ms were reached; ask for "
+        "a shorter time or a larger accuracy, or make stops and circuit less stiff"
+    )
+
+
+class _Record:
+    """Collects a run, state by state."""
+
+    def __init__(self, stepper: Stepper) -> None:
+        self._stepper = stepper
+        self._positions: list[Floats] = []
+        self._velocities: list[Floats] = []
+        self._rows: list[tuple[float, ...]] = []
+        self._sums = [0.0] * 6
+        self._last: Energies | None = None
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def add(self, time: float, state: State, flow: Flow, source: float) -> None:
+        """Add a state, and what was exchanged on the way to it."""
+        energies = self._stepper.energies(state)
+        sums = self._sums
+        for k, exchanged in enumerate(flow):
+            sums[k] += exchanged
+        if self._last is not None:
+            changes = (abs(a - b) for a, b in zip(energies, self._last, strict=True))
+            sums[5] += sum(changes) + sum(map(abs, flow))
+        self._last = energies
+        self._positions.append(state.position)
+        self._velocities.append(state.velocity)
+        self._rows.append(
+            (
+                time, state.voltage, source, state.current, state.field.flux_linkage, state.gap,
+                state.field.force, self._stepper.charge(state), *energies, *sums,
+            )
+        )  # fmt: skip
+
+    def run(self) -> Run:
+        """Return what was collected."""
+        time, *columns = np.array(self._rows).T
+        return Run(time, np.array(self._positions), np.array(self._velocities), *columns)

@@ -1,0 +1,217 @@
+"""What a source does over time: constants, steps, sines, squares, chirps, sampled curves.
+
+A waveform is smooth between its breaks.  At a break it may jump, so a value is asked for with a
+time inside the piece that is meant.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import Protocol
+
+_TURN = 2.0 * math.pi
+
+
+class Waveform(Protocol):
+    """A value over time."""
+
+    def breaks(self, until: float) -> tuple[float, ...]:
+        """Return the times (s) in (0, until) at which the value jumps or has a kink."""
+        ...
+
+    def value(self, time: float, inside: float) -> float:
+        """Return the value at `time` as the limit from the piece in which `inside` lies."""
+        ...
+
+    @property
+    def peak(self) -> float:
+        """Largest size that the value reaches."""
+        ...
+
+    @property
+    def shortest(self) -> float:
+        """The shortest time (s) over which it changes smoothly; inf if it does not."""
+        ...
+
+
+@dataclass(frozen=True)
+class Constant:
+    """The same at all times."""
+
+    level: float
+
+    def breaks(self, until: float) -> tuple[float, ...]:
+        """Return none."""
+        return ()
+
+    def value(self, time: float, inside: float) -> float:
+        """Return the level."""
+        return self.level
+
+    @property
+    def peak(self) -> float:
+        """Size of the level."""
+        return abs(self.level)
+
+    @property
+    def shortest(self) -> float:
+        """Infinite."""
+        return math.inf
+
+
+@dataclass(frozen=True)
+class Sine:
+    """amplitude · sin(2π f (t − start) + phase) from `start` on, 0 before (s, Hz, rad)."""
+
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+    start: float = 0.0
+
+    def breaks(self, until: float) -> tuple[float, ...]:
+        """Return the start."""
+        return (self.start,) if 0.0 < self.start < until else ()
+
+    def value(self, time: float, inside: float) -> float:
+        """Return the sine, 0 before the start."""
+        if inside < self.start:
+            return 0.0
+        return self.amplitude * math.sin(_TURN * self.frequency * (time - self.start) + self.phase)
+
+    @property
+    def peak(self) -> float:
+        """The amplitude's size."""
+        return abs(self.amplitude)
+
+    @property
+    def shortest(self) -> float:
+        """One period."""
+        return 1.0 / self.frequency
+
+
+@dataclass(frozen=True)
+class Square:
+    """`high` for the first `duty` of each period from `start` on, then `low`; `low` before."""
+
+    high: float
+    frequency: float
+    low: float = 0.0
+    duty: float = 0.5
+    start: float = 0.0
+
+    def breaks(self, until: float) -> tuple[float, ...]:
+        """Return all switching times."""
+        period = 1.0 / self.frequency
+        count = max(0, math.ceil((until - self.start) / period))
+        edges = (
+            self.start + (k + share) * period for k in range(count) for share in (0.0, self.duty)
+        )
+        return tuple(t for t in edges if 0.0 < t < until)
+
+    def value(self, time: float, inside: float) -> float:
+        """Return one of the two levels."""
+        turns = (inside - self.start) * self.frequency
+        return self.high if inside >= self.start and turns % 1.0 < self.duty else self.low
+
+    @property
+    def peak(self) -> float:
+        """The larger level's size."""
+        return max(abs(self.high), abs(self.low))
+
+    @property
+    def shortest(self) -> float:
+        """Infinite: it is constant between its switching times."""
+        return math.inf
+
+
+@dataclass(frozen=True)
+class Step:
+    """0 before `start`, then `level`, after `stop` 0 again."""
+
+    level: float
+    start: float = 0.0
+    stop: float = math.inf
+
+    def breaks(self, until: float) -> tuple[float, ...]:
+        """Return start and stop."""
+        return tuple(t for t in (self.start, self.stop) if 0.0 < t < until)
+
+    def value(self, time: float, inside: float) -> float:
+        """Return the level between start and stop."""
+        return self.level if self.start <= inside < self.stop else 0.0
+
+    @property
+    def peak(self) -> float:
+        """The level's size."""
+        return abs(self.level)
+
+    @property
+    def shortest(self) -> float:
+        """Infinite."""
+        return math.inf
+
+
+@dataclass(frozen=True)
+class Chirp:
+    """A sine whose frequency runs evenly from `first` to `last` within `duration`, and stays."""
+
+    amplitude: float
+    first: float
+    last: float
+    duration: float
+
+    def breaks(self, until: float) -> tuple[float, ...]:
+        """Return the end of the run."""
+        return (self.duration,) if self.duration < until else ()
+
+    def value(self, time: float, inside: float) -> float:
+        """Return the sine of the phase run through so far."""
+        t = min(time, self.duration)
+        turns = self.first * t + 0.5 * (self.last - self.first) * t * t / self.duration
+        turns += self.last * (time - t)
+        return self.amplitude * math.sin(_TURN * turns)
+
+    @property
+    def peak(self) -> float:
+        """The amplitude's size."""
+        return abs(self.amplitude)
+
+    @property
+    def shortest(self) -> float:
+        """One period of the higher frequency."""
+        return 1.0 / max(self.first, self.last)
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Straight between samples (s, value), held at the ends; two at one time are a jump."""
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+    def breaks(self, until: float) -> tuple[float, ...]:
+        """Return the times of the samples."""
+        return tuple(sorted({t for t in self.times if 0.0 < t < until}))
+
+    def value(self, time: float, inside: float) -> float:
+        """Return the straight line of the piece."""
+        after = bisect_right(self.times, inside)
+        if after == 0:
+            return self.values[0]
+        if after == len(self.times):
+            return self.values[-1]
+        low, high = self.times[after - 1], self.times[after]
+        share = (time - low) / (high - low)
+        return (1.0 - share) * self.values[after - 1] + share * self.values[after]
+
+    @property
+    def peak(self) -> float:
+        """The largest sample's size."""
+        return max(map(abs, self.values))
+
+    @property
+    def shortest(self) -> float:
+        """Infinite: it is straight between its breaks."""
+        return math.inf
