@@ -66,8 +66,9 @@ class Outcome:
     status: Status
 
 
-#: How far a known deviation may move before its explanation no longer counts.
-_STILL = 0.02
+#: How far a known deviation may move before its explanation no longer counts: absolutely, and
+#: as a share of itself.
+_STILL, _STILL_SHARE = 0.02, 0.2
 
 
 def run_check(check: Check) -> Outcome:
@@ -77,7 +78,8 @@ def run_check(check: Check) -> Outcome:
     if abs(deviation) <= check.tolerance:
         status: Status = "pass"
     else:
-        still = check.explained and abs(deviation - check.known) <= _STILL
+        near = min(_STILL, _STILL_SHARE * abs(check.known))
+        still = check.explained and abs(deviation - check.known) <= near
         status = "differs, explained" if still else "fail"
     return Outcome(check, measured, deviation, status)
 

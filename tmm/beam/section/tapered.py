@@ -14,12 +14,11 @@ joined, and stay reciprocal and passive, like any others.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
-from tactgen.geometry.bimorph.pieces import Piece
-from tactgen.geometry.device.parameters import Beam, Device
-from tactgen.tmm.beam.section.section import Constant, Section, section
+from tactgen.tmm.beam.section.section import Constant, Section
 
 #: Shares of a segment's length at which its sections are taken.
 _GAUSS = (0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0)
@@ -31,17 +30,17 @@ _STEEPEST = 8.0
 
 
 def segmented(
-    piece: Piece, device: Device, beam: Beam, *, lossy: bool, segments: int
+    at: Callable[[float], Section], length: float, segments: int
 ) -> list[tuple[Section, Constant]]:
-    """Return prismatic beams, two for each segment, with their lengths (m)."""
+    """Return prismatic beams, two for each segment, with their lengths (m).
+
+    `at` gives the section at a share of the length.
+    """
     found = []
     for i in range(segments):
-        low, high = (
-            section(piece, device, beam, lossy=lossy, share=(i + point) / segments)
-            for point in _GAUSS
-        )
-        length = 0.5 * piece.length / segments
-        found += [(_mean(low, high), length), (_mean(high, low), length)]
+        low, high = (at((i + point) / segments) for point in _GAUSS)
+        half = 0.5 * length / segments
+        found += [(_mean(low, high), half), (_mean(high, low), half)]
     return found
 
 

@@ -8,13 +8,14 @@ which is one change of variables away.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
 from tactgen.geometry.device.parameters import Beam, Device, Support
-from tactgen.tmm.beam.section.section import section
+from tactgen.tmm.beam.section.section import Section, section
 from tactgen.tmm.beam.section.tapered import segmented
 from tactgen.tmm.beam.transfer.bonded_tab import bonded_tab
 from tactgen.tmm.beam.transfer.scattering import Element, joined
@@ -52,8 +53,13 @@ def elements(
     if piece.section == "bond":
         return [(bonded_tab(piece, device, beam), 0.0)]
     if piece.tapered:
-        return [*segmented(piece, device, beam, lossy=lossy, segments=segments)]
+        along = partial(_section_at, piece, device, beam, lossy)
+        return [*segmented(along, piece.length, segments)]
     return [(section(piece, device, beam, lossy=lossy), piece.length)]
+
+
+def _section_at(piece: Piece, device: Device, beam: Beam, lossy: bool, share: float) -> Section:
+    return section(piece, device, beam, lossy=lossy, share=share)
 
 
 def chain(row: Sequence[Element], frequencies: Floats) -> Multiport:

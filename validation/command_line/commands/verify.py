@@ -12,8 +12,10 @@ from tactgen.validation.command_line.commands.common import Commands
 
 def add(commands: Commands) -> None:
     """Declare the command."""
+    from tactgen.validation.checks.verification import GROUPS
+
     parser = commands.add_parser("verify", help="the suite's own checks against known answers")
-    only = "bimorph, reluctance or amplitude; may be repeated, all by default"
+    only = f"{', '.join(GROUPS)}; may be repeated, all by default"
     parser.add_argument("--only", action="append", metavar="GROUP", help=only)
     parser.add_argument("--heavy", action="store_true", help="also what takes minutes")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")

@@ -1,0 +1,53 @@
+"""Every row of the cases with known answers, run as a test."""
+
+import pytest
+
+from tactgen.validation.checks.row import run_check
+from tactgen.validation.checks.verification import GROUPS, group_cases
+
+KNOWN = [group for group, (module, _) in GROUPS.items() if ".known." in module]
+CASES = [case for group in KNOWN for case in group_cases(group)]
+
+
+@pytest.mark.parametrize(
+    "check",
+    [
+        pytest.param(row, id=row.id, marks=[pytest.mark.heavy] if row.heavy else [])
+        for case in CASES
+        for row in case.rows
+    ],
+)
+def test_row(check):
+    """Each row passes; one that is known to differ differs as it says, and does not pass."""
+    outcome = run_check(check)
+    expected = "differs, explained" if check.explained else "pass"
+    assert outcome.status == expected, f"{outcome.measured} against {check.reference}"
+
+
+def test_cases_are_complete():
+    """A case says what the problem is and what solves it; rows have reasons, ids are unique."""
+    assert len({case.id for case in CASES}) == len(CASES)
+    for case in CASES:
+        assert case.title, case.id
+        assert case.problem.endswith("."), case.id
+        assert case.model, case.id
+        assert case.rows, case.id
+        for row in case.rows:
+            assert row.requirement.endswith("."), row.id
+            assert row.source, row.id
+            assert row.reason, row.id
+            # a tolerance of 0 needs a range
+            assert row.tolerance > 0.0 or isinstance(row.reference, tuple), row.id
+
+
+def test_refinements_approach_the_answer():
+    """The finest level of the cheap refinements is nearer to the reference than the coarsest."""
+    for case in CASES:
+        found = case.refinement
+        if found is None or case.id not in ("CYL2", "ROD"):
+            continue
+        values = [found.solve(level)[1] for level in found.levels]
+        if not found.of_error:
+            reference = case.rows[0].reference
+            values = [abs(value / reference - 1.0) for value in values]
+        assert values[-1] < 0.1 * values[0], case.id

@@ -1,0 +1,179 @@
+"""The references of the cases, computed once more from their own formulas."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.special import ellipe, ellipk
+
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.validation.checks.cases.exact_laminate import (
+    Laminate,
+    Layer,
+    natural_frequency,
+    static_state,
+)
+from tactgen.validation.checks.cases.magnetics import coaxial_coils
+from tactgen.validation.checks.known import beams, coils, elastic, laminates, resonators
+from tactgen.validation.checks.known.laminates import ply
+
+
+def references(module, case):
+    (found,) = [c for c in module.CASES if c.id == case]
+    return [row.reference for row in found.rows]
+
+
+def bimorph(thickness):
+    ceramic = LIBRARY["PZT-5A"]
+    t = ceramic.tensors(lossy=False)
+    low, high = (Layer(thickness, ceramic.density, t.c, sign * t.e, t.eps) for sign in (1, -1))
+    return Laminate((low, high), 20e-3)
+
+
+@pytest.mark.parametrize(("case", "thickness"), [("CYL1", 0.385e-3), ("CYL3", 2.5e-3)])
+def test_cylindrical_bending(case, thickness):
+    """Frequencies by the state-space solution, thin and thick."""
+    short, free = references(laminates, case)
+    exact = bimorph(thickness)
+    assert natural_frequency(exact, short) == pytest.approx(short, rel=1e-9)
+    assert natural_frequency(exact, free, grounded=(False, False)) == pytest.approx(free, rel=1e-9)
+
+
+def test_driven_cylindrical_bending():
+    """The state at the lower face with a wave of 1 V on the upper one: [.., w, .., D] there."""
+    low, _ = static_state(bimorph(0.385e-3), pressure=(0.0, 0.0), faces=(0.0, 1.0))
+    assert [float(low[1]), float(low[5])] == pytest.approx(references(laminates, "CYL4"), rel=1e-12)
+
+
+def test_pagano():
+    """The middle of the laminate; Pagano printed 2.887 and 0.932."""
+    found = []
+    none, vacuum = np.zeros((3, 6)), np.eye(3)
+    for slenderness in (4.0, 10.0, 20.0, 50.0):
+        plies = [Layer(1 / 3, 1.0, ply(along).c, none, vacuum) for along in "zyz"]
+        low, _ = static_state(Laminate(tuple(plies), slenderness), pressure=(0, 1), faces=(0, 0))
+        half = Laminate((plies[0], Layer(1 / 6, 1.0, plies[1].c, none, vacuum)), slenderness)
+        found.append(float(100 * (half.transfer(0) * low)[1]) / slenderness**4)
+    assert found == pytest.approx(references(laminates, "PAG"), rel=1e-12)
+    assert [round(v, 3) for v in found[:2]] == [2.887, 0.932]
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.25, 0.1, 0.01])
+def test_tip_mass(ratio):
+    """Roots of the frequency equation; the root spring's are those of the inverse ratio."""
+    masses, springs = references(beams, "MASS"), references(beams, "ROOT")
+    known = {1.0: masses[:3], 0.25: masses[3:], 0.1: springs[1:2], 0.01: springs[2:]}[ratio]
+    assert springs[0] == masses[0]
+    for value in known:
+        root = mp.findroot(
+            lambda x: 1 + mp.cos(x) * mp.cosh(x)
+            - ratio * x * (mp.sin(x) * mp.cosh(x) - mp.cos(x) * mp.sinh(x)),
+            value,
+        )  # fmt: skip
+        assert float(root) == pytest.approx(value, rel=1e-11)
+
+
+def test_wedge():
+    """Kirchhoff: with x = 2 sqrt(ω L² sqrt(ρA/EI)), J1(x) I2(x) + J2(x) I1(x) = 0."""
+    for value in references(beams, "WEDGE"):
+        x = mp.findroot(
+            lambda x: mp.besselj(1, x) * mp.besseli(2, x) + mp.besselj(2, x) * mp.besseli(1, x),
+            2 * mp.sqrt(value),
+        )
+        assert float(x**2 / 4) == pytest.approx(value, rel=1e-8)
+
+
+def test_smits():
+    """The four entries in closed form for two layers of thickness h in series."""
+    length, width, h = 20e-3, 2.1e-3, 0.26e-3
+    s11, d31, eps = 16.4e-12, -171e-12, 1700 * EPS0
+    k2 = d31**2 / (s11 * eps)
+    exact = [
+        -3 * d31 * length**2 / (8 * h**2),
+        s11 * length**3 / (2 * width * h**3),
+        3 * s11 * length / (2 * width * h**3),
+        eps * (1 - k2 / 4) * width * length / (2 * h),
+    ]
+    assert references(beams, "SMITS") == pytest.approx(exact, rel=1e-8)
+
+
+@pytest.mark.parametrize(("case", "shear"), [("TE", False), ("TS", True)])
+def test_plates(case, shear):
+    """IEEE 176 with the library's constants; coupling factor last."""
+    coupling, parallel, series = resonators.plate_constants(shear)
+    assert references(resonators, case) == pytest.approx([parallel, series, coupling], rel=1e-10)
+
+
+def test_bars():
+    """IEEE 176: f_s or f_p is 1/(2 L √(ρ s)), the other follows from the coupling factor."""
+    s11, s33, d31, d33, eps, rho, length = (
+        16.4e-12,
+        18.8e-12,
+        -171e-12,
+        374e-12,
+        1700 * EPS0,
+        7750,
+        0.01,
+    )
+    series, parallel = references(resonators, "BAR31")
+    k2 = d31**2 / (s11 * eps)
+    assert series == pytest.approx(1 / (2 * length * math.sqrt(rho * s11)), rel=4e-6)  # six digits
+    q = 0.5 * math.pi * parallel / series
+    assert k2 / (1 - k2) == pytest.approx(-q / math.tan(q), rel=1e-4)
+    series, parallel = references(resonators, "BAR33")
+    k2 = d33**2 / (s33 * eps)
+    stiffened = s33 * (1 - k2)
+    assert parallel == pytest.approx(1 / (2 * length * math.sqrt(rho * stiffened)), rel=4e-6)
+    q = 0.5 * math.pi * series / parallel
+    assert k2 == pytest.approx(q / math.tan(q), rel=1e-4)
+
+
+def test_admittance():
+    """IEEE 176: a bar driven across its length."""
+    s11, d31, eps, rho = 16.4e-12, -171e-12, 1700 * EPS0, 7750
+    length, ratio = 10e-3, 4.0  # width over height
+    k2 = d31**2 / (s11 * eps)
+    for value, f in zip(references(resonators, "YBAR"), (100e3, 160e3), strict=True):
+        q = math.pi * f * length * math.sqrt(rho * s11)
+        c = eps * (1 - k2) * ratio * length * (1 + k2 / (1 - k2) * math.tan(q) / q)
+        assert 2 * math.pi * f * c == pytest.approx(value, rel=1e-8)
+
+
+def test_torsion():
+    """Saint-Venant's series."""
+    for ratio, value in zip((1, 2, 5), references(elastic, "TOR"), strict=True):
+        terms = [math.tanh((2 * k + 1) * math.pi * ratio / 2) / (2 * k + 1) ** 5 for k in range(99)]
+        exact = (1 - 192 / (math.pi**5 * ratio) * sum(terms)) / 3
+        assert exact == pytest.approx(value, rel=4e-9)  # nine digits
+
+
+def test_loops():
+    """Maxwell: mutual inductance and force at 1 A; Grover prints 0.24878 uH."""
+    a, b, d = np.array(0.20), np.array(0.25), np.array(0.10)
+    mutual = float(coaxial_coils.mutual_inductance(a, b, d))
+    force = float(coaxial_coils.mutual_inductance_slope(a, b, d))
+    assert references(coils, "LOOPS") == pytest.approx([mutual, force], rel=1e-8)  # digits
+
+
+def test_nagaoka():
+    """Lorenz: the factor in complete elliptic integrals."""
+    for ratio, value in zip((0.2, 0.5, 1.0, 2.0, 5.0), references(coils, "NAGAOKA"), strict=True):
+        m = ratio**2 / (1 + ratio**2)
+        k, e = ellipk(m), ellipe(m)
+        exact = (
+            4
+            / (3 * math.pi * math.sqrt(1 - m))
+            * ((1 - m) / m * k - (1 - 2 * m) / m * e - math.sqrt(m))
+        )
+        assert exact == pytest.approx(value, rel=1e-8)
+
+
+def test_field_on_the_axis():
+    """A current sheet: (cos α1 + cos α2)/2 of an endless one's field."""
+    half, radius = 2.5 * 25.4e-3, 0.5 * 25.4e-3
+    for value, z in zip(references(coils, "VM168"), (0.0, 0.1905), strict=True):
+        cosines = sum(s / math.hypot(s, radius) for s in (half - z, half + z))
+        assert MU0 * 115.5 / (4 * half) * cosines == pytest.approx(value, rel=1e-10)

@@ -1,0 +1,1 @@
+"""Cases with published or exact answers, declared: what the suite's models must reproduce."""

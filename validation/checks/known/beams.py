@@ -1,0 +1,276 @@
+"""Beams with published or closed-form answers, by the transfer-matrix and the lumped model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cache, partial
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
+from tactgen.tmm.beam.lumped import lumped_model
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.section.tapered import segmented
+from tactgen.validation.checks.case import Answer, Case, case, nth
+
+#: Stiffness of a "rigid" support over EI/L³, and shear stiffness of a beam without shear over
+#: EI/L²: errors of their inverse.
+_RIGID, _NO_SHEAR = 1e12, 1e10
+_TMM = "transfer-matrix model, exact spans"
+_CLOSED = "rounding, and 1e-10 from what stands for infinite shear stiffness"
+
+
+def slender(length: float, *, stiffness: float = 1.0, mass: float = 1.0) -> Section:
+    """Return an Euler–Bernoulli beam: no shear, no rotary inertia."""
+    return Section(EI=stiffness, GA=_NO_SHEAR * stiffness / length**2, m=mass, rhoI=0.0)
+
+
+def _wavenumbers(beam: Section, length: float, ends: Ends, count: int) -> Floats:
+    """Return β L of the lowest modes, β⁴ = ω² m/EI."""
+    omega = 2.0 * np.pi * bending_frequencies([(beam, length)], ends, count, open_circuit=False)
+    return np.asarray(np.sqrt(omega * length**2 * math.sqrt(beam.m / beam.EI)))
+
+
+def _pinned(beam: Section, length: float) -> Ends:
+    rigid = _RIGID * beam.EI / length**3
+    return Ends(Springs(rigid, 0.0), TipLoad(stiffness=rigid))
+
+
+@cache
+def _with_tip_mass(ratio: float) -> Floats:
+    return _wavenumbers(slender(1.0), 1.0, Ends(tip=TipLoad(mass=ratio)), 3)
+
+
+@cache
+def _on_root_spring(stiffness: float) -> float:
+    base = Springs(_RIGID, stiffness)
+    return float(_wavenumbers(slender(1.0), 1.0, Ends(base), 1)[0])
+
+
+def _vm50() -> float:
+    beam = slender(80.0, stiffness=30e6 * 4.0 / 3.0, mass=1.124 / 386.0)
+    return float(bending_frequencies([(beam, 80.0)], _pinned(beam, 80.0), 1, open_circuit=False)[0])
+
+
+_UNIFORM = (
+    case(
+        "MASS",
+        "Cantilever with a mass at its tip",
+        "A slender cantilever with a tip mass of 1 and 0.25 times its own: β L of three modes.",
+        model=_TMM,
+        source="1 + cos x cosh x = μ x (sin x cosh x − cos x sinh x)",
+        tolerance=1e-8,
+        reason=_CLOSED,
+        answers=[
+            Answer(f"β L of mode {at + 1} with a mass ratio of {ratio:g} is the equation's root.",
+                   value, "1", nth(_with_tip_mass, at, ratio))
+            for ratio, values in (
+                (1.0, (1.24791740961, 4.03113943671, 7.13413224094)),
+                (0.25, (1.57375130266, 4.22511285671, 7.28123637341)),
+            )
+            for at, value in enumerate(values)
+        ],
+    ),
+    case(
+        "ROOT",
+        "Beam on a rotational spring at its root",
+        "A slender beam on a spring k L/EI = 1, 10, 100: β L of the first mode.",
+        model=_TMM,
+        source="the tip mass's equation with μ = EI/(k L): the two problems are dual",
+        tolerance=1e-8,
+        reason=_CLOSED,
+        answers=[
+            Answer(f"β L at k L/EI = {k:g} is the equation's root.", value, "1",
+                   partial(_on_root_spring, k))
+            for k, value in ((1.0, 1.24791740961), (10.0, 1.72274152059), (100.0, 1.85678697696))
+        ],
+    ),
+    case(
+        "VM50",
+        "Simply supported beam (ANSYS VM50)",
+        "80 in, E = 30e6 psi, I = 1.3333 in⁴, 1.124 lb per inch over 386 in/s²: first frequency.",
+        model=_TMM,
+        source="ANSYS Verification Manual, VM50",
+        tolerance=1e-4,
+        reason="five printed digits",
+        answers=[Answer("The first frequency is printed as 28.766 Hz.", 28.766, "Hz",
+                        _vm50)],
+    ),
+)  # fmt: skip
+
+
+# --- NAFEMS FV5 --------------------------------------------------------------------------------
+
+
+def deep_beam() -> Section:
+    """Return NAFEMS FV5's 2 m x 2 m section, Cowper's shear factor."""
+    modulus, poisson, side = 200e9, 0.3, 2.0
+    shear = 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson)
+    inertia, area = side**4 / 12.0, side**2
+    return Section(
+        EI=modulus * inertia,
+        GA=shear * modulus / (2.0 * (1.0 + poisson)) * area,
+        m=8000.0 * area,
+        rhoI=8000.0 * inertia,
+    )
+
+
+@cache
+def _deep(supported: bool, count: int) -> Floats:
+    beam = deep_beam()
+    ends = _pinned(beam, 10.0) if supported else Ends()
+    return bending_frequencies([(beam, 10.0)], ends, count, open_circuit=False)
+
+
+_FV5 = case(
+    "FV5",
+    "Deep beam (NAFEMS FV5)",
+    "2 x 2 x 10 m, E = 200 GPa, ν = 0.3, 8000 kg/m³: flexural frequencies, simply supported "
+    "(FV5) and clamped-free.",
+    model=_TMM,
+    source="NAFEMS FV5; clamped-free: exact solution of Timoshenko's equations",
+    answers=[
+        *(
+            Answer(f"Flexural frequency {at + 1}, simply supported, is NAFEMS'.", value, "Hz",
+                   nth(_deep, at, True, 2), 2e-3,
+                   "NAFEMS' elements take another shear factor (the closed form gives 42.645)")
+            for at, value in enumerate((42.650, 148.15))
+        ),
+        *(
+            Answer(f"Frequency {at + 1}, clamped-free, is the exact one.", value, "Hz",
+                   nth(_deep, at, False, 3), 4e-6, "six printed digits")
+            for at, value in enumerate((15.6727, 84.5597, 201.5408))
+        ),
+    ],
+)  # fmt: skip
+
+# --- tapers ------------------------------------------------------------------------------------
+
+
+def _taper(power: float, end: float) -> Callable[[float], Section]:
+    """Return a slender section whose breadth (power 1) or height (power 3) falls to `end`."""
+
+    def at(share: float) -> Section:
+        size = 1.0 - (1.0 - end) * share
+        return slender(1.0, stiffness=size**power, mass=size)
+
+    return at
+
+
+@cache
+def _tapered_frequencies(power: float, end: float, segments: int) -> Floats:
+    row = segmented(_taper(power, end), 1.0, segments)
+    return 2.0 * np.pi * bending_frequencies(row, Ends(), 3, open_circuit=False)
+
+
+@cache
+def _triangular_deflection(segments: int) -> float:
+    """Return the tip deflection (in) of VM34: width 3 in to nothing, 10 lb on 20 in."""
+    root = 30e6 * 3.0 * 0.5**3 / 12.0
+    row = segmented(
+        lambda share: slender(20.0, stiffness=root * (1.0 - share), mass=1.0), 20.0, segments
+    )
+    stiffness = lumped_model(row).stiffness.real[2:4, 2:4]
+    return float(np.linalg.solve(stiffness, [10.0, 0.0])[0])
+
+
+def _sharp(power: float, number: int) -> float:
+    """Return a frequency of a taper to a point: extrapolated from ends of 0.1 and 0.05 %."""
+    blunt, sharp = (_tapered_frequencies(power, end, 64)[number] for end in (1e-3, 5e-4))
+    return float(2.0 * sharp - blunt)
+
+
+_POINT = "64 segments, and the extrapolation from tips of 1/1000 and 1/2000 to a point"
+_TAPERS = (
+    case(
+        "VM34",
+        "Cantilever that tapers to a point (ANSYS VM34)",
+        "20 in long, 0.5 in high, 3 in wide at the root and pointed at the tip, E = 30e6 psi, "
+        "10 lb at the tip.",
+        model="lumped statics of a row of tapered segments",
+        source="ANSYS Verification Manual, VM34",
+        tolerance=1.2e-5,
+        reason="half a unit of the last printed digit",
+        answers=[Answer("The tip deflects by 0.042667 in.", 0.042667, "in",
+                        lambda: _triangular_deflection(16))],
+    ),
+    case(
+        "WEDGE",
+        "Kirchhoff's wedge",
+        "A slender cantilever of constant breadth whose height falls to zero at the tip: "
+        "ω L² √(ρ A0/(E I0)).",
+        model=_TMM + " of tapered segments",
+        source="G. Kirchhoff (1882): roots of J1 I2 + J2 I1 = 0",
+        tolerance=6e-4,
+        reason=_POINT + ": 4e-4 in the third mode",
+        answers=[
+            Answer(f"Mode {at + 1} of the wedge is Kirchhoff's.", value, "1",
+                   partial(_sharp, 3.0, at))
+            for at, value in enumerate((5.3150994, 15.2071680, 30.0198091))
+        ],
+    ),
+    case(
+        "BREADTH",
+        "Breadth that tapers to a point",
+        "The same with constant height and a breadth that falls to zero.",
+        model=_TMM + " of tapered segments",
+        source="Ritz's method with nine terms",
+        tolerance=2e-4,
+        reason=_POINT,
+        answers=[
+            Answer(f"Mode {at + 1} is Ritz's.", value, "1", partial(_sharp, 1.0, at))
+            for at, value in enumerate((7.15646336, 31.0413039, 75.4866751))
+        ],
+    ),
+)  # fmt: skip
+
+# --- Smits, Dalke and Cooney -------------------------------------------------------------------
+
+
+@cache
+def _smits() -> Floats:
+    """Return tip deflection per volt and per newton, rotation per moment, free capacitance.
+
+    Two PZT-5A layers of 0.26 mm in series: the lumped model's voltage is that of one layer.
+    """
+    length, width, layer = 20e-3, 2.1e-3, 0.26e-3
+    s11, d31, permittivity = 16.4e-12, -171e-12, 1700 * 8.8541878128e-12
+    stiffness = width * (2.0 * layer) ** 3 / (12.0 * s11)
+    beam = Section(
+        EI=stiffness, GA=_NO_SHEAR * stiffness / length**2, m=1.0, rhoI=0.0,
+        K=width * d31 / s11 * layer,
+        C=2.0 * width / layer * (permittivity - d31**2 / s11),
+    )  # fmt: skip
+    model = lumped_model([(beam, length)])
+    compliance = np.linalg.inv(model.stiffness.real[2:4, 2:4])
+    coupling = -model.stiffness.real[2:4, 4]
+    capacitance = model.stiffness.real[4, 4] + coupling @ compliance @ coupling
+    return np.array(
+        [(compliance @ coupling)[0] / 2.0, compliance[0, 0], compliance[1, 1], capacitance / 4.0]
+    )
+
+
+_SMITS = case(
+    "SMITS",
+    "Series bimorph (Smits, Dalke and Cooney)",
+    "Two PZT-5A layers of 0.26 mm in series, 20 x 2.1 mm, clamped: the constituent matrix.",
+    model="lumped model",
+    source="J. G. Smits, S. I. Dalke, T. K. Cooney, Sensors and Actuators A 28 (1991) 41, matrix "
+    "of the series bimorph with these constants",
+    tolerance=1e-8,
+    reason=_CLOSED,
+    answers=[
+        Answer(f"{what} is that of the matrix.", value, unit, nth(_smits, at))
+        for at, (what, value, unit) in enumerate((
+            ("The tip's deflection per volt (its sign is the poling's)", 3.7943787e-7, "m/V"),
+            ("The tip's deflection per newton", 1.7773154e-3, "m/N"),
+            ("The tip's rotation per moment", 13.3298654, "rad/(N m)"),
+            ("The free capacitance", 1.17974546e-9, "F"),
+        ))
+    ],
+)  # fmt: skip
+
+CASES: tuple[Case, ...] = (*_UNIFORM, _FV5, *_TAPERS, _SMITS)

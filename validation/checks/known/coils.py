@@ -1,0 +1,202 @@
+"""Coils in air with closed-form answers, by the axisymmetric field: inductances, force, field.
+
+Sections are small where the closed form is that of a filament or a sheet; a case says what that
+costs.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache, partial
+
+import numpy as np
+
+from tactgen.fem.reluctance.axisymmetric.field import MagneticField, solve_field
+from tactgen.fem.reluctance.axisymmetric.force import virtual_work_force
+from tactgen.fem.reluctance.axisymmetric.space import discretise
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.reluctance.section_grid import Region, graded_grid
+from tactgen.validation.checks.case import Answer, Case, Refinement, case
+
+_FIELD = "axisymmetric field, quadrilaterals of order 4 on a graded grid, walls far away"
+
+
+def _solved(
+    windings: tuple[Region, ...], currents: tuple[float, ...], walls: float, order: int = 4
+) -> MagneticField:
+    """Return the field of windings in a box of radius `walls` (m)."""
+    grid = graded_grid(windings, walls, refinement=2.0)
+    return solve_field(discretise(grid, order), np.array(currents))
+
+
+# --- two loops ---------------------------------------------------------------------------------
+
+_WIRE = 1e-3
+
+
+@cache
+def _loops() -> MagneticField:
+    """Return the field of loops of 0.20 and 0.25 m at a distance of 0.10 m, 1 A each."""
+    half = 0.5 * _WIRE
+    loops = tuple(
+        Region(name, (radius - half, radius + half), (at - half, at + half), turns=1.0, moves=moves)
+        for name, radius, at, moves in (("low", 0.20, -0.05, False), ("high", 0.25, 0.05, True))
+    )
+    return _solved(loops, (1.0, 1.0), 20.0)
+
+
+_LOOPS = case(
+    "LOOPS",
+    "Two coaxial circular loops",
+    "Loops of 0.20 and 0.25 m radius, 0.10 m apart, 1 A in each, of 1 mm wire.",
+    model=_FIELD,
+    source="Maxwell's elliptic integrals (F. W. Grover, Inductance Calculations, example 24)",
+    tolerance=5e-5,
+    reason="the wire's section, a third of (wire/distance)² = 1e-4; walls at eighty radii 2e-6",
+    answers=[
+        Answer("Their mutual inductance is Maxwell's.", 2.48787359e-7, "H",
+               lambda: float(_loops().incremental_inductance[0, 1])),
+        Answer("They attract each other with Maxwell's force.", -1.8509047e-6, "N",
+               lambda: virtual_work_force(_loops())),
+    ],
+)  # fmt: skip
+
+# --- thin solenoids ----------------------------------------------------------------------------
+
+
+#: Pieces of a sheet along its length.
+_PIECES = 8
+
+
+def _nagaoka(ratio: float, order: int = 4) -> float:
+    """Return L of a thin solenoid of 2R/l = `ratio` over that of an endless one.
+
+    Extrapolated to no thickness from sheets of 0.2 and 0.1 % of the radius.
+    """
+    thick, thin = (_inductance_factor(ratio, share, order) for share in (2e-3, 1e-3))
+    return 2.0 * thin - thick
+
+
+def _sheet(radius: float, length: float, thickness: float, pieces: int) -> tuple[Region, ...]:
+    """Return a thin winding in pieces, so that the grid is as fine along it."""
+    ends = np.linspace(-0.5 * length, 0.5 * length, pieces + 1)
+    radii = (radius - 0.5 * thickness, radius + 0.5 * thickness)
+    return tuple(
+        Region(f"sheet{i}", radii, (low, high), turns=1.0 / pieces)
+        for i, (low, high) in enumerate(zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True))
+    )
+
+
+@cache
+def _inductance_factor(ratio: float, share: float, order: int) -> float:
+    length = 2.0 / ratio
+    sheet = _sheet(1.0, length, share, _PIECES)
+    field = _solved(sheet, (1.0,) * _PIECES, 100.0 * max(1.0, length), order)
+    return float(field.flux_linkage.sum()) * length / (MU0 * math.pi)
+
+
+def _unknowns(order: int) -> int:
+    return discretise(
+        graded_grid(_sheet(1.0, 10.0, 1e-3, _PIECES), 1e3, refinement=2.0), order
+    ).size
+
+
+_NAGAOKA = case(
+    "NAGAOKA",
+    "Inductance of a thin solenoid",
+    "L l/(µ0 N² π R²) of a cylindrical current sheet for 2 R/l = 0.2, 0.5, 1, 2 and 5.",
+    model=_FIELD + "; extrapolated from two thin sheets",
+    source="L. Lorenz (1879), H. Nagaoka (1909), by elliptic integrals",
+    tolerance=5e-5,
+    reason="the mesh at the sheet's ends 3e-5; (t/R)² log(R/t) = 7e-6 of its thickness",
+    answers=[
+        Answer(f"Nagaoka's factor at 2R/l = {ratio:g}.", value, "1", partial(_nagaoka, ratio),
+               heavy=ratio in (0.5, 2.0))
+        for ratio, value in (
+            (0.2, 0.920092671), (0.5, 0.818135752), (1.0, 0.688422607),
+            (2.0, 0.525510024), (5.0, 0.319825468),
+        )
+    ],
+    refinement=Refinement(
+        (2, 3, 4, 5), lambda order: (_unknowns(order), _nagaoka(0.2, order)),
+        "falls with the order until walls and thickness are left",
+    ),
+)  # fmt: skip
+
+# --- a field on the axis -----------------------------------------------------------------------
+
+_INCH = 25.4e-3
+
+
+@cache
+def _vm168(height: float) -> float:
+    """Return B_z (T) on the axis of VM168's solenoid, at a height (m) above its middle."""
+    pieces = 16
+    sheet = _sheet(0.5 * _INCH, 5.0 * _INCH, 1e-4, pieces)
+    # an empty ring: a line of the grid where the field is asked for
+    mark = Region("mark", (0.1 * _INCH, 0.2 * _INCH), (height, height + 2e-3))
+    field = _solved((*sheet, mark), (115.5,) * pieces, 5.0)
+    d = field.discretisation
+    level = int(np.abs(d.grid.z - height).argmin())
+    # on the axis B_z = 2 u; of each cell the first unknown is that of its lower inner corner
+    first_column = field.potential[d.cell_dofs[: d.grid.z.size - 1, 0]]
+    return float(2.0 * first_column[level])
+
+
+_VM168 = case(
+    "VM168",
+    "Field on the axis of a solenoid (ANSYS VM168)",
+    "A thin solenoid, 5 in long, 0.5 in in radius, 115.5 ampere-turns: B_z in the middle and "
+    "0.1905 m above.",
+    model=_FIELD,
+    source="closed form of a current sheet; ANSYS Verification Manual, VM168, prints 1120e-6 and "
+    "2.12e-6 T",
+    tolerance=1e-4,
+    reason="far from the coil the grid is coarse; the sheet is 0.1 mm thick; walls at 5 m",
+    answers=[
+        Answer(f"B_z at a height of {height:g} m is that of the sheet.", value, "T",
+               partial(_vm168, height))
+        for height, value in ((0.0, 1.1206537736e-3), (0.1905, 2.1229234256e-6))
+    ],
+)  # fmt: skip
+
+# --- Brooks coil -------------------------------------------------------------------------------
+
+_SIDE, _TURNS, _RESISTANCE = 20e-3, 500.0, 3.534
+
+
+@cache
+def _brooks(order: int = 3) -> float:
+    """Return the inductance (H) of VM207's coil: square section, inner radius its side."""
+    coil = Region("coil", (_SIDE, 2.0 * _SIDE), (-0.5 * _SIDE, 0.5 * _SIDE), turns=_TURNS)
+    return float(_solved((coil,), (1.0,), 4.0, order).incremental_inductance[0, 0])
+
+
+def _current(frequency: float) -> complex:
+    """Return the current (A) at 12 V."""
+    return 12.0 / (_RESISTANCE + 2j * math.pi * frequency * _brooks())
+
+
+_BROOKS = case(
+    "VM207",
+    "Brooks coil in a circuit (ANSYS VM206, VM207)",
+    "500 turns on a square of 20 mm, inner radius 20 mm; 12 V and 3.534 ohm.",
+    model=_FIELD + ", and a series circuit",
+    source="ANSYS Verification Manual, VM206 and VM207",
+    tolerance=1e-3,
+    reason="four printed digits",
+    answers=[
+        Answer("The inductance is printed as 12.74 mH.", 0.01274, "H", _brooks),
+        Answer("The direct current is printed as 3.395 A.", 3.395, "A",
+               lambda: abs(_current(0.0))),
+        Answer("The current's real part at 60 Hz is printed as 1.192 A.", 1.192, "A",
+               lambda: _current(60.0).real),
+        Answer("Its imaginary part at 60 Hz is printed as −1.621 A.", -1.621, "A",
+               lambda: _current(60.0).imag),
+    ],
+    refinement=Refinement(
+        (1, 2, 3, 4), lambda order: (0, _brooks(order)), "of order 2 p in an energy",
+    ),
+)  # fmt: skip
+
+CASES: tuple[Case, ...] = (_LOOPS, _NAGAOKA, _VM168, _BROOKS)

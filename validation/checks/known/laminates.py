@@ -1,0 +1,364 @@
+"""Layered bodies with exact answers: cylindrical bending, bimetal strips."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache, partial
+
+import numpy as np
+
+from tactgen.fem.bimorph.system import Material
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.bricks import Axis, Slab
+from tactgen.geometry.device.materials import EPS0, PiezoTensors, isotropic_stiffness
+from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.validation.checks.case import Answer, Case, Refinement, case
+from tactgen.validation.checks.cases.boxes import (
+    Box,
+    Held,
+    Load,
+    Where,
+    natural_frequencies,
+    statics,
+)
+
+#: Length of the half wave (m), and the thickness of each layer (m) of three bimorphs.
+_LENGTH = 20e-3
+_THIN, _MEDIUM, _THICK = 0.385e-3, 1.0e-3, 2.5e-3
+
+_EXACT = "exact state-space solution through the thickness (validation/checks/cases/exact_laminate)"
+_SMOOTH = "polynomials of degree 6 along half a sine wave, 4 through each layer"
+
+
+def even(length: float, intervals: int, degree: int) -> Axis:
+    """Return an axis of equal intervals from 0."""
+    return Axis(np.linspace(0.0, length, intervals + 1), degree)
+
+
+def stacked(thicknesses: tuple[float, ...], degree: int) -> Axis:
+    """Return an axis with one interval for each layer, from 0."""
+    return Axis(np.concatenate([[0.0], np.cumsum(thicknesses)]), degree)
+
+
+def bending_bimorph(
+    thickness: float,
+    *,
+    grounded: bool = True,
+    volts: float = 0.0,
+    degree: int = 6,
+    intervals: int = 1,
+) -> Box:
+    """Return half of the half wave of two PZT-5A layers poled towards each other.
+
+    No strain along y; simply supported with φ = 0 at z = 0, mirrored at z = L/2; the lower face
+    at 0 V and the upper at `volts` sin(π z/L), or both without charge.
+    """
+    ceramic = LIBRARY["PZT-5A"].tensors(lossy=False)
+    density = LIBRARY["PZT-5A"].density
+    turned = replace(ceramic, e=-ceramic.e)
+    parts = tuple(
+        (Slab(name, (i, i + 1), (0, intervals)), Material(tensors.c, density, tensors))
+        for i, (name, tensors) in enumerate((("low", ceramic), ("high", turned)))
+    )
+    middle = 0.5 * _LENGTH
+    held = [
+        Held(Where(), ("y",)),
+        Held(Where(z=0.0), ("x", "phi")),
+        Held(Where(z=middle), ("z",)),
+    ]
+    if grounded:
+
+        def wave(_x: Floats, _y: Floats, z: Floats) -> Floats:
+            return np.asarray(volts * np.sin(np.pi * z / _LENGTH))
+
+        held += [Held(Where(x=0.0), ("phi",)), Held(Where(x=2.0 * thickness), ("phi",), wave)]
+    return Box(
+        x=stacked((thickness, thickness), 4),
+        y=even(1e-3, 1, 1),
+        z=even(middle, intervals, degree),
+        parts=parts,
+        held=tuple(held),
+    )
+
+
+def _bending_frequency(thickness: float, grounded: bool) -> float:
+    return float(natural_frequencies(bending_bimorph(thickness, grounded=grounded), 1)[0])
+
+
+def _at_degree(thickness: float, degree: int) -> tuple[int, float]:
+    box = bending_bimorph(thickness, degree=degree)
+    return box.reduced()[0].shape[0], float(natural_frequencies(box, 1)[0])
+
+
+@cache
+def _driven() -> tuple[float, float]:
+    """Return w and D_x at the lower face's crest with 1 V sin(π z/L) on the upper one."""
+    box = bending_bimorph(_THIN, volts=1.0)
+    state = statics(box)
+    w = state.mean(Where(x=0.0, z=0.5 * _LENGTH), "x").real
+    # the charge of the whole lower face, per width; the mean of a sine is 2/π of its crest
+    charge = state.force(Where(x=0.0), "phi").real / (1e-3 * 0.5 * _LENGTH)
+    return w, charge * np.pi / 2.0
+
+
+_CYLINDRICAL = tuple(
+    case(
+        f"CYL{number}",
+        f"Piezoelectric bimorph in cylindrical bending, L/H = {_LENGTH / (2 * thickness):.3g}",
+        f"Two PZT-5A layers of {thickness * 1e3:g} mm poled towards each other, one half wave of "
+        "20 mm between simple supports with φ = 0, no strain across the width: first bending "
+        "frequency, faces short-circuited or without charge.",
+        model="bricks of the model solid, general supports",
+        source=_EXACT,
+        tolerance=1e-6,
+        reason=_SMOOTH,
+        answers=[
+            Answer(
+                f"The first frequency with {words} is that of the exact solution.",
+                reference, "Hz", partial(_bending_frequency, thickness, grounded),
+            )
+            for reference, grounded, words in (
+                (short, True, "both faces at 0 V"),
+                (free, False, "no charge on the faces"),
+            )
+        ],
+        refinement=Refinement(
+            (2, 3, 4, 5),
+            partial(_at_degree, thickness),
+            "error of a frequency falls exponentially with the degree",
+        ),
+    )
+    for number, (thickness, short, free) in enumerate(
+        (
+            (_THIN, 2729.781550839573, 3065.134786141134),
+            (_MEDIUM, 6981.984969234867, 7774.313612838951),
+            (_THICK, 16075.335034538324, 17250.375637915604),
+        ),
+        start=1,
+    )
+)  # fmt: skip
+
+
+_DRIVEN = case(
+    "CYL4",
+    "The same bimorph driven by a wave of voltage",
+    "The thin one of these, at rest: 1 V sin(π z/L) on the upper face, 0 V on the lower.",
+    model="bricks of the model solid, general supports",
+    source=_EXACT,
+    tolerance=1e-6,
+    reason=_SMOOTH,
+    answers=[
+        Answer("The lower face's crest moves as the exact solution does.", -4.29692165364606e-8,
+               "m", lambda: _driven()[0]),
+        Answer("The electric displacement at that crest is exact.", -1.56662847218356e-5, "C/m^2",
+               lambda: _driven()[1]),
+    ],
+)  # fmt: skip
+
+
+def ply(along: str) -> Material:
+    """Return Pagano's ply, E_L = 25, E_T = 1, G_LT = 0.5, G_TT = 0.2, ν = 0.25, fibres along."""
+    axes = ("x", "y", "z")
+    fibre = axes.index(along)
+    compliance = np.zeros((6, 6))
+    for i in range(3):
+        for j in range(3):
+            stiffest = 25.0 if fibre in (i, j) else 1.0
+            compliance[i, j] = (1.0 if i == j else -0.25) / stiffest
+    for at, pair in ((3, (1, 2)), (4, (0, 2)), (5, (0, 1))):
+        compliance[at, at] = 1.0 / (0.5 if fibre in pair else 0.2)
+    return Material(np.linalg.inv(compliance), 1.0)
+
+
+def _pagano(slenderness: float) -> float:
+    """Return 100 E_T h³ w/(q L⁴) of the middle of a 0/90/0 laminate under q sin(π z/L)."""
+    h, length = 1.0, slenderness
+
+    def wave(_x: Floats, _y: Floats, z: Floats) -> Floats:
+        return np.asarray(np.sin(np.pi * z / length))
+
+    parts = tuple(
+        (Slab(f"{along}{i}", (i, i + 1), (0, 1)), ply(along)) for i, along in enumerate("zyz")
+    )
+    box = Box(
+        x=stacked((h / 3, h / 3, h / 3), 6),
+        y=even(1.0, 1, 1),
+        z=even(0.5 * length, 1, 7),
+        parts=parts,
+        held=(
+            Held(Where(), ("y",)),
+            Held(Where(z=0.0), ("x",)),
+            Held(Where(z=0.5 * length), ("z",)),
+        ),
+        loads=(Load(Where(x=h), "x", wave),),
+    )
+    middle = 0.5 * h
+    nodes = box.x.nodes
+    at = float(nodes[np.abs(nodes - middle).argmin()])
+    w = statics(box).mean(Where(x=at, z=0.5 * length), "x").real
+    return 100.0 * w * h**3 / length**4
+
+
+_PAGANO = case(
+    "PAG",
+    "Pagano's 0/90/0 laminate in cylindrical bending",
+    "Three equal plies (E_L/E_T = 25, G_LT/E_T = 0.5, G_TT/E_T = 0.2, ν = 0.25), load q sin(π z/L) "
+    "on one face, simple supports: 100 E_T h³ w/(q L⁴) in the middle for L/h = 4, 10, 20 and 50.",
+    model="bricks of the model solid, degree 6 through each ply",
+    source="N. J. Pagano, J. Compos. Mater. 3 (1969) 398, prints 2.887 and 0.932; digits by "
+    + _EXACT,
+    tolerance=1e-6,
+    reason=_SMOOTH,
+    answers=[
+        Answer(f"The deflection at L/h = {s:g} is Pagano's.", value, "1", partial(_pagano, s))
+        for s, value in (
+            (4.0, 2.88722515895213),
+            (10.0, 0.931642912042631),
+            (20.0, 0.617268227453981),
+            (50.0, 0.526975657629369),
+        )
+    ],
+)  # fmt: skip
+
+
+def expanding(modulus: float, strain: float) -> Material:
+    """Return an isotropic layer (ν = 0) that expands by `strain` along z.
+
+    An expansion is what a field of 1 V/m along x does to a material with e = c · strain: so a
+    potential of −x makes the twin of a change of temperature.
+    """
+    c = isotropic_stiffness(modulus, 0.0)
+    e = np.zeros((3, 6))
+    e[0] = c @ np.array([0.0, 0.0, strain, 0.0, 0.0, 0.0])
+    return Material(c, 1.0, PiezoTensors(c, e, np.eye(3)))
+
+
+@cache
+def _bimetal(
+    layers: tuple[tuple[float, float, float], ...], length: float
+) -> tuple[float, float, Callable[[float], float]]:
+    """Return deflection and stretch of the tip, and the stress along z at a depth x.
+
+    Layers are (thickness, modulus, free strain), from below; clamped at z = 0.
+    """
+    thicknesses = tuple(layer[0] for layer in layers)
+    parts = tuple(
+        (Slab(f"layer{i}", (i, i + 1), (0, 1)), expanding(modulus, strain))
+        for i, (_, modulus, strain) in enumerate(layers)
+    )
+    box = Box(
+        x=stacked(thicknesses, 2),
+        y=even(1.0, 1, 1),
+        z=even(length, 1, 2),
+        parts=parts,
+        held=(
+            Held(Where(), ("phi",), lambda x, _y, _z: -x),
+            Held(Where(z=0.0), ("z",)),
+            Held(Where(x=0.0, z=0.0), ("x",)),
+            Held(Where(x=0.0, y=0.0, z=0.0), ("y",)),
+            Held(Where(x=0.0, y=0.0, z=length), ("y",)),
+        ),
+    )
+    state = statics(box)
+    total = sum(thicknesses)
+    middle = 0.5 * (
+        state.mean(Where(x=0.0, z=length), "z") + state.mean(Where(x=total, z=length), "z")
+    )
+
+    def stress(x: float) -> float:
+        # no stress across and no Poisson's ratio: the strain is linear in x
+        low, high = (state.mean(Where(x=at, z=length), "z").real for at in (0.0, total))
+        strain = (low + (high - low) * x / total) / length
+        edges = np.cumsum(thicknesses)
+        _, modulus, free = layers[int(np.searchsorted(edges, x - 1e-9 * total))]
+        return modulus * (strain - free)
+
+    return state.mean(Where(x=0.0, z=length), "x").real, middle.real, stress
+
+
+_VM35 = ((0.05, 30e6, 2e-3), (0.05, 30e6, 1e-3))
+_TWIN = (
+    "the strip's free end has a zone of its own, which a strip theory leaves out: (h/L)² of some "
+    "hundredths; the rest is exact for quadratic functions"
+)
+
+_BIMETAL = (
+    case(
+        "VM35",
+        "Bimetal strip of two equal layers (ANSYS VM35)",
+        "10 in long, two layers of 0.05 in, E = 30e6 psi, expansions 2e-5 and 1e-5 per degree, "
+        "100 degrees warmer, one end clamped.",
+        model="bricks of the model solid; the expansion is driven by the field",
+        source="ANSYS Verification Manual, VM35 (Timoshenko's bimetal in closed form)",
+        tolerance=5e-5,
+        reason=_TWIN,
+        answers=[
+            Answer("The tip deflects by 0.75 in.", 0.75, "in", lambda: _bimetal(_VM35, 10.0)[0]),
+            Answer("The strip grows by 0.015 in.", 0.015, "in", lambda: _bimetal(_VM35, 10.0)[1]),
+            Answer("The outer fibre of the layer that expands more is stressed to 7500 psi.",
+                   7500.0, "psi", lambda: _bimetal(_VM35, 10.0)[2](0.0)),
+        ],
+    ),
+)  # fmt: skip
+
+
+def pvdf(uniform: bool) -> Box:
+    """Return the bimorph of Tzou and of Hwang and Park: 100 x 5 x 1 mm, poled oppositely, 1 V.
+
+    E = 2 GPa, e31 = 0.046 C/m², ε = 12 ε0, no Poisson's ratio; the field linear through the whole
+    thickness (`uniform`) or as electrostatics has it.
+    """
+    c = isotropic_stiffness(2e9, 0.0)
+    e = np.zeros((3, 6))
+    e[0, 2] = 0.046
+    permittivity = 12.0 * EPS0 * np.eye(3)
+    parts = tuple(
+        (
+            Slab(name, (i, i + 1), (0, 5)),
+            Material(c, 1800.0, PiezoTensors(c, sign * e, permittivity)),
+        )
+        for i, (name, sign) in enumerate((("low", 1.0), ("high", -1.0)))
+    )
+    linear = Held(Where(), ("phi",), lambda x, _y, _z: x / 1e-3)
+    faces = (Held(Where(x=0.0), ("phi",)), Held(Where(x=1e-3), ("phi",), 1.0))
+    return Box(
+        x=stacked((0.5e-3, 0.5e-3), 3),
+        y=even(5e-3, 1, 1),
+        z=even(100e-3, 5, 3),
+        parts=parts,
+        held=(
+            *((linear,) if uniform else faces),
+            Held(Where(), ("y",)),
+            Held(Where(z=0.0), ("x", "z")),
+        ),
+    )
+
+
+@cache
+def pvdf_deflection(position: float, uniform: bool) -> float:
+    """Return the deflection (m) at a position (m) along the bimorph of case HP."""
+    state = statics(pvdf(uniform))
+    return abs(state.mean(Where(x=0.5e-3, z=position), "x").real)
+
+
+#: k31² of that PVDF: e31²/(E ε + e31²).
+_PVDF_K2 = 0.046**2 / (2e9 * 12.0 * EPS0 + 0.046**2)
+
+_PVDF = case(
+    "PVDF",
+    "PVDF bimorph: what the field's own variation is worth",
+    "The bimorph of case HP with the potential as electrostatics has it, quadratic through each "
+    "layer, over that with a linear one: deflection at 60 mm.",
+    model="bricks of the model solid",
+    source="a layer stiffened by 1/(1 − k²) about its own middle: (1 − k²)/(1 − 3/4 k²)",
+    tolerance=1e-5,
+    reason="the clamp's zone, h/L of the 0.25 % in question",
+    answers=[
+        Answer("The varying field takes 0.25 % of the deflection, as in closed form.",
+               (1.0 - _PVDF_K2) / (1.0 - 0.75 * _PVDF_K2), "1",
+               lambda: pvdf_deflection(0.06, False) / pvdf_deflection(0.06, True)),
+    ],
+)  # fmt: skip
+
+CASES: tuple[Case, ...] = (*_CYLINDRICAL, _DRIVEN, _PAGANO, *_BIMETAL, _PVDF)
