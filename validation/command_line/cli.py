@@ -30,6 +30,7 @@ from tactgen.validation.command_line.commands import (
     solve,
     stress,
     verify,
+    view,
 )
 from tactgen.validation.command_line.commands.common import say
 from tactgen.validation.command_line.commands.studies import design, identify, sensitivity, whatif
@@ -148,8 +149,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.set_defaults(run=lambda _: _help(parser))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
-        report, solve, whatif, design, sensitivity, identify, plan, export, verify, stress, bench,
-        scenes, cache, init,
+        report, solve, view, whatif, design, sensitivity, identify, plan, export, verify, stress,
+        bench, scenes, cache, init,
     ):  # fmt: skip
         command.add(commands)
     return parser

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
@@ -14,6 +13,7 @@ from tactgen.geometry.files import written_whole
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.export.ports import check_state_space, write_port_files
+from tactgen.validation.export.targets import check_place
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -89,30 +89,13 @@ def _check_targets(targets: dict[str, Path]) -> None:
     taken: dict[Path, str] = {}
     for kind, path in targets.items():
         option = "--" + kind.replace("_", "-")
-        if path.suffix not in _SUFFIXES[kind]:
-            raise InputError(
-                f"{option} {path} must end in {' or '.join(_SUFFIXES[kind])}; name the file so"
-            )
-        reason = _obstacle(path)
-        if reason:
-            raise InputError(f"{option} {path} cannot be written ({reason}); choose another place")
+        check_place(option, path, _SUFFIXES[kind])
         place = path.resolve()
         if place in taken:
             raise InputError(
                 f"{option} {path} is also the file of {taken[place]}; give each its own name"
             )
         taken[place] = option
-
-
-def _obstacle(path: Path) -> str:
-    try:
-        if path.is_dir():
-            return "it is a folder"
-        if not path.parent.is_dir():
-            return "its folder does not exist"
-    except OSError as error:  # such as a name that is too long
-        return (error.strerror or str(error)).lower()
-    return "" if os.access(path.parent, os.W_OK | os.X_OK) else "its folder is read-only"
 
 
 def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]) -> None:

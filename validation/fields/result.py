@@ -161,6 +161,6 @@ def von_mises(stress: Array) -> Floats:
     return np.asarray(np.sqrt(normal + 3.0 * (yz**2 + xz**2 + xy**2)))
 
 
-def at_phase(amplitude: Array, phase: float) -> Array:
+def at_phase(amplitude: Array, phase: float) -> Floats:
     """Return the real part of amplitudes times e^{j phase}, phase in radians."""
-    return np.asarray(np.real(amplitude * np.exp(1j * phase)))
+    return np.asarray(np.real(amplitude * np.exp(1j * phase)), dtype=float)

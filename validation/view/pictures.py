@@ -20,7 +20,7 @@ _VTK_CELL = {"tetra": 10, "tetra10": 24, "hexahedron": 12}
 _TWISTS = 0.3
 
 
-def _pyvista() -> Any:
+def off_screen() -> Any:
     """Import PyVista with VTK's software renderer, or say what is missing.
 
     VTK crashes the process when it finds no OpenGL library, so this looks first.
@@ -36,7 +36,7 @@ def _pyvista() -> Any:
 
 def mesh_picture(mesh: Mesh, *, close_up: bool = False) -> bytes:
     """Return a picture of the mesh, one colour per region; `close_up` shows the held end."""
-    pv = _pyvista()
+    pv = off_screen()
     plotter = _plotter(pv, 420, 420 if close_up else 900)
     grid = _grid(pv, mesh, mesh.points)
     for number, region in enumerate(mesh.regions):
@@ -52,7 +52,7 @@ def mesh_picture(mesh: Mesh, *, close_up: bool = False) -> bytes:
 
 def solids_picture(solids: dict[str, Any]) -> bytes:
     """Return a picture of CAD solids (mm), the front half of coil and sleeve cut away."""
-    pv = _pyvista()
+    pv = off_screen()
     plotter = _plotter(pv, 420, 900)
     everything = []
     for name, solid in solids.items():
@@ -75,7 +75,7 @@ def mode_picture(mesh: Mesh, displacement: Floats) -> bytes:
     displacement : (n_points, 3) array
         At the mesh's points, any scale.
     """
-    pv = _pyvista()
+    pv = off_screen()
     plotter = _plotter(pv, 420, 900)
     moved = mesh.points + displacement * (_reach(mesh, displacement) / np.abs(displacement).max())
     grid = _grid(pv, mesh, moved)

@@ -1,0 +1,59 @@
+"""``tactgen view``: files as asked for, and one sentence for what cannot be shown."""
+
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.export.view import Look, harmonic_frequencies, view
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.view import browser
+
+QUICK = ["j1", "--set", "models=tmm", "--set", "modes=2"]
+
+
+def test_page_and_still_are_written(tmp_path, capsys):
+    """Their paths on stdout; the page has the state that was asked for."""
+    page, png = tmp_path / "v.html", tmp_path / "v.png"
+    arguments = ["view", *QUICK, "--frequency", "500", "--out", str(page), "--png", str(png)]
+    assert main([*arguments, "--state", "500 Hz", "--field", "u_x"]) == 0
+    assert capsys.readouterr().out.split() == [str(page), str(png)]
+    text = page.read_text(encoding="utf-8")
+    assert '"name":"500 Hz"' in text
+    assert "transfer matrix" in text
+    assert png.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("look", "files", "words"),
+    [
+        (Look(state="mode 9"), {"png": "a.png"}, r'state "mode 9" is unknown to the model tmm'),
+        (Look(shade="stress_zz"), {"png": "a.png"}, "not a field of the model tmm, which has size"),
+        (Look(models=("network",)), {"out": "a.html"}, "network has no motion to show"),
+        (Look(), {"out": "a.txt"}, r"--out .* must end in .html"),
+        (Look(), {"gif": "none/a.gif"}, "its folder does not exist"),
+    ],
+)
+def test_what_cannot_be_shown_is_one_sentence(look, files, words, tmp_path):
+    scene, _ = load_scene("j1", ["models=tmm", "modes=1"])
+    with pytest.raises(InputError, match=words):
+        view(scene, look, {k: tmp_path / v for k, v in files.items()}, lambda _: None)
+    assert not list(tmp_path.iterdir())
+
+
+def test_frequencies_of_driven_states():
+    """Above 0 Hz, and not more than a page can hold."""
+    for given, words in (("0", "has no vibration to show"), ("10:100:50", "give at most 12")):
+        scene, _ = load_scene("j1", [f"frequency={given}"])
+        with pytest.raises(InputError, match=words):
+            harmonic_frequencies(scene)
+
+
+def test_a_scene_with_nothing_that_moves_ends_with_2(capsys):
+    assert main(["view", "reluctance"]) == 2
+    assert "no bimorph that moves" in capsys.readouterr().err
+
+
+def test_a_browser_that_is_not_there_is_said(monkeypatch):
+    monkeypatch.setattr(browser.shutil, "which", lambda _: None)
+    with pytest.raises(InputError, match=r"--pdf needs a Chromium .* install one"):
+        browser.need_browser("--pdf")

@@ -1,0 +1,180 @@
+"""The page: its data are the solver's, it asks for nothing, and a browser moves it."""
+
+import base64
+import html
+import json
+import re
+import zlib
+
+import numpy as np
+import pytest
+
+from tactgen.validation.fields.result import at_phase
+from tactgen.validation.view.browser import find_browser, run_browser
+from tactgen.validation.view.formats import with_bar
+from tactgen.validation.view.page.html import Still, page
+from tactgen.validation.view.page.shown import payload
+from tactgen.validation.view.shading import SHADES, enlargement, shades_of
+
+PHASES = np.arange(8) * np.pi / 4
+PIXEL = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg=="
+)
+
+
+@pytest.fixture(scope="module")
+def data(seen):
+    return payload(seen)
+
+
+@pytest.fixture(scope="module")
+def text(data):
+    return page("j1: modes & fields", data, [Still(PIXEL, "one pixel")])
+
+
+def unpacked(data):
+    """Return a function that reads the page's arrays as the page does."""
+    raw = zlib.decompress(base64.b64decode(data["blob"]), -15)
+    kinds = {"f4": "<f4", "u4": "<u4", "i2": "<i2"}
+
+    def read(ref):
+        values = np.frombuffer(raw, kinds[ref["type"]], ref["count"], ref["offset"])
+        return values * np.float32(ref["scale"]) if ref["type"] == "i2" else values
+
+    return read
+
+
+def test_arrays_of_the_page_are_the_solvers(seen, data):
+    """Every state's displacement at eight phases and every colour's amplitude, to 1e-4."""
+    read = unpacked(data)
+    for result, shown in zip(seen, data["results"], strict=True):
+        assert read(shown["points"]).reshape(-1, 3) == pytest.approx(
+            result.mesh.points, abs=1e-7 * np.abs(result.mesh.points).max()
+        )
+        for state, packed in zip(result.states, shown["states"], strict=True):
+            parts = [read(r).reshape(-1, 3) for r in packed["arrays"]["displacement"]]
+            amplitude = parts[0] + (1j * parts[1] if len(parts) == 2 else 0.0)
+            own = np.asarray(state.fields["displacement"])
+            for phase in PHASES:
+                moved, true = at_phase(amplitude, phase), at_phase(own, phase)
+                assert np.abs(moved - true).max() < 1e-4 * np.abs(own).max()
+            for shade in shades_of(result):
+                assert packed["tops"][shade.key] == shade.top(state)
+                if shade.field != "displacement":
+                    parts = [read(r) for r in packed["arrays"][shade.key]]
+                    found = parts[0] + (1j * parts[1] if len(parts) == 2 else 0.0)
+                    assert np.abs(found - shade.amplitude(state)).max() <= 1e-4 * shade.top(state)
+
+
+def test_frequencies_shown_are_the_quantities(seen, data):
+    for result, shown in zip(seen, data["results"], strict=True):
+        for state, packed in zip(result.states, shown["states"], strict=True):
+            if state.kind == "mode":
+                assert packed["text"] == with_bar(state.frequency, state.bar, "Hz")
+
+
+def test_a_travelling_part_is_in_the_page(data):
+    """A driven state has two parts, a mode one."""
+    for state in data["results"][0]["states"]:
+        assert len(state["arrays"]["displacement"]) == (2 if state["kind"] == "harmonic" else 1)
+
+
+def test_equal_arrays_are_there_once(data):
+    """A mode in which the ports take no part is the same in both circuits."""
+    states = [s for s in data["results"][0]["states"] if s["motion"] == "bending_y"]
+    assert len(states) == 2
+    assert states[0]["arrays"] == states[1]["arrays"]
+
+
+def test_the_page_is_small_and_whole(text):
+    """At most 1.2 MB, no address to load from, the scene's name escaped."""
+    assert len(text.encode()) < 1.2e6
+    assert "j1: modes &amp; fields" in text
+    assert not re.search(r'(?:src|href)="(?!data:)', text)
+    assert "default-src 'none'" in text
+
+
+def test_pictures_can_be_coloured_by_what_a_model_has(seen):
+    solid, tmm = (tuple(s.key for s in shades_of(result)) for result in seen)
+    assert solid == tuple(s.key for s in SHADES if s.key != "flux_density")
+    assert tmm == ("size", "u_x", "u_y", "u_z", "potential")
+
+
+@pytest.fixture(scope="module")
+def browser():
+    found = find_browser()
+    if found is None:
+        pytest.skip("no Chromium on this machine")
+    return found
+
+
+@pytest.fixture(scope="module")
+def tested(browser, text, tmp_path_factory):
+    """Return what the page's self-test wrote, and the browser's messages."""
+    path = tmp_path_factory.mktemp("page") / "view.html"
+    path.write_text(text, encoding="utf-8")
+    done = run_browser(
+        browser, path.as_uri() + "#selftest", "--dump-dom", "--virtual-time-budget=20000",
+        "--window-size=1000,700", "--enable-logging=stderr",
+    )  # fmt: skip
+    found = re.search(r'<pre id="selftest">(.*?)</pre>', done.stdout, flags=re.DOTALL)
+    assert found is not None, done.stderr[-2000:]
+    return json.loads(html.unescape(found[1])), done.stderr
+
+
+@pytest.mark.heavy
+def test_a_browser_has_no_complaint_and_asks_for_nothing(tested):
+    report, messages = tested
+    assert "CONSOLE" not in messages
+    assert report["errors"] == []
+    assert report["requests"] == 0
+
+
+@pytest.mark.heavy
+def test_the_shader_puts_the_tip_where_the_solver_does(tested, seen):
+    """Read back from the graphics processor, every state at eight phases."""
+    report, _ = tested
+    result = seen[0]
+    points = result.mesh.points
+    tip = int(
+        np.argmin(np.hypot(points[:, 0], points[:, 1]) + 1e3 * (points[:, 2].max() - points[:, 2]))
+    )
+    for state, found in zip(result.states, report["states"], strict=True):
+        enlarged = enlargement(result, state)
+        assert found["enlarge"] == pytest.approx(enlarged)
+        own = np.asarray(state.fields["displacement"])
+        expected = [points[tip] + enlarged * at_phase(own[tip], p) for p in PHASES]
+        drawn = enlarged * np.abs(own).max()
+        assert np.array(found["tip"]) == pytest.approx(np.array(expected), abs=1e-4 * drawn)
+
+
+@pytest.mark.heavy
+def test_every_control_changes_the_picture(tested):
+    """State, phase, amplitude, cuts, colours, views, keys; and it moves by itself."""
+    report, _ = tested
+    assert report["painted"] > 5000
+    assert [name for name, changed in report["changes"].items() if not changed] == []
+    sums = {state["name"]: state["sum"] for state in report["states"]}
+    assert sums["mode 1, short circuit"] != sums["mode 3, short circuit"]
+    assert report["opened"] == "mode 1, open circuit"
+
+
+@pytest.mark.heavy
+def test_the_page_can_be_read_without_eyes(tested):
+    """Alternative texts, labels of all controls, a value under the pointer."""
+    report, _ = tested
+    assert "Mode 1, short circuit" in report["label"]
+    assert report["images"] == report["unlabelled"] == 0
+    assert report["reading"]["region"] in ("piezo_top", "piezo_bottom", "shim")
+    assert re.search(r"\|u\|: [\d.]+ [nµ]m", report["reading"]["text"])
+    assert all("1, short circuit" in caption for caption in report["captions"])
+
+
+@pytest.mark.heavy
+def test_without_webgl_stills_are_shown_and_it_is_said(browser, text, tmp_path):
+    path = tmp_path / "view.html"
+    path.write_text(text, encoding="utf-8")
+    done = run_browser(browser, path.as_uri() + "#nowebgl", "--dump-dom")
+    assert 'data-ready="stills"' in done.stdout
+    assert "has no WebGL 2, so nothing moves here" in done.stdout
+    assert 'alt="one pixel"' in done.stdout

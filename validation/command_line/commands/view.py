@@ -1,0 +1,63 @@
+"""``tactgen view``: modes and fields in a page that moves, as stills and as films."""
+
+from __future__ import annotations
+
+import argparse
+import webbrowser
+from pathlib import Path
+
+from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser("view", help="see modes and fields move, in one HTML page")
+    scene_options(parser)
+    parser.add_argument(
+        "--model", action="append", metavar="NAME", help="may be repeated; two stand side by side"
+    )
+    parser.add_argument(
+        "--frequency",
+        metavar="LIST|START:STOP:N[:log]",
+        help="of driven states, in Hz (default: half the first natural frequency, and that)",
+    )
+    parser.add_argument("--out", metavar="FILE.html", help="the page (default view.html)")
+    parser.add_argument("--open", action="store_true", help="show the page in your browser")
+    parser.add_argument("--png", metavar="FILE.png", help="a still instead of the page")
+    parser.add_argument("--gif", metavar="FILE.gif", help="one period as a film")
+    parser.add_argument("--mp4", metavar="FILE.mp4", help="the same where ffmpeg is installed")
+    parser.add_argument(
+        "--state", metavar="NAME", help='of still and films, such as "mode 2, open circuit"'
+    )
+    parser.add_argument(
+        "--field", metavar="NAME", help="what colours still and films, such as stress_zz"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command and return its exit code."""
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.export.view import Look, harmonic_frequencies, view
+    from tactgen.validation.scene.idle_keys import scene_warnings
+    from tactgen.validation.scene.scene import load_scene
+
+    asked = [] if options.frequency is None else [f"frequency={options.frequency}"]
+    scene, origins = load_scene(options.scene, [*options.overrides, *asked])
+    warn(scene_warnings(scene, origins))
+    named = {kind: getattr(options, kind) for kind in ("out", "png", "gif", "mp4")}
+    files = {kind: Path(name) for kind, name in named.items() if name}
+    if not files or (options.open and "out" not in files):
+        files["out"] = Path("view.html")
+    look = Look(
+        models=tuple(options.model or ()),
+        frequencies=harmonic_frequencies(scene) if asked else None,
+        state=options.state or "",
+        shade=options.field or "",
+    )
+    with announcer() as announce:
+        for path in view(scene, look, files, announce):
+            print(path)
+    if options.open and not webbrowser.open(files["out"].resolve().as_uri()):
+        warn([f"no browser could be started; open {files['out']} yourself"])
+    return 0

@@ -1,0 +1,163 @@
+"""What can be seen of a scene, as files: the moving page, stills, films."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import write_text, written_whole
+from tactgen.validation.export.targets import check_place
+from tactgen.validation.fields.gather import Request, default_models, gather, with_fields
+from tactgen.validation.fields.result import FieldResult, State
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.view.shading import SHADES, Shade, shades_of, words_of
+
+if TYPE_CHECKING:
+    from tactgen.validation.view.page.html import Still
+
+#: Endings of each kind of file.
+SUFFIXES = {"out": (".html",), "png": (".png",), "gif": (".gif",), "mp4": (".mp4",)}
+#: Most harmonic states of a page.
+_MOST = 12
+#: Stills for those who see no movement: their size in pixels.
+_STILL = 480, 400
+
+
+@dataclass(frozen=True)
+class Look:
+    """What is wanted: models (none: the fastest solid, and TMM beside it), state and colour."""
+
+    models: tuple[str, ...] = ()
+    frequencies: tuple[float, ...] | None = None
+    state: str = ""
+    shade: str = ""
+
+
+def view(
+    scene: Scene, look: Look, files: dict[str, Path], announce: Callable[[str], None]
+) -> list[Path]:
+    """Write a page, a still and films of a scene, and return their paths.
+
+    Parameters
+    ----------
+    files : dict of {"out", "png", "gif", "mp4"} to Path
+        What to write where.
+
+    Raises
+    ------
+    InputError
+        If the scene has nothing to show, a model, state or field is not there, or a file
+        cannot be written.
+    """
+    for kind, path in files.items():
+        check_place(f"--{kind}", path, SUFFIXES[kind])
+    models = look.models or _models(scene)
+    results = gather(scene, models, Request(look.frequencies, "edges"), announce)
+    pictured = results[0], _state(results[0], look), _shade(results[0], look)
+    _check_films(files, pictured[1])
+    for kind, path in files.items():
+        if kind == "out":
+            announce("page")
+            write_page(path, results, announce)
+        else:
+            _write_picture(kind, path, *pictured, announce)
+    return list(files.values())
+
+
+def _models(scene: Scene) -> tuple[str, ...]:
+    """Return the fastest solid of a scene, and transfer matrices beside it."""
+    first = default_models(scene)
+    return first if "tmm" not in with_fields(scene) or first == ("tmm",) else (*first, "tmm")
+
+
+def _state(result: FieldResult, look: Look) -> State:
+    return result.state(look.state) if look.state else result.states[0]
+
+
+def _shade(result: FieldResult, look: Look) -> Shade | None:
+    if not look.shade:
+        return None
+    known = shades_of(result)
+    for shade in known:
+        if shade.key == look.shade:
+            return shade
+    raise InputError(
+        f"--field {look.shade} is not a field of the model {result.model}, which has "
+        f"{', '.join(shade.key for shade in known)}"
+    )
+
+
+def _check_films(files: dict[str, Path], state: State) -> None:
+    from tactgen.validation.view.films import check_film
+
+    for kind in ("gif", "mp4"):
+        if kind in files:
+            check_film(files[kind], state)
+
+
+def _write_picture(
+    kind: str,
+    path: Path,
+    result: FieldResult,
+    state: State,
+    shade: Shade | None,
+    announce: Callable[[str], None],
+) -> None:
+    from tactgen.validation.view.films import write_film
+    from tactgen.validation.view.stills import Picture, still
+
+    if kind == "png":
+        announce("still")
+        with written_whole(path) as temporary:
+            temporary.write_bytes(still(result, state, Picture(shade=shade)))
+        return
+    write_film(path, result, state, Picture(800, 480, shade), announce)
+
+
+def write_page(path: Path, results: Sequence[FieldResult], announce: Callable[[str], None]) -> Path:
+    """Write the page in which the results move."""
+    from tactgen.validation.view.page.html import page
+    from tactgen.validation.view.page.shown import payload
+
+    stills = page_stills(results[0], announce)
+    title = f"{results[0].scene}: modes and fields"
+    return write_text(path, page(title, payload(results), stills))
+
+
+def page_stills(result: FieldResult, announce: Callable[[str], None]) -> list[Still]:
+    """Return stills of the first modes, for those who see no movement."""
+    from tactgen.validation.view.page.html import Still
+    from tactgen.validation.view.stills import Picture, still
+
+    found = []
+    for state in [s for s in result.states if s.circuit == "short"][:2]:
+        announce(f"still of {state.name}")
+        picture = Picture(*_STILL, shade=SHADES[0])
+        words = words_of(result, state)
+        caption = f"{words.title}: {words.number}, {words.detail}"
+        found.append(Still(still(result, state, picture), caption))
+    return found
+
+
+def harmonic_frequencies(scene: Scene) -> tuple[float, ...]:
+    """Return the scene's frequencies (Hz) as those of harmonic states.
+
+    Raises
+    ------
+    InputError
+        If one is not above 0 Hz, or there are more than a page can hold.
+    """
+    if min(scene.frequency) <= 0.0:
+        raise InputError(
+            f"frequency = {min(scene.frequency):g} Hz has no vibration to show; give one above "
+            "0 Hz (the static state is always there)"
+        )
+    if len(scene.frequency) > _MOST:
+        raise InputError(
+            f"frequency has {len(scene.frequency)} values, each a solution and a state of its own; "
+            f"give at most {_MOST}"
+        )
+    return scene.frequency

@@ -1,0 +1,83 @@
+"""A Chromium without a window, where there is one: it prints pages to PDF."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+from tactgen.geometry.errors import InputError
+
+#: Names that Chromium goes by, the first found is taken.
+_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+#: Without a window; on a machine without graphics WebGL is drawn by the processor.
+FLAGS = (
+    "--headless=new", "--no-sandbox", "--hide-scrollbars", "--disable-extensions",
+    "--no-first-run", "--disable-background-networking", "--use-gl=angle",
+    "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+)  # fmt: skip
+#: Longest time (s) that it may take over one page.
+_LONGEST = 180.0
+
+
+def find_browser() -> str | None:
+    """Return the path of a Chromium, None if there is none."""
+    return next((path for name in _NAMES if (path := shutil.which(name))), None)
+
+
+def need_browser(option: str) -> str:
+    """Return the path of a Chromium.
+
+    Raises
+    ------
+    InputError
+        If there is none, naming the option that needs it.
+    """
+    found = find_browser()
+    if found is None:
+        raise InputError(
+            f"{option} needs a Chromium or Chrome browser, and none of {', '.join(_NAMES)} is on "
+            "this machine; install one (apt-get install chromium), or print the page from your own"
+        )
+    return found
+
+
+def run_browser(path: str, address: str, *options: str) -> subprocess.CompletedProcess[str]:
+    """Open a page without a window, with a profile of its own, and return what was written.
+
+    Raises
+    ------
+    InputError
+        If the browser does not end in time.
+    """
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        command = [path, *FLAGS, f"--user-data-dir={profile}", *options, address]
+        try:
+            return subprocess.run(
+                command, capture_output=True, text=True, timeout=_LONGEST, check=False
+            )
+        except subprocess.TimeoutExpired as error:
+            raise InputError(
+                f"{path} did not finish {address} in {_LONGEST:g} s; try again when the machine "
+                "is less busy"
+            ) from error
+
+
+def print_pdf(browser: str, page: Path, target: Path) -> None:
+    """Print a page to a PDF; its own style says sizes, margins and page numbers.
+
+    Raises
+    ------
+    InputError
+        If the browser does not write it.
+    """
+    done = run_browser(
+        browser,
+        page.resolve().as_uri(),
+        "--virtual-time-budget=15000",
+        "--no-pdf-header-footer",
+        f"--print-to-pdf={target}",
+    )
+    if done.returncode != 0 or not target.exists() or target.stat().st_size == 0:
+        raise InputError(f"{browser} did not print {page}; open the page and print it by hand")

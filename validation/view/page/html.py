@@ -1,0 +1,70 @@
+"""The page itself: one file with script, style, data and stills, that asks nothing of a network."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import resources
+from typing import Any
+
+#: What a browser may do with the page: run what is in it, and load nothing.
+_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
+
+
+@dataclass(frozen=True)
+class Still:
+    """A picture for those who see no movement: PNG bytes and what it shows."""
+
+    png: bytes
+    caption: str
+
+
+def fragment(data: dict[str, Any], stills: Sequence[Still], name: str = "tv-data") -> str:
+    """Return the viewer as a part of a page that also has :func:`assets`."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    pictures = "".join(
+        f'<figure><img alt="{html.escape(s.caption)}" src="{inline(s.png)}">'
+        f"<figcaption>{html.escape(s.caption)}</figcaption></figure>"
+        for s in stills
+    )
+    return (
+        f'<script type="application/json" id="{name}">{text}</script>\n'
+        f'<div class="tv" data-payload="{name}">\n'
+        f'<div class="tv-stills" hidden><p class="tv-why"></p>{pictures}</div>\n'
+        "<noscript><style>.tv .tv-stills[hidden]{display:block!important}</style>"
+        "<p>Scripts are off, so nothing moves here. Still pictures:</p></noscript>\n</div>\n"
+    )
+
+
+def assets() -> str:
+    """Return script and style of the viewer, which a page needs once."""
+    return (
+        f"<style>{_file('viewer.css')}</style>\n"
+        f"<script>{_file('three.min.js')}</script>\n<script>{_file('viewer.js')}</script>\n"
+    )
+
+
+def page(title: str, data: dict[str, Any], stills: Sequence[Still]) -> str:
+    """Return a whole page with the viewer alone."""
+    return (
+        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        '<meta name="color-scheme" content="light dark">\n'
+        f"<title>{html.escape(title)}</title>\n{assets()}"
+        "<style>html,body{margin:0;height:100%}.tv{min-height:100%}"
+        "@media (min-width:48.01rem){.tv{height:100vh;grid-template-rows:minmax(0,1fr)}}</style>\n"
+        f"</head>\n<body>\n{fragment(data, stills)}</body>\n</html>\n"
+    )
+
+
+def inline(png: bytes) -> str:
+    """Return a picture as an address that contains it."""
+    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+
+
+def _file(name: str) -> str:
+    return (resources.files("tactgen.validation.view.page") / name).read_text(encoding="utf-8")

@@ -1,0 +1,198 @@
+"""Results as the page gets them: arrays packed into one block, and words for every state."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.surface import Surface, surface_of
+from tactgen.validation.fields.result import Array, FieldResult, State
+from tactgen.validation.view.palettes import COLOURS, magnitude_stops, signed_stops
+from tactgen.validation.view.shading import (
+    MODELS,
+    REGIONS,
+    Shade,
+    enlargement,
+    shades_of,
+    words_of,
+)
+
+#: Where regions go when the device is drawn apart, in the unit of the slider's reach; those of
+#: `_SIDED` go to the side on which a point lies.
+_APART = {
+    "piezo_top": (1.0, 0.0, 0.0), "piezo_bottom": (-1.0, 0.0, 0.0), "glue": (0.5, 0.0, 0.0),
+    "rod": (0.0, 0.0, -1.0), "sleeve": (0.0, -1.5, 0.0), "coil": (0.0, -0.7, 0.0),
+}  # fmt: skip
+_SIDED = ("glue",)
+#: How the page forms a colour's value: the size, a component, an amplitude that swings, one not.
+_SIZE, _COMPONENT, _SWINGING, _STEADY = 1, 2, 3, 4
+#: Largest magnitude of a small integer.
+_FULL = 32767
+#: Angle (cosine) from which on two faces have an edge that is drawn of the shape at rest.
+_SHARP = 0.8
+
+
+@dataclass
+class _Block:
+    """The binary part as it grows; equal arrays are there once."""
+
+    data: bytearray = field(default_factory=bytearray)
+    known: dict[bytes, dict[str, Any]] = field(default_factory=dict)
+
+    def plain(self, values: Floats | Ints) -> dict[str, Any]:
+        """Append numbers as they are (single precision) and return where they are."""
+        integers = np.issubdtype(np.asarray(values).dtype, np.integer)
+        kind = "u4" if integers else "f4"
+        return self._put(np.ascontiguousarray(values, dtype="<" + kind), kind, 1.0)
+
+    def small(self, values: Floats, top: float) -> dict[str, Any]:
+        """Append numbers up to `top` as integers of 16 bits: good to 1.5e-5 of it."""
+        scale = top / _FULL if top > 0.0 else 1.0
+        return self._put(np.rint(values / scale).astype("<i2"), "i2", scale)
+
+    def _put(self, values: Array, kind: str, scale: float) -> dict[str, Any]:
+        packed = values.tobytes()
+        key = packed + kind.encode() + repr(scale).encode()
+        if key not in self.known:
+            self.data += b"\0" * (-len(self.data) % 4)
+            self.known[key] = {
+                "offset": len(self.data), "count": int(values.size), "type": kind, "scale": scale,
+            }  # fmt: skip
+            self.data += packed
+        return self.known[key]
+
+    def text(self) -> str:
+        """Return the block, deflated, in base64."""
+        deflate = zlib.compressobj(9, zlib.DEFLATED, -15)
+        return base64.b64encode(deflate.compress(bytes(self.data)) + deflate.flush()).decode()
+
+
+def payload(results: Sequence[FieldResult]) -> dict[str, Any]:
+    """Return what the page gets, as plain JSON values."""
+    block = _Block()
+    return {
+        "scene": results[0].scene,
+        "palettes": {"magnitude": magnitude_stops(), "signed": signed_stops()},
+        "results": [_result(block, result) for result in results],
+        "blob": block.text(),
+    }
+
+
+def _result(block: _Block, result: FieldResult) -> dict[str, Any]:
+    mesh, surface = result.mesh, surface_of(result.mesh)
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    region = np.zeros(len(mesh.points), dtype=np.int64)
+    region[mesh.cells] = mesh.region_of_cell[:, None]
+    shades = shades_of(result)
+    return {
+        "model": result.model,
+        "title": MODELS.get(result.model, result.model),
+        "regions": [_region(name) for name in mesh.regions],
+        "points": block.plain(mesh.points),
+        "regionOfPoint": block.plain(region),
+        "triangles": block.plain(surface.triangles.ravel()),
+        "edges": block.plain(surface.edges.ravel()),
+        "outline": block.plain(outline(mesh, surface).ravel()),
+        "cells": block.plain(mesh.cells.ravel()),
+        "cellSize": mesh.cells.shape[1],
+        "lines": None,
+        "tip": tip_point(mesh.points),
+        "height": float(high[2] - low[2]),
+        "box": {
+            "low": low.tolist(), "high": high.tolist(), "centre": (0.5 * (low + high)).tolist(),
+            "height": float(high[2] - low[2]), "width": float((high - low)[:2].max()),
+        },
+        "fields": [_shade(shade) for shade in shades],
+        "states": [_state(block, result, state, shades) for state in result.states],
+    }  # fmt: skip
+
+
+def _region(name: str) -> dict[str, Any]:
+    return {
+        "name": name,
+        "title": REGIONS.get(name, name),
+        "colour": COLOURS.get(name, (0.7, 0.7, 0.7)),
+        "apart": _APART.get(name, (0.0, 0.0, 0.0)),
+        "sided": name in _SIDED,
+    }
+
+
+def _shade(shade: Shade) -> dict[str, Any]:
+    moved = shade.field == "displacement"
+    if moved:
+        source = _SIZE if shade.component < 0 else _COMPONENT
+    else:
+        source = _SWINGING if shade.signed else _STEADY
+    return {
+        "key": shade.key,
+        "title": shade.title,
+        "unit": shade.unit,
+        "signed": shade.signed,
+        "source": source,
+        "along": [float(shade.component == k) for k in range(3)] if moved else None,
+    }
+
+
+def _state(
+    block: _Block, result: FieldResult, state: State, shades: Sequence[Shade]
+) -> dict[str, Any]:
+    words = words_of(result, state)
+    arrays = {}
+    if "displacement" in state.fields:
+        arrays["displacement"] = _amplitude(block, np.asarray(state.fields["displacement"]))
+    for shade in shades:
+        amplitude = shade.amplitude(state)
+        if shade.field != "displacement" and amplitude is not None:
+            arrays[shade.key] = _amplitude(block, amplitude)
+    return {
+        "name": state.name,
+        "kind": state.kind,
+        "circuit": state.circuit,
+        "motion": state.motion,
+        "short": words.short,
+        "text": words.number,
+        "detail": words.detail,
+        "title": words.title,
+        "note": words.note,
+        "moves": "displacement" in state.fields,
+        "drawn": enlargement(result, state),
+        "tops": {shade.key: shade.top(state) for shade in shades},
+        "arrays": arrays,
+    }
+
+
+def _amplitude(block: _Block, values: Array) -> list[dict[str, Any]]:
+    """Return where real and, if there is one, imaginary part are."""
+    real, imaginary = np.real(values).ravel(), np.imag(values).ravel()
+    parts = [real, imaginary] if imaginary.any() else [real]
+    top = float(max(np.abs(part).max() for part in parts))
+    return [block.small(part, top) for part in parts]
+
+
+def tip_point(points: Floats) -> int:
+    """Return the point in the middle of the highest face."""
+    top = points[:, 2] > points[:, 2].max() - 1e-9
+    away = np.where(top, np.hypot(points[:, 0], points[:, 1]), np.inf)
+    return int(np.argmin(away))
+
+
+def outline(mesh: Mesh, surface: Surface) -> Ints:
+    """Return the edges (m, 2) at which the surface turns sharply: the shape at rest in lines."""
+    corners = mesh.points[surface.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
+    pairs = np.sort(surface.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    owner = np.repeat(np.arange(len(normals)), 3)
+    order = np.lexsort((pairs[:, 1], pairs[:, 0]))
+    pairs, owner = pairs[order], owner[order]
+    same = (pairs[1:] == pairs[:-1]).all(axis=1)
+    first = np.flatnonzero(same)
+    turned = np.einsum("ni,ni->n", normals[owner[first]], normals[owner[first + 1]]) < _SHARP
+    return np.asarray(pairs[first[turned]])

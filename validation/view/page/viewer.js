@@ -1,0 +1,947 @@
+/* Moving modes and fields in a page: what is drawn, coloured, cut and read off.
+ *
+ * Displacements and fields arrive as complex amplitudes; the shader forms Re(û e^{jφ}) at
+ * every point, so that a harmonic state's true phase shows.  Numbers that are read (tables, names,
+ * units) are written by the program; nothing is computed here but pictures of them.
+ */
+(function () {
+  'use strict';
+
+  const AXES = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
+  const PHASE_STEP = 15;
+
+  const VERTEX = `
+    precision highp float;
+    in vec3 position; in vec3 re; in vec3 im; in vec2 amplitude; in vec3 tint; in vec3 apart;
+    uniform mat4 modelViewMatrix; uniform mat4 projectionMatrix;
+    uniform vec2 turn; uniform float enlarge; uniform float explode;
+    uniform int source; uniform vec3 along;
+    out vec3 vRest; out vec3 vView; out vec3 vTint; out float vValue;
+    vec3 swing() { return re * turn.x - im * turn.y; }
+    vec3 moved() { return position + enlarge * swing() + explode * apart; }
+    void main() {
+      vec4 view = modelViewMatrix * vec4(moved(), 1.0);
+      vRest = position; vView = view.xyz; vTint = tint;
+      vec3 u = swing();
+      vValue = source == 1 ? length(u)
+             : source == 2 ? dot(u, along)
+             : source == 3 ? amplitude.x * turn.x - amplitude.y * turn.y
+             : amplitude.x;
+      gl_Position = projectionMatrix * view;
+    }`;
+
+  const SURFACE = `
+    precision highp float;
+    in vec3 vRest; in vec3 vView; in vec3 vTint; in float vValue;
+    uniform bool plain; uniform vec2 range; uniform sampler2D palette;
+    uniform vec4 cut; uniform float glow;
+    out vec4 colour;
+    void main() {
+      if (dot(vRest, cut.xyz) > cut.w) discard;
+      vec3 normal = normalize(cross(dFdx(vView), dFdy(vView)));
+      float light = 0.62 + 0.38 * abs(dot(normal, normalize(vec3(0.35, 0.55, 0.76))));
+      light = mix(light, 1.0, glow);
+      float share = clamp((vValue - range.x) / (range.y - range.x), 0.0, 1.0);
+      vec3 base = plain ? vTint : texture(palette, vec2((share * 255.0 + 0.5) / 256.0, 0.5)).rgb;
+      colour = vec4(base * light, 1.0);
+    }`;
+
+  const LINES = `
+    precision highp float;
+    in vec3 vRest; in vec3 vView; in vec3 vTint; in float vValue;
+    uniform vec4 ink; uniform vec4 cut;
+    out vec4 colour;
+    void main() {
+      if (dot(vRest, cut.xyz) > cut.w) discard;
+      colour = ink;
+    }`;
+
+  /* The position as the shader has it, one point a pixel: what the self-test reads back. */
+  const PROBE_VERTEX = `
+    precision highp float;
+    in vec3 position; in vec3 re; in vec3 im;
+    uniform vec2 turn; uniform float enlarge;
+    out vec3 vMoved;
+    void main() {
+      vMoved = position + enlarge * (re * turn.x - im * turn.y);
+      gl_Position = vec4(0.0, 0.0, 0.0, 1.0); gl_PointSize = 1.0;
+    }`;
+  const PROBE_FRAGMENT = `
+    precision highp float; in vec3 vMoved; out vec4 colour;
+    void main() { colour = vec4(vMoved, 1.0); }`;
+
+  function element(tag, attributes, ...children) {
+    const made = document.createElement(tag);
+    for (const [name, value] of Object.entries(attributes || {})) {
+      if (name === 'class') made.className = value;
+      else if (name.startsWith('on')) made.addEventListener(name.slice(2), value);
+      else if (value === true) made.setAttribute(name, '');
+      else if (value !== false && value != null) made.setAttribute(name, value);
+    }
+    made.append(...children);
+    return made;
+  }
+
+  async function inflated(text) {
+    const packed = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate-raw'));
+    return new Response(stream).arrayBuffer();
+  }
+
+  /** Arrays of the binary part by where they are; small integers are turned into SI values. */
+  function reader(buffer) {
+    const kinds = { f4: Float32Array, u4: Uint32Array, i2: Int16Array };
+    return (at) => {
+      if (!at) return null;
+      const raw = new kinds[at.type](buffer, at.offset, at.count);
+      return at.type === 'i2' ? Float32Array.from(raw, (v) => v * at.scale) : raw;
+    };
+  }
+
+  function paletteTexture(stops) {
+    const T = window.THREE, data = new Uint8Array(4 * 256);
+    for (let k = 0; k < 256; k++) {
+      const place = k / 255 * (stops.length - 1), low = Math.min(Math.floor(place), stops.length - 2);
+      for (let c = 0; c < 3; c++) {
+        const a = stops[low][c], b = stops[low + 1][c];
+        data[4 * k + c] = Math.round(a + (b - a) * (place - low));
+      }
+      data[4 * k + 3] = 255;
+    }
+    const texture = new T.DataTexture(data, 256, 1, T.RGBAFormat);
+    texture.needsUpdate = true;
+    return texture;
+  }
+
+  /** One result in one half of the picture: its scene, and the state that it shows. */
+  class Pane {
+    constructor(view, result) {
+      const T = window.THREE;
+      this.view = view; this.result = result; this.scene = new T.Scene();
+      const count = result.points.length / 3;
+      const tint = new Float32Array(3 * count), apart = new Float32Array(3 * count);
+      for (let k = 0; k < count; k++) {
+        const region = result.regions[result.regionOfPoint[k]];
+        const side = region.sided && result.points[3 * k] < 0 ? -1 : 1;
+        for (let c = 0; c < 3; c++) {
+          tint[3 * k + c] = region.colour[c]; apart[3 * k + c] = side * region.apart[c];
+        }
+      }
+      this.constant = { position: result.points, tint, apart };
+      this.uniforms = {
+        turn: { value: new T.Vector2(1, 0) }, enlarge: { value: 0 }, explode: { value: 0 },
+        source: { value: 0 }, along: { value: new T.Vector3() }, plain: { value: true },
+        range: { value: new T.Vector2(0, 1) }, palette: { value: view.palettes.magnitude },
+        cut: { value: [1, 0, 0, 1e9] }, glow: { value: 0 },
+      };
+      const material = (fragment, extra, options) => new T.RawShaderMaterial({
+        glslVersion: T.GLSL3, vertexShader: VERTEX, fragmentShader: fragment,
+        uniforms: Object.assign({}, this.uniforms, extra), side: T.DoubleSide, ...options,
+      });
+      const offset = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
+      this.surface = new T.Mesh(this.geometry(result.triangles), material(SURFACE, {}, offset));
+      this.ink = { value: [0, 0, 0, 0.35] };
+      this.edges = new T.LineSegments(
+        this.geometry(result.edges), material(LINES, { ink: this.ink }, { transparent: true }));
+      this.restInk = { value: [0.5, 0.5, 0.5, 0.8] };
+      this.rest = new T.LineSegments(this.geometry(result.outline), material(
+        LINES, { ink: this.restInk, enlarge: { value: 0 } }, { transparent: true }));
+      this.cap = new T.Mesh(new T.BufferGeometry(), material(SURFACE, {}, offset));
+      this.cap.visible = false;
+      this.lines = null;
+      for (const part of [this.surface, this.edges, this.rest, this.cap]) {
+        part.frustumCulled = false; this.scene.add(part);
+      }
+      if (result.lines) this.addLines(material);
+    }
+
+    geometry(index) {
+      const T = window.THREE, made = new T.BufferGeometry();
+      made.setIndex(new T.BufferAttribute(index, 1));
+      for (const [name, values] of Object.entries(this.constant)) {
+        made.setAttribute(name, new T.BufferAttribute(values, 3));
+      }
+      return made;
+    }
+
+    /** Lines that lie in the section and do not move: flux lines. */
+    addLines(material) {
+      const T = window.THREE, made = new T.BufferGeometry(), points = this.result.lines;
+      made.setAttribute('position', new T.BufferAttribute(points, 3));
+      for (const [name, size] of [['re', 3], ['im', 3], ['amplitude', 2], ['tint', 3], ['apart', 3]]) {
+        made.setAttribute(name, new T.BufferAttribute(new Float32Array(points.length / 3 * size), size));
+      }
+      this.lineInk = { value: [0, 0, 0, 0.9] };
+      const never = { value: [1, 0, 0, 1e9] };
+      this.lines = new T.LineSegments(made, material(
+        LINES, { ink: this.lineInk, cut: never, enlarge: { value: 0 } }, { transparent: true }));
+      this.lines.frustumCulled = false;
+      this.scene.add(this.lines);
+    }
+
+    show(state, field) {
+      const T = window.THREE;
+      this.state = state; this.field = field;
+      const count = this.result.points.length / 3, zero = new Float32Array(3 * count);
+      const [re, im] = state.arrays.displacement || [null, null];
+      const amplitude = new Float32Array(2 * count);
+      const scalar = field && state.arrays[field.key];
+      if (field && field.source >= 3 && scalar) {
+        for (let k = 0; k < count; k++) {
+          amplitude[2 * k] = scalar[0][k]; amplitude[2 * k + 1] = scalar[1] ? scalar[1][k] : 0;
+        }
+      }
+      this.moving = { re: re || zero, im: im || zero, amplitude };
+      for (const part of [this.surface, this.edges, this.rest]) {
+        part.geometry.setAttribute('re', new T.BufferAttribute(this.moving.re, 3));
+        part.geometry.setAttribute('im', new T.BufferAttribute(this.moving.im, 3));
+        part.geometry.setAttribute('amplitude', new T.BufferAttribute(amplitude, 2));
+      }
+      const u = this.uniforms;
+      u.plain.value = !field;
+      if (field) {
+        u.source.value = field.source;
+        u.along.value.set(...(field.along || [0, 0, 0]));
+        const top = state.tops[field.key] || 1e-30;
+        u.range.value.set(field.signed ? -top : 0, top);
+        u.palette.value = field.signed ? this.view.palettes.signed : this.view.palettes.magnitude;
+      }
+      this.slice();
+    }
+
+    /** The face of the cut: every cell as six tetrahedra, each crossed by the plane. */
+    slice() {
+      const T = window.THREE, { axis, at } = this.view.options.cut, cells = this.result.cells;
+      this.cap.visible = axis !== 'none' && !!cells;
+      if (!this.cap.visible) return;
+      const dimension = 'xyz'.indexOf(axis), level = at * 1e-3, points = this.result.points;
+      const size = this.result.cellSize;
+      const tets = size === 8
+        ? [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
+        : [[0, 1, 2, 3]];
+      const corners = [];
+      const height = (p) => points[3 * p + dimension] - level;
+      for (let c = 0; c < cells.length; c += size) {
+        let low = Infinity, high = -Infinity;
+        for (let k = 0; k < Math.min(size, 8); k++) {
+          const h = height(cells[c + k]); low = Math.min(low, h); high = Math.max(high, h);
+        }
+        if (low > 0 || high <= 0) continue;
+        for (const tet of tets) {
+          const above = [], below = [];
+          for (const k of tet) (height(cells[c + k]) > 0 ? above : below).push(cells[c + k]);
+          const cross = (a, b) => [a, b, -height(a) / (height(b) - height(a))];
+          if (above.length === 1 || below.length === 1) {
+            const [one, others] = above.length === 1 ? [above[0], below] : [below[0], above];
+            for (const other of others) corners.push(cross(one, other));
+          } else if (above.length === 2 && below.length === 2) {
+            const [a, b] = above, [p, q] = below;
+            corners.push(cross(a, p), cross(a, q), cross(b, q), cross(a, p), cross(b, q), cross(b, p));
+          }
+        }
+      }
+      const made = new T.BufferGeometry();
+      for (const [name, values] of Object.entries({ ...this.constant, ...this.moving })) {
+        const width = name === 'amplitude' ? 2 : 3, out = new Float32Array(width * corners.length);
+        corners.forEach(([a, b, share], k) => {
+          for (let c = 0; c < width; c++) {
+            out[width * k + c] = values[width * a + c] * (1 - share) + values[width * b + c] * share;
+          }
+        });
+        made.setAttribute(name, new T.BufferAttribute(out, width));
+      }
+      // rounding must not throw away the face that lies in the plane
+      const face = made.getAttribute('position').array;
+      for (let k = dimension; k < face.length; k += 3) face[k] = level;
+      this.cap.geometry.dispose(); this.cap.geometry = made;
+    }
+
+    enlargement() { return this.state.drawn * this.view.options.amplitude; }
+
+    update(phase) {
+      const { options, camera, controls } = this.view, u = this.uniforms;
+      // what is taken away is the side towards the eye
+      const normal = AXES[options.cut.axis], level = options.cut.at * 1e-3;
+      const eye = camera.position.toArray().map((v, k) => v - (controls ? controls.target.getComponent(k) : 0));
+      const side = normal && normal[0] * eye[0] + normal[1] * eye[1] + normal[2] * eye[2] < 0 ? -1 : 1;
+      u.cut.value = normal ? [...normal.map((v) => side * v), side * level + 1e-9] : [1, 0, 0, 1e9];
+      const still = this.state.kind === 'static' ? 0 : phase;
+      u.turn.value.set(Math.cos(still), Math.sin(still));
+      u.enlarge.value = this.enlargement();
+      u.explode.value = options.explode * this.result.height;
+      u.glow.value = this.field ? 0.35 : 0;
+      this.edges.visible = options.mesh;
+      this.rest.visible = options.rest;
+      const dark = this.view.dark;
+      this.ink.value = dark ? [1, 1, 1, 0.28] : [0.05, 0.08, 0.12, 0.32];
+      this.restInk.value = dark ? [0.75, 0.8, 0.85, 0.8] : [0.35, 0.4, 0.45, 0.8];
+      if (this.lines) this.lineInk.value = dark ? [1, 1, 1, 0.85] : [0, 0, 0, 0.85];
+    }
+
+    /** Position of a point now, by the same expression as in the shader. */
+    place(k, out) {
+      const { turn, enlarge, explode } = this.uniforms, { re, im } = this.moving;
+      for (let c = 0; c < 3; c++) {
+        const i = 3 * k + c;
+        out[c] = this.constant.position[i] + explode.value * this.constant.apart[i]
+          + enlarge.value * (re[i] * turn.value.x - im[i] * turn.value.y);
+      }
+      return out;
+    }
+
+    /** The nearest point of the surface on a ray: triangle, weights of its corners. */
+    hit(origin, direction) {
+      const index = this.result.triangles, cut = this.uniforms.cut.value;
+      const count = this.result.points.length / 3, placed = new Float32Array(3 * count), p = [0, 0, 0];
+      for (let k = 0; k < count; k++) placed.set(this.place(k, p), 3 * k);
+      let best = null;
+      const get = (k) => placed.subarray(3 * k, 3 * k + 3);
+      const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+      const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+      const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+      for (let t = 0; t < index.length; t += 3) {
+        const [a, b, c] = [index[t], index[t + 1], index[t + 2]];
+        const e1 = minus(get(b), get(a)), e2 = minus(get(c), get(a));
+        const h = cross(direction, e2), det = dot(e1, h);
+        if (Math.abs(det) < 1e-20) continue;
+        const s = minus(origin, get(a)), u = dot(s, h) / det;
+        if (u < 0 || u > 1) continue;
+        const q = cross(s, e1), v = dot(direction, q) / det;
+        if (v < 0 || u + v > 1) continue;
+        const far = dot(e2, q) / det, weights = [1 - u - v, u, v], corners = [a, b, c];
+        let rest = 0;
+        corners.forEach((k, n) => {
+          for (let i = 0; i < 3; i++) rest += weights[n] * this.constant.position[3 * k + i] * cut[i];
+        });
+        if (rest > cut[3]) continue;
+        if (!best || far < best.far) best = { far, corners, weights };
+      }
+      return best;
+    }
+
+    /** What is at a hit: place at rest, displacement now, value now and its amplitude. */
+    reading(hit) {
+      const { re, im, amplitude } = this.moving, { turn } = this.uniforms;
+      const mix = (values, width, c) => hit.corners.reduce(
+        (sum, k, n) => sum + hit.weights[n] * values[width * k + c], 0);
+      const now = [0, 1, 2].map((c) => mix(re, 3, c) * turn.value.x - mix(im, 3, c) * turn.value.y);
+      const rest = [0, 1, 2].map((c) => mix(this.constant.position, 3, c));
+      const region = this.result.regions[this.result.regionOfPoint[hit.corners[0]]];
+      const field = this.field;
+      let value = Math.hypot(...now);
+      if (field && field.source === 2) value = now.reduce((s, v, c) => s + v * field.along[c], 0);
+      if (field && field.source === 3) {
+        value = mix(amplitude, 2, 0) * turn.value.x - mix(amplitude, 2, 1) * turn.value.y;
+      }
+      if (field && field.source === 4) value = mix(amplitude, 2, 0);
+      return { rest, now, region, value };
+    }
+  }
+
+  class View {
+    constructor(root, payload) {
+      this.root = root; this.payload = payload;
+      const calm = window.matchMedia('(prefers-reduced-motion: reduce)').matches;
+      this.options = {
+        playing: !calm, speed: 0.5, amplitude: 1, phase: 0, mesh: true, rest: false, explode: 0,
+        cut: { axis: 'none', at: 0 }, field: '', circuit: 'short',
+      };
+      this.scheme = window.matchMedia('(prefers-color-scheme: dark)');
+      this.dark = this.scheme.matches;
+      this.panes = []; this.last = null; this.frames = 0;
+    }
+
+    async start() {
+      const buffer = await inflated(this.payload.blob), array = reader(buffer);
+      this.results = this.payload.results.map((r) => this.loaded(r, array));
+      const T = window.THREE;
+      this.renderer = new T.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
+      this.renderer.setClearColor(0x000000, 0);
+      this.renderer.outputColorSpace = 'srgb-linear'; // colours are given as they are shown
+      this.renderer.autoClear = false;
+      this.palettes = {
+        magnitude: paletteTexture(this.payload.palettes.magnitude),
+        signed: paletteTexture(this.payload.palettes.signed),
+      };
+      this.camera = new T.OrthographicCamera(-1, 1, 1, -1, -10, 10);
+      this.build();
+      this.scheme.addEventListener('change', (e) => { this.dark = e.matches; this.draw(); });
+      new ResizeObserver(() => this.resize()).observe(this.stage);
+      this.choose(0, -1);
+      this.resize(); this.look('home');
+      this.renderer.setAnimationLoop((now) => this.tick(now));
+    }
+
+    loaded(result, array) {
+      const at = (ref) => array(ref);
+      const states = result.states.map((s) => ({
+        ...s, arrays: Object.fromEntries(Object.entries(s.arrays).map(([k, v]) => [k, v.map(at)])),
+      }));
+      return {
+        ...result, states, points: at(result.points), triangles: at(result.triangles),
+        edges: at(result.edges), outline: at(result.outline), cells: at(result.cells),
+        regionOfPoint: at(result.regionOfPoint), lines: at(result.lines),
+      };
+    }
+
+    // ---- what is shown -------------------------------------------------------------------
+
+    choose(left, right) {
+      this.chosen = [left, right];
+      const wanted = right < 0 || right === left ? [left] : [left, right];
+      for (const pane of this.panes) pane.scene.clear();
+      this.panes = wanted.map((k) => new Pane(this, this.results[k]));
+      this.listStates(); this.select(this.stateName || this.results[left].states[0].name);
+    }
+
+    /** States of the first result; a second one shows its own of that kind and place. */
+    select(name) {
+      const states = this.panes[0].result.states;
+      this.state = states.find((s) => s.name === name) || states[0];
+      this.stateName = this.state.name;
+      if (this.state.circuit !== 'driven') this.options.circuit = this.state.circuit;
+      if (!this.fieldsNow().some((f) => f.key === this.options.field)) this.options.field = '';
+      this.listFields();
+      this.refresh();
+    }
+
+    partner(result) {
+      if (result === this.panes[0].result) return this.state;
+      const same = this.payload.pairing(this.state, this.panes[0].result.states, result.states);
+      return same;
+    }
+
+    fieldsNow() { return this.panes[0].result.fields; }
+
+    refresh() {
+      for (const pane of this.panes) {
+        const state = this.partner(pane.result);
+        const field = pane.result.fields.find((f) => f.key === this.options.field) || null;
+        pane.missing = !state;
+        pane.show(state || pane.result.states[0], field);
+      }
+      this.words(); this.draw();
+    }
+
+    // ---- drawing -------------------------------------------------------------------------
+
+    tick(now) {
+      const seconds = this.last === null ? 0 : Math.min((now - this.last) / 1000, 0.1);
+      this.last = now;
+      if (!this.options.playing || !this.visible()) return;
+      this.options.phase = (this.options.phase + 2 * Math.PI * this.options.speed * seconds) % (2 * Math.PI);
+      this.draw();
+    }
+
+    visible() {
+      const box = this.stage.getBoundingClientRect();
+      return box.bottom > 0 && box.top < window.innerHeight;
+    }
+
+    draw() {
+      if (!this.panes.length || !this.width) return;
+      this.frames += 1;
+      const share = this.width / this.panes.length;
+      this.renderer.setScissorTest(false); this.renderer.clear();
+      this.renderer.setScissorTest(true);
+      this.panes.forEach((pane, k) => {
+        pane.update(this.options.phase);
+        this.renderer.setViewport(k * share, 0, share, this.height);
+        this.renderer.setScissor(k * share, 0, share, this.height);
+        this.renderer.render(pane.scene, this.camera);
+      });
+      const degrees = Math.round(this.options.phase * 180 / Math.PI) % 360;
+      this.inputs.phase.value = degrees;
+      this.inputs.phaseText.textContent = degrees + '°';
+      this.overlay();
+    }
+
+    resize() {
+      const box = this.stage.getBoundingClientRect();
+      if (!box.width || !box.height) return;
+      this.width = box.width; this.height = box.height;
+      this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+      this.renderer.setSize(this.width, this.height);
+      this.frame(); this.draw();
+    }
+
+    /** Fit the orthographic picture: height and width at zoom 1. */
+    frame() {
+      const aspect = this.width / this.panes.length / this.height;
+      const box = this.panes[0].result.box, lies = this.lies;
+      const long = 1.28 * box.height, wide = Math.max(box.width * 1.6, 0.42 * box.height);
+      let tall = lies ? wide : long, across = lies ? long : wide;
+      if (across / tall > aspect) tall = across / aspect; else across = tall * aspect;
+      Object.assign(this.camera, { left: -across / 2, right: across / 2, top: tall / 2, bottom: -tall / 2 });
+      this.camera.near = -10 * box.height; this.camera.far = 10 * box.height;
+      this.camera.updateProjectionMatrix();
+    }
+
+    look(from) {
+      const T = window.THREE, box = this.panes[0].result.box;
+      const aspect = this.width / this.panes.length / this.height;
+      // a long thing lies down where the picture is wide
+      this.lies = from !== 'upright' && box.height > 2.5 * box.width && aspect > 1.3;
+      const up = this.lies ? [1, 0, 0] : [0, 0, 1];
+      const directions = {
+        home: this.lies ? [0.5, 1, 0.3] : [0.75, -1.0, 0.45], upright: [0.75, -1.0, 0.45],
+        x: [1, 0, 0], y: [0, -1, 0], z: [0, 0, 1],
+      };
+      const d = new T.Vector3(...directions[from]).normalize();
+      if (from === 'z') up.splice(0, 3, 1, 0, 0);
+      if (from === 'x' && this.lies) up.splice(0, 3, 0, -1, 0);
+      if (this.controls) this.controls.dispose();
+      const target = new T.Vector3(...box.centre);
+      this.camera.up.set(...up); this.camera.zoom = 1;
+      this.camera.position.copy(target).addScaledVector(d, 2 * box.height);
+      this.camera.lookAt(target);
+      this.controls = new T.OrbitControls(this.camera, this.renderer.domElement);
+      this.controls.target.copy(target); this.controls.enableDamping = false;
+      this.controls.addEventListener('change', () => this.draw());
+      this.controls.update(); this.frame(); this.draw();
+    }
+
+    // ---- words over the picture ----------------------------------------------------------
+
+    overlay() {
+      // a length that is round and fills about a sixth of the picture
+      const perPixel = (this.camera.right - this.camera.left) / this.camera.zoom / (this.width / this.panes.length);
+      const wanted = 110 * perPixel, power = 10 ** Math.floor(Math.log10(wanted));
+      const length = [5, 2, 1].map((n) => n * power).find((v) => v <= wanted) || power;
+      this.ruler.style.width = length / perPixel + 'px';
+      const mm = length * 1e3;
+      this.rulerText.textContent = mm >= 0.1 ? +mm.toPrecision(2) + ' mm' : +(mm * 1e3).toPrecision(2) + ' µm';
+      const e = this.camera.matrixWorldInverse.elements;
+      for (const [k, name] of ['x', 'y', 'z'].entries()) {
+        const x = 22 * e[4 * k], y = -22 * e[4 * k + 1];
+        this.triad[name].line.setAttribute('x2', x); this.triad[name].line.setAttribute('y2', y);
+        this.triad[name].text.setAttribute('x', 1.35 * x); this.triad[name].text.setAttribute('y', 1.35 * y);
+      }
+    }
+
+    words() {
+      const state = this.state, field = this.fieldsNow().find((f) => f.key === this.options.field);
+      this.captions.replaceChildren(...this.panes.map((pane) => {
+        const own = pane.missing ? null : pane.state;
+        const lines = [element('b', {}, pane.result.title)];
+        if (own) {
+          lines.push(' · ' + own.title, element('br'), own.text);
+          if (this.options.field && !pane.field) {
+            lines.push(element('br'), element('span', { class: 'tv-dim' }, 'this model has no such field'));
+          } else if (own.moves) {
+            lines.push(element('br'), element('span', { class: 'tv-dim' }, this.enlarged(pane)));
+          }
+        } else {
+          lines.push(element('br'), `the model ${pane.result.model} has no such state`);
+        }
+        return element('div', { class: 'tv-caption' }, ...lines);
+      }));
+      this.bar.hidden = !field;
+      if (field) {
+        const top = this.payload.number(this.panes[0].state.tops[field.key] || 0, field);
+        const bottom = field.signed ? '−' + top.value : '0';
+        this.barTitle.textContent = `${field.title}${top.unit ? ' (' + top.unit + ')' : ''}`;
+        this.barLow.textContent = bottom; this.barHigh.textContent = top.value;
+        this.barMiddle.textContent = field.signed ? '0' : '';
+        const stops = this.payload.palettes[field.signed ? 'signed' : 'magnitude'];
+        this.barStrip.style.background = 'linear-gradient(to right,'
+          + stops.map((c) => `rgb(${c.join(',')})`).join(',') + ')';
+        this.barNote.textContent = this.panes.length > 1 && this.panes[1].field
+          ? 'each side by its own largest value' : state.note;
+      }
+      const label = `${this.panes.map((p) => p.result.title).join(' and ')}: ${state.title}, ${state.text}`
+        + (field ? `, coloured by ${field.title}` : ', coloured by part')
+        + (this.options.cut.axis === 'none' ? '' : `, cut across ${this.options.cut.axis}`);
+      this.renderer.domElement.setAttribute('aria-label', label);
+      this.inputs.play.textContent = this.options.playing ? 'Pause' : 'Play';
+      this.inputs.play.setAttribute('aria-pressed', String(this.options.playing));
+      for (const [value, button] of Object.entries(this.inputs.circuit)) {
+        button.setAttribute('aria-pressed', String(this.options.circuit === value));
+      }
+      for (const [name, row] of Object.entries(this.rows)) {
+        row.setAttribute('aria-selected', String(name === state.name));
+      }
+      this.legend.hidden = !!field;
+      this.legend.replaceChildren(...this.panes[0].result.regions.map((r) => element('span', {},
+        element('i', { style: `background:rgb(${r.colour.map((c) => Math.round(255 * c)).join(',')})` }), r.title)));
+    }
+
+    enlarged(pane) {
+      const times = pane.enlargement();
+      if (!times) return 'displacements not drawn';
+      return 'displacements × ' + (times >= 100 ? Number(times.toPrecision(3)).toLocaleString('en') : times.toPrecision(3));
+    }
+
+    // ---- controls ------------------------------------------------------------------------
+
+    build() {
+      const root = this.root, inputs = this.inputs = {};
+      const canvas = this.renderer.domElement;
+      canvas.setAttribute('role', 'img'); canvas.tabIndex = 0;
+      this.stage = element('div', { class: 'tv-stage' });
+      this.captions = element('div', { class: 'tv-captions' });
+      this.barTitle = element('div', { class: 'tv-bar-title' });
+      this.barStrip = element('div', { class: 'tv-strip' });
+      this.barLow = element('span'); this.barMiddle = element('span'); this.barHigh = element('span');
+      this.barNote = element('div', { class: 'tv-dim' });
+      this.bar = element('div', { class: 'tv-bar' }, this.barTitle, this.barStrip,
+        element('div', { class: 'tv-ends' }, this.barLow, this.barMiddle, this.barHigh), this.barNote);
+      this.legend = element('div', { class: 'tv-legend' });
+      this.ruler = element('div', { class: 'tv-ruler' }); this.rulerText = element('span');
+      this.tip = element('div', { class: 'tv-tip', role: 'status', 'aria-live': 'polite', hidden: true });
+      this.stage.append(canvas, this.captions, element('div', { class: 'tv-foot' }, this.bar, this.legend),
+        element('div', { class: 'tv-scale' }, this.makeTriad(), element('div', {}, this.ruler, this.rulerText)), this.tip);
+      this.panel = element('div', { class: 'tv-panel' });
+      root.replaceChildren(this.stage, this.panel);
+
+      const slider = (key, text, low, high, step, value, format, change) => {
+        const out = element('output', {}, format(value));
+        const input = element('input', { type: 'range', min: low, max: high, step, value, 'aria-label': text,
+          oninput: () => { out.textContent = format(+input.value); change(+input.value); } });
+        inputs[key] = input; inputs[key + 'Text'] = out;
+        return element('label', { class: 'tv-slider' }, element('span', {}, text), input, out);
+      };
+      const tick = (key, text, on, change) => {
+        const input = element('input', { type: 'checkbox', checked: on, onchange: () => change(input.checked) });
+        inputs[key] = input;
+        return element('label', { class: 'tv-tick' }, input, text);
+      };
+      const pick = (key, text, entries, change) => {
+        const input = element('select', { 'aria-label': text, onchange: () => change(input.value) },
+          ...entries.map(([value, label]) => element('option', { value }, label)));
+        inputs[key] = input;
+        return element('label', { class: 'tv-pick' }, element('span', {}, text), input);
+      };
+      const group = (title, ...children) => element('section', {}, element('h3', {}, title), ...children);
+
+      const models = this.results.map((r, k) => [k, r.title]);
+      const several = models.length > 1 ? [
+        pick('model', 'Model', models, (v) => this.choose(+v, this.chosen[1] === +v ? -1 : this.chosen[1])),
+        pick('other', 'Beside it', [[-1, 'nothing'], ...models], (v) => { this.choose(this.chosen[0], +v); this.look('home'); }),
+      ] : [];
+      inputs.circuit = {};
+      this.circuits = element('div', { class: 'tv-buttons', role: 'group', 'aria-label': 'electrodes' },
+        ...[['short', 'Short circuit'], ['open', 'Open circuit']].map(([value, text]) => {
+          const button = element('button', { type: 'button', onclick: () => this.circuit(value) }, text);
+          inputs.circuit[value] = button;
+          return button;
+        }));
+      this.stateList = element('div', { class: 'tv-states', role: 'listbox', 'aria-label': 'states', tabindex: 0 });
+      inputs.play = element('button', { type: 'button', class: 'tv-play', onclick: () => this.play() }, 'Pause');
+      const home = ['home', 'x', 'y', 'z', 'upright'].map((from) => element('button', {
+        type: 'button', onclick: () => this.look(from),
+        title: { home: 'the first view', upright: 'z up' }[from] || `along ${from}`,
+      }, { home: 'Home', upright: 'Upright' }[from] || from));
+      const isMoving = this.results.some((r) => r.states.some((s) => s.moves));
+      this.panel.append(
+        group('State', ...several, ...(isMoving ? [this.circuits] : []), this.stateList),
+        group('Colour', pick('field', 'Colour by', [['', 'part']], (v) => { this.options.field = v; this.refresh(); })),
+        ...(isMoving ? [group('Motion', inputs.play,
+          slider('phase', 'Phase', 0, 359, 1, 0, (v) => v + '°', (v) => { this.pause(); this.options.phase = v * Math.PI / 180; this.draw(); }),
+          slider('speed', 'Speed', 0.05, 2, 0.05, 0.5, (v) => v.toFixed(2) + '/s', (v) => { this.options.speed = v; }),
+          slider('amplitude', 'Amplitude', 0, 3, 0.05, 1, (v) => v.toFixed(2), (v) => { this.options.amplitude = v; this.words(); this.draw(); }))]
+          : [element('div', { hidden: true }, slider('phase', 'Phase', 0, 359, 1, 0, (v) => v + '°', () => {}), inputs.play)]),
+        group('Shape',
+          element('div', { class: 'tv-ticks' },
+            tick('mesh', 'mesh lines', true, (v) => { this.options.mesh = v; this.draw(); }),
+            tick('rest', 'shape at rest', false, (v) => { this.options.rest = v; this.draw(); })),
+          slider('explode', 'Apart', 0, 1, 0.02, 0, (v) => Math.round(100 * v) + ' %', (v) => { this.options.explode = 0.2 * v; this.draw(); }),
+          pick('axis', 'Cut across', [['none', 'nothing'], ['x', 'x'], ['y', 'y'], ['z', 'z']], (v) => this.cut(v)),
+          slider('at', 'at', -1, 1, 0.01, 0, (v) => v.toFixed(2) + ' mm', (v) => this.cut(this.options.cut.axis, v))),
+        group('Look from', element('div', { class: 'tv-buttons' }, ...home)),
+        element('p', { class: 'tv-help' }, 'Drag turns, wheel or two fingers zoom, right button shifts. '
+          + 'Point at the device, or tap it, for the value there. Keys: space plays, ← → turn the phase, [ ] change the state, '
+          + 'o the circuit, c the colour, m mesh lines, r shape at rest, h home.'));
+      this.cutRow = inputs.at.closest('label'); this.cutRow.hidden = true;
+      this.keys(); this.pointer();
+    }
+
+    makeTriad() {
+      const ns = 'http://www.w3.org/2000/svg';
+      const svg = document.createElementNS(ns, 'svg');
+      svg.setAttribute('viewBox', '-34 -34 68 68'); svg.setAttribute('class', 'tv-triad'); svg.setAttribute('aria-hidden', 'true');
+      this.triad = {};
+      for (const name of ['x', 'y', 'z']) {
+        const line = document.createElementNS(ns, 'line'), text = document.createElementNS(ns, 'text');
+        line.setAttribute('x1', 0); line.setAttribute('y1', 0); text.textContent = name;
+        svg.append(line, text); this.triad[name] = { line, text };
+      }
+      return svg;
+    }
+
+    listStates() {
+      this.rows = {};
+      const states = this.panes[0].result.states.filter(
+        (s) => s.circuit === 'driven' || s.circuit === this.options.circuit);
+      this.stateList.replaceChildren(...states.map((s) => {
+        const row = element('div', { class: 'tv-state', role: 'option', 'aria-selected': 'false', onclick: () => this.select(s.name) },
+          element('span', {}, s.short), element('span', {}, s.text), element('span', { class: 'tv-dim' }, s.detail));
+        this.rows[s.name] = row;
+        return row;
+      }));
+      this.circuits.hidden = !this.panes[0].result.states.some((s) => s.circuit === 'open');
+    }
+
+    listFields() {
+      const input = this.inputs.field;
+      input.replaceChildren(element('option', { value: '' }, 'part'),
+        ...this.fieldsNow().map((f) => element('option', { value: f.key }, f.title)));
+      input.value = this.options.field;
+    }
+
+    circuit(value) {
+      this.options.circuit = value;
+      const other = this.state.circuit === 'driven' ? this.state.name
+        : this.state.name.replace(/short|open/, value);
+      this.listStates(); this.select(other);
+      this.options.circuit = value; this.words();
+    }
+
+    play() { this.options.playing = !this.options.playing; this.words(); }
+    pause() { if (this.options.playing) this.play(); }
+
+    cut(axis, at) {
+      const box = this.panes[0].result.box, k = 'xyz'.indexOf(axis);
+      this.inputs.axis.value = axis;
+      this.cutRow.hidden = axis === 'none';
+      if (k >= 0) {
+        const [low, high] = [box.low[k] * 1e3, box.high[k] * 1e3], input = this.inputs.at;
+        if (this.options.cut.axis !== axis) {
+          Object.assign(input, { min: low, max: high, step: (high - low) / 200 });
+          at = 0.5 * (low + high); input.value = at;
+        }
+        this.inputs.atText.textContent = (+at).toFixed(2) + ' mm';
+      }
+      this.options.cut = { axis, at: at === undefined ? 0 : at };
+      for (const pane of this.panes) pane.slice();
+      this.words(); this.draw();
+    }
+
+    step(way) {
+      const names = Object.keys(this.rows), k = names.indexOf(this.state.name);
+      this.select(names[(k + way + names.length) % names.length]);
+    }
+
+    keys() {
+      const press = {
+        ' ': () => this.play(), '[': () => this.step(-1), ']': () => this.step(1), h: () => this.look('home'),
+        o: () => this.circuit(this.options.circuit === 'open' ? 'short' : 'open'),
+        m: () => this.inputs.mesh.click(), r: () => this.inputs.rest.click(),
+        c: () => {
+          const all = ['', ...this.fieldsNow().map((f) => f.key)];
+          this.inputs.field.value = this.options.field = all[(all.indexOf(this.options.field) + 1) % all.length];
+          this.refresh();
+        },
+        ArrowRight: () => this.turn(PHASE_STEP), ArrowLeft: () => this.turn(-PHASE_STEP),
+      };
+      const listen = (where) => where.addEventListener('keydown', (e) => {
+        if (e.ctrlKey || e.metaKey || e.altKey || !press[e.key]) return;
+        e.preventDefault(); press[e.key]();
+      });
+      listen(this.renderer.domElement);
+      this.stateList.addEventListener('keydown', (e) => {
+        const way = { ArrowDown: 1, ArrowUp: -1 }[e.key];
+        if (way) { e.preventDefault(); this.step(way); }
+      });
+    }
+
+    turn(degrees) {
+      this.pause();
+      this.options.phase = (this.options.phase + degrees * Math.PI / 180 + 2 * Math.PI) % (2 * Math.PI);
+      this.draw();
+    }
+
+    pointer() {
+      const canvas = this.renderer.domElement;
+      canvas.addEventListener('pointermove', (e) => { if (!e.buttons) this.read(e.offsetX, e.offsetY); });
+      canvas.addEventListener('pointerdown', (e) => { if (e.pointerType !== 'mouse') this.read(e.offsetX, e.offsetY); });
+      canvas.addEventListener('pointerleave', (e) => { if (e.pointerType === 'mouse') this.tip.hidden = true; });
+    }
+
+    read(x, y) {
+      const T = window.THREE, share = this.width / this.panes.length;
+      const pane = this.panes[Math.min(Math.floor(x / share), this.panes.length - 1)];
+      const inside = ((x % share) / share) * 2 - 1;
+      const from = new T.Vector3(inside, 1 - 2 * y / this.height, -1).unproject(this.camera);
+      const to = new T.Vector3(inside, 1 - 2 * y / this.height, 1).unproject(this.camera).sub(from).normalize();
+      const hit = pane.hit([from.x, from.y, from.z], [to.x, to.y, to.z]);
+      this.tip.hidden = !hit;
+      if (!hit) return null;
+      const found = pane.reading(hit), lines = [element('b', {}, found.region.title)];
+      const field = pane.field || pane.result.fields[0];
+      const number = this.payload.number(found.value, field);
+      lines.push(element('br'), `${pane.field ? field.title : '|u| now'}: ${number.value} ${number.unit}`);
+      lines.push(element('br'), element('span', { class: 'tv-dim' },
+        'at rest ' + found.rest.map((v) => (v * 1e3).toFixed(2)).join(', ') + ' mm'));
+      this.tip.replaceChildren(...lines);
+      this.tip.style.left = Math.min(x + 14, this.width - 190) + 'px';
+      this.tip.style.top = Math.max(Math.min(y + 14, this.height - 70), 4) + 'px';
+      return found;
+    }
+
+    // ---- read back -----------------------------------------------------------------------
+
+    /** Where the shader puts a point at phases (rad): drawn into floats, one pixel each. */
+    probe(paneNumber, point, phases) {
+      const T = window.THREE, pane = this.panes[paneNumber];
+      const target = new T.WebGLRenderTarget(1, 1, {
+        type: T.FloatType, minFilter: T.NearestFilter, magFilter: T.NearestFilter, depthBuffer: false });
+      const geometry = new T.BufferGeometry();
+      for (const [name, values] of [['position', pane.constant.position], ['re', pane.moving.re], ['im', pane.moving.im]]) {
+        geometry.setAttribute(name, new T.BufferAttribute(values.slice(3 * point, 3 * point + 3), 3));
+      }
+      const uniforms = { turn: { value: new T.Vector2() }, enlarge: { value: pane.enlargement() } };
+      const points = new T.Points(geometry, new T.RawShaderMaterial({
+        glslVersion: T.GLSL3, vertexShader: PROBE_VERTEX, fragmentShader: PROBE_FRAGMENT, uniforms }));
+      points.frustumCulled = false;
+      const scene = new T.Scene(); scene.add(points);
+      const out = phases.map((phase) => {
+        uniforms.turn.value.set(Math.cos(phase), Math.sin(phase));
+        this.renderer.setScissorTest(false);
+        this.renderer.setRenderTarget(target); this.renderer.clear();
+        this.renderer.render(scene, this.camera);
+        const pixel = new Float32Array(4);
+        this.renderer.readRenderTargetPixels(target, 0, 0, 1, 1, pixel);
+        return Array.from(pixel.slice(0, 3));
+      });
+      this.renderer.setRenderTarget(null); target.dispose();
+      return out;
+    }
+
+    /** A number that changes when the picture does. */
+    fingerprint() {
+      this.draw();
+      const gl = this.renderer.getContext(), w = gl.drawingBufferWidth, h = gl.drawingBufferHeight;
+      const pixels = new Uint8Array(4 * w * h);
+      gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+      let sum = 2166136261, painted = 0;
+      for (let k = 0; k < pixels.length; k += 4) {
+        if (pixels[k + 3]) painted += 1;
+        sum = Math.imul(sum ^ (pixels[k] | pixels[k + 1] << 8 | pixels[k + 2] << 16), 16777619);
+      }
+      return { sum: sum >>> 0, painted };
+    }
+  }
+
+  /** A value in SI as people read it: engineering prefix, three digits. */
+  function number(value, field) {
+    if (field.unit === '1' || !field.unit) return { value: value.toExponential(2), unit: '' };
+    const size = Math.abs(value);
+    const power = size > 0 ? Math.max(-4, Math.min(3, Math.floor(Math.log10(size * 1.0000001) / 3))) : 0;
+    const prefix = { '-4': 'p', '-3': 'n', '-2': 'µ', '-1': 'm', 0: '', 1: 'k', 2: 'M', 3: 'G' }[power];
+    return { value: (value / 10 ** (3 * power)).toPrecision(3).replace('-', '−'), unit: prefix + field.unit };
+  }
+
+  /** The state of another model that goes with one: same circuit and class, same place in it. */
+  function pairing(state, mine, theirs) {
+    if (state.kind !== 'mode') {
+      const alike = (all) => all.filter((s) => s.kind === state.kind);
+      return alike(theirs)[alike(mine).indexOf(state)] || null;
+    }
+    const alike = (all) => all.filter((s) => s.circuit === state.circuit && s.motion === state.motion);
+    return alike(theirs)[alike(mine).indexOf(state)] || null;
+  }
+
+  function able() {
+    if (typeof DecompressionStream === 'undefined' || location.hash === '#nowebgl') return false;
+    try { return !!document.createElement('canvas').getContext('webgl2'); } catch (e) { return false; }
+  }
+
+  async function mount(root) {
+    const payload = JSON.parse(document.getElementById(root.dataset.payload).textContent);
+    Object.assign(payload, { number, pairing });
+    const stills = root.querySelector('.tv-stills');
+    if (!able()) {
+      const why = typeof DecompressionStream === 'undefined' ? 'is too old to unpack the data' : 'has no WebGL 2';
+      root.querySelector('.tv-why').textContent = `This browser ${why}, so nothing moves here. Still pictures instead:`;
+      stills.hidden = false; root.dataset.ready = 'stills';
+      return null;
+    }
+    const view = new View(root, payload);
+    await view.start();
+    root.dataset.ready = 'moving';
+    return view;
+  }
+
+  /** Drive every control and write what came of it into the page, for the program's own tests. */
+  async function selftest(view) {
+    const report = { errors: window.tactgenErrors, requests: performance.getEntriesByType('resource').length };
+    const phases = [...Array(8).keys()].map((k) => k * Math.PI / 4);
+    view.pause(); view.options.phase = 0;
+    const first = view.fingerprint();
+    report.painted = first.painted;
+    report.states = [];
+    for (const state of view.panes[0].result.states) {
+      view.select(state.name);
+      report.states.push({ name: state.name, text: state.text, sum: view.fingerprint().sum,
+        enlarge: view.panes[0].enlargement(), tip: view.probe(0, view.panes[0].result.tip, phases) });
+    }
+    view.select(view.panes[0].result.states[0].name);
+    const changes = report.changes = {};
+    const differs = (name, change, back) => {
+      const before = view.fingerprint().sum;
+      change(); changes[name] = view.fingerprint().sum !== before;
+      if (back) back();
+    };
+    const send = (key) => view.renderer.domElement.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true, cancelable: true }));
+    const drag = (key, value) => { view.inputs[key].value = value; view.inputs[key].dispatchEvent(new Event('input')); };
+    const set = (key, value) => { view.inputs[key].value = value; view.inputs[key].dispatchEvent(new Event('change')); };
+    differs('phase', () => drag('phase', 90), () => drag('phase', 0));
+    differs('amplitude', () => drag('amplitude', 2), () => drag('amplitude', 1));
+    differs('explode', () => drag('explode', 1), () => drag('explode', 0));
+    differs('mesh', () => view.inputs.mesh.click(), () => view.inputs.mesh.click());
+    differs('rest', () => { drag('phase', 0); view.inputs.rest.click(); }, () => view.inputs.rest.click());
+    for (const axis of ['x', 'y', 'z']) differs('cut ' + axis, () => set('axis', axis), () => set('axis', 'none'));
+    for (const field of view.fieldsNow()) differs('colour ' + field.key, () => set('field', field.key), () => set('field', ''));
+    differs('key c', () => send('c'), () => set('field', ''));
+    differs('key m', () => send('m'), () => send('m'));
+    differs('key ]', () => send(']'), () => send('['));
+    differs('key arrow', () => { send('ArrowRight'); send('ArrowRight'); });
+    if (view.inputs.other) {
+      differs('two results', () => set('other', view.results.length - 1));
+      report.captions = [...view.captions.children].map((c) => c.textContent);
+      set('other', -1);
+    }
+    const circuit = view.options.circuit;
+    send('o'); report.opened = view.state.name; send('o');
+    changes['key o'] = view.options.circuit === circuit && report.opened !== view.state.name;
+    for (const from of ['x', 'y', 'z', 'upright']) differs('look ' + from, () => view.look(from));
+    view.look('home');
+    // the animation advances by itself
+    const phase = view.options.phase;
+    view.play();
+    await new Promise((resolve) => setTimeout(resolve, 600));
+    changes.animation = view.options.phase !== phase;
+    view.pause();
+    // pointing at the middle of the device gives a value
+    view.select(view.panes[0].result.states[0].name);
+    set('field', view.fieldsNow()[0].key);
+    drag('amplitude', 0);
+    const found = view.read(view.width / 2, view.height / 2);
+    report.reading = found ? { region: found.region.name, rest: found.rest, text: view.tip.textContent } : null;
+    report.label = view.renderer.domElement.getAttribute('aria-label');
+    report.images = [...document.images].filter((i) => !i.alt).length;
+    report.unlabelled = [...document.querySelectorAll('input,select,button')].filter(
+      (i) => !(i.textContent || i.getAttribute('aria-label') || i.closest('label'))).length;
+    document.body.append(element('pre', { id: 'selftest' }, JSON.stringify(report)));
+  }
+
+  window.tactgenErrors = [];
+  window.addEventListener('error', (e) => window.tactgenErrors.push(String(e.message)));
+  window.addEventListener('unhandledrejection', (e) => window.tactgenErrors.push(String(e.reason)));
+  window.addEventListener('DOMContentLoaded', async () => {
+    for (const root of document.querySelectorAll('.tv')) {
+      const view = await mount(root);
+      const wanted = new URLSearchParams(location.hash.slice(1));
+      if (view) {
+        root.tactgen = view;
+        if (wanted.get('state')) view.select(wanted.get('state'));
+        if (wanted.get('field')) { view.options.field = wanted.get('field'); view.listFields(); view.refresh(); }
+        if (wanted.get('beside')) { view.choose(0, +wanted.get('beside')); view.inputs.other.value = wanted.get('beside'); view.look('home'); }
+        if (wanted.get('cut')) view.cut(wanted.get('cut'));
+        if (wanted.get('phase')) { view.pause(); view.options.phase = +wanted.get('phase') * Math.PI / 180; view.draw(); }
+      }
+      if (view && location.hash === '#selftest') await selftest(view);
+    }
+  });
+})();
