@@ -168,23 +168,38 @@ def _glue(device: Device) -> Part:
 
 
 def _rod(device: Device) -> Part:
+    return Part(_turned(_rod_rings(device)), cut=_slot(device))
+
+
+def _rod_rings(device: Device) -> list[Ring]:
     rod = device.rod
     datum = _rod_datum(device)
     flange_top = datum - rod.flange_position
     flange_bottom = flange_top - rod.flange_thickness
-    rings = [
+    return [
         _ring(rod_base(device), flange_bottom, 0.0, rod.radius),
         _ring(flange_bottom, flange_top, 0.0, rod.flange_radius),
         _ring(flange_top, -rod.head_thickness, 0.0, rod.radius),
         _ring(-rod.head_thickness, 0.0, 0.0, rod.head_radius),
     ]
-    return Part(_turned(rings), cut=_slot(device))
 
 
 def _coil(device: Device) -> Part:
+    return Part(_turned([_coil_ring(device)]))
+
+
+def _coil_ring(device: Device) -> Ring:
     coil = device.coil
     top = _rod_datum(device) - coil.position
-    return Part(_turned([_ring(top - coil.length, top, coil.inner_radius, coil.outer_radius)]))
+    return _ring(top - coil.length, top, coil.inner_radius, coil.outer_radius)
+
+
+def moving_rings(device: Device) -> dict[str, tuple[Ring, ...]]:
+    """Return what moves with the rod, turned bodies as rings: the rod without slot, the coil.
+
+    z = 0 at the rod's top face.  A slot is filled again by glue and tab, lighter than steel.
+    """
+    return {"rod": tuple(_rod_rings(device)), "coil": (_coil_ring(device),)}
 
 
 def _sleeve(device: Device) -> Part:

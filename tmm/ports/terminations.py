@@ -62,7 +62,10 @@ def ends_of(support: Support, load: Load) -> Ends:
     """Return what a scene's support and load are at the ports.
 
     A base in the rod is part of the row of pieces or of the solid, whose own lower end is held.
+    What a contact is depends on the force that presses it: tmm.generator gives its springs.
     """
+    if support.kind == "contact":
+        raise ValueError("a contact's springs depend on its load; see tmm.generator.held_base")
     base = None
     if support.kind == "spring":
         base = Springs(

@@ -20,6 +20,8 @@ from tactgen.tmm.reluctance.gap_permeance import pole_area
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import between_stops, spring_force
 
+#: The map begins at this share of the lower stop's gap: rough surfaces give way a little.
+_BELOW_STOP = 0.8
 #: The map reaches so many times the largest current at which the network's pull and the spring
 #: balance; the fields switch at currents up to a third above it.
 _BEYOND_BALANCE = 2.0
@@ -40,8 +42,9 @@ def map_grid(device: Device, currents: int = 13, gaps: int = 12) -> tuple[Floats
     """Return currents (A) and gaps (m) at which a model is sampled for the device's map.
 
     Currents from 0 to twice what moves the rod, denser where the map bends, at small ones;
-    beyond, up to half as much again as the device's own, in even ratios.  Gaps from the lower
-    stop to a quarter beyond the upper, as far as nothing that moves meets the collar.
+    beyond, up to half as much again as the device's own, in even ratios.  Gaps from a little
+    below the lower stop to a quarter beyond the upper, as far as nothing that moves meets the
+    collar.
 
     Parameters
     ----------
@@ -60,7 +63,7 @@ def map_grid(device: Device, currents: int = 13, gaps: int = 12) -> tuple[Floats
     ratio = _BEYOND_CURRENT * abs(device.coil.current) / needed
     more = math.ceil(math.log(ratio) / math.log(_RATIO)) if ratio > 1.0 else 0
     outer = needed * ratio ** (np.arange(1, more + 1) / max(more, 1))
-    least = min(device.spring.stop_gap, 0.5 * device.gap)
+    least = min(_BELOW_STOP * device.spring.stop_gap, 0.5 * device.gap)
     return np.concatenate([inner, outer]), np.geomspace(least, _largest_gap(device), gaps)
 
 

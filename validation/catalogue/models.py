@@ -87,6 +87,8 @@ _MAGNETIC = (
 )  # fmt: skip
 #: The map covers what the spring may ask of it.
 _MAP = (*_MAGNETIC, "spring")
+#: Where the rod rests, on what the map says.
+_REST = (*_MAP, "contact", "coil.history", "load.normal_force")
 _SLOT = (
     "support.kind", "rod.slot_depth", "bimorph.width", "bimorph.shim_thickness", "glue.thickness",
 )  # fmt: skip
@@ -97,8 +99,9 @@ _ROW_GIVES: Mapping[Need, tuple[str, ...]] = {
 }  # fmt: skip
 _MAGNETIC_GIVES: Mapping[Need, tuple[str, ...]] = {
     "magnetic_point": ("point",), "magnetic_map": ("map", "switching"),
+    "rest": ("map", "rest"),
 }  # fmt: skip
-_MAGNETIC_KEPT = ("point", "map", "switching")
+_MAGNETIC_KEPT = ("point", "map", "switching", "rest")
 #: The mesher runs in a process that is started by its file.
 _MESHER = ("tactgen.geometry.meshing.tetwild",)
 
@@ -163,14 +166,17 @@ _ROWS = (
     ModelRow(
         "network", "lumped reluctance network with fringing, leakage and saturation", "reluctance",
         "tactgen.validation.models.reluctance.model", "NetworkModel", theory="circuit", rank=1,
-        stages={"point": _MAGNETIC, "map": _MAP, "switching": _MAP}, gives=_MAGNETIC_GIVES,
-        quick=True, kept=_MAGNETIC_KEPT,
+        stages={"point": _MAGNETIC, "map": _MAP, "switching": _MAP, "rest": _REST},
+        gives=_MAGNETIC_GIVES, quick=True, kept=_MAGNETIC_KEPT,
     ),
     ModelRow(
         "axisymmetric", "nonlinear magnetic field in the half section, finite elements",
         "reluctance", "tactgen.validation.models.reluctance.field", "AxisymmetricModel",
         theory="field", rank=3,
-        stages={"point": (*_MAGNETIC, "accuracy"), "map": _MAP, "switching": (*_MAP, "accuracy")},
+        stages={
+            "point": (*_MAGNETIC, "accuracy"), "map": _MAP, "switching": (*_MAP, "accuracy"),
+            "rest": (*_REST, "accuracy"),
+        },
         gives=_MAGNETIC_GIVES, remedy="its finest grid was used, so accept the bar",
         kept=_MAGNETIC_KEPT,
     ),
@@ -182,6 +188,7 @@ _ROWS = (
             "point": (*_MAGNETIC, "accuracy", "mesh.kind", *_SLOT),
             "map": (*_MAP, "mesh.kind"),
             "switching": (*_MAP, "accuracy", "mesh.kind"),
+            "rest": (*_REST, "accuracy", "mesh.kind"),
         },
         gives=_MAGNETIC_GIVES, remedy="its finest mesh was used, so accept the bar",
         kept=_MAGNETIC_KEPT, loads=_MESHER,

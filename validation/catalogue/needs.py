@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
-Need = Literal["static", "modes_short", "modes_open", "harmonic", "magnetic_point", "magnetic_map"]
+Need = Literal[
+    "static", "modes_short", "modes_open", "harmonic", "magnetic_point", "magnetic_map", "rest",
+]  # fmt: skip
 Actuator = Literal["bimorph", "reluctance"]
 
 
@@ -22,4 +24,5 @@ NEEDS: dict[Need, NeedRow] = {
     "harmonic": NeedRow("bimorph", "the response at given frequencies"),
     "magnetic_point": NeedRow("reluctance", "the magnetic circuit at one current and gap"),
     "magnetic_map": NeedRow("reluctance", "the magnetic circuit over the stroke"),
+    "rest": NeedRow("reluctance", "where the rod rests"),
 }

@@ -1,7 +1,7 @@
 """The quantities of the normal actuator, one row each.
 
 Those of one current and gap are read off a MagneticPoint, those of the stroke off
-SwitchingCurrents.
+SwitchingCurrents, those of the rod between its stops off a RestingState.
 """
 
 from __future__ import annotations
@@ -18,6 +18,10 @@ def _at_point(of: Callable[[Any], Any]) -> AnswerReadout:
 
 def _of_stroke(of: Callable[[Any], Any]) -> AnswerReadout:
     return AnswerReadout("magnetic_map", of)
+
+
+def _at_rest(of: Callable[[Any], Any]) -> AnswerReadout:
+    return AnswerReadout("rest", of)
 
 
 ROWS = (
@@ -52,5 +56,24 @@ ROWS = (
     QuantityRow(
         "drop_out_current", "A", "current below which the rod is back at its upper stop",
         _of_stroke(lambda currents: currents.drop_out), label="drop-out current",
+    ),
+    QuantityRow(
+        "rod_position", "m",
+        "where the rod rests at the coil's current and history: 0 at the upper stop, negative down",
+        _at_rest(lambda state: state.position), headline=True,
+    ),
+    QuantityRow(
+        "finger_force", "N",
+        "force with which the rod there would push a finger: spring less pull, negative if held",
+        _at_rest(lambda state: state.finger_force), headline=True,
+    ),
+    QuantityRow(
+        "contact_force", "N", "force that presses the rod's head on its stop there, 0 if it floats",
+        _at_rest(lambda state: state.contact_force),
+    ),
+    QuantityRow(
+        "resting_positions", "m",
+        "all places where the rod can rest at the coil's current, stable or not, from the top",
+        _at_rest(lambda state: state.places),
     ),
 )  # fmt: skip

@@ -20,7 +20,7 @@ class AnswerReadout:
     need : str
         The answer that is asked for.
     of : callable
-        Takes the answer, gives a :class:`validation.engine.results.Measured`.
+        Takes the answer, gives a :class:`validation.engine.results.Measured`, or a MeasuredList.
     """
 
     need: Need

@@ -17,6 +17,7 @@ from tactgen.tmm.ports.readout import ModalReadout, PortMatrix, Readout
 from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.row import AnswerReadout, QuantityRow
 from tactgen.validation.engine.model import Model, Modes, Refined
+from tactgen.validation.engine.results import MeasuredList
 from tactgen.validation.scene.scene import Scene
 
 Array = NDArray[Any]
@@ -41,7 +42,9 @@ def read(row: QuantityRow, model: Model) -> Judged:
     match row.read:
         case AnswerReadout(of=of):
             found = of(answers[0])
-            return Judged(np.asarray(found.value), np.asarray(found.bar), answers[0].method)
+            classes = found.classes if isinstance(found, MeasuredList) else None
+            value, bar = np.asarray(found.value), np.asarray(found.bar)
+            return Judged(value, bar, answers[0].method, classes)
         case ModalReadout(combine=None):
             return _frequencies(answers[0], model.scene.modes)
         case ModalReadout():

@@ -27,6 +27,16 @@ class Measured:
 
 @storable
 @dataclass(frozen=True)
+class MeasuredList:
+    """Values with their error bars (n,), in one SI unit, and the class of each."""
+
+    value: Array
+    bar: Array
+    classes: tuple[str, ...]
+
+
+@storable
+@dataclass(frozen=True)
 class Quantity:
     """One number, or array over frequency or mode, by one model.
 

@@ -18,6 +18,7 @@ from tactgen.validation.engine.warnings import (
     accuracy_warnings,
     check_held,
     deflection_warnings,
+    held_warnings,
     level_warnings,
     load_warnings,
 )
@@ -70,6 +71,7 @@ def solve(
     quantities = tuple(quantities or scene.quantities)
     check_held(scene, quantities)
     warnings = load_warnings(scene, quantities) + level_warnings(scene, quantities)
+    warnings += held_warnings(scene, names)
     plan = make_plan(scene, names, quantities)
     stages = Stages(plan.keys, announce)
     if reuse is not None:

@@ -94,5 +94,7 @@ def values_read(scene: Scene, keys: Iterable[str]) -> dict[str, Any]:
         if path == "steel.curve":  # a name, or a file: what counts is what is in it
             curve = magnetisation_curve(scene.steel)
             value = [curve.flux_density.tolist(), curve.field.tolist(), curve.slope_beyond]
+        if path == "support":  # of a contact what counts is how its load holds the base
+            value = scene.held.model_dump(mode="json")
         read[path] = value
     return read

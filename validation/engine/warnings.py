@@ -92,7 +92,8 @@ def check_held(scene: Scene, quantities: Sequence[str]) -> None:
     if not scene.ends.rigid_motions:
         return
     springs = ("rotational_stiffness", "lateral_stiffness")
-    loose = next(name for name in springs if getattr(scene.support, name) == 0.0)
+    loose = next(name for name in springs if getattr(scene.held, name) == 0.0)
+    group = "support" if scene.support.kind == "spring" else "guide"
     at_rest = [
         name
         for name in quantities
@@ -100,10 +101,27 @@ def check_held(scene: Scene, quantities: Sequence[str]) -> None:
     ]
     if at_rest:
         raise InputError(
-            f"support.{loose} = 0 leaves the actuator free to move as a rigid body, so "
-            f"{at_rest[0]} has no value at 0 Hz; give the support a stiffness or ask for "
+            f"{group}.{loose} = 0 leaves the actuator free to move as a rigid body, so "
+            f"{at_rest[0]} has no value at 0 Hz; give the {group} a stiffness or ask for "
             "frequencies above 0 Hz"
         )
+
+
+def held_warnings(scene: Scene, models: Sequence[str]) -> tuple[str, ...]:
+    """Return where a current holds the rod, if the lateral actuator stands on its contact."""
+    rest = scene.rest
+    lateral = any(MODELS[name].actuator == "bimorph" for name in models)
+    if rest is None or scene.coil.current == 0.0 or not lateral:
+        return ()
+    place, springs = rest
+    where = f"at its {place.kind}" if "stop" in place.kind else "between its stops"
+    sentence = (
+        f"coil.current = {1e3 * scene.coil.current:g} mA, {scene.coil.history}, leaves the rod "
+        f"{where}, pressed with {1e3 * place.contact_force:.4g} mN (by the reluctance network): "
+        f"a support of {springs.rotational_stiffness:.3g} N m/rad; set coil.current = 0 mA for "
+        "the spring alone"
+    )
+    return (sentence,)
 
 
 def load_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from tactgen.tmm.ports.readout import ModalReadout
 from tactgen.validation.catalogue.bimorph import (
     CAPACITANCE_FREE,
     SHORT_CIRCUIT_FREQUENCIES,
@@ -104,11 +105,16 @@ def compare(
     rows = []
     for row in (QUANTITIES[name] for name in quantities_of(actuator)):
         by_model = {q.model: q for q in quantities if q.name == row.name}
-        if by_model and not row.by_frequency:
+        if by_model and not row.by_frequency and not _is_list(row, by_model.values()):
             found = [by_model[model] for model in ranked(tuple(by_model))]
             cells = tuple(_cell(scene, row, q, found[-1], rungs) for q in found)
             rows.append(ComparedRow(row, cells))
     return rows
+
+
+def _is_list(row: QuantityRow, found: Iterable[Quantity]) -> bool:
+    """Return whether a quantity is a list of which no entry stands for it, unlike modes."""
+    return not isinstance(row.read, ModalReadout) and any(q.value.ndim for q in found)
 
 
 def _cell(

@@ -259,4 +259,4 @@ class NormalActuator:
 
 def needs_map(quantity: str) -> bool:
     """Return whether a quantity needs a whole map: of a field, the better part of a minute."""
-    return "magnetic_map" in QUANTITIES[quantity].needs
+    return bool({"magnetic_map", "rest"} & set(QUANTITIES[quantity].needs))

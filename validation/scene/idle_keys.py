@@ -22,8 +22,22 @@ _MAGNETIC = (
 )  # fmt: skip
 #: Of those, what only the report shows: the coil's resistance and heat.
 _HEAT = ("coil.fill_factor", "coil.resistivity", "coil.temperature")
-#: What only the whole machine reads: how the rod is held, and what it weighs.
-_MACHINE = ("coil.copper_density", "coil.supply", "coil.source_resistance")
+#: What is read where the lateral actuator stands on its contact, besides contact and guide: what
+#: presses it, what the moving rod weighs, and with a current the magnetic circuit.
+_PRESSES = ("spring.preload", "spring.stiffness", "coil.current", "load.normal_force")
+_WEIGHS = (
+    "rod.radius", "rod.head_radius", "rod.head_thickness", "rod.flange_radius",
+    "rod.flange_thickness", "rod.flange_position", "rod.length", "rod.density", "coil.fill_factor",
+    "coil.inner_radius", "coil.outer_radius", "coil.length", "coil.position",
+    "coil.copper_density",
+)  # fmt: skip
+_CIRCUIT = ("spring.stop_gap", "steel", "sleeve", "gap", "coil.turns", "coil.history")
+#: Of the contact, what where the rod rests depends on as well.
+_RESTS = ("contact.shape", "contact.decay_length", "coil.history", "load.normal_force")
+#: What no quantity shows yet.
+_UNREAD = (
+    "coil.supply", "coil.source_resistance", "guide.axial_damping", "spring.eccentricity",
+)  # fmt: skip
 #: Dimensions that no formula of the reluctance network contains.
 _FIELD_ONLY = ("coil.inner_radius", "coil.outer_radius")
 #: Keys of the rod that the magnetic field does not read.
@@ -67,6 +81,8 @@ def _not_asked(scene: Scene, key: str) -> str:
         return f"{models}; ask for --model solid to use it"
     if group in _LATERAL and not set(scene.models) & set(models_of("bimorph")):
         return f"{models}; ask for one of the lateral actuator, such as --model tmm, to use it"
+    if _holds_the_bimorph(scene, key):
+        return ""
     magnetic = set(scene.models) & set(models_of("reluctance"))
     around = group in ("coil", "sleeve", "gap") and scene.support.kind != "rod"
     if (group in _MAGNETIC or key in _MAGNETIC or around) and not magnetic:
@@ -80,16 +96,49 @@ def _not_shown(scene: Scene, key: str) -> str:
     if not magnetic:
         return ""
     asked = f"with quantities = {', '.join(scene.quantities)}"
+    rests = any("rest" in QUANTITIES[name].needs for name in scene.quantities)
     moves = any("magnetic_map" in QUANTITIES[name].needs for name in scene.quantities)
-    if key.startswith("spring.") and not moves:
-        of_stroke = [name for name, row in QUANTITIES.items() if "magnetic_map" in row.needs]
-        return f"{asked}; ask for {', '.join(of_stroke[:-1])} or {of_stroke[-1]} to use it"
+    if _holds_the_bimorph(scene, key):
+        return ""
+    if key in _RESTS and not rests:
+        return f"{asked}; ask for {_listed('rest')} to use it"
+    if key.startswith("spring.") and not (moves or rests):
+        return f"{asked}; ask for {_listed('magnetic_map', 'rest')} to use it"
     if key in _HEAT:
         return "on any quantity; tactgen report shows the coil's resistance and heat"
     if key in _FIELD_ONLY and all(MODELS[name].theory == "circuit" for name in magnetic):
         field = next(name for name, row in MODELS.items() if row.theory == "field")
         return f"with models = {', '.join(sorted(magnetic))}; ask for --model {field} to use it"
     return ""
+
+
+def _listed(*needs: str) -> str:
+    names = [name for name, row in QUANTITIES.items() if set(row.needs) & set(needs)]
+    return f"{', '.join(names[:-1])} or {names[-1]}"
+
+
+def _holds_the_bimorph(scene: Scene, key: str) -> bool:
+    """Return whether a key enters the contact on which the lateral actuator stands."""
+    if scene.support.kind != "contact" or not set(scene.models) & set(models_of("bimorph")):
+        return False
+    group = key.split(".", 1)[0]
+    if group in ("contact", "guide") or key in _PRESSES or key in _WEIGHS:
+        return key not in _UNREAD
+    return scene.coil.current != 0.0 and (group in _CIRCUIT or key in _CIRCUIT)
+
+
+def _of_contact(scene: Scene, key: str) -> str:
+    """Return why a key of the rod's contact and guide has no effect, or nothing if it has one."""
+    if key in _UNREAD:
+        return "on any quantity"
+    group = key.split(".", 1)[0]
+    if group not in ("contact", "guide") and key not in (*_RESTS, "coil.copper_density"):
+        return ""
+    magnetic = set(scene.models) & set(models_of("reluctance"))
+    if _holds_the_bimorph(scene, key) or (magnetic and key in _RESTS):
+        return ""
+    support = scene.support.kind
+    return f'with support.kind = "{support}"; set support.kind = "contact" to use it'
 
 
 def _idle(scene: Scene, key: str) -> str:
@@ -101,8 +150,6 @@ def _idle(scene: Scene, key: str) -> str:
     }.get(key)
     if needed and scene.load.kind != needed:
         return f'with load.kind = "{scene.load.kind}"; set load.kind = "{needed}" to use it'
-    if group in ("contact", "guide") or key in _MACHINE:
-        return "on any quantity"
     profile = f"{key}_profile"
     if profile.removeprefix("bimorph.") in scene.bimorph.profiles and not _has_tab(scene, key):
         return f"with {profile}, which gives it along the ceramic; leave one of the two out"
@@ -110,6 +157,9 @@ def _idle(scene: Scene, key: str) -> str:
     if key == "steel.relative_permeability" and scene.steel.curve != "linear":
         curve = scene.steel.curve
         return f'with steel.curve = "{curve}"; set steel.curve = "linear" to use it'
+    because = _of_contact(scene, key)
+    if because:
+        return because
     if group == "support" and key != "support.kind" and support != "spring":
         return f'with support.kind = "{support}"; set support.kind = "spring" to use it'
     if _only_on_rod(scene, key):
@@ -134,7 +184,11 @@ def _read_by_magnetic(scene: Scene, key: str) -> bool:
 def _only_on_rod(scene: Scene, key: str) -> bool:
     """Return whether a key describes the rod's surroundings, which nothing here looks at."""
     group = key.split(".", 1)[0]
-    if group not in ("glue", "rod") or scene.support.kind == "rod":
+    if (
+        group not in ("glue", "rod")
+        or scene.support.kind == "rod"
+        or _holds_the_bimorph(scene, key)
+    ):
         return False
     if (
         set(scene.models) & set(models_of("reluctance"))

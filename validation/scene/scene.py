@@ -10,7 +10,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, field_validator
 
@@ -34,6 +34,9 @@ from tactgen.validation.scene.files import (
 )
 from tactgen.validation.scene.frequencies import parse_frequencies
 from tactgen.validation.scene.wording import choices, nearest, sentence
+
+if TYPE_CHECKING:
+    from tactgen.tmm.generator.positions import RestingPlace
 
 
 @dataclass(frozen=True)
@@ -121,7 +124,32 @@ class Scene(p.Device):
     @property
     def ends(self) -> Ends:
         """Support and load as every model of the lateral actuator reads them."""
-        return ends_of(self.support, self.load)
+        return ends_of(self.held, self.load)
+
+    @property
+    def held(self) -> p.Support:
+        """The support, a contact as the springs that it is where the rod rests."""
+        return self.support if self.rest is None else self.rest[1]
+
+    @property
+    def rest(self) -> tuple[RestingPlace, p.Support] | None:
+        """Where the rod rests and what springs its contact is; None without a contact.
+
+        The pull is that of the reluctance network; without current nothing magnetic is touched.
+
+        Raises
+        ------
+        InputError
+            If the rod rests nowhere.
+        """
+        if self.support.kind != "contact":
+            return None
+        from tactgen.tmm.generator.held_base import held_support
+        from tactgen.tmm.generator.network_pull import network_pull
+
+        device, coil = self.device, self.coil
+        pull = network_pull(device) if coil.current else None
+        return held_support(device, pull, abs(coil.current), coil.history, self.load.normal_force)
 
     @field_validator("name", mode="before")
     @classmethod

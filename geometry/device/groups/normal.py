@@ -69,6 +69,12 @@ class Coil(Parameters):
         (764.0, 934.0, "assumed: a reconstruction, a tenth either way"),
     )
     current: u.Current = field(130e-3, PAPER_5, "direct current in the winding")
+    history: Literal["rising", "falling"] = field(
+        "rising",
+        "assumed: switched on from 0",
+        "how the current came to its value, where the rod may rest at several places: from 0, or "
+        "from one that had pulled the rod down",
+    )
     fill_factor: u.FillFactor = field(
         0.5,
         "assumed: fine enamelled wire",

@@ -11,8 +11,11 @@ from tactgen.geometry.device.groups.declaration import PAPER_4, Parameters, fiel
 class Support(Parameters):
     """What holds the lower end of the lateral actuator (paper eqs 6-8)."""
 
-    kind: Literal["spring", "clamped", "rod"] = field(
-        "spring", PAPER_4, "the paper's springs, a rigid clamp, or the glued joint in the real rod"
+    kind: Literal["spring", "clamped", "rod", "contact"] = field(
+        "spring",
+        PAPER_4,
+        "the paper's springs, a rigid clamp, the glued joint in the real rod, or the rod's head "
+        "pressed on its stop",
     )
     rotational_stiffness: u.RotationalStiffness = printed(0.24, PAPER_4, "c_s", 0.005)
     lateral_stiffness: u.LateralStiffness = printed(
@@ -31,6 +34,9 @@ class Load(Parameters):
     mass: u.Mass = field(0.0, "not in the paper", "tip mass, used by kind mass")
     stiffness: u.LateralStiffness = field(0.0, "not in the paper", "used by kind spring_damper")
     damping: u.LateralDamping = field(0.0, "not in the paper", "used by kind spring_damper")
+    normal_force: u.Force = field(
+        0.0, "assumed: nothing rests on the tip", "force with which the finger presses the tip down"
+    )
 
 
 class Drive(Parameters):

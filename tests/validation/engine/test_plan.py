@@ -135,7 +135,7 @@ def test_unplanned_stage_is_a_defect():
 MAGNETIC = {
     f"{model}.{stage}"
     for model in ("network", "axisymmetric", "magnetic3d")
-    for stage in ("point", "map", "switching")
+    for stage in ("point", "map", "switching", "rest")
 }
 
 
@@ -154,8 +154,8 @@ FIELD_MODES = {f"{model}.modes_{end}" for model in ("solid", "cad") for end in (
         ("load.kind=none", {"lumped.modes", "tmm.modes", "beam.modes"} | FIELD_MODES),
         ("modes=3", {"tmm.modes", "beam.modes", "solid.modal", "cad.modal", *FIELD_MODES}),
         ("accuracy=3e-3", {s for s in stage_reads() if s.startswith(("solid", "cad"))}
-         | {"axisymmetric.point", "axisymmetric.switching"}
-         | {"magnetic3d.point", "magnetic3d.switching"}),
+         | {f"{m}.{s}" for m in ("axisymmetric", "magnetic3d")
+            for s in ("point", "switching", "rest")}),
         ("mesh.level=3", {s for s in stage_reads() if s.startswith(("solid", "cad"))}),
         ("piezo.density=7800kg/m^3", set(stage_reads()) - MAGNETIC),
         ("bimorph.length=21mm", set(stage_reads()) - MAGNETIC),

@@ -18,6 +18,7 @@ from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.engine.model import Model
 from tactgen.validation.engine.results import Measured
 from tactgen.validation.models.reluctance.point import MagneticPoint
+from tactgen.validation.models.reluctance.rest import RestingState, resting_state
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents, switching_currents
 from tactgen.validation.models.reluctance.warnings import magnetic_warnings
 from tactgen.validation.scene.files import leaves
@@ -26,13 +27,15 @@ from tactgen.validation.scene.files import leaves
 class MagneticModel(Model):
     """One model of the scene's normal actuator."""
 
-    def answer(self, need: Need) -> MagneticPoint | SwitchingCurrents:
+    def answer(self, need: Need) -> MagneticPoint | SwitchingCurrents | RestingState:
         """Return what quantities with this need are read from."""
+        if need == "rest":
+            return self.rest()
         return self.point() if need == "magnetic_point" else self.switching()
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
         """Return which currents have no value, and whether the steel's curve was too short."""
-        return magnetic_warnings(self.name, self.scene, quantities, self.point, self.switching)
+        return magnetic_warnings(self.name, self.scene, quantities, self.answer)
 
     @abstractmethod
     def at(self, current: float, gap: float) -> MagneticPoint:
@@ -57,6 +60,17 @@ class MagneticModel(Model):
             return switching_currents(self.scene.device, self.map(), self.at)
 
         return self.run("switching", work)
+
+    def rest(self) -> RestingState:
+        """Return where the rod rests at the scene's current."""
+        scene = self.scene
+
+        def work() -> RestingState:
+            return resting_state(
+                scene.device, self.map(), self.at, scene.coil.history, scene.load.normal_force
+            )
+
+        return self.run("rest", work)
 
     def _described(self) -> str:
         """Return the scene's name and what of it the samples depend on, in SI units."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
+from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout
-from tactgen.validation.models.reluctance.point import MagneticPoint
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.scene.scene import Scene
 
@@ -20,27 +21,28 @@ def magnetic_warnings(
     model: str,
     scene: Scene,
     quantities: Sequence[str],
-    point: Callable[[], MagneticPoint],
-    switching: Callable[[], SwitchingCurrents],
+    answer: Callable[[Need], Any],
 ) -> tuple[str, ...]:
-    """Return what a model's answers, `point` and `switching`, to these quantities leave to say."""
+    """Return what a model's answers to these quantities leave to say."""
     found: list[str] = []
     beyond = 0.0
     of_stroke = _read_off("magnetic_map", quantities)
     if of_stroke:
-        currents = switching()
+        currents: SwitchingCurrents = answer("magnetic_map")
         beyond = currents.beyond_table
         missing = [name for name, read in of_stroke.items() if np.isnan(read.of(currents).value)]
         if missing:
             found.append(_unreached(model, scene, missing, currents.limit))
-    if _read_off("magnetic_point", quantities):
-        beyond = max(beyond, point().beyond_table)
+    others: tuple[Need, ...] = ("magnetic_point", "rest")
+    for need in others:
+        if _read_off(need, quantities):
+            beyond = max(beyond, answer(need).beyond_table)
     if beyond > _WORTH_A_WORD:
         found.append(_too_short(scene, model, beyond))
     return tuple(found)
 
 
-def _read_off(need: str, quantities: Sequence[str]) -> dict[str, AnswerReadout]:
+def _read_off(need: Need, quantities: Sequence[str]) -> dict[str, AnswerReadout]:
     reads = {name: QUANTITIES[name].read for name in quantities}
     return {
         name: read

@@ -75,7 +75,7 @@ class LengthMap:
 
 def actuator(scene: Scene) -> Actuator:
     """Return the scene's lateral actuator with what holds, loads and drives it."""
-    return Actuator(scene.device, scene.support, scene.load, scene.beam, scene.drive)
+    return Actuator(scene.device, scene.held, scene.load, scene.beam, scene.drive)
 
 
 def tip_amplitude(device: Actuator, lengths: Floats, frequencies: Floats) -> Floats:

@@ -59,7 +59,7 @@ class Target:
 
 def actuator(scene: Scene) -> Actuator:
     """Return what the transfer-matrix model reads of a scene."""
-    return Actuator(scene.device, scene.support, scene.load, scene.beam, scene.drive)
+    return Actuator(scene.device, scene.held, scene.load, scene.beam, scene.drive)
 
 
 def targets(scene: Scene) -> tuple[Target, ...]:

@@ -1,0 +1,146 @@
+"""Where the rod rests: the ideal gap's closed form, hysteresis, and what holds it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.device.parameters import Contact, Device, Spring
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.tmm.generator.held_base import held_support, pressed_support
+from tactgen.tmm.generator.moving_mass import moving_rod
+from tactgen.tmm.generator.positions import (
+    axial_forces,
+    position_loop,
+    resting_place,
+    resting_places,
+)
+from tactgen.tmm.generator.stops import contact_of
+
+GAP, STIFFNESS, TURNS, AREA = 0.2e-3, 100.0, 500.0, 4e-6
+#: I² = 8 k g0³ / (27 µ0 N² A), the electrostatic or magnetic gap on a spring; at g0/3 of travel.
+PULL_IN = math.sqrt(8.0 * STIFFNESS * GAP**3 / (27.0 * MU0 * TURNS**2 * AREA))
+
+
+@dataclass(frozen=True)
+class IdealGap:
+    """All the mmf across one straight gap."""
+
+    def force(self, current, gap):
+        return np.asarray(0.5 * MU0 * AREA * (TURNS * current / np.asarray(gap)) ** 2)
+
+    def force_gradient(self, current, gap):
+        return -2.0 * self.force(current, gap) / np.asarray(gap)
+
+
+def ideal(preload=0.0, **more):
+    """A spring that is loose at the top; stops so hard that they are felt only when touched."""
+    spring = Spring(preload=preload, stiffness=STIFFNESS, stop_gap=20e-6)
+    contact = Contact(decay_length=1e-10)
+    return axial_forces(Device(gap=GAP, spring=spring, contact=contact, **more), IdealGap())
+
+
+def test_pull_in_of_the_ideal_gap():
+    """13.7341938 mA at a third of the gap: a shade below it the rod floats there, a shade above
+    it is down.  A current δ below leaves g0 √(8 δ/27)... of travel, here less than 2 %."""
+    assert pytest.approx(13.7341938e-3, rel=1e-8) == PULL_IN
+    below = resting_place(ideal(), PULL_IN * (1.0 - 1e-4), "rising")
+    assert below.kind == "floating"
+    assert below.lift == pytest.approx(-GAP / 3, rel=0.03)
+    above = resting_place(ideal(), PULL_IN * (1.0 + 1e-4), "rising")
+    assert above.kind == "lower stop"
+
+
+@pytest.mark.parametrize("share", [0.3, 0.7, 0.95])
+def test_floating_places_are_the_roots_of_the_cubic(share):
+    """k x (g0 − x)² = µ0 N² I² A / 2: the smaller root is stable, the next is not."""
+    current = share * PULL_IN
+    cubic = [STIFFNESS, -2 * STIFFNESS * GAP, STIFFNESS * GAP**2]
+    roots = np.sort(np.roots([*cubic, -0.5 * MU0 * AREA * (TURNS * current) ** 2]).real)[:2]
+    found = {p.kind: p for p in resting_places(ideal(), current) if "stop" not in p.kind}
+    # brackets end at rounding of the lift; np.roots at that of the cubic near its double root
+    assert found["floating"].lift == pytest.approx(-roots[0], rel=1e-9)
+    assert found["unstable"].lift == pytest.approx(-roots[1], rel=1e-9)
+    x = roots[0]
+    slope = STIFFNESS - 2.0 * IdealGap().force(current, GAP - x) / (GAP - x)
+    assert found["floating"].stiffness == pytest.approx(slope, rel=1e-6)
+    assert found["unstable"].stiffness < 0.0
+
+
+def test_stable_and_unstable_places_alternate():
+    """From the top down, and the ends are stable: something always holds the rod."""
+    for current in (0.0, 3e-3, 8e-3, 13e-3, 14e-3, 40e-3):
+        places = resting_places(ideal(preload=5e-3), current)
+        assert [p.stable for p in places] == [k % 2 == 0 for k in range(len(places))]
+        assert len(places) % 2 == 1
+        lifts = [p.lift for p in places]
+        assert lifts == sorted(lifts, reverse=True)
+
+
+def test_hysteresis():
+    """Up it stays while the current rises, down while it falls: one loop, no place between."""
+    forces = ideal(preload=20e-3)
+    lift_off = math.sqrt(2.0 * 20e-3 / (MU0 * AREA)) * GAP / TURNS
+    stop = forces.device.spring.stop_gap
+    spring_down = 20e-3 + STIFFNESS * (GAP - stop)
+    drop_out = math.sqrt(2.0 * spring_down / (MU0 * AREA)) * stop / TURNS
+    currents = np.array([0.5 * drop_out, 1.01 * drop_out, 0.99 * lift_off, 1.01 * lift_off])
+    rising, falling = position_loop(forces, currents)
+    down = -(GAP - stop)
+    np.testing.assert_allclose(rising, [0.0, 0.0, 0.0, down], atol=1e-8)
+    np.testing.assert_allclose(falling, [0.0, down, down, down], atol=1e-8)
+
+
+def test_forces_at_rest():
+    """The stop carries what is left of the spring; a finger takes its share from it."""
+    device = Device()
+    up = resting_place(axial_forces(device, None), 0.0, "rising")
+    assert up.kind == "upper stop"
+    assert up.contact_force == pytest.approx(up.finger_force, rel=1e-9)
+    # the spring has given way by the approach of the surfaces, k times 29 nm
+    assert up.finger_force == pytest.approx(device.spring.preload, rel=1e-4)
+    under = resting_place(axial_forces(device, None, pressed=40e-3), 0.0, "rising")
+    assert under.contact_force == pytest.approx(under.finger_force - 40e-3, rel=1e-9)
+    pushed = resting_place(axial_forces(device, None, pressed=0.2), 0.0, "rising")
+    assert pushed.kind == "lower stop"  # 110 mN and 100 N/m over 180 um are less than 200 mN
+
+
+def test_the_papers_support_at_the_rated_preload():
+    """c_s within its printed digits with the guide's share, d_s as well; inertia is the rod's."""
+    device = Device()
+    place, support = held_support(device, None, 0.0, "rising")
+    assert place.kind == "upper stop"
+    assert support.rotational_stiffness == pytest.approx(0.24, abs=0.005)
+    assert support.rotational_damping == pytest.approx(4.46e-6, abs=0.005e-6)
+    assert support.rotational_inertia == moving_rod(device).inertia_about(0.0)
+    soft = support.lateral_stiffness - device.guide.lateral_stiffness
+    ratio, u0 = device.contact.tangential_ratio, device.contact.decay_length
+    assert soft == pytest.approx(ratio * place.contact_force / u0, rel=1e-12)
+
+
+def test_support_in_the_limits_of_the_load():
+    """Proportional to the load: nothing but the guide without one, a clamp with a huge one."""
+    device = Device()
+    law = contact_of(device)
+    free = pressed_support(device, law, 0.0)
+    assert free.rotational_stiffness == device.guide.rotational_stiffness
+    assert free.lateral_stiffness == device.guide.lateral_stiffness
+    assert free.rotational_damping == 0.0
+    one, two = (pressed_support(device, law, n).rotational_stiffness for n in (0.1, 0.2))
+    guide = device.guide.rotational_stiffness
+    assert two - guide == pytest.approx(2.0 * (one - guide), rel=1e-12)
+
+
+def test_held_down_it_is_stiffer():
+    """The pull less the spring presses three times harder at 50 mA than the spring alone."""
+    from tactgen.tmm.generator.network_pull import network_pull
+
+    device = Device()
+    pull = network_pull(device)
+    place, held = held_support(device, pull, 50e-3, "falling")
+    assert place.kind == "lower stop"
+    assert place.finger_force == pytest.approx(-place.contact_force, rel=1e-6)
+    _, up = held_support(device, pull, 50e-3, "rising")
+    _, alone = held_support(device, None, 0.0, "rising")
+    assert up.rotational_stiffness < alone.rotational_stiffness < held.rotational_stiffness

@@ -1,0 +1,223 @@
+"""Where the rod rests at a coil current: all places, which are stable, and which one it takes.
+
+Static and without friction.  Along the axis act the return spring, the finger that presses the
+tip down, the magnetic pull, and the stops by the law of their contact.  The rod's lift u is told
+as in tmm.generator.stops: 0 at the upper stop, negative downwards.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.stops import Stops, stops_of
+
+#: Lifts between the stops at which forces are compared, and at each stop, that reach so many
+#: decay lengths of the contact to both sides.
+_BETWEEN, _AT_STOP, _REACH = 401, 97, 12.0
+#: A stop holds the rod where it carries more than this share of the larger of its spring's
+#: force and the contact's reference load.
+_TOUCHES = 0.01
+
+History = Literal["rising", "falling"]
+Kind = Literal["upper stop", "lower stop", "floating", "unstable"]
+
+
+class Pull(Protocol):
+    """The magnetic pull, positive when it closes the gap, such as a CoenergyMap."""
+
+    def force(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return the pull (N) at a current (A) and gap (m)."""
+
+    def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return its slope with the gap at constant current (N/m)."""
+
+
+@dataclass(frozen=True)
+class RestingPlace:
+    """A place at which all axial forces balance.
+
+    Attributes
+    ----------
+    lift : float
+        u (m).
+    kind : str
+        ``upper stop``, ``lower stop``, ``floating`` between them, or ``unstable``.
+    finger_force : float
+        Spring less pull (N): with which the rod would push a finger that takes it over from
+        what holds it; negative where the pull holds it down.
+    contact_force : float
+        What the stop carries (N), both together if both touch.
+    stiffness : float
+        Axial stiffness of spring, pull and contact together (N/m), negative where unstable.
+    """
+
+    lift: float
+    kind: Kind
+    finger_force: float
+    contact_force: float
+    stiffness: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether the rod stays there."""
+        return self.kind != "unstable"
+
+
+@dataclass(frozen=True)
+class AxialForces:
+    """What acts on the rod along its axis.
+
+    Attributes
+    ----------
+    device : Device
+        Spring and gap are read.
+    stops : Stops
+        Both contacts.
+    pull : Pull or None
+        None without current.
+    pressed : float
+        Force of a finger that presses the tip down (N).
+    """
+
+    device: Device
+    stops: Stops
+    pull: Pull | None = None
+    pressed: float = 0.0
+
+    def finger_force(self, current: Floats | float, lift: Floats | float) -> Floats:
+        """Return spring less pull (N), upwards."""
+        spring = self.device.spring
+        up = spring.preload - spring.stiffness * np.asarray(lift, dtype=float)
+        if self.pull is None:
+            return np.asarray(up)
+        return np.asarray(up - self.pull.force(current, self.gap(lift)))
+
+    def gap(self, lift: Floats | float) -> Floats:
+        """Return the working gap (m), at most as far as a map of the pull goes.
+
+        A head that presses its stop is closer by a few decay lengths at most.
+        """
+        gap = self.device.gap + np.asarray(lift, dtype=float)
+        limits = getattr(self.pull, "gap_limits", None)
+        return np.asarray(gap if limits is None else np.clip(gap, *limits))
+
+    def total(self, current: Floats | float, lift: Floats | float) -> Floats:
+        """Return the force on the upright rod (N), upwards; 0 where it rests."""
+        held = self.stops.forces(lift, 0.0)[..., 0]
+        return np.asarray(self.finger_force(current, lift) - self.pressed - held)
+
+    def stiffness(self, current: Floats | float, lift: Floats | float) -> Floats:
+        """Return −∂(total)/∂u (N/m)."""
+        slope = self.device.spring.stiffness + self.stops.tangent(lift, 0.0)[..., 0, 0]
+        if self.pull is None:
+            return np.asarray(slope)
+        return np.asarray(slope + self.pull.force_gradient(current, self.gap(lift)))
+
+    def lifts(self) -> Floats:
+        """Return lifts from the lower to the upper stop among which forces are compared (m)."""
+        stroke = self.stops.stroke
+        near = np.linspace(-_REACH, _REACH, _AT_STOP)
+        found = np.concatenate(
+            [
+                np.linspace(-stroke, 0.0, _BETWEEN),
+                near * self.stops.upper.decay_length,
+                near * self.stops.lower.decay_length - stroke,
+            ]
+        )
+        return np.unique(found)
+
+
+def axial_forces(device: Device, pull: Pull | None, pressed: float = 0.0) -> AxialForces:
+    """Return what acts on a device's rod.
+
+    Raises
+    ------
+    InputError
+        If there is nothing between the stops.
+    """
+    return AxialForces(device, stops_of(device), pull, pressed)
+
+
+def resting_places(forces: AxialForces, current: float) -> tuple[RestingPlace, ...]:
+    """Return all places where the rod can rest at a constant current, from the top down.
+
+    One is stable if a small displacement is driven back: the slope of spring, pull and contact
+    together is positive.
+
+    Raises
+    ------
+    InputError
+        If there is none, or the map of the pull does not reach so high a current.
+    """
+    lifts = forces.lifts()
+    total = forces.total(current, lifts)
+    crossings = np.flatnonzero(np.sign(total[1:]) * np.sign(total[:-1]) < 0.0)[::-1]
+    roots = [_root(forces, current, float(lifts[k]), float(lifts[k + 1])) for k in crossings]
+    roots += [float(lift) for lift in lifts[total == 0.0]]
+    if not roots:
+        raise InputError(
+            f"the rod rests nowhere between its stops at coil.current = {1e3 * current:g} mA "
+            f"with spring.preload = {1e3 * forces.device.spring.preload:g} mN; check spring, gap "
+            "and contact.decay_length"
+        )
+    return tuple(_place(forces, current, lift) for lift in sorted(roots, reverse=True))
+
+
+def resting_place(forces: AxialForces, current: float, history: History) -> RestingPlace:
+    """Return where the rod is after its current rose slowly from 0, or fell from far above.
+
+    The pull grows with the current.  Rising, the rod has not passed the uppermost stable place
+    yet; falling, it has not left the lowest.
+
+    Raises
+    ------
+    InputError
+        If it rests nowhere.
+    """
+    stable = [place for place in resting_places(forces, current) if place.stable]
+    return stable[0] if history == "rising" else stable[-1]
+
+
+def position_loop(forces: AxialForces, currents: Floats) -> tuple[Floats, Floats]:
+    """Return the lifts (c,), (c,) in m while the current rises through (c,) A, and falls again.
+
+    Raises
+    ------
+    InputError
+        If it rests nowhere.
+    """
+    rising, falling = (
+        np.array([resting_place(forces, float(i), history).lift for i in currents])
+        for history in ("rising", "falling")
+    )
+    return rising, falling
+
+
+def _root(forces: AxialForces, current: float, low: float, high: float) -> float:
+    from scipy.optimize import brentq
+
+    return float(brentq(lambda u: float(forces.total(current, u)), low, high, xtol=1e-16))
+
+
+def _place(forces: AxialForces, current: float, lift: float) -> RestingPlace:
+    upper, lower = (float(load) for load in forces.stops.loads(lift))
+    stiffness = float(forces.stiffness(current, lift))
+    least = _TOUCHES * max(forces.device.spring.preload, forces.stops.upper.reference_load)
+    kind: Kind = "floating"
+    if not stiffness > 0.0:
+        kind = "unstable"
+    elif max(upper, lower) > least:
+        kind = "upper stop" if upper >= lower else "lower stop"
+    return RestingPlace(
+        lift=lift,
+        kind=kind,
+        finger_force=float(forces.finger_force(current, lift)),
+        contact_force=upper + lower,
+        stiffness=stiffness,
+    )
