@@ -68,11 +68,13 @@ LATERAL = [
 CASES = [
     *LATERAL,
     ("generator", ("modes=2",), "tmm", "tip_displacement"),
+    ("paper", ("support.kind=contact", "coil.current=0mA"), "tmm", "short_circuit_frequencies"),
     ("j1", ("mesh.level=2", "modes=2"), "solid", "static_tip_displacement"),
     ("j1", ("mesh.level=2", "modes=2"), "solid", "coupling_factor"),
     ("j1", ("mesh.level=2", "modes=2"), "solid", "tip_displacement"),
     ("reluctance", (), "network", "magnetic_force"),
     ("reluctance", (), "network", "pull_in_current"),
+    ("reluctance", ("coil.current=50mA",), "network", "rod_position"),
     ("reluctance", ("accuracy=1%",), "axisymmetric", "magnetic_force"),
     ("reluctance", ("accuracy=10%",), "magnetic3d", "magnetic_force"),
 ]
