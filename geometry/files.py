@@ -6,7 +6,10 @@ in the same folder, which is brought to the disk and then takes the final name i
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 import os
+import platform
 import stat
 import tempfile
 from collections.abc import Iterator
@@ -77,8 +80,10 @@ def written_whole(path: str | Path) -> Iterator[Path]:
     obstacle = special(path)
     if obstacle:
         raise InputError(f"{path} cannot be written ({obstacle}); choose another name")
+    _sweep_drafts(path.parent)
     try:
-        handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=".", dir=path.parent)
+        prefix = f"{_own_prefix()}{os.getpid()}-"
+        handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=prefix, dir=path.parent)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(
@@ -97,6 +102,32 @@ def written_whole(path: str | Path) -> Iterator[Path]:
         raise InputError(f"{path} cannot be written ({reason.lower()}); choose another") from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _own_prefix() -> str:
+    """Return how the names of this machine's drafts begin; a folder may be many machines'."""
+    return f".tactgen-{hashlib.sha256(platform.node().encode()).hexdigest()[:8]}-"
+
+
+def _sweep_drafts(folder: Path) -> None:
+    """Remove what a killed process left half-written."""
+    prefix = _own_prefix()
+    with contextlib.suppress(OSError):
+        for left in folder.glob(f"{prefix}*"):
+            number = left.name.removeprefix(prefix).partition("-")[0]
+            if number.isdecimal() and not _runs(int(number)):
+                with contextlib.suppress(OSError):
+                    left.unlink()
+
+
+def _runs(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:  # another user's
+        return True
+    return True
 
 
 def writable_folder(path: Path) -> Path:

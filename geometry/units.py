@@ -168,6 +168,14 @@ class Unit:
             return float(number.scaleb(power))
         return float(number) * scale
 
+    def _takes(self, number: float) -> bool:
+        """Return whether a number is within the bounds that the quantity has by its nature."""
+        return (
+            (self.above is None or number > self.above)
+            and (self.at_least is None or number >= self.at_least)
+            and (self.below is None or number < self.below)
+        )
+
     def _in_range(self, number: float, *, limited: bool) -> float:
         remedy = f'; write for example "{self.example}"'
         if not math.isfinite(number):
@@ -185,7 +193,7 @@ class Unit:
             and not self.limits[0] <= abs(number) <= self.limits[1]
         ):
             low, high = (self.show(limit) for limit in self.limits)
-            zero = "0 or " if self.above is None else ""
+            zero = "0 or " if self._takes(0.0) else ""
             size = "a magnitude " if self.at_least is None and self.above is None else ""
             raise ValueError(f"must be {zero}{size}from {low} to {high}{remedy}")
         return number

@@ -11,7 +11,7 @@ import stat
 from pathlib import Path
 from typing import Any
 
-from tactgen.geometry.files import written_whole
+from tactgen.geometry.files import special, written_whole
 from tactgen.geometry.store.values import from_bytes, to_bytes
 
 #: First bytes of every file: what it is, and the version of the format.
@@ -34,6 +34,8 @@ def write_entry(path: Path, content: bytes) -> None:
         If it cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
+    if special(path) and not path.is_dir():  # a pipe under a name of ours is nobody's
+        path.unlink()
     with written_whole(path) as draft:
         draft.write_bytes(content)
 

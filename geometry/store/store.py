@@ -103,9 +103,18 @@ def _place(kind: str, inputs: tuple[object, ...], made_of: tuple[str, ...]) -> P
 
 
 def store_folder() -> Path:
-    """Return the folder of the store: ``$TACTGEN_CACHE``, or ``~/.cache/tactgen``."""
+    """Return the folder of the store: ``$TACTGEN_CACHE``, or ``~/.cache/tactgen``.
+
+    Without a home it is a place where no folder can be made, so that nothing is kept.
+    """
     chosen = os.environ.get("TACTGEN_CACHE")
-    return Path(chosen) if chosen else Path.home() / ".cache" / "tactgen"
+    if chosen:
+        return Path(chosen)
+    home = Path(os.devnull)
+    with contextlib.suppress(RuntimeError):  # a user that the system does not know
+        found = Path.home()
+        home = found if found.is_absolute() else home  # HOME= is not where the command runs
+    return home / ".cache" / "tactgen"
 
 
 def size_limit() -> int:

@@ -2,6 +2,9 @@
 
 import ast
 import os
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -53,6 +56,31 @@ def test_only_files_are_replaced(tmp_path, kind):
     with pytest.raises(InputError, match=r"cannot be written \(it is a .*\); choose another name"):
         written_whole(target).__enter__()
     assert target.stat().st_mode == before
+
+
+KILLED = """
+import os, signal, sys
+from tactgen.geometry.files import written_whole
+with written_whole(sys.argv[1]) as draft:
+    draft.write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_what_a_killed_process_left_is_swept(tmp_path):
+    """The next writer into the folder takes it away, but no draft of a process that lives."""
+    done = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "a.csv")], check=False)
+    assert done.returncode == -signal.SIGKILL
+    (left,) = tmp_path.iterdir()
+    assert left.name.startswith(".tactgen-")
+    (tmp_path / ".tactgen-notes").write_text("mine")
+    with written_whole(tmp_path / "b.csv") as living, written_whole(tmp_path / "c.csv") as other:
+        assert not left.exists()
+        assert living.exists()
+        other.write_text("c")
+        living.write_text("b")
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {".tactgen-notes", "b.csv", "c.csv"}
 
 
 def writers():

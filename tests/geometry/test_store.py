@@ -262,6 +262,28 @@ def test_what_cannot_be_kept_is_said_once(folder, obstacle, monkeypatch, capsys)
     assert "not kept for the next run" in said
 
 
+@pytest.mark.parametrize("home", [None, ""], ids=["none", "empty"])
+def test_without_a_home_nothing_is_kept(home, tmp_path, monkeypatch, capsys):
+    """A user whom the system does not know: said once, and nothing is put where one stands."""
+
+    def unknown():
+        if home is None:
+            raise RuntimeError("Could not determine home directory.")
+        return Path(home)
+
+    monkeypatch.delenv("TACTGEN_CACHE", raising=False)
+    monkeypatch.setattr(store, "_said", set())
+    monkeypatch.setattr(Path, "home", unknown)
+    monkeypatch.chdir(tmp_path)
+    calls = []
+    for _ in range(2):
+        assert same(store.kept("sample", (1,), CODE, counted(calls)), VALUE)
+    assert len(calls) == 2
+    assert capsys.readouterr().err.count("not kept for the next run") == 1
+    assert not list(tmp_path.iterdir())
+    assert store.holdings() == {}
+
+
 def test_least_recently_used_goes_first(folder, monkeypatch):
     """Over the limit, what was not read for longest is removed; a draft left behind as well."""
     value = np.zeros(1000)

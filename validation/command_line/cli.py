@@ -13,8 +13,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from tactgen.fem.solvers.threads import thread_count
 from tactgen.geometry.errors import InputError
@@ -34,12 +33,20 @@ from tactgen.validation.command_line.commands import (
 )
 from tactgen.validation.command_line.commands.common import say
 from tactgen.validation.command_line.commands.studies import design, identify, sensitivity, whatif
+from tactgen.validation.command_line.streams import usable_streams
+
+if TYPE_CHECKING:
+    from _typeshed import SupportsWrite
 
 #: numpy's BLAS sees many small products here: with two threads the solid model and the magnetic
 #: field cost 15 to 50 % more processor time for no clear gain in real time, and on a busy
 #: machine they wait for each other.  Read once, when numpy is loaded, which no module above
 #: does; the sparse solver's threads are in fem.solvers.threads.
 _BLAS_THREADS = "OPENBLAS_NUM_THREADS"
+
+
+#: Arguments whose emptiness their readers speak of.
+_SPOKEN_OF = ("scene", "measured", "frequency", "only")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -51,6 +58,11 @@ class _Parser(argparse.ArgumentParser):
         if self.listing is not None:
             self.description, self.epilog = self.listing()
         return super().format_help()
+
+    def _print_message(self, message: str, file: SupportsWrite[str] | None = None) -> None:
+        """Write help; argparse's own takes no notice of a full disk."""
+        if message:
+            (file or sys.stdout).write(message)
 
     def error(self, message: str) -> NoReturn:
         """Report a usage error the way all bad input is reported."""
@@ -81,14 +93,14 @@ def _tidy_when_told_to_end() -> Iterator[None]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code."""
     os.environ.setdefault(_BLAS_THREADS, "1")
+    # pictures go to files: a notebook's backend may not even be installed here
+    os.environ["MPLBACKEND"] = "agg"
     scene, code = "", 0
-    if sys.stderr is None:  # closed: words and progress go nowhere, not to stdout
-        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
     try:
-        if sys.stdout is None:
-            raise InputError("standard output is closed; leave it open or send it to a file")
+        usable_streams()
         with _tidy_when_told_to_end(), contextlib.suppress(SystemExit):  # --help
             options = _parser().parse_args(arguments)
+            _refuse_empty(options)
             scene = getattr(options, "scene", "")
             thread_count()  # bad settings are refused now, not after meshing
             size_limit()
@@ -112,6 +124,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
+def _refuse_empty(options: argparse.Namespace) -> None:
+    """Refuse an option without a value, which would be as good as not there."""
+    for name, value in vars(options).items():
+        # scenes, measurements and frequencies have words of their own
+        if isinstance(value, str) and not value.strip() and name not in _SPOKEN_OF:
+            option = name.replace("_", "-")
+            raise InputError(f"--{option} is empty; give it a value or leave it out")
+
+
 def _explained(error: Exception, scene: str) -> str | None:
     """Return the sentence for an error that a user can act on, None for a mistake of ours."""
     if isinstance(error, InputError):
@@ -129,7 +150,7 @@ def _explained(error: Exception, scene: str) -> str | None:
         return (
             f'scene "{scene}" cannot be solved ({reason}); bring the values that it sets closer to '
             "those of the built-in scenes paper and reluctance, or ask for another model with "
-            "--model"
+            "--set models="
         )
     return None
 

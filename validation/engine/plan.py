@@ -84,7 +84,7 @@ def check_models(models: Sequence[str], quantities: Sequence[str]) -> None:
             able = [model for model in MODELS if gives(model, quantity)]
             raise InputError(
                 f'quantity "{quantity}" is computed by {", ".join(able)}, not by '
-                f"{', '.join(models)}; add for example --model {able[min(1, len(able) - 1)]}"
+                f"{', '.join(models)}; add for example --set models={able[min(1, len(able) - 1)]}"
             )
 
 

@@ -69,10 +69,7 @@ def solve(
     """
     names = tuple(models or scene.models)
     quantities = tuple(quantities or scene.quantities)
-    check_held(scene, quantities)
-    warnings = load_warnings(scene, quantities) + level_warnings(scene, quantities)
-    warnings += held_warnings(scene, names)
-    plan = make_plan(scene, names, quantities)
+    plan, warnings = check_request(scene, names, quantities)
     stages = Stages(plan.keys, announce)
     if reuse is not None:
         stages.adopt(reuse.stages)
@@ -86,6 +83,22 @@ def solve(
     warnings += deflection_warnings(scene, found)
     # models of one theory say the same
     return Solution(scene, tuple(found), plan, tuple(dict.fromkeys(warnings)), made, stages)
+
+
+def check_request(
+    scene: Scene, models: Sequence[str], quantities: Sequence[str]
+) -> tuple[Plan, tuple[str, ...]]:
+    """Return the plan of a request and what is to be warned of, before anything is computed.
+
+    Raises
+    ------
+    InputError
+        If it cannot be answered, as :func:`solve`.
+    """
+    check_held(scene, quantities)
+    warnings = load_warnings(scene, quantities) + level_warnings(scene, quantities)
+    warnings += held_warnings(scene, models)
+    return make_plan(scene, models, quantities), warnings
 
 
 def evaluate(name: str, model: Model) -> Quantity:

@@ -12,7 +12,7 @@ from typing import Any
 from tactgen.geometry.files import writable_folder, write_text
 from tactgen.validation.models.comparison import ComparedRow
 from tactgen.validation.report.sections.contents import sections
-from tactgen.validation.report.study import Study
+from tactgen.validation.report.study import Study, check_report
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.formats import filters
 
@@ -31,6 +31,7 @@ def write_report(
     InputError
         If the folder cannot be written or the scene cannot be solved.
     """
+    check_report(scene, quick=quick)
     writable_folder(out)
     started = time.perf_counter()
     page = _page(Study(scene, origins, announce, quick=quick), started)

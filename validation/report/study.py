@@ -18,7 +18,7 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.checks.row import Outcome, run_check
 from tactgen.validation.checks.verification import group_rows
 from tactgen.validation.engine.plan import Plan, check_models
-from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.engine.solve import Solution, check_request, solve
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.models.comparison import ComparedRow, compare
 from tactgen.validation.report.normal_actuator import NormalActuator, needs_map
@@ -197,6 +197,18 @@ class Study:
         """What each stage of the plan cost."""
         apart = self.normal.mapped.stages.seconds if self.normal else {}
         return apart | self.solution.stages.seconds
+
+
+def check_report(scene: Scene, *, quick: bool) -> None:
+    """Refuse at once, before anything is computed or written, what cannot be reported on.
+
+    Raises
+    ------
+    InputError
+        With the remedy.
+    """
+    prepared = _prepared(scene, quick)
+    check_request(prepared, prepared.models, prepared.quantities)
 
 
 def _prepared(scene: Scene, quick: bool) -> Scene:

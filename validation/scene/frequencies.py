@@ -16,44 +16,46 @@ _HIGHEST = FREQUENCY.limits[1] if FREQUENCY.limits else math.inf
 _REMEDY = 'write for example "500", "0.5 kHz" or "10:2000:200"'
 
 
-def parse_frequencies(given: Any) -> tuple[float, ...]:
+def parse_frequencies(given: Any, stated: str = "") -> tuple[float, ...]:
     """Return frequencies in Hz from whatever a scene or a caller states; bare numbers are Hz.
 
     Parameters
     ----------
     given : number, str, or list of numbers and str
         Text is ``LIST`` or ``START:STOP:N[:log]``; in a list each stands for one frequency.
+    stated : str
+        How messages repeat what was written, if not as the key ``frequency``.
 
     Raises
     ------
     InputError
         If a number, the count or the spacing cannot be used.
     """
+    stated = stated or f"frequency = {quoted(given)}"
     if isinstance(given, str) and given.count(":") > 0:
-        return _sweep(given)
+        return _sweep(given, stated)
     parts = given.split(",") if isinstance(given, str) else given
     if not isinstance(parts, list | tuple):
         parts = [parts]
     if not parts or parts == [""]:
-        raise InputError(f"frequency = {quoted(given)} holds no frequency; {_REMEDY}")
+        raise InputError(f"{stated} holds no frequency; {_REMEDY}")
     if len(parts) > _MOST:
         raise InputError(f"frequency has {len(parts)} values; give at most {_MOST}")
-    return tuple(_one(part, given) for part in parts)
+    return tuple(_one(part, stated) for part in parts)
 
 
-def _sweep(text: str) -> tuple[float, ...]:
+def _sweep(text: str, stated: str) -> tuple[float, ...]:
     parts = text.split(":")
     if len(parts) not in (3, 4) or (len(parts) == 4 and parts[3].strip() not in ("log", "lin")):
         raise InputError(
-            f"frequency = {quoted(text)} is not START:STOP:N or START:STOP:N:log; "
-            'write for example "10:2000:200"'
+            f'{stated} is not START:STOP:N or START:STOP:N:log; write for example "10:2000:200"'
         )
-    start, stop = _one(parts[0], text), _one(parts[1], text)
-    count = _count(parts[2], text)
+    start, stop = _one(parts[0], stated), _one(parts[1], stated)
+    count = _count(parts[2], stated)
     logarithmic = len(parts) == 4 and parts[3].strip() == "log"
     if logarithmic and (start <= 0.0 or stop <= 0.0):
         raise InputError(
-            f"frequency = {quoted(text)} cannot be spaced logarithmically from {start:g} Hz to "
+            f"{stated} cannot be spaced logarithmically from {start:g} Hz to "
             f"{stop:g} Hz; keep both above 0 Hz"
         )
     if count == 1:
@@ -67,28 +69,25 @@ def _sweep(text: str) -> tuple[float, ...]:
     return (start, *inner, stop)
 
 
-def _count(part: str, text: str) -> int:
+def _count(part: str, stated: str) -> int:
     stripped = part.strip()
     count = int(stripped) if re.fullmatch(r"\d{1,9}", stripped, re.ASCII) else 0
     if not 1 <= count <= _MOST:
         raise InputError(
-            f"frequency = {quoted(text)} asks for {quoted(stripped)} points; "
-            f"give a whole number from 1 to {_MOST}"
+            f"{stated} asks for {quoted(stripped)} points; give a whole number from 1 to {_MOST}"
         )
     return count
 
 
-def _one(part: Any, given: Any) -> float:
-    value = _hertz(part, f"frequency = {quoted(given)}")
+def _one(part: Any, stated: str) -> float:
+    value = _hertz(part, stated)
     if not math.isfinite(value) or value < 0.0:
         raise InputError(
-            f"frequency = {quoted(given)} has {quoted(part)}; "
-            "frequencies must be finite and not negative, in Hz"
+            f"{stated} has {quoted(part)}; frequencies must be finite and not negative, in Hz"
         )
     if value > _HIGHEST:
         raise InputError(
-            f"frequency = {quoted(given)} has {quoted(part)}; frequencies must be at most "
-            f"{_HIGHEST * 1e-6:g} MHz"
+            f"{stated} has {quoted(part)}; frequencies must be at most {_HIGHEST * 1e-6:g} MHz"
         )
     return value
 

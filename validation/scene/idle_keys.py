@@ -78,15 +78,17 @@ def _not_asked(scene: Scene, key: str) -> str:
     """Return why a key has no effect on the models asked for."""
     group, models = key.split(".", 1)[0], f"with models = {', '.join(scene.models)}"
     if key == "mesh.level" and not any(MODELS[name].reads(key) for name in scene.models):
-        return f"{models}; ask for --model solid to use it"
+        return f"{models}; use it with --set models=solid"
     if group in _LATERAL and not set(scene.models) & set(models_of("bimorph")):
-        return f"{models}; ask for one of the lateral actuator, such as --model tmm, to use it"
+        return f"{models}; use it with one of the lateral actuator, such as --set models=tmm"
     if _holds_the_bimorph(scene, key):
         return ""
     magnetic = set(scene.models) & set(models_of("reluctance"))
     around = group in ("coil", "sleeve", "gap") and scene.support.kind != "rod"
     if (group in _MAGNETIC or key in _MAGNETIC or around) and not magnetic:
-        return f"{models}; ask for one of the normal actuator, such as --model network, to use it"
+        return (
+            f"{models}; ask for one of the normal actuator, such as --set models=network, to use it"
+        )
     return ""
 
 
@@ -108,7 +110,7 @@ def _not_shown(scene: Scene, key: str) -> str:
         return "on any quantity; tactgen report shows the coil's resistance and heat"
     if key in _FIELD_ONLY and all(MODELS[name].theory == "circuit" for name in magnetic):
         field = next(name for name, row in MODELS.items() if row.theory == "field")
-        return f"with models = {', '.join(sorted(magnetic))}; ask for --model {field} to use it"
+        return f"with models = {', '.join(sorted(magnetic))}; use it with --set models={field}"
     return ""
 
 
@@ -166,10 +168,10 @@ def _idle(scene: Scene, key: str) -> str:
         return f'with support.kind = "{support}"; set support.kind = "rod" to use it'
     normal = "magnetic3d" in scene.models
     if key == "mesh.kind" and not normal:
-        return f"with models = {', '.join(scene.models)}; ask for --model magnetic3d to use it"
+        return f"with models = {', '.join(scene.models)}; use it with --set models=magnetic3d"
     tetrahedra = "cad" in scene.models or (normal and scene.mesh.kind == "tetwild")
     if key == "mesh.time_limit" and not tetrahedra:
-        return f"with models = {', '.join(scene.models)}; ask for --model cad to use it"
+        return f"with models = {', '.join(scene.models)}; use it with --set models=cad"
     if key == "accuracy" and scene.mesh.level and not _read_by_magnetic(scene, key):
         return f"with mesh.level = {scene.mesh.level}; leave mesh.level out to use it"
     return ""

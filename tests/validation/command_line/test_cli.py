@@ -151,7 +151,7 @@ def test_unsolvable_scene_is_one_sentence(capsys, monkeypatch, error):
     code, out, err = run(capsys, "solve", "prototype")
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert 'scene "prototype" cannot be solved' in err
-    assert "--model" in err
+    assert "--set models=" in err
 
 
 def test_our_own_mistakes_are_not_hidden(monkeypatch):

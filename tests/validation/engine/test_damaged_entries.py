@@ -36,8 +36,18 @@ def answers(cases):
     found = []
     for name, overrides, quantities in cases:
         scene, _ = load_scene(name, [*overrides, f"quantities={quantities}"])
-        found += [(q.value, q.uncertainty) for q in solve(scene).quantities]
+        found += [(q.model, q.value, q.uncertainty) for q in solve(scene).quantities]
     return found
+
+
+def assert_same(before, after):
+    """Digit for digit; on tetrahedra, whose mesher does not repeat itself, within the bars."""
+    for (model, a, bar_a), (_, b, bar_b) in zip(before, after, strict=True):
+        if model == "cad":
+            assert np.all(np.abs(a - b) <= bar_a + bar_b)
+        else:
+            assert np.array_equal(a, b, equal_nan=True)
+            assert np.array_equal(bar_a, bar_b, equal_nan=True)
 
 
 def flipped(content, chance):
@@ -108,9 +118,7 @@ def check_damages(folder, cases, number):
     chance = random.Random(number)
     for path in folder.glob("*.kept"):
         path.write_bytes(chance.choice(DAMAGES)(path.read_bytes(), chance))
-    for (a, bar_a), (b, bar_b) in zip(before, answers(cases), strict=True):
-        assert np.array_equal(a, b, equal_nan=True)
-        assert np.array_equal(bar_a, bar_b, equal_nan=True)
+    assert_same(before, answers(cases))
     return tried
 
 

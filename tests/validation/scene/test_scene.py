@@ -230,13 +230,16 @@ def test_names_that_are_no_file_are_refused(name):
             ["support.kind=clamped", "support.lateral_stiffness=2e6 N/m"],
             ["support.lateral_stiffness = 2000000 N/m", 'support.kind = "clamped"'],
         ),
-        (["gap=0.3 mm"], ["gap = 0.3 mm", "--model network"]),
-        (["sleeve.length=4 mm"], ["sleeve.length = 4 mm", "--model network"]),
-        (["mesh.time_limit=60 s", "models=solid"], ["mesh.time_limit = 60 s", "--model cad"]),
-        (["mesh.kind=tetwild"], ["mesh.kind = tetwild", "--model magnetic3d"]),
-        (["mesh.kind=tetwild", "models=network"], ["mesh.kind = tetwild", "--model magnetic3d"]),
-        (["mesh.level=3", "models=network"], ["mesh.level = 3", "--model solid"]),
-        (["mesh.level=3", "models=tmm"], ["mesh.level = 3", "--model solid"]),
+        (["gap=0.3 mm"], ["gap = 0.3 mm", "--set models=network"]),
+        (["sleeve.length=4 mm"], ["sleeve.length = 4 mm", "--set models=network"]),
+        (["mesh.time_limit=60 s", "models=solid"], ["mesh.time_limit = 60 s", "--set models=cad"]),
+        (["mesh.kind=tetwild"], ["mesh.kind = tetwild", "--set models=magnetic3d"]),
+        (
+            ["mesh.kind=tetwild", "models=network"],
+            ["mesh.kind = tetwild", "--set models=magnetic3d"],
+        ),
+        (["mesh.level=3", "models=network"], ["mesh.level = 3", "--set models=solid"]),
+        (["mesh.level=3", "models=tmm"], ["mesh.level = 3", "--set models=solid"]),
         (["mesh.level=2", "accuracy=0.01"], ["accuracy = 0.01", "mesh.level = 2"]),
     ],
 )
@@ -261,7 +264,7 @@ def test_settings_with_effect_are_not_warned_of(name):
     [
         ("spring.preload=90 mN", "quantities=magnetic_force", "ask for pull_in_current"),
         ("spring.preload=90 mN", "quantities=pull_in_current", ""),
-        ("coil.outer_radius=0.87 mm", "models=network", "ask for --model axisymmetric"),
+        ("coil.outer_radius=0.87 mm", "models=network", "use it with --set models=axisymmetric"),
         ("coil.outer_radius=0.87 mm", "models=network,axisymmetric", ""),
     ],
 )
@@ -283,9 +286,9 @@ def test_a_file_may_describe_what_is_not_asked_about():
 @pytest.mark.parametrize(
     ("scene", "override", "words"),
     [
-        ("paper", "coil.current=50 mA", ("coil.current = 50 mA", "--model network")),
+        ("paper", "coil.current=50 mA", ("coil.current = 50 mA", "--set models=network")),
         ("paper", "steel.curve=linear", ("steel.curve = linear", "normal actuator")),
-        ("reluctance", "bimorph.length=25 mm", ("bimorph.length = 25 mm", "--model tmm")),
+        ("reluctance", "bimorph.length=25 mm", ("bimorph.length = 25 mm", "--set models=tmm")),
         ("reluctance", "frequency=10,20", ("frequency = 2 values", "lateral actuator")),
         ("reluctance", "rod.density=7800 kg/m^3", ("rod.density", 'support.kind = "rod"')),
         ("reluctance", "steel.relative_permeability=500", ('curve = "team20"', '"linear" to use')),

@@ -394,7 +394,7 @@ def test_fit_text(text, start, low, high):
         ("shim.transverse_modulus", ["is not a number"]),
         ("piezo.eps33", ["has no effect on the velocity"]),
         ("load.mass=1mg", ["load.mass", "has no effect with load.kind"]),
-        ("coil.length", ["coil.length", "has no effect with models", "--model network"]),
+        ("coil.length", ["coil.length", "has no effect with models", "--set models=network"]),
     ],
 )
 def test_bad_fit_gives_one_sentence(fit, words):

@@ -30,6 +30,24 @@ def scene_options(parser: argparse.ArgumentParser, default: str = "paper") -> No
     )
 
 
+def overrides_of(option: str, key: str, given: str | list[str] | None, example: str) -> list[str]:
+    """Return the override that ``--option`` stands for, none if it was not given.
+
+    Raises
+    ------
+    InputError
+        If it was given without a value.
+    """
+    from tactgen.geometry.errors import InputError
+
+    if given is None:
+        return []
+    text = given if isinstance(given, str) else ",".join(given)
+    if not text.strip():
+        raise InputError(f"--{option} is empty; write for example --{option} {example}")
+    return [f"{key}={text}"]
+
+
 def lateral_scene(
     name: str, overrides: Sequence[str], command: str
 ) -> tuple[Scene, dict[str, str]]:

@@ -5,13 +5,24 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
+from tactgen.validation.command_line.commands.common import (
+    Commands,
+    overrides_of,
+    scene_options,
+    warn,
+)
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("report", help="write the verification report (HTML)")
     scene_options(parser)
+    parser.add_argument(
+        "--model",
+        action="append",
+        metavar="NAME",
+        help="may be repeated; see tactgen solve --help",
+    )
     parser.add_argument("--out", default="report", metavar="DIR", help="folder (default report)")
     parser.add_argument(
         "--quick",
@@ -28,7 +39,8 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.scene.idle_keys import scene_warnings
     from tactgen.validation.scene.scene import load_scene
 
-    scene, origins = load_scene(options.scene, options.overrides)
+    asked = overrides_of("model", "models", options.model, "tmm")
+    scene, origins = load_scene(options.scene, [*options.overrides, *asked])
     warn(scene_warnings(scene, origins, report=True))
     with announcer() as announce:
         page = write_report(scene, origins, Path(options.out), options.quick, announce)

@@ -5,10 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator
 
-from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
+from tactgen.validation.command_line.commands.common import (
+    Commands,
+    overrides_of,
+    scene_options,
+    warn,
+)
 
 
 def add(commands: Commands) -> None:
@@ -64,17 +67,10 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _wanted(options: argparse.Namespace) -> Iterator[str]:
-    """Yield the overrides that --frequency, --model and --quantity stand for."""
-    stated = (
-        ("frequency", "frequency", options.frequency, "10:2000:200"),
-        ("model", "models", options.model, "tmm"),
-        ("quantity", "quantities", options.quantity, "all"),
-    )
-    for name, key, given, example in stated:
-        if given is None:
-            continue
-        text = given if isinstance(given, str) else ",".join(given)
-        if not text.strip():
-            raise InputError(f"--{name} is empty; write for example --{name} {example}")
-        yield f"{key}={text}"
+def _wanted(options: argparse.Namespace) -> list[str]:
+    """Return the overrides that --frequency, --model and --quantity stand for."""
+    return [
+        *overrides_of("frequency", "frequency", options.frequency, "10:2000:200"),
+        *overrides_of("model", "models", options.model, "tmm"),
+        *overrides_of("quantity", "quantities", options.quantity, "all"),
+    ]

@@ -90,7 +90,7 @@ def check_beam(scene: Scene) -> None:
         raise InputError(
             f"bimorph.length = {bimorph.length * mm:g} mm is less than the layers' thickness of "
             f"{bimorph.thickness * mm:g} mm: that is no beam, and the models lumped, tmm and beam "
-            "have no answer; make it longer or ask for --model solid"
+            "have no answer; make it longer or ask for --set models=solid"
         )
 
 
@@ -104,5 +104,5 @@ def stubby_warning(scene: Scene) -> str:
         f"bimorph.length = {1e3 * bimorph.length:g} mm is {bimorph.length / bimorph.thickness:.2g} "
         f"thicknesses and {bimorph.length / bimorph.width:.2g} widths, which is stubby for the "
         "one-dimensional models: their deflection, frequency and capacitance may be "
-        f"{100.0 * share:.0f} % off by the ends alone; compare with --model solid"
+        f"{100.0 * share:.0f} % off by the ends alone; compare with --set models=solid"
     )

@@ -191,6 +191,6 @@ def _doubts(scene: Scene, length: float) -> tuple[str, ...]:
         return ()
     doubt = (
         f"at {1e3 * length:.4g} mm the actuator is {slenderness:.2g} times as long as thick, too "
-        "stubby for a beam model to be trusted; compare with --model solid"
+        "stubby for a beam model to be trusted; compare with --set models=solid"
     )
     return (doubt,)

@@ -99,7 +99,7 @@ def _aim(options: argparse.Namespace) -> Aim:
             f'--margin "{options.margin}" is not a number; write for example --margin 1.5'
         )
     low, high = _two(options.band, "--band", "10:1000")
-    first, last = parse_frequencies([low, high])
+    first, last = parse_frequencies([low, high], f'--band = "{options.band}"')
     short, long = _two(options.lengths, "--lengths", "20mm:40mm")
     return Aim(options.aim, margin, (first, last), (_length(short), _length(long)))
 
