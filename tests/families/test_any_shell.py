@@ -46,6 +46,7 @@ def test_streams_of_few_characters(surroundings, arguments):
     assert done.stdout.isascii() or surroundings.get("PYTHONIOENCODING") == "latin-1"
 
 
+@pytest.mark.heavy
 def test_a_notebooks_backend_is_nobodys_business(tmp_path):
     """The variable that a notebook leaves to its children names a module that may be missing."""
     picture = tmp_path / "a.svg"

@@ -18,7 +18,8 @@ COMMANDS = next(
     if isinstance(action, argparse._SubParsersAction)
 )
 #: Arguments of a command before the scene and after it, where it must have some.
-BEFORE, AFTER = {"identify": ["SWEEP"]}, {"export": ["--step", "x.step"]}
+BEFORE = {"identify": ["SWEEP"]}
+AFTER = {"export": ["--step", "x.step"], "whatif": ["--vary", "bimorph.length=14mm:22mm:2"]}
 
 
 def has(command, name):
@@ -102,7 +103,9 @@ def test_scene_that_cannot_be_used(refused, command, arguments, words):
 @pytest.mark.parametrize("command", AS_JSON)
 def test_no_half_a_document(refused, command):
     """With --json too nothing is on stdout, and the sentence on stderr is plain text."""
-    error = refused(command, *BEFORE.get(command, []), "--json", "--set", "gap=-1 mm")
+    error = refused(
+        command, *BEFORE.get(command, []), "--json", "--set", "gap=-1 mm", *AFTER.get(command, [])
+    )
     assert "gap" in error
     assert "{" not in error
 
