@@ -19,7 +19,7 @@ COMMANDS = next(
 )
 #: Arguments of a command before the scene and after it, where it must have some.
 BEFORE = {"identify": ["SWEEP"]}
-AFTER = {"export": ["--step", "x.step"], "whatif": ["--vary", "bimorph.length=14mm:22mm:2"]}
+AFTER = {"export": ["--step", "x.step"], "whatif": ["--vary", "drive.voltage=10V:20V:2"]}
 
 
 def has(command, name):
