@@ -34,13 +34,26 @@ class LineMatrices:
 
 
 @cache
-def _reference(degree: int) -> Floats:
-    """Return ∫ ∂^a N_i ∂^b N_j over [−1, 1], (2, 2, degree + 1, degree + 1)."""
+def gauss_values(degree: int) -> tuple[Floats, Floats]:
+    """Return the polynomials and their slopes at the degree + 1 Gauss points of [−1, 1].
+
+    Returns
+    -------
+    weights : (points,) array
+    values : (2, points, degree + 1) array
+        Values, then slopes.
+    """
     points, weights = legendre.leggauss(degree + 1)
     to_coefficients = np.linalg.inv(legendre.legvander(lobatto_points(degree), degree))
     values = legendre.legvander(points, degree) @ to_coefficients
     slopes = np.array([legendre.legval(points, legendre.legder(c)) for c in to_coefficients.T]).T
-    both = np.stack([values, slopes])
+    return weights, np.stack([values, slopes])
+
+
+@cache
+def _reference(degree: int) -> Floats:
+    """Return ∫ ∂^a N_i ∂^b N_j over [−1, 1], (2, 2, degree + 1, degree + 1)."""
+    weights, both = gauss_values(degree)
     return np.asarray(np.einsum("aqi,q,bqj->abij", both, weights, both))
 
 

@@ -66,7 +66,7 @@ class _Quarter:
     def system(self, motion: Motion) -> SolidSystem:
         """Return the system of one class of motion, of the whole body."""
         bricks, unit, mass = self.bricks, self.unit, self.mass
-        unknowns = _unknowns(bricks, motion, unit, uniform_field=self.uniform_field)
+        unknowns = quarter_unknowns(bricks, motion, unit, uniform_field=self.uniform_field)
         nodes, expand, node_mass = _whole(bricks, unknowns, motion, unit, lumped(mass))
         place = elimination_order(bricks)
         return SolidSystem(
@@ -84,8 +84,13 @@ class _Quarter:
         )
 
 
-def _unknowns(bricks: Bricks, motion: Motion, unit: float, *, uniform_field: bool) -> Unknowns:
-    """Return what is free, and what base and electrodes prescribe."""
+def quarter_unknowns(
+    bricks: Bricks, motion: Motion, unit: float, *, uniform_field: bool = False
+) -> Unknowns:
+    """Return what is free in one class of motion, and what base and electrodes prescribe.
+
+    Over (u_x, u_y, u_z, φ) node by node, z fastest; `unit` is that of the potential (V).
+    """
     x, y = bricks.x.nodes, bricks.y.nodes
     base, piezo = bricks.base(), bricks.nodes_of("piezo")
     outer, inner = bricks.electrodes()

@@ -1,0 +1,1 @@
+"""The solid reduced over geometry and materials: one small system for a range of bimorphs."""

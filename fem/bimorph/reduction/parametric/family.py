@@ -1,0 +1,251 @@
+"""A family of bimorphs on one level of bricks: built by looking where the basis knows least.
+
+The basis begins with what the middle and the corners of the range have to say.  Then the
+bound of every answer is looked at in many points of the range, which takes no large system,
+and the worst point is asked, until the bound is below the tolerance everywhere (a greedy
+search).  How much was really missing there, once it is known, sets the bound's margin.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+from tactgen.fem.bimorph.motions import Motion
+from tactgen.fem.bimorph.reduction.parametric.answers import family_modes, family_statics
+from tactgen.fem.bimorph.reduction.parametric.expansion import (
+    Expansion,
+    expansion,
+    with_values,
+)
+from tactgen.fem.bimorph.reduction.parametric.growing import GrowingBasis
+from tactgen.fem.bimorph.reduction.parametric.products import TermProducts
+from tactgen.fem.bimorph.reduction.parametric.reduced import Members, ReducedMotion
+from tactgen.fem.bimorph.system import SolidSystem, materials
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.stretching import dividing, stretched
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.store.values import storable
+
+#: Points of the range that are looked at, for each key that varies.
+_LOOKED_AT = 64
+#: Most members that are asked.
+_MOST = 60
+#: Safety on what was observed to be missing per squared norm of a residual.
+_SAFETY = 2.0
+#: Energy left out of the basis counts by its root, and this share of the tolerance's.
+_LEFT_OUT = 0.1
+
+
+@storable
+@dataclass(frozen=True)
+class ReducedFamily:
+    """A family on one level of bricks.
+
+    Attributes
+    ----------
+    terms : Expansion
+        Its matrices' terms.
+    ranges : dict of str to (float, float)
+        Lowest and highest value of each scene key that varies (SI).
+    motions : dict of str to ReducedMotion
+        Each class of motion on its basis.
+    bound : float
+        Largest relative error bound over the points that were looked at.
+    asked : int
+        Number of members that the bases were made of.
+    unknowns : int
+        Number of unknowns of a member in the first class of motion.
+    """
+
+    terms: Expansion
+    ranges: dict[str, tuple[float, float]]
+    motions: dict[Motion, ReducedMotion]
+    bound: float
+    asked: int
+    unknowns: int
+
+    def members(self, motion: Motion, device: Device, values: Mapping[str, Floats]) -> Members:
+        """Return the small systems of bimorphs that differ from `device` in `values` (n,)."""
+        return self.motions[motion].members(self.terms, self.terms.coefficients(device, values))
+
+
+def build_family(
+    device: Device,
+    ranges: Mapping[str, tuple[float, float]],
+    meshing: BrickMeshing,
+    modes: Mapping[Motion, int],
+    *,
+    tolerance: float,
+    announce: Callable[[str], None] = lambda _: None,
+) -> ReducedFamily:
+    """Reduce the bimorphs of a range of scene keys to small systems.
+
+    Parameters
+    ----------
+    device : Device
+        What does not vary.
+    ranges : mapping of str to (float, float)
+        Lowest and highest value of what does (SI).
+    meshing : BrickMeshing
+        How finely the bimorphs are divided.
+    modes : mapping of Motion to int
+        Classes of motion, and how many modes of each are wanted.
+    tolerance : float
+        Relative error bound to reach for frequencies, deflection, compliance and capacitance.
+    """
+    builder = _Builder.of(device, dict(ranges), meshing, dict(modes), tolerance)
+    for point in builder.corners():
+        builder.ask(point, list(modes))
+    while True:
+        bounds = builder.bounds()
+        worst = {motion: float(found.max()) for motion, found in bounds.items()}
+        if max(worst.values()) <= tolerance or builder.asked >= _MOST:
+            return builder.family(max(worst.values()))
+        announce(f"bound {max(worst.values()):.1e} after {builder.asked} members")
+        hardest = max(worst, key=lambda motion: worst[motion])
+        at = int(np.argmax(bounds[hardest]))
+        poor = [motion for motion, found in bounds.items() if found[at] > 0.3 * tolerance]
+        builder.ask(builder.points[at], poor)
+
+
+@dataclass
+class _Builder:
+    """A family that grows."""
+
+    device: Device
+    ranges: dict[str, tuple[float, float]]
+    modes: dict[Motion, int]
+    tolerance: float
+    products: TermProducts
+    bases: dict[Motion, GrowingBasis]
+    margins: dict[Motion, float]
+    points: Floats
+    asked: int = 1
+
+    @classmethod
+    def of(
+        cls,
+        device: Device,
+        ranges: dict[str, tuple[float, float]],
+        meshing: BrickMeshing,
+        modes: dict[Motion, int],
+        tolerance: float,
+    ) -> _Builder:
+        middle = with_values(device, {key: 0.5 * sum(ends) for key, ends in ranges.items()})
+        corners = [
+            with_values(device, dict(zip(ranges, values, strict=True)))
+            for values in itertools.product(*ranges.values())
+        ]
+        bricks = stretched(dividing(corners, meshing), middle.bimorph)
+        system = assemble_bricks(middle, bricks, lossy=False)
+        known = materials(middle, bricks.regions, middle.piezo.ceramic(), lossy=False)
+        products = TermProducts(bricks, expansion(middle, bricks, system.volts_per_unit))
+        bases = {
+            motion: GrowingBasis(products, _in_motion(system, motion), known, count)
+            for motion, count in modes.items()
+        }
+        for motion, basis in bases.items():
+            basis.learn(_in_motion(system, motion), np.ones(3), _least(tolerance))
+        low, high = np.array(list(ranges.values())).T
+        share = np.random.default_rng(2).uniform(size=(_LOOKED_AT * len(ranges), len(ranges)))
+        points = low + share * (high - low)
+        margins = dict.fromkeys(modes, 1.0)
+        return cls(device, ranges, modes, tolerance, products, bases, margins, points)
+
+    def corners(self) -> list[Floats]:
+        """Return the corners of the range."""
+        return [np.array(corner) for corner in itertools.product(*self.ranges.values())]
+
+    def ask(self, point: Floats, motions: list[Motion]) -> None:
+        """Let a member add to the bases of some classes of motion."""
+        member = with_values(self.device, dict(zip(self.ranges, point, strict=True)))
+        bricks = stretched(self.products.bricks, member.bimorph)
+        system = assemble_bricks(member, bricks, lossy=False)
+        scale = self.products.terms.coefficients(member, {}).scale[0]
+        for motion in motions:
+            basis = self.bases[motion]
+            before = self._answers(motion, point[None])
+            basis.learn(_in_motion(system, motion), scale, _least(self.tolerance))
+            self._observe(motion, before, self._answers(motion, point[None]))
+        self.asked += 1
+
+    def bounds(self) -> dict[Motion, Floats]:
+        """Return the largest relative bound (points,) of each class of motion."""
+        return {motion: self._answers(motion, self.points).bound for motion in self.modes}
+
+    def family(self, bound: float) -> ReducedFamily:
+        """Return the family as it is."""
+        first = next(iter(self.bases.values()))
+        return ReducedFamily(
+            self.products.terms,
+            self.ranges,
+            {motion: b.frozen(self.margins[motion]) for motion, b in self.bases.items()},
+            bound,
+            self.asked,
+            first.unknowns,
+        )
+
+    def _answers(self, motion: Motion, points: Floats) -> _Answers:
+        values = dict(zip(self.ranges, points.T, strict=True))
+        c = self.products.terms.coefficients(self.device, values)
+        members = self.bases[motion].frozen(self.margins[motion]).members(self.products.terms, c)
+        return _looked_at(members, self.modes[motion])
+
+    def _observe(self, motion: Motion, before: _Answers, after: _Answers) -> None:
+        """Widen the margin if more was missing than the bound said, without its margin."""
+        missing = np.abs(before.values - after.values) / np.abs(after.values)
+        said = before.bars / self.margins[motion]
+        worth = said > 1e-3 * self.tolerance  # below, rounding
+        if worth.any():
+            ratio = float((missing[worth] / said[worth]).max())
+            self.margins[motion] = max(self.margins[motion], _SAFETY * ratio)
+
+
+def _in_motion(system: SolidSystem, motion: Motion) -> SolidSystem:
+    """Return a member in one class of motion."""
+    if motion == system.motion:
+        return system
+    assert system.related is not None
+    return system.related(motion)
+
+
+def _least(tolerance: float) -> float:
+    """Return the root of the share of energy that may be left out of a basis."""
+    return float(_LEFT_OUT * np.sqrt(tolerance))
+
+
+@dataclass(frozen=True)
+class _Answers:
+    """Numbers (n, m) of n members and the relative bounds of their errors."""
+
+    values: Floats
+    bars: Floats
+
+    @property
+    def bound(self) -> Floats:
+        """The largest bound (n,) of each member."""
+        return np.asarray(self.bars.max(axis=1))
+
+
+def _looked_at(members: Members, modes: int) -> _Answers:
+    """Return frequencies and, of a body with ports, compliance, deflection and capacitance."""
+    found = [family_modes(members, Ends(), modes, open_circuit=False)]
+    values = [found[0].frequencies]
+    bars = [found[0].bars / found[0].frequencies]
+    if members.ports is not None:
+        opened = family_modes(members, Ends(), modes, open_circuit=True)
+        statics = family_statics(members)
+        volt, force = statics.missing[:, 0], statics.missing[:, 1]
+        compliance = statics.compliance[:, 0, 0].real
+        moved, charge = statics.follows[:, 0, 2].real, statics.held[:, 2, 2].real
+        values += [opened.frequencies, np.column_stack([compliance, moved, charge])]
+        missing = np.column_stack([force**2, force * volt, volt**2])
+        bars += [opened.bars / opened.frequencies, missing / np.abs(values[-1])]
+    return _Answers(np.concatenate(values, axis=1), np.concatenate(bars, axis=1))

@@ -1,0 +1,103 @@
+"""A reduced family against members that are solved on their own bricks."""
+
+import numpy as np
+import pytest
+
+from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.ports import ports_from_blocks, static_multiport
+from tactgen.fem.bimorph.reduction.parametric.answers import family_modes, family_statics
+from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
+from tactgen.fem.bimorph.reduction.parametric.family import build_family
+from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
+from tactgen.geometry.bimorph.stretching import dividing, stretched
+from tactgen.geometry.device.parameters import Device
+
+COARSE = BrickMeshing((2, 2, 2), smallest=0.5)
+TOLERANCE = 1e-5
+#: Rounding of a direct solution's frequencies and statics on these bricks.
+ROUNDING = 2e-7
+PLAIN = Device()
+TABBED = with_values(PLAIN, {"bimorph.tab_length": 2e-3})
+MODES = {"bending_x": 3, "bending_y": 1, "torsion": 1, "axial": 1}
+LENGTH = {"bimorph.length": (10e-3, 20e-3)}
+TAB_AND_CERAMIC = {"bimorph.tab_length": (1e-3, 3e-3), "piezo.s11": (15e-12, 18e-12)}
+
+
+@pytest.fixture(scope="module")
+def family():
+    return build_family(PLAIN, LENGTH, COARSE, MODES, tolerance=TOLERANCE)
+
+
+def direct(device, ranges, point):
+    """Return a member of a family on bricks of its own, and the point as arrays."""
+    corners = [with_values(device, {key: ends[i] for key, ends in ranges.items()}) for i in (0, 1)]
+    # the thinnest and longest are at the corners of every range
+    bricks = dividing(corners, COARSE)
+    member = with_values(device, point)
+    system = assemble_bricks(member, stretched(bricks, member.bimorph), lossy=False)
+    return system, {key: np.array([value]) for key, value in point.items()}
+
+
+@pytest.mark.parametrize("length", [11.3e-3, 17.7e-3])
+def test_modes_of_all_classes_lie_within_their_bars(family, length):
+    system, values = direct(PLAIN, LENGTH, {"bimorph.length": length})
+    for motion, count in MODES.items():
+        members = family.members(motion, PLAIN, values)
+        found = family_modes(members, Ends(), count, open_circuit=False)
+        exact = natural_modes(system.related(motion), Ends(), count)
+        frequencies = np.array([mode.frequency for mode in exact])
+        apart = np.abs(found.frequencies[0] - frequencies)
+        assert (apart <= found.bars[0] + ROUNDING * frequencies).all()
+        assert (found.bars[0] <= TOLERANCE * frequencies).all()
+        named = np.where(found.shares(members)[0] >= 0.5, motion, "mixed")
+        assert list(named) == [mode.kind for mode in exact]
+
+
+ENDS = {
+    "the paper's springs": Ends(Springs(3e6, 0.24, 1e-4, 1e-12)),
+    "heavy base, load": Ends(Springs(1e4, 0.01, 0.0, 1e-8), TipLoad(10.0, 0.1, 1e-6)),
+    "sprung tip": Ends(None, TipLoad(1e4)),
+    "free": Ends(Springs(0.0, 0.0)),
+}
+
+
+@pytest.mark.parametrize("open_circuit", [False, True], ids=["short", "open"])
+@pytest.mark.parametrize("ends", ENDS.values(), ids=ENDS)
+def test_ends_and_circuits_that_the_basis_was_not_made_for(family, ends, open_circuit):
+    system, values = direct(PLAIN, LENGTH, {"bimorph.length": 14.2e-3})
+    found = family_modes(
+        family.members("bending_x", PLAIN, values), ends, 3, open_circuit=open_circuit
+    )
+    exact = natural_modes(system, ends, 3, open_circuit=open_circuit)
+    frequencies = np.array([mode.frequency for mode in exact])
+    assert (np.abs(found.frequencies[0] - frequencies) <= found.bars[0] + 1e-6 * frequencies).all()
+    assert (found.bars[0] <= 1e-3 * frequencies).all()
+
+
+def test_statics_lie_within_their_bounds(family):
+    system, values = direct(PLAIN, LENGTH, {"bimorph.length": 12.9e-3})
+    found = family_statics(family.members("bending_x", PLAIN, values))
+    d = ports_from_blocks(found.held, found.through, found.follows, found.compliance)[0]
+    exact = static_multiport(system).stiffness[0]
+    size = np.sqrt(np.abs(np.diag(exact)))
+    np.testing.assert_allclose(d / np.outer(size, size), exact / np.outer(size, size), atol=1e-5)
+    compliance = np.linalg.inv(exact[2:4, 2:4])
+    bound = np.outer(found.missing[0, 1:], found.missing[0, 1:])
+    off = np.abs(found.compliance[0] - compliance)
+    assert (off <= bound + ROUNDING * np.abs(compliance)).all()
+
+
+def test_a_constant_of_the_material_and_the_tab_vary_together():
+    modes = {"bending_x": 2, "torsion": 1}
+    family = build_family(TABBED, TAB_AND_CERAMIC, COARSE, modes, tolerance=1e-3)
+    assert family.bound <= 1e-3
+    point = {"bimorph.tab_length": 2.4e-3, "piezo.s11": 16e-12}
+    system, values = direct(TABBED, TAB_AND_CERAMIC, point)
+    for motion, count in modes.items():
+        found = family_modes(
+            family.members(motion, TABBED, values), Ends(), count, open_circuit=False
+        )
+        exact = [m.frequency for m in natural_modes(system.related(motion), Ends(), count)]
+        assert (np.abs(found.frequencies[0] - exact) <= found.bars[0] + 1e-6 * exact[0]).all()

@@ -1,0 +1,126 @@
+"""Values of a family of the solid against single answers, and what the family refuses."""
+
+import numpy as np
+import pytest
+
+from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.reduction.parametric.answers import family_modes
+from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
+from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.stretching import dividing, stretched
+from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.bimorph import solid, solid_family
+from tactgen.validation.models.bimorph.family_values import family_values
+from tactgen.validation.scene.scene import load_scene
+
+QUANTITIES = (
+    "short_circuit_frequencies", "open_circuit_frequencies", "coupling_factor",
+    "static_tip_displacement", "capacitance_free", "capacitance_blocked",
+)  # fmt: skip
+RANGE = {"bimorph.length": (12e-3, 16e-3)}
+SCENE = ("support.kind=spring", "accuracy=0.1", "modes=2")
+QUICK = (
+    BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+    BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick_levels():
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (solid, solid_family):
+            patch.setattr(module, "LEVELS", QUICK)
+        yield
+
+
+@pytest.fixture(scope="module")
+def family():
+    return solid_family.solid_family(scene(), RANGE)
+
+
+def scene(*more):
+    return load_scene("prototype", [*SCENE, *more])[0]
+
+
+def compare(names, point, family):
+    """Return the distances of family and single answer in units of both bars together."""
+    found = family_values(scene(), family, {k: np.array([v]) for k, v in point.items()}, names)
+    single = solve(
+        scene(*(f"{key}={1e3 * value} mm" for key, value in point.items())), ["solid"], names
+    )
+    apart = {}
+    for name in names:
+        quantity = single.get(name, "solid")
+        assert found[name].value[0].shape == np.shape(quantity.value)
+        bars = found[name].bar[0] + quantity.uncertainty
+        apart[name] = float(np.max(np.abs(found[name].value[0] - quantity.value) / bars))
+        if quantity.classes:
+            assert tuple(found[name].classes[0]) == quantity.classes
+    return apart
+
+
+def test_values_agree_with_single_answers(family):
+    """Both divide the bimorph differently, so they agree within the bars of both."""
+    apart = compare(QUANTITIES, {"bimorph.length": 14.7e-3}, family)
+    assert max(apart.values()) <= 1.0, apart
+
+
+def test_what_is_kept_serves_within_its_range_and_grows_beyond(family):
+    said = []
+    narrow = {"bimorph.length": (13e-3, 15e-3)}
+    again = solid_family.solid_family(scene(), narrow, said.append)
+    assert again.ranges == family.ranges
+    assert not said
+    wider = solid_family.solid_family(scene(), {"bimorph.length": (15e-3, 17e-3)}, said.append)
+    assert wider.ranges == {"bimorph.length": (12e-3, 17e-3)}
+    assert any("grows" in text for text in said)
+
+
+@pytest.mark.parametrize(
+    ("ranges", "words"),
+    [
+        ({"coil.current": (0.1, 0.2)}, "coil.current does not vary within a family"),
+        ({"bimorph.length": (16e-3, 12e-3)}, "begin below where it ends"),
+        ({"bimorph.tab_length": (0.0, 1e-3)}, "the piece tab of the bimorph is 0 mm"),
+    ],
+)
+def test_refusals_name_the_key(ranges, words):
+    with pytest.raises(InputError, match=words):
+        solid_family.solid_family(scene(), ranges)
+
+
+def test_a_point_outside_is_refused(family):
+    with pytest.raises(InputError, match=r"outside the family's range of 0.012 to 0.016"):
+        family_values(scene(), family, {"bimorph.length": np.array([11e-3])}, QUANTITIES[:1])
+
+
+@pytest.mark.heavy
+def test_bars_of_the_bases_cover_what_they_miss(monkeypatch):
+    """200 points of length, width and layer: 95 of 100 within the bases' own part of the bar."""
+    ranges = {
+        "bimorph.length": (14e-3, 40e-3), "bimorph.width": (1.5e-3, 3e-3),
+        "bimorph.piezo_thickness": (0.2e-3, 0.35e-3),
+    }  # fmt: skip
+    for module in (solid, solid_family):
+        monkeypatch.setattr(module, "LEVELS", LEVELS)
+    own = load_scene("j1", ["accuracy=5e-3"])[0]
+    family = solid_family.solid_family(own, ranges)
+    extremes = [{k: v[0] for k, v in ranges.items()}, {k: v[1] for k, v in ranges.items()}]
+    bricks = dividing([with_values(own.device, e) for e in extremes], LEVELS[0])
+    rng = np.random.default_rng(11)
+    points = {key: rng.uniform(*ends, 200) for key, ends in ranges.items()}
+    found = family_modes(
+        family.coarse.members("bending_x", own.device, points), Ends(), 4, open_circuit=False
+    )
+    inside = []
+    for i in range(200):
+        member = with_values(own.device, {key: float(v[i]) for key, v in points.items()})
+        system = assemble_bricks(member, stretched(bricks, member.bimorph), lossy=False)
+        exact = np.array([m.frequency for m in natural_modes(system, Ends(), 4)])
+        # slender members' direct solutions are right to this
+        inside += list(np.abs(found.frequencies[i] - exact) <= found.bars[i] + 2e-7 * exact)
+    assert (found.bars <= 1e-4 * found.frequencies).all()
+    assert np.mean(inside) >= 0.95

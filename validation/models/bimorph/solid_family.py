@@ -1,0 +1,178 @@
+"""The model solid for many bimorphs of one family: values with bars from two reduced families.
+
+A family on the level of bricks that the scene's accuracy asks for, and one on the next coarser
+level.  The bar of a value is what the two levels differ by, as of a single answer, and what the
+bases may miss on both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactgen.fem.bimorph.motions import Motion
+from tactgen.fem.bimorph.reduction.parametric.answers import FamilyModes, family_modes
+from tactgen.fem.bimorph.reduction.parametric.expansion import GROUPS
+from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily, build_family
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.brick_family import LEVELS
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.stretching import piece_lengths
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.values import storable
+from tactgen.validation.models.bimorph.solid import SolidModel, level_for
+from tactgen.validation.scene.scene import Scene
+
+#: Error bound of the bases beside the accuracy that the scene asks for.
+_SHARE = 0.02
+#: A mode of the coarser level this close above the last one wanted may come below it.
+_CLOSE = 1.03
+_MOTIONS: tuple[Motion, ...] = ("bending_x", "bending_y", "torsion", "axial")
+#: What makes a family.
+_MADE_OF = ("tactgen.fem.bimorph.reduction.parametric.family",)
+
+Ranges = Mapping[str, tuple[float, float]]
+
+
+@storable
+@dataclass(frozen=True)
+class SolidFamily:
+    """Two reduced families of one range: on a finer level of bricks, and on a coarser one.
+
+    Attributes
+    ----------
+    fine, coarse : ReducedFamily
+        On the two levels.
+    """
+
+    fine: ReducedFamily
+    coarse: ReducedFamily
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Lowest and highest value of each scene key that varies (SI)."""
+        return self.fine.ranges
+
+    @property
+    def method(self) -> str:
+        """How the error bars come about, for the reader."""
+        return (
+            f"two levels of bricks ({self.fine.unknowns} and {self.coarse.unknowns} unknowns), as "
+            f"of a single answer, and the residual's bound of two reduced bases made of "
+            f"{self.fine.asked} and {self.coarse.asked} bimorphs"
+        )
+
+    def covers(self, ranges: Ranges) -> bool:
+        """Return whether all of a range lies within the family's."""
+        return all(
+            self.ranges[key][0] <= low and high <= self.ranges[key][1]
+            for key, (low, high) in ranges.items()
+        )
+
+
+def solid_family(
+    scene: Scene, ranges: Ranges, announce: Callable[[str], None] = lambda _: None
+) -> SolidFamily:
+    """Return the family of bimorphs of a range of scene keys, from the store if it is there.
+
+    One that is there and reaches less far is built anew, over both ranges.
+
+    Parameters
+    ----------
+    ranges : mapping of str to (float, float)
+        Lowest and highest value of keys such as ``bimorph.length`` or ``piezo.s11`` (SI).
+
+    Raises
+    ------
+    InputError
+        If the model cannot take the scene, a key is none of the bimorph's numbers, or a piece
+        of the bimorph vanishes somewhere in the range.
+    """
+    SolidModel.check(scene)
+    for key, (low, high) in ranges.items():
+        if not is_family_key(scene, key):
+            raise InputError(
+                f"{key} does not vary within a family of the solid; vary numbers of "
+                f"{', '.join(GROUPS)} such as bimorph.length"
+            )
+        if not low < high:
+            raise InputError(f"{key} runs from {low:g} to {high:g}; begin below where it ends")
+    wanted = {key: (float(low), float(high)) for key, (low, high) in ranges.items()}
+    piece_lengths(
+        scene.device.bimorph,
+        {key.partition(".")[2]: ends for key, ends in wanted.items() if key.startswith("bimorph.")},
+    )
+    level = level_for(scene)
+    rest = scene.model_dump(mode="json", include=set(GROUPS))
+    for key in wanted:
+        group, _, name = key.partition(".")
+        rest[group].pop(name)
+
+    def serves(found: SolidFamily) -> bool:
+        if found.covers(wanted):
+            return True
+        for key, (low, high) in found.ranges.items():
+            wanted[key] = (min(low, wanted[key][0]), max(high, wanted[key][1]))
+        announce("solid family: beyond the range that is kept, which grows")
+        return False
+
+    tolerance = _SHARE * scene.accuracy
+
+    def work() -> SolidFamily:
+        device = scene.device
+        every = dict.fromkeys(_MOTIONS, scene.modes)
+        coarse = build_family(
+            device, wanted, LEVELS[level - 1], every, tolerance=tolerance, announce=announce
+        )
+        counts = _needed(coarse, scene, scene.modes)
+        fine = build_family(
+            device, wanted, LEVELS[level], counts, tolerance=tolerance, announce=announce
+        )
+        return SolidFamily(fine, coarse)
+
+    return kept(
+        "solid.family",
+        (rest, sorted(wanted), level, scene.modes, tolerance),
+        _MADE_OF,
+        work,
+        serves=serves,
+        announce=announce,
+    )
+
+
+def is_family_key(scene: Scene, key: str) -> bool:
+    """Return whether a scene key may vary within a family: a number that the bricks read."""
+    group, _, name = key.partition(".")
+    if group not in GROUPS or name not in type(getattr(scene, group)).model_fields:
+        return False
+    value = getattr(getattr(scene, group), name)
+    return isinstance(value, float) and not (group == "glue" and name == "thickness")
+
+
+def _needed(coarse: ReducedFamily, scene: Scene, count: int) -> dict[Motion, int]:
+    """Return the classes of motion, and how many modes of each, that any member needs.
+
+    A load and an open circuit raise a mode of bending in x past one other at most each.
+    """
+    rng = np.random.default_rng(3)
+    values = {key: rng.uniform(*ends, 64) for key, ends in coarse.ranges.items()}
+    found: dict[Motion, FamilyModes] = {
+        motion: family_modes(
+            coarse.members(motion, scene.device, values), Ends(), count + 2, open_circuit=False
+        )
+        for motion in _MOTIONS
+    }
+    bending = found["bending_x"].frequencies[:, 2 : count + 2]
+    others = {motion: modes.frequencies[:, :count] for motion, modes in found.items()}
+    others.pop("bending_x")
+    together: Floats = np.sort(np.concatenate([bending, *others.values()], axis=1), axis=1)
+    reach = _CLOSE * np.maximum(together[:, count - 1], bending[:, 0])
+    few = {
+        motion: int((frequencies <= reach[:, None]).sum(axis=1).max())
+        for motion, frequencies in others.items()
+    }
+    needed: dict[Motion, int] = {"bending_x": count}
+    return needed | {motion: n for motion, n in few.items() if n}
