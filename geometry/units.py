@@ -295,7 +295,7 @@ RelativePermittivity = _quantity(
 RelativePermeability = _quantity(
     Unit("", "relative permeability", "1000", at_least=1.0, limits=(1.0, 1e7))
 )
-Turns = _quantity(Unit("", "number of turns", "849", at_least=1.0, limits=(1.0, 1e6)))
+Turns = _quantity(Unit("", "number of turns", "560", at_least=1.0, limits=(1.0, 1e6)))
 QualityFactor = _quantity(Unit("", "quality factor", "60", above=0.0, limits=(0.1, 1e9)))
 LossTangent = _quantity(Unit("", "loss tangent", "0.03", at_least=0.0, limits=(1e-12, 10.0)))
 PoissonRatio = _quantity(Unit("", "Poisson ratio", "0.3", above=-1.0, below=0.5))

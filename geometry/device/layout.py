@@ -122,6 +122,17 @@ def rod_base(device: Device) -> float:
     return float(_rod_datum(device) - device.rod.length)
 
 
+def total_height(device: Device) -> float:
+    """Return the height from the bimorph's tip to the lowest end of rod and sleeve (m)."""
+    return float(device.ceramic_base + device.bimorph.length + below_head(device))
+
+
+def below_head(device: Device) -> float:
+    """Return the height from the rod's top face down to the lowest end of rod and sleeve (m)."""
+    sleeve = device.rod.head_thickness + device.gap + device.sleeve.length
+    return float(max(sleeve, -rod_base(device)))
+
+
 def _rod_datum(device: Device) -> float:
     """Return the height from which rod-fixed axial positions are measured downward (m).
 

@@ -105,7 +105,10 @@ def circuit(device: Device, gaps: Floats, refinements: Refinements, cells: int =
     rungs = np.concatenate([[True], between])
     top = 1.0 / gap.permeance[:, None]
     area, length, d_length, cell = _iron(device, gaps, path)
-    coil = path.in_coil * device.coil.turns / device.coil.length
+    density = device.coil.turns / device.coil.length
+    coil = path.in_coil * density
+    above, d_above = _coil_above_sleeve(device, gaps)
+    last = np.eye(int(group[-1]) + 1)[-1]
     return Ladder(
         curve=_curve(device, refinements),
         area=area,
@@ -116,8 +119,8 @@ def circuit(device: Device, gaps: Floats, refinements: Refinements, cells: int =
         d_reluctance=np.concatenate(
             [(-d_permeance * reluctance**2)[:, rungs], -gap.d_permeance[:, None] * top**2], axis=1
         ),
-        turns=_grouped(coil * path.length, group),
-        d_turns=_grouped(coil * path.d_length, group),
+        turns=_grouped(coil * path.length, group) + density * above[:, None] * last,
+        d_turns=_grouped(coil * path.d_length, group) + density * d_above[:, None] * last,
     )
 
 
@@ -130,13 +133,17 @@ def _path(device: Device, gaps: Floats, cells: int, *, parasitic_gap: bool) -> _
     rod, coil, sleeve = device.rod, device.coil, device.sleeve
     top = gaps - NOMINAL_GAP
     collar = top + sleeve.collar_thickness
+    fixed, moving = np.zeros_like(gaps), np.ones_like(gaps)
+
+    def below_top(position: float) -> tuple[Floats, Floats]:
+        return np.maximum(position, top), np.where(position < top, moving, fixed)
+
     _check_path(device, gaps, collar, top)
     lowest = np.minimum(rod.flange_position + rod.flange_thickness, top + sleeve.length)
-    fixed, moving = np.zeros_like(gaps), np.ones_like(gaps)
     ends = {
         "flange": (np.full_like(gaps, rod.flange_position), fixed),
-        "coil_bottom": (np.full_like(gaps, coil.position + coil.length), fixed),
-        "coil_top": (np.full_like(gaps, coil.position), fixed),
+        "coil_bottom": below_top(coil.position + coil.length),
+        "coil_top": below_top(coil.position),
         "collar": (collar, moving),
         "top": (top, moving),
     }
@@ -163,17 +170,11 @@ def _path(device: Device, gaps: Floats, cells: int, *, parasitic_gap: bool) -> _
 
 def _check_path(device: Device, gaps: Floats, collar: Floats, top: Floats) -> None:
     """Refuse gaps at which the parts, moved, no longer form this circuit."""
-    rod, coil, sleeve = device.rod, device.coil, device.sleeve
+    rod, sleeve = device.rod, device.sleeve
     check_gap(device, float(gaps.max()))
-    above = (
-        "lifts the coil so that its top is above the sleeve's top with coil.position = "
-        f"{coil.position * 1e3:g} mm, which the network does not know; use a smaller gap, a coil "
-        "further down, or the model axisymmetric"
-    )
     for wrong, words in (
         (gaps <= 0.0, "leaves no gap; use a positive one"),
         (collar >= rod.flange_position, "brings the flange to the collar; use a smaller one"),
-        (top > coil.position + 1e-12, above),
         (top + sleeve.length <= rod.flange_position, "lifts the flange below the sleeve's end"),
     ):
         if wrong.any():
@@ -181,9 +182,18 @@ def _check_path(device: Device, gaps: Floats, collar: Floats, top: Floats) -> No
             raise InputError(f"gap = {gap * 1e3:g} mm {words}")
 
 
+def _coil_above_sleeve(device: Device, gaps: Floats) -> tuple[Floats, Floats]:
+    """Return the length of coil above the sleeve (m,) and its slope; its turns link the gap."""
+    coil = device.coil
+    top = gaps - NOMINAL_GAP
+    length = np.clip(top - coil.position, 0.0, coil.length)
+    return length, ((length > 0.0) & (length < coil.length)).astype(float)
+
+
 def widest_circuit(device: Device) -> float:
-    """Return the widest gap (m) at which the parts form this circuit: the coil's top is level."""
-    return float(NOMINAL_GAP + device.coil.position)
+    """Return the widest gap (m) at which the parts form this circuit: the flange at the collar."""
+    rod, sleeve = device.rod, device.sleeve
+    return float(NOMINAL_GAP + rod.flange_position - sleeve.collar_thickness)
 
 
 def _rung_permeance(

@@ -9,6 +9,7 @@ import numpy as np
 
 from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.layout import total_height
 from tactgen.geometry.device.parameters import Device, Steel
 from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.reluctance.team20 import MEASURED_FORCE
@@ -17,10 +18,16 @@ from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples, closed_loo
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import spring_force
-from tactgen.validation.checks.cases.magnetics import coaxial_coils, infinite_solenoid, square_law
+from tactgen.validation.checks.cases.magnetics import (
+    coaxial_coils,
+    collared_actuator,
+    infinite_solenoid,
+    square_law,
+)
 from tactgen.validation.checks.cases.magnetics.long_conductors import conductors
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential, ball_error
 from tactgen.validation.checks.cases.magnetics.team20 import PoleForce, pole_forces
+from tactgen.validation.scene.scene import load_scene
 
 #: Currents (A) and gaps (m) of the device at which force and flux linkage are compared: the
 #: paper's point, half closed with less current, nearly closed, and beyond both in saturation.
@@ -176,6 +183,22 @@ def network_over_field_straight_iron() -> float:
 def network_over_field_linkage(state: int) -> float:
     """Flux linkage of the network over the field's."""
     return float(_network(state).flux_linkage[0, 0]) / _point(state).flux_linkage
+
+
+def collared_force(current: float) -> float:
+    """Pull of the actuator with a collar (N)."""
+    return collared_actuator.field(current).force
+
+
+def collared_linkage(current: float) -> float:
+    """Flux linkage per turn of the same (Wb)."""
+    found = collared_actuator.field(current)
+    return float(found.flux_linkage / collared_actuator.COLLARED.coil.turns)
+
+
+def generator_height() -> float:
+    """Height of the built-in generator, from the tip to the sleeve's lower end (m)."""
+    return total_height(load_scene("generator")[0].device)
 
 
 def paper_force() -> float:

@@ -1,4 +1,9 @@
-"""The normal actuator: moving iron, coil, sleeve and steel."""
+"""The normal actuator: moving iron, coil, sleeve and steel.
+
+Reconstructed: the paper gives the outer diameter, the gap, the force, three currents and the
+total height.  The other sizes are those that meet these with the least heat in the coil, found by
+:mod:`validation.studies.reconstruction`; none of them is known.
+"""
 
 from __future__ import annotations
 
@@ -23,18 +28,18 @@ NOMINAL_GAP = 0.2e-3
 class Rod(Parameters):
     """The moving iron: shaft, head (the pole above the gap), flange, slot for the tab."""
 
-    radius: u.SmallLength = field(0.62e-3, RECONSTRUCTED, "shaft radius")
+    radius: u.SmallLength = field(0.64e-3, RECONSTRUCTED, "shaft radius")
     head_radius: u.SmallLength = printed(
         1.15e-3, PAPER_5, "head radius (outer diameter 2.3 mm)", 0.025e-3
     )
     head_thickness: u.SmallLength = field(0.5e-3, RECONSTRUCTED, "head thickness")
     flange_radius: u.SmallLength = field(0.91e-3, RECONSTRUCTED, "flange radius")
-    flange_thickness: u.SmallLength = field(0.9e-3, RECONSTRUCTED, "flange thickness")
+    flange_thickness: u.SmallLength = field(3.0e-3, RECONSTRUCTED, "flange thickness")
     flange_position: u.Position = field(
-        2.4e-3, RECONSTRUCTED, "flange's top below the sleeve's top at the 200 um gap"
+        1.7e-3, RECONSTRUCTED, "flange's top below the sleeve's top at the 200 um gap"
     )
     length: u.SmallLength = field(
-        3.3e-3, RECONSTRUCTED, "shaft's end below the sleeve's top at the 200 um gap"
+        4.7e-3, RECONSTRUCTED, "shaft's end below the sleeve's top at the 200 um gap"
     )
     slot_depth: u.SmallLength = field(
         0.45e-3,
@@ -56,17 +61,17 @@ class Rod(Parameters):
 class Coil(Parameters):
     """The winding on the rod's shaft."""
 
-    inner_radius: u.SmallLength = field(0.62e-3, RECONSTRUCTED, "inner radius")
-    outer_radius: u.SmallLength = field(0.88e-3, RECONSTRUCTED, "outer radius")
-    length: u.SmallLength = field(2.0e-3, RECONSTRUCTED, "axial length")
+    inner_radius: u.SmallLength = field(0.64e-3, RECONSTRUCTED, "inner radius")
+    outer_radius: u.SmallLength = field(0.9e-3, RECONSTRUCTED, "outer radius")
+    length: u.SmallLength = field(1.6e-3, RECONSTRUCTED, "axial length")
     position: u.Position = field(
-        0.3e-3, RECONSTRUCTED, "coil's top below the sleeve's top at the 200 um gap"
+        0.06e-3, RECONSTRUCTED, "coil's top below the sleeve's top at the 200 um gap"
     )
     turns: u.Turns = field(
-        849.0,
+        560.0,
         "assumed: gives the paper's 110 mN (section 5.1) at its 130 mA",
         "number of turns",
-        (764.0, 934.0, "assumed: a reconstruction, a tenth either way"),
+        (504.0, 616.0, "assumed: a reconstruction, a tenth either way"),
     )
     current: u.Current = field(130e-3, PAPER_5, "direct current in the winding")
     history: Literal["rising", "falling"] = field(
@@ -110,14 +115,22 @@ class Coil(Parameters):
 
 
 class Sleeve(Parameters):
-    """The fixed iron around the coil, its collar at the upper end."""
+    """The fixed iron around the coil, the return spring's housing below the rod.
+
+    A collar at the upper end may reach inwards; as reconstructed there is none, so that the rod
+    with its coil goes in from above.
+    """
 
     inner_radius: u.SmallLength = field(0.96e-3, RECONSTRUCTED, "bore radius")
     outer_radius: u.SmallLength = printed(
         1.15e-3, PAPER_5, "outer radius (outer diameter 2.3 mm)", 0.025e-3
     )
-    length: u.SmallLength = field(3.6e-3, RECONSTRUCTED, "axial length")
-    collar_radius: u.SmallLength = field(0.9e-3, RECONSTRUCTED, "bore radius of the collar")
+    length: u.SmallLength = field(
+        18.7e-3, RECONSTRUCTED, "axial length, the housing of the return spring included"
+    )
+    collar_radius: u.SmallLength = field(
+        0.96e-3, RECONSTRUCTED, "bore radius of the collar; the bore's own: no collar"
+    )
     collar_thickness: u.SmallLength = field(0.2e-3, RECONSTRUCTED, "axial length of the collar")
 
 

@@ -17,13 +17,13 @@ from tactgen.fem.reluctance.three_d.force import eggshell_force, harmonic_weight
 from tactgen.fem.reluctance.three_d.problem import sample
 from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
 from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
-from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.quadratic import jacobian_coefficients
 from tactgen.geometry.reluctance.sector_tets import Sector, sector_mesh
 from tactgen.geometry.reluctance.tets import ActuatorMeshing
+from tactgen.validation.checks.cases.magnetics.collared_actuator import COLLARED
 
-DEVICE = Device()
+DEVICE = COLLARED
 GAP, CURRENT = 0.2e-3, 0.13
 TURNS = DEVICE.coil.turns
 COARSEST, COARSE = Sector(refinement=0.5), Sector(refinement=0.7)

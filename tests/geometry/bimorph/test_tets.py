@@ -163,7 +163,7 @@ def test_coil_is_curved_and_its_middle_nodes_lie_on_the_cylinders(coil):
     radius = np.hypot(coil.points[:, 0], coil.points[:, 1])
     vertices = np.zeros(len(coil.points), dtype=bool)
     vertices[coil.cells[:, :4]] = True
-    for r in (0.62e-3, 0.88e-3):
+    for r in (GENERATOR.coil.inner_radius, GENERATOR.coil.outer_radius):
         on = np.abs(radius - r) < 1e-12
         assert (on & vertices).any()
         assert (on & ~vertices).any()

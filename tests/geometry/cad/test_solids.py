@@ -160,7 +160,7 @@ def test_glb_file_is_valid_named_and_in_metres(tmp_path):
     assert len(content["materials"]) == len(solids)
     corners = [a for a in content["accessors"] if len(a.get("max", ())) == 3]
     height = max(a["max"][1] for a in corners) - min(a["min"][1] for a in corners)
-    assert height == pytest.approx(20e-3 + 4.3e-3, rel=1e-6)  # from the sleeve's end to the tip
+    assert height == pytest.approx(20e-3 + 19.4e-3, rel=1e-6)  # from the sleeve's end to the tip
 
 
 @pytest.mark.parametrize(
@@ -173,10 +173,10 @@ def test_glb_file_is_valid_named_and_in_metres(tmp_path):
         (
             (
                 GENERATOR.model_copy(
-                    update={"sleeve": Sleeve(collar_thickness=5e-3)},
+                    update={"sleeve": Sleeve(collar_thickness=20e-3)},
                 ),
             ),
-            "sleeve.collar_thickness = 5 mm",
+            "sleeve.collar_thickness = 20 mm",
         ),
     ],
 )

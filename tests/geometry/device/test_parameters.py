@@ -82,6 +82,8 @@ def test_derived_lengths():
 
 
 ROD = p.Support(kind="rod")
+#: With a collar that the flange does not pass, nor the coil reaches.
+COLLAR = p.Sleeve(collar_radius=0.905e-3)
 
 
 def with_tab(**bimorph):
@@ -104,17 +106,20 @@ def with_tab(**bimorph):
             ROD, ("glue.thickness", "thinner"),
         ),
         (p.Device(coil=p.Coil(outer_radius=1e-3)), p.Support(), ("coil.outer_radius", "sleeve")),
-        (p.Device(coil=p.Coil(inner_radius=0.5e-3)), p.Support(), ("rod.radius = 0.62 mm",)),
+        (p.Device(coil=p.Coil(inner_radius=0.5e-3)), p.Support(), ("rod.radius = 0.64 mm",)),
         (p.Device(sleeve=p.Sleeve(outer_radius=0.9e-3)), p.Support(), ("sleeve.outer_radius",)),
         (p.Device(rod=p.Rod(flange_radius=0.96e-3)), p.Support(), ("rod.flange_radius",)),
-        (p.Device(rod=p.Rod(length=3.2e-3)), p.Support(), ("rod.length = 3.2 mm", "longer")),
+        (p.Device(rod=p.Rod(length=4.6e-3)), p.Support(), ("rod.length = 4.6 mm", "longer")),
         (p.Device(coil=p.Coil(length=2.2e-3)), p.Support(), ("runs into the flange", "shorten")),
         (
             p.Device(coil=p.Coil(position=-1e-3)), p.Support(),
             ("coil.position = -1 mm", "rod's head", "move the coil down"),
         ),
-        (p.Device(gap=2.4e-3), p.Support(), ("gap = 2.4 mm", "pass the collar", "at a gap of 2.4")),
-        (p.Device(gap=5e-3), p.Support(), ("gap = 5 mm", "pass the collar")),
+        (
+            p.Device(gap=1.75e-3, sleeve=COLLAR), p.Support(),
+            ("gap = 1.75 mm", "pass the collar", "at a gap of 1.7"),
+        ),
+        (p.Device(gap=5e-3, sleeve=COLLAR), p.Support(), ("gap = 5 mm", "pass the collar")),
     ],
 )  # fmt: skip
 def test_parts_that_do_not_fit_are_refused(device, support, words):
@@ -147,5 +152,5 @@ def test_pieces_from_base_to_tip():
     # the glued part of the tab lies beside the head, the free part above it
     assert on_rod[3].length == pytest.approx(device.rod.slot_depth - device.glue.thickness)
     assert on_rod[4].length == pytest.approx(device.ceramic_base)
-    longer = p.Device(bimorph=with_tab(), rod=p.Rod(length=4e-3))
+    longer = p.Device(bimorph=with_tab(), rod=p.Rod(length=5.4e-3))
     assert beam_pieces(longer, ROD)[0].length == pytest.approx(0.7e-3)

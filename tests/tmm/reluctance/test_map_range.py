@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.device.parameters import Coil, Device, Sleeve, Spring
+from tactgen.geometry.device.parameters import Coil, Device, Spring
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.network import network_samples
+from tactgen.validation.checks.cases.magnetics.collared_actuator import collared
 
 
 def device(current=0.13, **spring):
@@ -49,9 +50,9 @@ def test_the_current_does_not_move_the_switching_range():
     ("gap", "sleeve", "limit"),
     [
         (0.2e-3, {}, 0.25e-3),
-        # the network's coil is level with the sleeve's top at 0.5 mm
-        (0.45e-3, {}, 0.475e-3),
-        # where the network ends only the flange counts, which meets the collar at 2.4 mm
+        # the coil's top is level with the sleeve's at 0.5 mm, which is no limit
+        (0.45e-3, {}, 0.5625e-3),
+        # the flange meets the collar at 2.4 mm
         (2.2e-3, {}, 2.3e-3),
         # the coil, as wide as the collar's bore, meets its lower face at 0.3 mm
         (0.28e-3, {"collar_radius": 0.87e-3}, 0.29e-3),
@@ -60,7 +61,7 @@ def test_the_current_does_not_move_the_switching_range():
 def test_gaps_stay_where_a_model_can_go(gap, sleeve, limit):
     """From a fifth below the lower stop to a quarter beyond the upper, or half the way to where
     parts meet."""
-    built = Device(gap=gap, sleeve=Sleeve(**sleeve))
+    built = collared(sleeve=sleeve).model_copy(update={"gap": gap})
     _, gaps = map_grid(built)
     assert gaps[0] == pytest.approx(0.8 * built.spring.stop_gap, rel=1e-9)
     assert gaps[-1] == pytest.approx(limit, rel=1e-9)
@@ -69,13 +70,12 @@ def test_gaps_stay_where_a_model_can_go(gap, sleeve, limit):
 @pytest.mark.parametrize(
     ("built", "needed"),
     [
-        # the network takes no coil above the sleeve's top, nor a flange above the collar
-        (Device(coil=Coil(position=-0.2e-3)), 0.105),
-        (Device(coil=Coil(position=-0.1e-3)), 0.105),
-        (Device(gap=5e-3, sleeve=Sleeve(collar_radius=0.95e-3)), 0.5),
+        (collared(coil={"position": -0.2e-3}), 0.105),
+        # the network takes no flange above the collar
+        (collared(sleeve={"collar_radius": 0.95e-3}).model_copy(update={"gap": 5e-3}), 0.5),
     ],
 )
-def test_fields_go_where_the_network_does_not(built, needed):
+def test_unusual_coils_and_gaps_have_a_range(built, needed):
     """A range by the one-gap formula: about the network's, here of the coil in its usual place."""
     currents, gaps = map_grid(built)
     assert needed < currents[-1] < 40.0 * needed

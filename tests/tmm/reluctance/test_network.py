@@ -6,15 +6,17 @@ from functools import partial
 import numpy as np
 import pytest
 
-from tactgen.geometry.device.parameters import Coil, Device, Rod, Sleeve, Steel
+from tactgen.geometry.device.groups.normal import NOMINAL_GAP
+from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.circuit import FULL, ONE_GAP, Refinements
 from tactgen.tmm.reluctance.coenergy.map import closed_loop_work
 from tactgen.tmm.reluctance.gap_permeance import pole_area, straight, with_fringing
 from tactgen.tmm.reluctance.network import network_bridge, network_samples, textbook_force
+from tactgen.validation.checks.cases.magnetics.collared_actuator import COLLARED, collared
 
-DEVICE = Device()
+DEVICE = COLLARED
 CURRENTS = np.array([0.0, 1e-3, 0.02, 0.13, 1.0])
 GAPS = np.array([0.01e-3, 0.05e-3, 0.2e-3, 0.27e-3, 0.4e-3])
 SWITCHED = [
@@ -49,7 +51,7 @@ def test_parasitic_gap_in_series():
 
 def test_short_flange_overlap_moves_with_the_gap():
     """A flange that reaches out of the sleeve overlaps less as the gap closes, and is pushed."""
-    device = Device(sleeve=Sleeve(length=3.0e-3))
+    device = collared(sleeve={"length": 3.0e-3})
     bare = replace(ONE_GAP, parasitic_gap=True)
     found = network_samples(device, np.array([0.1]), GAPS, bare)
     per_length = 2.0 * np.pi * MU0 / np.log(0.96 / 0.91)
@@ -65,7 +67,7 @@ def test_very_permeable_iron_is_perfect():
     perfect = network_samples(DEVICE, CURRENTS[1:], GAPS, Refinements("perfect"))
     misses = []
     for permeability in (1e5, 1e6):
-        device = Device(steel=Steel(curve="linear", relative_permeability=permeability))
+        device = collared(steel={"curve": "linear", "relative_permeability": permeability})
         found = network_samples(device, CURRENTS[1:], GAPS)
         misses.append(np.abs(found.force / perfect.force - 1.0).max())
     assert misses[0] < 5e-2  # 10 mm of iron over 1e5 beside some 50 um of gaps
@@ -84,6 +86,27 @@ def test_force_and_flux_linkage_are_derivatives(refinements):
     up, down = sample(CURRENTS[1:] * (1 + di), GAPS), sample(CURRENTS[1:] * (1 - di), GAPS)
     linkage = (up.coenergy - down.coenergy) / (2.0 * di * CURRENTS[1:, None])
     np.testing.assert_allclose(linkage, found.flux_linkage[1:], rtol=1e-7)
+
+
+@pytest.mark.parametrize("refinements", [FULL, ONE_GAP, Refinements("linear")])
+@pytest.mark.parametrize("device", [Device(), DEVICE], ids=["built in", "collared"])
+def test_a_coil_that_leaves_the_sleeve_keeps_one_coenergy(device, refinements):
+    """Where the coil's top, or all of it, is above the sleeve, F = −∂W'/∂g and λ = ∂W'/∂i hold,
+    and nothing jumps on the way; all turns above the sleeve still link the gap."""
+    coil = device.coil
+    level = NOMINAL_GAP + coil.position
+    gaps = level + np.array([0.0, 0.01e-3, 0.1e-3])
+    i, h = np.array([0.13]), 1e-9
+
+    def at(gap, current=i):
+        return network_samples(device, current, gap, refinements)
+
+    force = -(at(gaps[1:] + h).coenergy - at(gaps[1:] - h).coenergy) / (2.0 * h)
+    np.testing.assert_allclose(force, at(gaps[1:]).force, rtol=1e-5)  # as above
+    linkage = (at(gaps, i * (1 + 1e-5)).coenergy - at(gaps, i * (1 - 1e-5)).coenergy) / (2e-5 * i)
+    np.testing.assert_allclose(linkage, at(gaps).flux_linkage, rtol=1e-7)
+    below, above = (at(np.array([level + s * h])).flux_linkage for s in (-1, 1))
+    assert above == pytest.approx(below, rel=1e-4)  # 1 nm of 200 um
 
 
 @pytest.mark.parametrize("refinements", [FULL, Refinements("linear"), Refinements(fringing=False)])
@@ -183,11 +206,11 @@ def test_fringing_fades_as_the_gap_closes():
 def test_covered_part_of_the_bore():
     """The head takes all of the collar's bore through a small gap to a distant shaft, none
     through a large gap beside a near one."""
-    collar = Sleeve().collar_thickness
+    collar = DEVICE.sleeve.collar_thickness
     # 10 um to the head beside 10 um, or 300 um, to the shaft
-    far = Device(rod=Rod(radius=0.1e-3), sleeve=Sleeve(collar_thickness=20e-6))
+    far = collared(rod={"radius": 0.1e-3}, sleeve={"collar_thickness": 20e-6})
     assert with_fringing(far, np.array([1e-6])).covered[0] == pytest.approx(20e-6, rel=1e-2)
-    near = Device(rod=Rod(radius=0.895e-3))
+    near = collared(rod={"radius": 0.895e-3})
     assert with_fringing(near, np.array([1e-3])).covered[0] < 1e-3 * collar
 
 
@@ -195,24 +218,22 @@ def test_covered_part_of_the_bore():
     ("device", "gap", "words"),
     [
         (DEVICE, 0.0, "gap = 0 mm leaves no gap"),
-        (DEVICE, 0.6e-3, "gap = 0.6 mm lifts the coil .* or the model axisymmetric"),
-        (Device(rod=Rod(head_radius=0.8e-3)), 0.2e-3, "rod.head_radius = 0.8 mm"),
-        (Device(sleeve=Sleeve(collar_radius=0.6e-3)), 0.2e-3, "sleeve.collar_radius = 0.6 mm"),
-        (Device(sleeve=Sleeve(length=2.3e-3)), 0.2e-3, "gap = 0.2 mm lifts the flange"),
+        (collared(rod={"head_radius": 0.8e-3}), 0.2e-3, "rod.head_radius = 0.8 mm"),
+        (collared(sleeve={"collar_radius": 0.6e-3}), 0.2e-3, "sleeve.collar_radius = 0.6 mm"),
+        (collared(sleeve={"length": 2.3e-3}), 0.2e-3, "gap = 0.2 mm lifts the flange"),
         (
-            Device(sleeve=Sleeve(collar_thickness=2.5e-3), coil=Coil(length=0.1e-3)),
+            collared(sleeve={"collar_thickness": 2.5e-3}, coil={"length": 0.1e-3}),
             0.2e-3,
             "gap = 0.2 mm needs the flange .* to pass the collar",
         ),
         (
-            Device(
-                sleeve=Sleeve(collar_thickness=2.5e-3, collar_radius=0.95e-3),
-                coil=Coil(length=0.1e-3),
+            collared(
+                sleeve={"collar_thickness": 2.5e-3, "collar_radius": 0.95e-3},
+                coil={"length": 0.1e-3},
             ),
             0.2e-3,
             "gap = 0.2 mm brings the flange to the collar",
         ),
-        (Device(coil=Coil(position=-0.1e-3)), 0.2e-3, "with coil.position = -0.1 mm"),
     ],
 )
 def test_impossible_circuits_are_refused(device, gap, words):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tactgen.geometry.device.layout import below_head
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.winding import winding
 from tactgen.tmm.reluctance.coil_heat import thermal_statement
@@ -18,6 +19,7 @@ from tactgen.validation.models.reluctance.model import NetworkModel
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.report.normal_actuator import NormalActuator
 from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.studies.reconstruction import stated
 
 if TYPE_CHECKING:
     from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
@@ -120,7 +122,7 @@ def _characteristics(actuator: NormalActuator) -> Context:
     wound = winding(device.coil)
     heat = {
         "At the scene's current": thermal_statement(device, current),
-        "At the paper's direct current for holding": thermal_statement(device, PAPER_HELD),
+        "At the paper's direct current for holding": thermal_statement(device, stated.HELD),
     }
     if np.isfinite(chosen.holding.value):
         held = thermal_statement(device, chosen.holding.value)
@@ -181,34 +183,31 @@ def _electrical_rows(actuator: NormalActuator, found: SwitchingCurrents) -> list
     return rows
 
 
-#: What the paper says of the normal actuator: gap (m), currents (A), force (N); sections 5.1
-#: and 2, Fig 3.
-PAPER_GAP, PAPER_FORCE = 0.2e-3, 0.11
-PAPER_PULL_IN, PAPER_HELD, PAPER_DRIVEN = 0.13, 0.05, 0.12
-
-
 def _beside_the_paper(actuator: NormalActuator) -> Context | None:
     """Return the model's answers to what the paper states, None outside the map."""
     device, pull = actuator.device, actuator.pull
     low, high = pull.gap_limits
-    if not low <= PAPER_GAP <= high or pull.current_limit < PAPER_PULL_IN:
+    if not low <= stated.GAP <= high or pull.current_limit < stated.PULL_IN:
         return None
-    places = equilibria(device, pull, PAPER_HELD)
+    places = equilibria(device, pull, stated.HELD)
     return {
-        "force": actuator.point_by_reference(PAPER_PULL_IN, PAPER_GAP).force,
-        "driven": actuator.point_by_reference(PAPER_DRIVEN, PAPER_GAP).force,
+        "force": actuator.point_by_reference(stated.PULL_IN, stated.GAP).force,
+        "driven": actuator.point_by_reference(stated.DRIVEN, stated.GAP).force,
         "model": actuator.reference,
         "preload_is_set": device.spring.preload == Device().spring.preload,
         "turns_are_set": actuator.turns_are_set,
         "held": any(place.kind == "lower stop" for place in places),
         "held_up_to": _unstable(places),
         "found": actuator.switching[actuator.pull_model],
+        "height_below_tip": stated.TOTAL_HEIGHT - below_head(device),
+        "below_head": below_head(device),
         "stated": {
-            "gap": PAPER_GAP,
-            "force": PAPER_FORCE,
-            "pull_in": PAPER_PULL_IN,
-            "held": PAPER_HELD,
-            "driven": PAPER_DRIVEN,
+            "gap": stated.GAP,
+            "force": stated.FORCE,
+            "pull_in": stated.PULL_IN,
+            "held": stated.HELD,
+            "driven": stated.DRIVEN,
+            "height": stated.TOTAL_HEIGHT,
         },
     }
 
