@@ -36,5 +36,7 @@ assert currents.holding < 0.5 * currents.pull_in
 # around a closed loop of current and gap the map does no net work
 net, side = closed_loop_work(pull.sampled, (0.02, 0.12), (30e-6, 180e-6))
 assert abs(net) < 1e-6 * side
-# the textbook formula leaves out what matters most: the iron
-assert bridge[0].force > 1.5 * bridge[-1].force
+# the textbook formula comes out about right by accident: what it leaves out cancels in part
+changes = {row.step: row.force_change for row in bridge}
+assert changes["fringing beside the pole faces"] > 0.4
+assert changes["saturation"] < -0.1

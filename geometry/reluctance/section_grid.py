@@ -22,6 +22,8 @@ CORNER = 0.2
 WINDING = 0.5
 #: Increase of the cell size per length away from a line; 1 about doubles it from cell to cell.
 GROWTH = 1.0
+#: Cells at the lowest and highest edge: at most this part of the way to the outer wall.
+_TO_WALL = 0.1
 #: A moved grid is good until a cell is this much higher than where it was graded.
 _STRETCH = 2.0
 
@@ -153,6 +155,9 @@ def graded_grid(
         raise ValueError(f"a moving and a fixed edge are level at z = {min(still & carried)} m")
     z_marks = np.array(sorted(still | carried | {-outer_radius, outer_radius}))
     z_sizes = _edge_sizes(z_marks, [(i.heights, i.radii, i) for i in regions]) / refinement
+    # two cells of air at least beyond the iron, however far its last edge is from the others
+    ends = _TO_WALL * np.diff(z_marks)[[0, -1]]
+    z_sizes[[1, -2]] = np.minimum(z_sizes[[1, -2]], ends)
     growth = GROWTH / refinement
     z = graded_lines(z_marks, z_sizes, growth)
     speed = np.array([1.0 if mark in carried else 0.0 for mark in z_marks])
