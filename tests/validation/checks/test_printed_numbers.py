@@ -5,7 +5,7 @@ import pytest
 from tactgen.validation.catalogue import detection
 from tactgen.validation.checks.bimorph import CHECKS
 from tactgen.validation.checks.reluctance import MAGNETIC_CHECKS
-from tactgen.validation.report.sections import reluctance
+from tactgen.validation.studies.reconstruction import stated
 
 #: References of the validation rows, as printed.
 PRINTED = {
@@ -41,6 +41,7 @@ def test_threshold_and_stated_voltages():
 
 def test_states_of_the_normal_actuator():
     """Section 5.1: gap, force and currents in pulling in, holding and driving."""
-    assert (reluctance.PAPER_GAP, reluctance.PAPER_FORCE) == (0.2e-3, 0.11)
-    currents = reluctance.PAPER_PULL_IN, reluctance.PAPER_HELD, reluctance.PAPER_DRIVEN
+    assert (stated.GAP, stated.FORCE) == (0.2e-3, 0.11)
+    currents = stated.PULL_IN, stated.HELD, stated.DRIVEN
     assert currents == (0.13, 0.05, 0.12)
+    assert (stated.OUTER_DIAMETER, stated.TOTAL_HEIGHT) == (2.3e-3, 41e-3)

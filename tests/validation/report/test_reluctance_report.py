@@ -88,7 +88,7 @@ def test_all_that_was_asked_for_is_there(reluctance):
     text = words(reluctance[0])
     for wanted in (
         "pull-in", "drop-out", "holding, at the lower stop", "spring &minus; magnetic pull",
-        "resistance 225.2 Ω", "current density in the wire 424 A/mm&sup2;", "not plausible",
+        "resistance 125.8 Ω", "current density in the wire 350 A/mm&sup2;", "not plausible",
         "electrical time constant", "Force&ndash;gap and force&ndash;current families",
     ):  # fmt: skip
         assert wanted in text, wanted
