@@ -8,9 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from tactgen.geometry.arrays import Floats
 from tactgen.validation.checks.row import Check, Tier
+
+if TYPE_CHECKING:
+    from tactgen.geometry.reluctance.section_grid import Region
+    from tactgen.validation.checks.cases.boxes import Box
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,8 @@ class Case:
         What must hold.
     refinement : Refinement, optional
         How the first row's value converges.
+    setup : callable, optional
+        Gives what is solved, for a drawing: a box, or windings.
     """
 
     id: str
@@ -59,6 +66,7 @@ class Case:
     model: str
     rows: tuple[Check, ...]
     refinement: Refinement | None = None
+    setup: Callable[[], Box | tuple[Region, ...]] | None = None
 
 
 @dataclass(frozen=True)
@@ -93,6 +101,7 @@ def case(
     reason: str = "",
     tier: Tier = "code verification",
     refinement: Refinement | None = None,
+    setup: Callable[[], Box | tuple[Region, ...]] | None = None,
 ) -> Case:
     """Return a case called `name`; answers without a tolerance or reason have the case's."""
     rows = tuple(
@@ -104,4 +113,4 @@ def case(
         )
         for number, answer in enumerate(answers, start=1)
     )  # fmt: skip
-    return Case(name, title, problem, model, rows, refinement)
+    return Case(name, title, problem, model, rows, refinement, setup)

@@ -73,7 +73,11 @@ _STILL, _STILL_SHARE = 0.02, 0.2
 
 def run_check(check: Check) -> Outcome:
     """Measure one row."""
-    measured = float(check.measure())
+    return judged(check, float(check.measure()))
+
+
+def judged(check: Check, measured: float) -> Outcome:
+    """Return what a measured value says about a row."""
     deviation = _deviation(measured, check.reference)
     if abs(deviation) <= check.tolerance:
         status: Status = "pass"

@@ -1,18 +1,34 @@
-"""The suite's own checks run as one job: rows with a verdict, for people and for programs."""
+"""The suite's own checks run as one job: rows with a verdict, for people and for programs.
+
+What a row measures is kept in the store by the code that measures it, so a second run does only
+what changed; a failure is never served, but measured anew.
+"""
 
 from __future__ import annotations
 
 import importlib
+import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal
 
+from tactgen.geometry.store.store import kept
 from tactgen.validation.checks.case import Case
-from tactgen.validation.checks.row import Check, run_check
+from tactgen.validation.checks.row import Check, Outcome, judged
 
 Verdict = Literal["pass", "fail", "explained", "skipped"]
+#: How much is run: the first row of each case, all that are light, or the heavy ones as well.
+Extent = Literal["quick", "light", "heavy"]
 
 _KNOWN = "tactgen.validation.checks.known."
+#: What rows on scenes run without importing it by name.
+_ENGINE = (
+    "tactgen.validation.models",
+    "tactgen.validation.catalogue",
+    "tactgen.fem",
+    "tactgen.tmm",
+)
 
 #: Where the rows or cases of each group are declared; a group is imported when it is asked for.
 GROUPS: dict[str, tuple[str, str]] = {
@@ -27,6 +43,54 @@ GROUPS: dict[str, tuple[str, str]] = {
     "amplitude": ("tactgen.validation.checks.amplitude", "AMPLITUDE_CHECKS"),
     "misprints": (_KNOWN + "misprints", "CASES"),
 }
+
+
+@dataclass(frozen=True)
+class Verified:
+    """A row with what came out; `outcome` and `seconds` are None where it was skipped."""
+
+    group: str
+    case: Case
+    check: Check
+    outcome: Outcome | None
+    seconds: float | None
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict in one word."""
+        if self.outcome is None:
+            return "skipped"
+        explained = self.outcome.status == "differs, explained"
+        return "explained" if explained else self.outcome.status  # type: ignore[return-value]
+
+    @property
+    def test(self) -> str:
+        """The test that runs the same row."""
+        known = ".known." in GROUPS[self.group][0]
+        file = "known/test_known_rows.py" if known else "test_checks.py"
+        return f"tests/validation/checks/{file}::test_row[{self.check.id}]"
+
+    def plain(self) -> dict[str, Any]:
+        """Return the row as plain values; what is not known of a skipped one is None."""
+        check, found = self.check, self.outcome
+        return {
+            "id": check.id,
+            "group": self.group,
+            "case": self.case.id,
+            "tier": check.tier,
+            "requirement": check.requirement,
+            "unit": check.unit,
+            "measured": None if found is None else found.measured,
+            "reference": check.reference,
+            "deviation": None if found is None else found.deviation,
+            "source": check.source,
+            "tolerance": check.tolerance,
+            "reason": check.reason,
+            "verdict": self.verdict,
+            "explained": check.explained,
+            "seconds": self.seconds,
+            "test": self.test,
+        }
 
 
 def group_cases(group: str) -> tuple[Case, ...]:
@@ -54,45 +118,50 @@ def group_rows(group: str) -> tuple[Check, ...]:
 
 
 def verify(
-    groups: Sequence[str], *, heavy: bool, announce: Callable[[str], None]
-) -> list[dict[str, Any]]:
-    """Run the checks of the groups, and the heavy ones among them if asked to.
-
-    Returns
-    -------
-    list of dict
-        One row a check as plain values: id, group, tier, requirement, unit, measured and
-        deviation (null where skipped), reference (a number or [low, high]), source, tolerance,
-        reason, verdict, and what explains a known difference.
-    """
-    rows = []
+    groups: Sequence[str], *, extent: Extent, announce: Callable[[str], None]
+) -> list[Verified]:
+    """Run the checks of the groups, as many of them as `extent` says; the others are skipped."""
+    found = []
     for group in groups:
-        for check in group_rows(group):
-            if check.heavy and not heavy:
-                rows.append(_row(group, check, None, None, "skipped"))
-                continue
-            announce(f"check {check.id}")
-            found = run_check(check)
-            verdict: Verdict = "explained" if found.status == "differs, explained" else found.status
-            rows.append(_row(group, check, found.measured, found.deviation, verdict))
-    return rows
+        for case in group_cases(group):
+            for check in case.rows:
+                wanted = check is case.rows[0] if extent == "quick" else True
+                if not wanted or (check.heavy and extent != "heavy"):
+                    found.append(Verified(group, case, check, None, None))
+                    continue
+                announce(f"check {check.id}")
+                measured, seconds = remembered(
+                    group, "row", check.id, check.measure,
+                    serves=partial(_holds, check),
+                )  # fmt: skip
+                found.append(Verified(group, case, check, judged(check, measured), seconds))
+    return found
 
 
-def _row(
-    group: str, check: Check, measured: float | None, deviation: float | None, verdict: Verdict
-) -> dict[str, Any]:
-    return {
-        "id": check.id,
-        "group": group,
-        "tier": check.tier,
-        "requirement": check.requirement,
-        "unit": check.unit,
-        "measured": measured,
-        "reference": check.reference,
-        "deviation": deviation,
-        "source": check.source,
-        "tolerance": check.tolerance,
-        "reason": check.reason,
-        "verdict": verdict,
-        "explained": check.explained,
-    }
+def _holds(check: Check, measured: float) -> bool:
+    return judged(check, measured).status != "fail"
+
+
+def remembered(
+    group: str,
+    kind: str,
+    name: str,
+    measure: Callable[[], float],
+    *,
+    serves: Callable[[float], bool] = lambda _: True,
+) -> tuple[float, float]:
+    """Return a measured value and the seconds that it took, from the store if the code is the same.
+
+    `name` must tell it from all others of its kind.
+    """
+
+    def work() -> tuple[float, float]:
+        started = time.perf_counter()
+        return float(measure()), time.perf_counter() - started
+
+    module = GROUPS[group][0]
+    code = (module,) if ".known." in module else (module, *_ENGINE)
+    value, seconds = kept(
+        f"check.{kind}", (group, name), code, work, serves=lambda both: serves(both[0])
+    )
+    return value, seconds

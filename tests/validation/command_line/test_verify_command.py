@@ -42,11 +42,11 @@ def test_rows_carry_what_a_reader_needs(few, capsys):
 
 def test_a_failure_is_the_exit_code(monkeypatch, capsys):
     """One row off by more than its tolerance: exit code 1, and the table says which."""
-    wrong = replace(FEW[0], measure=lambda: 2.0 * FEW[0].reference)
+    wrong = replace(FEW[0], id="OFF-1", measure=lambda: 2.0 * FEW[0].reference)
     monkeypatch.setattr(bimorph, "CHECKS", (wrong,))
     code, out, _ = run(capsys, "--only", "bimorph")
     assert code == 1
-    assert "TMM-5     fail" in out
+    assert "OFF-1     fail" in out
     assert out.splitlines()[-1] == "0 pass, 0 explained, 1 fail, 0 skipped"
 
 
@@ -61,5 +61,5 @@ def test_heavy_rows_run_when_asked_for(monkeypatch):
     """Nothing is left out then."""
     monkeypatch.setattr(bimorph, "CHECKS", (replace(FEW[0], heavy=True),))
     said = []
-    (row,) = verification.verify(("bimorph",), heavy=True, announce=said.append)
-    assert (row["verdict"], said) == ("pass", [f"check {FEW[0].id}"])
+    (row,) = verification.verify(("bimorph",), extent="heavy", announce=said.append)
+    assert (row.verdict, said) == ("pass", [f"check {FEW[0].id}"])

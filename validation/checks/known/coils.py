@@ -36,13 +36,17 @@ _WIRE = 1e-3
 
 @cache
 def _loops() -> MagneticField:
-    """Return the field of loops of 0.20 and 0.25 m at a distance of 0.10 m, 1 A each."""
+    """Return their field with 1 A each."""
+    return _solved(_loop_windings(), (1.0, 1.0), 20.0)
+
+
+def _loop_windings() -> tuple[Region, ...]:
+    """Return loops of 0.20 and 0.25 m at a distance of 0.10 m."""
     half = 0.5 * _WIRE
-    loops = tuple(
+    return tuple(
         Region(name, (radius - half, radius + half), (at - half, at + half), turns=1.0, moves=moves)
         for name, radius, at, moves in (("low", 0.20, -0.05, False), ("high", 0.25, 0.05, True))
     )
-    return _solved(loops, (1.0, 1.0), 20.0)
 
 
 _LOOPS = case(
@@ -59,6 +63,7 @@ _LOOPS = case(
         Answer("They attract each other with Maxwell's force.", -1.8509047e-6, "N",
                lambda: virtual_work_force(_loops())),
     ],
+    setup=_loop_windings,
 )  # fmt: skip
 
 # --- thin solenoids ----------------------------------------------------------------------------
@@ -165,11 +170,14 @@ _VM168 = case(
 _SIDE, _TURNS, _RESISTANCE = 20e-3, 500.0, 3.534
 
 
+def _coil() -> tuple[Region, ...]:
+    return (Region("coil", (_SIDE, 2.0 * _SIDE), (-0.5 * _SIDE, 0.5 * _SIDE), turns=_TURNS),)
+
+
 @cache
 def _brooks(order: int = 3) -> float:
     """Return the inductance (H) of VM207's coil: square section, inner radius its side."""
-    coil = Region("coil", (_SIDE, 2.0 * _SIDE), (-0.5 * _SIDE, 0.5 * _SIDE), turns=_TURNS)
-    return float(_solved((coil,), (1.0,), 4.0, order).incremental_inductance[0, 0])
+    return float(_solved(_coil(), (1.0,), 4.0, order).incremental_inductance[0, 0])
 
 
 def _current(frequency: float) -> complex:
@@ -197,6 +205,7 @@ _BROOKS = case(
     refinement=Refinement(
         (1, 2, 3, 4), lambda order: (0, _brooks(order)), "of order 2 p in an energy",
     ),
+    setup=_coil,
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = (_LOOPS, _NAGAOKA, _VM168, _BROOKS)

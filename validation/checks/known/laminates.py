@@ -128,6 +128,7 @@ _CYLINDRICAL = tuple(
             partial(_at_degree, thickness),
             "error of a frequency falls exponentially with the degree",
         ),
+        setup=partial(bending_bimorph, thickness),
     )
     for number, (thickness, short, free) in enumerate(
         (
@@ -154,6 +155,7 @@ _DRIVEN = case(
         Answer("The electric displacement at that crest is exact.", -1.56662847218356e-5, "C/m^2",
                lambda: _driven()[1]),
     ],
+    setup=partial(bending_bimorph, _THIN, volts=1.0),
 )  # fmt: skip
 
 
@@ -171,8 +173,8 @@ def ply(along: str) -> Material:
     return Material(np.linalg.inv(compliance), 1.0)
 
 
-def _pagano(slenderness: float) -> float:
-    """Return 100 E_T h³ w/(q L⁴) of the middle of a 0/90/0 laminate under q sin(π z/L)."""
+def _laminate(slenderness: float) -> Box:
+    """Return half of a 0/90/0 laminate of height 1 under sin(π z/L)."""
     h, length = 1.0, slenderness
 
     def wave(_x: Floats, _y: Floats, z: Floats) -> Floats:
@@ -181,7 +183,7 @@ def _pagano(slenderness: float) -> float:
     parts = tuple(
         (Slab(f"{along}{i}", (i, i + 1), (0, 1)), ply(along)) for i, along in enumerate("zyz")
     )
-    box = Box(
+    return Box(
         x=stacked((h / 3, h / 3, h / 3), 6),
         y=even(1.0, 1, 1),
         z=even(0.5 * length, 1, 7),
@@ -193,11 +195,15 @@ def _pagano(slenderness: float) -> float:
         ),
         loads=(Load(Where(x=h), "x", wave),),
     )
-    middle = 0.5 * h
+
+
+def _pagano(slenderness: float) -> float:
+    """Return 100 E_T h³ w/(q L⁴) of the middle of the laminate."""
+    box = _laminate(slenderness)
     nodes = box.x.nodes
-    at = float(nodes[np.abs(nodes - middle).argmin()])
-    w = statics(box).mean(Where(x=at, z=0.5 * length), "x").real
-    return 100.0 * w * h**3 / length**4
+    at = float(nodes[np.abs(nodes - 0.5).argmin()])
+    w = statics(box).mean(Where(x=at, z=0.5 * slenderness), "x").real
+    return 100.0 * w / slenderness**4
 
 
 _PAGANO = case(
@@ -219,6 +225,7 @@ _PAGANO = case(
             (50.0, 0.526975657629369),
         )
     ],
+    setup=partial(_laminate, 4.0),
 )  # fmt: skip
 
 
@@ -359,6 +366,7 @@ _PVDF = case(
                (1.0 - _PVDF_K2) / (1.0 - 0.75 * _PVDF_K2), "1",
                lambda: pvdf_deflection(0.06, False) / pvdf_deflection(0.06, True)),
     ],
+    setup=partial(pvdf, False),
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = (*_CYLINDRICAL, _DRIVEN, _PAGANO, *_BIMETAL, _PVDF)

@@ -133,6 +133,7 @@ _PLATES = tuple(
         tolerance=1e-8,
         reason=_EXPONENTIAL,
         answers=_plate_answers(*values, shear),
+        setup=partial(_plate, shear),
     )
     for name, words, motion, shear, values in (
         ("TE", "Thickness extension", "poled along its normal, held sideways", False,
@@ -190,6 +191,7 @@ _BARS = tuple(
             Answer("Its parallel resonance is that of the closed form.", parallel, "Hz",
                    partial(_bar_frequency, along, False)),
         ],
+        setup=partial(_bar, along),
     )
     for name, words, along, series, parallel in (
         ("BAR31", "across", False, 140248.0, 147495.0),

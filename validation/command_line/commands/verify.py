@@ -1,13 +1,17 @@
-"""``tactgen verify``: the suite's own checks against known answers."""
+"""``tactgen verify``: the suite's own checks against known answers, and the book of them."""
 
 from __future__ import annotations
 
 import argparse
 import json
 import sys
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tactgen.validation.command_line.commands.common import Commands
+
+if TYPE_CHECKING:
+    from tactgen.validation.checks.verification import Extent, Verified
 
 
 def add(commands: Commands) -> None:
@@ -17,43 +21,52 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser("verify", help="the suite's own checks against known answers")
     only = f"{', '.join(GROUPS)}; may be repeated, all by default"
     parser.add_argument("--only", action="append", metavar="GROUP", help=only)
-    parser.add_argument("--heavy", action="store_true", help="also what takes minutes")
+    extent = parser.add_mutually_exclusive_group()
+    extent.add_argument("--quick", action="store_true", help="only the first row of each case")
+    extent.add_argument("--heavy", action="store_true", help="also what takes minutes")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="write the verification book there")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit code is 1 if a check fails."""
+    from tactgen.geometry.files import writable_folder
     from tactgen.validation.checks.verification import GROUPS, verify
     from tactgen.validation.command_line.plain_values import plain
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.scene.wording import choices
 
     groups = choices(",".join(options.only or GROUPS), tuple(GROUPS), "group", "--only")
+    extent: Extent = "heavy" if options.heavy else "quick" if options.quick else "light"
+    if options.out is not None:
+        writable_folder(options.out)
     with announcer() as announce:
-        rows = verify(groups, heavy=options.heavy, announce=announce)
+        found = verify(groups, extent=extent, announce=announce)
+        if options.out is not None:
+            from tactgen.validation.book.book import write_book
+
+            page = write_book(found, options.out, announce)
+            print(f"{page} written", file=sys.stderr)
     if options.json:
-        json.dump({"rows": plain(rows)}, sys.stdout)
+        json.dump({"rows": plain([row.plain() for row in found])}, sys.stdout)
         print()
     else:
-        _print(rows)
-    return int(any(row["verdict"] == "fail" for row in rows))
+        _print(found)
+    return int(any(row.verdict == "fail" for row in found))
 
 
-def _print(rows: list[dict[str, Any]]) -> None:
+def _print(rows: list[Verified]) -> None:
     from tactgen.validation.view.formats import engineering, percent
 
     print(f"{'id':9} {'verdict':10} {'measured':>14} {'deviation':>12}  requirement")
     for row in rows:
-        known = row["measured"] is not None
-        measured = engineering(row["measured"], row["unit"]) if known else "-"
-        deviation = percent(row["deviation"]) if known else "-"
-        print(
-            f"{row['id']:9} {row['verdict']:10} {measured:>14} {deviation:>12}  "
-            f"{row['requirement']}"
-        )
-        if row["verdict"] == "explained":
-            print(f"{'':20} {row['explained']}")
-    verdicts = [row["verdict"] for row in rows]
+        check, found = row.check, row.outcome
+        measured = "-" if found is None else engineering(found.measured, check.unit)
+        deviation = "-" if found is None else percent(found.deviation)
+        print(f"{check.id:9} {row.verdict:10} {measured:>14} {deviation:>12}  {check.requirement}")
+        if row.verdict == "explained":
+            print(f"{'':20} {check.explained}")
+    verdicts = [row.verdict for row in rows]
     counts = (f"{verdicts.count(v)} {v}" for v in ("pass", "explained", "fail", "skipped"))
     print(", ".join(counts))

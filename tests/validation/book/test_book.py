@@ -1,0 +1,97 @@
+"""The verification book: every row has its page, the matrix leads to it, nothing is run twice."""
+
+import math
+import re
+from dataclasses import replace
+
+import pytest
+
+from tactgen.validation.book.book import SUBJECTS
+from tactgen.validation.book.statistics import scatter
+from tactgen.validation.checks import verification
+from tactgen.validation.checks.known import beams, laminates
+from tactgen.validation.checks.row import judged
+from tactgen.validation.checks.verification import GROUPS, Verified, verify
+from tactgen.validation.command_line.cli import main
+
+FEW = tuple(case for case in beams.CASES if case.id in ("VM34", "SMITS"))
+LAMINATE = tuple(case for case in laminates.CASES if case.id == "CYL1")
+
+
+@pytest.fixture
+def few(monkeypatch):
+    monkeypatch.setattr(beams, "CASES", FEW)
+    monkeypatch.setattr(laminates, "CASES", LAMINATE)
+
+
+def test_every_group_has_a_subject():
+    """A group without a word on what it is about could not be read."""
+    assert list(SUBJECTS) == list(GROUPS)
+
+
+def test_book_is_complete(few, tmp_path, capsys):
+    """A page a case; each row with source, tolerance and reason; no broken link, no address."""
+    assert main(["verify", "--only", "beams", "--only", "laminates", "--out", str(tmp_path)]) == 0
+    assert "index.html written" in capsys.readouterr().err
+    pages = {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()}
+    assert set(pages) == {
+        "index.html", "matrix.html", "beams-vm34.html", "beams-smits.html", "laminates-cyl1.html",
+    }  # fmt: skip
+    for html in pages.values():
+        assert not re.search(r"(?:src|href)=\"(?:http|//)", html)
+        for target in re.findall(r"href=\"([^\"#]+)(?:#([^\"]+))?\"", html):
+            assert target[0] in pages
+            assert not target[1] or f'id="{target[1]}"' in pages[target[0]]
+    smits = pages["beams-smits.html"]
+    for row in FEW[-1].rows:
+        assert row.id in smits
+        assert row.requirement in smits.replace("&#39;", "'")
+        assert row.id in pages["matrix.html"]
+    assert "test_known_rows.py::test_row[SMITS-1]" in pages["matrix.html"]
+    assert pages["laminates-cyl1.html"].count("<svg") == 2  # what is solved, and convergence
+    assert "Of 5 numbers" in pages["index.html"]
+
+
+def test_what_did_not_change_is_not_run_again(few, monkeypatch):
+    """A measured value is kept by the code that measures it; a failure is measured anew."""
+    first = verify(("beams",), extent="light", announce=lambda _: None)
+
+    def refuse():
+        raise AssertionError("measured again")
+
+    still = tuple(
+        replace(case, rows=tuple(replace(row, measure=refuse) for row in case.rows)) for case in FEW
+    )
+    monkeypatch.setattr(beams, "CASES", still)
+    again = verify(("beams",), extent="light", announce=lambda _: None)
+    assert [row.outcome.measured for row in again] == [row.outcome.measured for row in first]
+    wrong = replace(still[0], rows=(replace(still[0].rows[0], reference=1.0),))
+    monkeypatch.setattr(beams, "CASES", (wrong,))
+    with pytest.raises(AssertionError, match="measured again"):
+        verify(("beams",), extent="light", announce=lambda _: None)
+
+
+def test_quick_takes_the_first_row_of_each_case(few):
+    """The others are skipped, and say so."""
+    found = verify(("beams",), extent="quick", announce=lambda _: None)
+    assert [row.check.id for row in found if row.verdict != "skipped"] == ["VM34-1", "SMITS-1"]
+    assert sum(row.verdict == "skipped" for row in found) == 3
+
+
+def test_bias_and_scatter():
+    """Two values e^±s about their references: no bias but the variance's half, scatter √2 s."""
+    row = FEW[0].rows[0]
+    size = 0.01
+    found = [
+        Verified("beams", FEW[0], row, judged(row, row.reference * math.exp(sign * size)), 0.0)
+        for sign in (1, -1)
+    ]
+    got = scatter(found)
+    assert got.spread == pytest.approx(math.sqrt(2.0) * size, rel=1e-12)
+    assert got.bias == pytest.approx(math.exp(size**2), rel=1e-12)
+    assert scatter(found[:1]) is None
+
+
+def test_modules_of_groups_are_there():
+    """Each group names a module and a tuple of rows or cases in it."""
+    assert all(verification.group_rows(group) for group in ("beams", "laminates"))

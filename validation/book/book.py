@@ -1,0 +1,175 @@
+"""Write the verification book: an index, one page a case, and the matrix of requirements."""
+
+from __future__ import annotations
+
+import datetime as dt
+import importlib.metadata
+import platform
+import subprocess
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from importlib import resources
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from tactgen.geometry.files import write_text
+from tactgen.validation.book.figures import convergence, scattered
+from tactgen.validation.book.sketch import sketched
+from tactgen.validation.book.statistics import Scatter, scatter
+from tactgen.validation.checks.case import Case, Refinement
+from tactgen.validation.checks.verification import Verified, remembered
+from tactgen.validation.view.formats import filters
+
+#: What each group is about, for the reader who was not there.
+SUBJECTS = {
+    "beams": "Beams in closed form and from handbooks, by the transfer-matrix and lumped models",
+    "laminates": "Exact laminates in cylindrical bending, bimetal strips, PVDF",
+    "resonators": "Piezoelectric resonators of IEEE Std 176, patch test of a free block",
+    "elastic": "Elastic bodies: cube, plates, torsion, rods",
+    "coils": "Coils in air: inductance, force, field, circuit",
+    "orders": "Observed orders of convergence, each with an absolute bound",
+    "bimorph": "The lateral actuator: exact beam, job J1, models against each other, the paper",
+    "reluctance": "The normal actuator: fields and circuits, TEAM problem 20, the paper",
+    "amplitude": "Large amplitudes: oscillators with known answers, the paper's Figs 8, 14 and 15",
+    "misprints": "Printed targets that are wrong or coarse, with the proof",
+}
+
+
+@dataclass(frozen=True)
+class Page:
+    """One case with its rows and figures."""
+
+    group: str
+    case: Case
+    rows: tuple[Verified, ...]
+    convergence: str = ""
+    sketch: str = ""
+
+    @property
+    def file(self) -> str:
+        """Name of the page."""
+        return f"{self.group}-{self.case.id}.html".lower()
+
+    @property
+    def title(self) -> str:
+        """The case's title, or the requirement of its first row."""
+        return self.case.title or self.rows[0].check.requirement
+
+    @property
+    def verdict(self) -> str:
+        """The worst verdict of its rows."""
+        verdicts = {row.verdict for row in self.rows}
+        return next(v for v in ("fail", "explained", "pass", "skipped") if v in verdicts)
+
+
+def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], None]) -> Path:
+    """Write the book of verified rows into a folder and return its index.
+
+    Raises
+    ------
+    InputError
+        If a page cannot be written.
+    """
+    by_case = groupby(rows, key=lambda row: (row.group, row.case.id))
+    pages = [_page(tuple(of_case), announce) for _, of_case in by_case]
+    scatters = _scatters(rows)
+    common: dict[str, Any] = {
+        "pages": pages,
+        "subjects": SUBJECTS,
+        "scatters": scatters,
+        "scatter_plot": scattered(scatters) if scatters else "",
+        "provenance": _provenance(),
+        "counts": {v: sum(r.verdict == v for r in rows) for v in _VERDICTS},
+    }
+    render = _environment()
+    for page in pages:
+        write_text(out / page.file, render("case.html", page=page, **common))
+    write_text(out / "matrix.html", render("matrix.html", **common))
+    return write_text(out / "index.html", render("index.html", **common))
+
+
+_VERDICTS = ("pass", "explained", "fail", "skipped")
+
+
+def _page(rows: tuple[Verified, ...], announce: Callable[[str], None]) -> Page:
+    group, case = rows[0].group, rows[0].case
+    if case.refinement is None:
+        return Page(group, case, rows, sketch=sketched(case))
+    announce(f"convergence of {case.id}")
+    sizes, errors = _refined(group, case, case.refinement, rows[0].check.reference)
+    tolerance = 0.0 if case.refinement.of_error else rows[0].check.tolerance
+    return Page(group, case, rows, convergence(sizes, errors, tolerance), sketched(case))
+
+
+def _refined(
+    group: str, case: Case, refinement: Refinement, reference: float | tuple[float, float]
+) -> tuple[list[int], list[float]]:
+    """Return unknowns and relative errors of all levels."""
+
+    def part(which: int, level: int) -> float:
+        return float(refinement.solve(level)[which])
+
+    sizes, errors = [], []
+    for level in refinement.levels:
+        size, value = (
+            remembered(group, kind, f"{case.id} {level}", partial(part, which, level))[0]
+            for which, kind in enumerate(("size", "level"))
+        )
+        sizes.append(int(size) or level)
+        known = not refinement.of_error and not isinstance(reference, tuple)
+        errors.append(value / reference - 1.0 if known else value)  # type: ignore[operator]
+    return sizes, errors
+
+
+def _scatters(rows: Sequence[Verified]) -> dict[str, Scatter]:
+    found = {
+        group: scatter(list(of_group)) for group, of_group in groupby(rows, key=lambda r: r.group)
+    }
+    return {group: s for group, s in found.items() if s is not None}
+
+
+def _environment() -> Callable[..., str]:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    folder = resources.files("tactgen.validation.book") / "templates"
+    environment = Environment(
+        loader=FileSystemLoader(str(folder)),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(filters())
+
+    def render(name: str, **values: Any) -> str:
+        return environment.get_template(name).render(**values)
+
+    return render
+
+
+def _provenance() -> dict[str, str]:
+    """Return what made the book: program, commit where there is one, libraries, machine."""
+    versions = {name: importlib.metadata.version(name) for name in ("numpy", "scipy", "scikit-fem")}
+    return {
+        "program": f"tactgen {importlib.metadata.version('tactgen')}",
+        "commit": _commit(),
+        "libraries": ", ".join(f"{name} {version}" for name, version in versions.items()),
+        "Python": platform.python_version(),
+        "machine": f"{platform.system()} {platform.machine()}",
+        "date": dt.datetime.now(dt.UTC).strftime("%Y-%m-%d"),
+    }
+
+
+def _commit() -> str:
+    """Return the commit of the sources, or that there is none."""
+    here = Path(__file__).resolve().parent
+    try:
+        found = subprocess.run(
+            ["git", "-C", str(here), "describe", "--always", "--dirty"],
+            capture_output=True, text=True, timeout=10, check=True,
+        )  # fmt: skip
+    except (OSError, subprocess.SubprocessError):
+        return "installed without its repository"
+    return found.stdout.strip()
