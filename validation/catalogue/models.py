@@ -48,6 +48,9 @@ class ModelRow:
         Stages whose results are kept in the store, since they cost more than reading them.
     loads : tuple of str
         Modules and packages that compute them without being imported by name.
+    families : str
+        Module that answers many scenes of one family together, if there is one: see
+        :mod:`validation.engine.families`.
     """
 
     name: str
@@ -64,6 +67,7 @@ class ModelRow:
     remedy: str = ""
     kept: tuple[str, ...] = ()
     loads: tuple[str, ...] = ()
+    families: str = ""
 
     def reads(self, key: str) -> bool:
         """Return whether some stage reads a scene key."""
@@ -155,6 +159,7 @@ _ROWS = (
         "tactgen.validation.models.bimorph.solid", "SolidModel", theory="solid", rank=5,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
         remedy="raise mesh.level (at most 5) or accept the bar", kept=_SOLID_KEPT,
+        families="tactgen.validation.models.bimorph.family_answers",
     ),
     ModelRow(
         "cad", "3D piezoelectric solid on the CAD solids: fTetWild's tetrahedra in scikit-fem",

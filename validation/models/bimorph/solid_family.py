@@ -149,7 +149,8 @@ def is_family_key(scene: Scene, key: str) -> bool:
     if group not in GROUPS or name not in type(getattr(scene, group)).model_fields:
         return False
     value = getattr(getattr(scene, group), name)
-    return isinstance(value, float) and not (group == "glue" and name == "thickness")
+    # glue.thickness is that of the rod's slot, of which bricks know nothing
+    return isinstance(value, float) and key != "glue.thickness"
 
 
 def _needed(coarse: ReducedFamily, scene: Scene, count: int) -> dict[Motion, int]:

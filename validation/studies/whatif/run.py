@@ -13,6 +13,7 @@ from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.plan import check_models
 from tactgen.validation.scene.scene import checked_scene
 from tactgen.validation.studies.whatif.answers import Answer, Question, question, reason, recall
+from tactgen.validation.studies.whatif.by_family import answers_by_family
 from tactgen.validation.studies.whatif.schedule import schedule
 from tactgen.validation.studies.whatif.statement import Statement
 from tactgen.validation.studies.whatif.workers import Job, work_through
@@ -20,12 +21,16 @@ from tactgen.validation.studies.whatif.workers import Job, work_through
 
 @dataclass(frozen=True)
 class Counts:
-    """How many answers were recalled from the store, computed now, failed, and refused."""
+    """How many answers were recalled from the store, computed now, failed, and refused.
+
+    `together` of those computed come from reduced bases of families.
+    """
 
     recalled: int
     computed: int
     failed: int
     refused: int
+    together: int
 
 
 @dataclass(frozen=True)
@@ -106,7 +111,10 @@ def run_study(
     for (number, model), n in same.items():
         if n not in answers and n not in jobs:
             jobs[n] = Job(n, different[n], _values(statement, points[number], model))
-    answers.update(_all_answers(list(jobs.values()), processes, announce, retry=retry))
+    together = answers_by_family(list(jobs.values()), announce)
+    answers.update(together)
+    rest = [job for n, job in jobs.items() if n not in together]
+    answers.update(_all_answers(rest, processes, announce, retry=retry))
     by_point: list[dict[str, Answer]] = [{} for _ in points]
     for (number, model), given in asked.items():
         by_point[number][model] = (
@@ -117,7 +125,7 @@ def run_study(
         raise InputError(f"none of the {len(points)} points makes a scene: {every[0].reason}")
     counts = Counts(
         old, len(jobs), sum(a.status == "failed" for a in every),
-        sum(a.status == "refused" for a in every),
+        sum(a.status == "refused" for a in every), len(together),
     )  # fmt: skip
     return Study(statement, points, tuple(by_point), counts)
 

@@ -175,8 +175,10 @@ def _show(options: argparse.Namespace, study: Study) -> None:
         print("\n".join(table_lines(study)))
     counts = study.counts
     where = f", written to {options.out}" if options.out else ""
+    together = f" ({counts.together} from a reduced basis)" if counts.together else ""
     print(
-        f"{len(study.points)} points: {counts.computed} answers computed, {counts.recalled} kept "
+        f"{len(study.points)} points: {counts.computed} answers computed{together}, "
+        f"{counts.recalled} kept "
         f"from before, {counts.failed} failed, {counts.refused} refused{where}",
         file=sys.stderr,
     )

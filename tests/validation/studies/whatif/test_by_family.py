@@ -1,0 +1,70 @@
+"""Points of one family: found, answered together, and by what single answers say."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.validation.engine.families import find_families
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.bimorph import solid, solid_family
+from tactgen.validation.scene.scene import load_scene, scene_values
+from tactgen.validation.studies.whatif import answers
+from tactgen.validation.studies.whatif.run import run_study
+from tactgen.validation.studies.whatif.statement import Statement
+
+QUICK = (
+    BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+    BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+)
+MODAL = ("short_circuit_frequencies",)
+
+
+def scenes(*sets):
+    return [load_scene("prototype", ["models=solid", *more])[0] for more in sets]
+
+
+def lengths(count, *more):
+    return [(f"bimorph.length={mm} mm", *more) for mm in np.linspace(14.0, 18.0, count)]
+
+
+def test_families_are_what_differs_in_the_bimorphs_numbers_only():
+    both = scenes(*lengths(10, "load.kind=none"), *lengths(9, "load.kind=finger"))
+    found = find_families("solid", both, MODAL)
+    assert [family.keys for family in found] == [("bimorph.length",)] * 2
+    assert [len(family.numbers) for family in found] == [10, 9]
+    assert "10 points differ in bimorph.length only" in found[0].reason
+
+
+@pytest.mark.parametrize(
+    ("model", "sets", "quantities"),
+    [
+        ("solid", lengths(8), MODAL),  # too few to pay
+        ("tmm", lengths(12), MODAL),  # a model that is quick anyway
+        ("solid", lengths(12), ("tip_displacement",)),  # a response over frequency
+        ("solid", [(f"support.rotational_stiffness={c} N*m/rad",) for c in range(1, 13)], MODAL),
+    ],
+)
+def test_what_is_no_family_is_answered_point_by_point(model, sets, quantities):
+    assert find_families(model, scenes(*sets), quantities) == []
+
+
+def test_a_study_takes_the_reduced_basis_and_says_so(own_store, monkeypatch):
+    for module in (solid, solid_family):
+        monkeypatch.setattr(module, "LEVELS", QUICK)
+    quantities = ("short_circuit_frequencies", "static_tip_displacement")
+    values, _ = scene_values("prototype", ["accuracy=0.1", "modes=1"])
+    stated = Statement("prototype", values, ("bimorph.length=14mm:18mm:9",), ("solid",), quantities)
+    said = []
+    with monkeypatch.context() as alone:
+        alone.setattr(answers, "solve", lambda *_: pytest.fail("a point was solved alone"))
+        study = run_study(stated, 1, said.append)
+    assert any("9 points differ in bimorph.length only" in text for text in said)
+    point, _, answer = list(study.rows)[5]
+    scene, _ = load_scene(
+        "prototype", ["accuracy=0.1", "modes=1", f"bimorph.length={point['bimorph.length']!r} m"]
+    )
+    for single in solve(scene, ("solid",), quantities).quantities:
+        together = next(q for q in answer.quantities if q.name == single.name)
+        assert (together.unit, together.classes) == (single.unit, single.classes)
+        apart = np.abs(together.value - single.value)
+        assert (apart <= together.uncertainty + single.uncertainty).all()
