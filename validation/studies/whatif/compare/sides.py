@@ -16,7 +16,6 @@ from tactgen.validation.studies.whatif.asked.choice import chosen
 from tactgen.validation.studies.whatif.asked.statement import FILE, Statement, read_statement
 from tactgen.validation.studies.whatif.shown import tidy
 
-
 #: Longest list of frequencies that is shown whole.
 _LISTED = 6
 
