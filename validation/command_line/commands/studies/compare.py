@@ -35,6 +35,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the command; a difference is no error, so the exit code is 0."""
     from tactgen.geometry.files import writable_folder
     from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.export.files import scene_solids
     from tactgen.validation.studies.whatif.compare.differences import (
         answer_differences,
         input_differences,
@@ -54,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
         inputs, answers = input_differences(*sides), answer_differences(*sides)
         if out is not None:
             announce("drawing")
-            page = write_page(out, sides, inputs, answers)
+            page = write_page(out, sides, inputs, answers, scene_solids)
     if options.json:
         json.dump(as_values(sides, inputs, answers), sys.stdout, allow_nan=False)
         print()

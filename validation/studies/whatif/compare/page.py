@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import base64
 import html
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.whatif.compare.differences import AnswerDifference, InputDifference
 from tactgen.validation.studies.whatif.compare.sides import Key, Side
 from tactgen.validation.studies.whatif.compare.wording import place, shown
@@ -28,8 +31,9 @@ def write_page(
     sides: tuple[Side, ...],
     inputs: list[InputDifference],
     answers: list[AnswerDifference],
+    solids: Callable[[Scene], dict[str, Any]],
 ) -> Path:
-    """Write the page, whole or not at all."""
+    """Write the page, whole or not at all; `solids` gives the CAD solids of a scene by name."""
     first, second = sides
     parts = [f"<p>A is {html.escape(first.name)}, B is {html.escape(second.name)}.</p>"]
     parts.append("<h2>Input that differs</h2>")
@@ -50,7 +54,7 @@ def write_page(
     picture = _curves(sides)
     if picture:
         parts += ["<h2>Curves</h2>", f"<figure>{picture}</figure>"]
-    parts += _devices(sides, inputs)
+    parts += _devices(sides, inputs, solids)
     title = f"Comparison of {first.name} and {second.name}"
     return write_text(folder / FILE, plain_page(title, parts))
 
@@ -116,16 +120,19 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _devices(sides: tuple[Side, ...], inputs: list[InputDifference]) -> list[str]:
+def _devices(
+    sides: tuple[Side, ...],
+    inputs: list[InputDifference],
+    solids: Callable[[Scene], dict[str, Any]],
+) -> list[str]:
     """Return pictures of both devices, if a dimension of them differs and they can be drawn."""
-    from tactgen.validation.export.files import scene_solids
     from tactgen.validation.view.pictures import solids_picture
 
     shapes = ("bimorph.", "rod.", "coil.", "sleeve.", "support.kind", "gap", "glue.")
     if not any(i.key.startswith(shapes) for i in inputs):
         return []
     try:
-        pictures = [base64.b64encode(solids_picture(scene_solids(s.scene))).decode() for s in sides]
+        pictures = [base64.b64encode(solids_picture(solids(s.scene))).decode() for s in sides]
     except InputError as error:  # profiles have no CAD solids; a library may be missing
         return [f"<p>No picture of the devices: {html.escape(str(error))}</p>"]
     figures = "".join(
