@@ -52,7 +52,10 @@ def varied(scene):
     for key in scene_keys():
         group, _, name = key.rpartition(".")
         owner = getattr(scene, group) if group else scene
-        if key not in ASKED and other(owner, name) is not None:
+        machine = scene.support.kind == "contact"  # its quantities want that kind
+        if key in ASKED or (machine and key == "support.kind"):
+            continue
+        if other(owner, name) is not None:
             found.append(key)
     return found
 
@@ -69,6 +72,7 @@ CASES = [
     *LATERAL,
     ("generator", ("modes=2",), "tmm", "tip_displacement"),
     ("paper", ("support.kind=contact", "coil.current=0mA"), "tmm", "short_circuit_frequencies"),
+    ("paper", ("support.kind=contact", "coil.current=0mA"), "tmm", "axial_tip_per_current"),
     ("j1", ("mesh.level=2", "modes=2"), "solid", "static_tip_displacement"),
     ("j1", ("mesh.level=2", "modes=2"), "solid", "coupling_factor"),
     ("j1", ("mesh.level=2", "modes=2"), "solid", "tip_displacement"),
@@ -95,7 +99,7 @@ def test_a_key_stands_for_all_that_is_read(
     tried = set()
     for stage, key in keys.items():
         unread = tuple(k for k in alone if alone[k].get(stage) == key)
-        assert 20 < len(unread) < len(alone)
+        assert 15 < len(unread) < len(alone)
         if unread in tried:
             continue
         tried.add(unread)

@@ -93,13 +93,18 @@ _MAGNETIC = (
 _MAP = (*_MAGNETIC, "spring")
 #: Where the rod rests, on what the map says.
 _REST = (*_MAP, "contact", "coil.history", "load.normal_force")
+#: The machine in small motions about that place: the map once more, by the network, and masses.
+_MACHINE = (
+    "bimorph", "piezo", "shim", "glue", "beam", "rod", "coil", "sleeve", "steel.curve", "gap",
+    "spring", "contact", "guide", "load.normal_force",
+)  # fmt: skip
 _SLOT = (
     "support.kind", "rod.slot_depth", "bimorph.width", "bimorph.shim_thickness", "glue.thickness",
 )  # fmt: skip
 
 _ROW_GIVES: Mapping[Need, tuple[str, ...]] = {
     "static": ("static",), "modes_short": ("modes",), "modes_open": ("modes",),
-    "harmonic": ("ports",),
+    "harmonic": ("ports",), "small_signal": ("ports", "machine"), "machine_poles": ("machine",),
 }  # fmt: skip
 _MAGNETIC_GIVES: Mapping[Need, tuple[str, ...]] = {
     "magnetic_point": ("point",), "magnetic_map": ("map", "switching"),
@@ -119,12 +124,15 @@ _SOLID_STAGES: Mapping[str, tuple[str, ...]] = {
     "modes_short": (*_SOLID, *_FIXED, "modes"),
     "modes_open": (*_SOLID, *_FIXED, "modes"),
     "ports": (*_SOLID, "frequency"),
+    "machine": _MACHINE,
 }
 _SOLID_GIVES: Mapping[Need, tuple[str, ...]] = {
     "static": ("mesh", "assembly", "static"),
     "modes_short": ("mesh", "assembly", "modal", "modes_short"),
     "modes_open": ("mesh", "assembly", "modal", "modes_open"),
     "harmonic": ("mesh", "assembly", "ports"),
+    "small_signal": ("mesh", "assembly", "ports", "machine"),
+    "machine_poles": ("machine",),
 }
 
 
@@ -133,6 +141,7 @@ def _row_stages(*modes: str) -> dict[str, tuple[str, ...]]:
         "ports": (*_PIECES, "frequency"),
         "static": _PIECES,
         "modes": (*_PIECES, *_FIXED, *modes),
+        "machine": _MACHINE,
     }
 
 

@@ -6,8 +6,10 @@ from typing import Literal, NamedTuple
 
 Need = Literal[
     "static", "modes_short", "modes_open", "harmonic", "magnetic_point", "magnetic_map", "rest",
+    "small_signal", "machine_poles",
 ]  # fmt: skip
-Actuator = Literal["bimorph", "reluctance"]
+#: The two, and the machine that both make.
+Actuator = Literal["bimorph", "reluctance", "generator"]
 
 
 class NeedRow(NamedTuple):
@@ -25,4 +27,6 @@ NEEDS: dict[Need, NeedRow] = {
     "magnetic_point": NeedRow("reluctance", "the magnetic circuit at one current and gap"),
     "magnetic_map": NeedRow("reluctance", "the magnetic circuit over the stroke"),
     "rest": NeedRow("reluctance", "where the rod rests"),
+    "small_signal": NeedRow("generator", "the machine's response at given frequencies"),
+    "machine_poles": NeedRow("generator", "the poles of the rod and its coil"),
 }

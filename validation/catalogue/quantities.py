@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from tactgen.validation.catalogue import bimorph, reluctance
+from tactgen.validation.catalogue import bimorph, generator, reluctance
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.row import QuantityRow
 
-QUANTITIES: dict[str, QuantityRow] = {q.name: q for q in (*bimorph.ROWS, *reluctance.ROWS)}
+QUANTITIES: dict[str, QuantityRow] = {
+    q.name: q for q in (*bimorph.ROWS, *reluctance.ROWS, *generator.ROWS)
+}
 
 
 def quantities_of(actuator: Actuator) -> tuple[str, ...]:

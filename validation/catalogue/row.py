@@ -89,7 +89,7 @@ class QuantityRow:
     @property
     def by_frequency(self) -> bool:
         """Whether it is an array over the frequencies asked for."""
-        return "harmonic" in self.needs
+        return bool({"harmonic", "small_signal"} & set(self.needs))
 
     @property
     def static(self) -> bool:
@@ -99,6 +99,8 @@ class QuantityRow:
     @property
     def loaded(self) -> bool:
         """Whether the tip's load enters with its losses."""
+        if "small_signal" in self.needs:
+            return True
         return isinstance(self.read, Readout) and self.read.is_loaded
 
     @property

@@ -53,6 +53,7 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
         If a model cannot take the scene, or a quantity has no model.
     """
     check_models(models, quantities)
+    check_on_contact(scene, quantities)
     for model in models:
         model_class(model).check(scene)
     reasons: dict[str, list[str]] = {}
@@ -86,6 +87,22 @@ def check_models(models: Sequence[str], quantities: Sequence[str]) -> None:
                 f'quantity "{quantity}" is computed by {", ".join(able)}, not by '
                 f"{', '.join(models)}; add for example --set models={able[min(1, len(able) - 1)]}"
             )
+
+
+def check_on_contact(scene: Scene, quantities: Sequence[str]) -> None:
+    """Refuse a quantity of the machine of a bimorph that does not stand on the rod's contact.
+
+    Raises
+    ------
+    InputError
+        With the remedy.
+    """
+    asked = [name for name in quantities if QUANTITIES[name].actuator == "generator"]
+    if asked and scene.support.kind != "contact":
+        raise InputError(
+            f'{asked[0]} is of the machine on its rod, of which support.kind = "'
+            f'{scene.support.kind}" says nothing; set support.kind=contact'
+        )
 
 
 def _list(names: list[str]) -> str:

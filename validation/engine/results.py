@@ -28,11 +28,11 @@ class Measured:
 @storable
 @dataclass(frozen=True)
 class MeasuredList:
-    """Values with their error bars (n,), in one SI unit, and the class of each."""
+    """Values with their error bars (n,), in one SI unit, and of a list the class of each."""
 
     value: Array
     bar: Array
-    classes: tuple[str, ...]
+    classes: tuple[str, ...] | None = None
 
 
 @storable

@@ -223,8 +223,14 @@ def _prepared(scene: Scene, quick: bool) -> Scene:
     """
     check_models(scene.models, scene.quantities)
     about = {QUANTITIES[name].actuator for name in scene.quantities}
+    if "generator" in about:
+        about.add("bimorph")
     models = tuple(name for name in scene.models if MODELS[name].actuator in about)
-    quantities = tuple(name for name in QUANTITIES if any(gives(m, name) for m in models))
+    quantities = tuple(
+        name
+        for name, row in QUANTITIES.items()
+        if row.actuator in about and any(gives(m, name) for m in models)
+    )
     if quick:
         slow = any(
             needs_map(name) and gives(model, name) and not MODELS[model].quick

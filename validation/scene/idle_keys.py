@@ -34,8 +34,8 @@ _WEIGHS = (
 _CIRCUIT = ("spring.stop_gap", "steel", "sleeve", "gap", "coil.turns", "coil.history")
 #: Of the contact, what where the rod rests depends on as well.
 _RESTS = ("contact.shape", "contact.decay_length", "coil.history", "load.normal_force")
-#: What no quantity shows yet.
-_UNREAD = (
+#: What only the machine in small motions reads.
+_IN_MOTION = (
     "coil.supply", "coil.source_resistance", "guide.axial_damping", "spring.eccentricity",
 )  # fmt: skip
 #: Dimensions that no formula of the reluctance network contains.
@@ -125,14 +125,21 @@ def _holds_the_bimorph(scene: Scene, key: str) -> bool:
         return False
     group = key.split(".", 1)[0]
     if group in ("contact", "guide") or key in _PRESSES or key in _WEIGHS:
-        return key not in _UNREAD
+        return key not in _IN_MOTION
     return scene.coil.current != 0.0 and (group in _CIRCUIT or key in _CIRCUIT)
 
 
 def _of_contact(scene: Scene, key: str) -> str:
     """Return why a key of the rod's contact and guide has no effect, or nothing if it has one."""
-    if key in _UNREAD:
-        return "on any quantity"
+    if key in _IN_MOTION:
+        rows = {name: QUANTITIES[name].actuator for name in QUANTITIES}
+        if any(rows[name] == "generator" for name in scene.quantities):
+            return ""
+        first = next(name for name, actuator in rows.items() if actuator == "generator")
+        return (
+            f"with quantities = {', '.join(scene.quantities)}; ask for one of the machine, such as "
+            f"{first}, to use it"
+        )
     group = key.split(".", 1)[0]
     if group not in ("contact", "guide") and key not in (*_RESTS, "coil.copper_density"):
         return ""

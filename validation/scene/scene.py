@@ -172,8 +172,15 @@ class Scene(p.Device):
         named = choices(value, tuple(QUANTITIES), "quantity", "quantities")
         if set(named) != set(QUANTITIES):
             return named
-        models = info.data.get("models", ())  # "all" is what the models can give
-        return tuple(name for name in named if any(gives(model, name) for model in models))
+        # "all" is what the models can give; of the machine only what is named, since it wants a
+        # bimorph on the rod's contact
+        models = info.data.get("models", ())
+        return tuple(
+            name
+            for name in named
+            if QUANTITIES[name].actuator != "generator"
+            and any(gives(model, name) for model in models)
+        )
 
 
 def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scene, dict[str, str]]:

@@ -36,10 +36,15 @@ def small_map(tmp_path_factory):
         yield
 
 
+def _given(model):
+    """Return what a model gives of its own actuator; the machine wants a bimorph on its rod."""
+    return [q for q in QUANTITIES if gives(model, q) and QUANTITIES[q].actuator != "generator"]
+
+
 def answers(name, *overrides, announce=lambda _: None):
     scene, _ = load_scene(name, overrides)
     model = scene.models[0]
-    solution = solve(scene, None, [q for q in QUANTITIES if gives(model, q)], announce)
+    solution = solve(scene, None, _given(model), announce)
     found = as_json(solution)
     for quantity in found["quantities"]:
         del quantity["seconds"]
@@ -115,7 +120,8 @@ def test_answers_from_the_store_load_no_solver():
         "from tactgen.validation.catalogue.quantities import QUANTITIES\n"
         "for name, overrides in json.loads(sys.argv[1]):\n"
         "    scene, _ = load_scene(name, overrides)\n"
-        "    solve(scene, None, [q for q in QUANTITIES if gives(scene.models[0], q)])\n"
+        "    solve(scene, None, [q for q, row in QUANTITIES.items() "
+        "if gives(scene.models[0], q) and row.actuator != 'generator'])\n"
         "heavy = ('scipy.sparse', 'scipy.linalg', 'scipy.optimize', 'skfem', 'pytetwild', "
         "'pyvista', 'cadquery', 'tactgen.fem.bimorph.system', "
         "'tactgen.fem.reluctance.axisymmetric.actuator')\n"

@@ -25,13 +25,28 @@ class BimorphModel(Model):
         super().__init__(scene, stages)
         self.frequencies = np.asarray(scene.frequency, dtype=float)
 
-    def answer(self, need: Need) -> Refined[Any]:
+    def answer(self, need: Need) -> Any:
         """Return what quantities with this need are read from."""
+        if need in ("small_signal", "machine_poles"):
+            return self._machine(need)
         if need == "static":
             return self.static()
         if need == "harmonic":
             return self.ports()
         return self.modes(open_circuit=need == "modes_open")
+
+    def _machine(self, need: Need) -> Any:
+        """Return the machine's answer, with this bimorph on its rod."""
+        from tactgen.validation.models.generator.small_signal import (
+            SmallSignal,
+            machine_of,
+            measured_poles,
+        )
+
+        linear = self.run("machine", lambda: machine_of(self.scene))
+        if need == "machine_poles":
+            return measured_poles(self.scene, linear)
+        return SmallSignal(self.scene, self.ports(), linear)
 
     @abstractmethod
     def ports(self) -> Refined[Multiport]:

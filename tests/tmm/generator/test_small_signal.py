@@ -1,0 +1,171 @@
+"""The machine in small motions: the paper's support as a limit, reciprocity, passivity, poles."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.device.parameters import Beam, Device, Load, Spring, Support
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.tmm.generator.contact import RoughContact
+from tactgen.tmm.generator.network_pull import network_pull
+from tactgen.tmm.generator.positions import axial_forces, resting_place
+from tactgen.tmm.generator.small_signal import (
+    axial_poles,
+    linearised,
+    machine,
+    on_constants,
+    resting_tilt,
+    rod_ports,
+)
+from tactgen.tmm.generator.stops import contact_of, stops_of
+from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
+from tactgen.tmm.ports.multiport import respond, terminate
+from tactgen.tmm.ports.terminations import attach, ends_of, tip_stiffness
+
+FREQUENCIES = np.array([0.0, 10.0, 100.0, 446.0, 800.0, 1000.0])
+
+
+def bimorph(device=None, frequencies=FREQUENCIES):
+    return tmm.multiport(device or Device(), Support(), Beam(), frequencies)
+
+
+def about(current=0.0, history="rising", **groups):
+    """Return device, map, place and linearisation at a current."""
+    device = Device(**groups)
+    pull = network_pull(device)
+    place = resting_place(axial_forces(device, pull), current, history)
+    return device, pull, place, linearised(device, Beam(), place, current, pull)
+
+
+def test_with_the_papers_constants_it_is_the_papers_model():
+    """Scene paper, tip and charge: 1e-10, rounding of two ways through the same algebra."""
+    frequencies = FREQUENCIES[1:]  # the finger begins at 10 Hz
+    ends = ends_of(Support(), Load())
+    ports = bimorph(frequencies=frequencies)
+    paper = respond(attach(ports, ends), {"voltage": 50.0})
+    whole = machine(ports, on_constants(Support()))
+    loaded = terminate(whole, {"w_tip": tip_stiffness(ends.tip, frequencies), "u": 1.0})
+    found = respond(loaded, {"voltage": 50.0, "current": 0.0})
+    np.testing.assert_allclose(found.motion["w_tip"], paper.motion["w_tip"], rtol=1e-10)
+    np.testing.assert_allclose(found.effort["voltage"], paper.effort["voltage"], rtol=1e-10)
+
+
+CASES = [
+    (0.0, "rising", {}),
+    (50e-3, "rising", {}),
+    (50e-3, "falling", {}),
+    (50e-3, "falling", {"spring": Spring(eccentricity=0.1e-3)}),
+]
+
+
+@pytest.mark.parametrize(("current", "history", "groups"), CASES)
+def test_reciprocal_and_passive(current, history, groups):
+    """What the coil does to the tip and the tip to the coil is one number; no port gives power:
+    spring, contact and field only store it, the rest takes it."""
+    device, *_, linear = about(current, history, **groups)
+    whole = machine(bimorph(device), linear)
+    assert reciprocity_error(whole).max() < 1e-12
+    assert passivity_margin(whole).min() > -1e-12
+    assert passivity_margin(rod_ports(linear, FREQUENCIES)).min() > -1e-12
+
+
+def test_an_upright_head_keeps_the_motions_apart_and_a_tilted_one_does_not():
+    """Cross-transfer is zero by symmetry; off the axis it is the same both ways."""
+    device, *_, linear = about(50e-3, "falling")
+    upright = machine(bimorph(device), linear)
+    assert not upright["w_tip", "u"].any()
+    assert not upright["w_tip", "current"].any()
+    device, *_, linear = about(50e-3, "falling", spring=Spring(eccentricity=0.1e-3))
+    assert linear.tilt > 0.0
+    tilted = machine(bimorph(device), linear)
+    by_coil = respond(tilted, {"voltage": 0.0, "current": 1.0})
+    by_piezo = respond(tilted, {"voltage": 1.0, "current": 0.0})
+    assert (np.abs(by_coil.motion["w_tip"]) > 0.0).all()
+    # Maxwell's reciprocity: charge per ampere is flux linkage per volt.  At rest a voltage leaves
+    # no moment at the base, so there nothing is left but rounding
+    charge, linkage = by_coil.effort["voltage"], by_piezo.effort["current"]
+    np.testing.assert_allclose(charge[1:], linkage[1:], rtol=1e-9)
+    assert max(abs(charge[0]), abs(linkage[0])) < 1e-9 * abs(charge[1])
+
+
+def test_slopes_are_those_of_the_static_balance():
+    """Axial stiffness, pull and flux linkage against differences of the map and the stops."""
+    device, pull, place, linear = about(50e-3, "falling")
+    assert linear.stiffness[2, 2] == pytest.approx(place.stiffness, rel=1e-6)
+    gap, step = device.gap + place.lift, 1e-9
+    linkage = pull.flux_linkage(50e-3, np.array([gap - step, gap + step]))
+    assert linear.motional == pytest.approx(np.diff(linkage)[0] / (2 * step), rel=1e-6)
+    step = 1e-6
+    force = pull.force(np.array([50e-3 - step, 50e-3 + step]), gap)
+    assert linear.motional == pytest.approx(-np.diff(force)[0] / (2 * step), rel=1e-5)
+
+
+def test_static_lift_of_a_small_current():
+    """0 Hz: u = T i / k, as the resting place moves; a step of 1e-4 leaves as much of slope."""
+    device, pull, place, linear = about(50e-3)
+    step = 50e-7
+    near = resting_place(axial_forces(device, pull), 50e-3 + step, "rising")
+    found = respond(machine(bimorph(device), linear), {"voltage": 0.0, "current": 1.0})
+    assert found.motion["u"][0].real == pytest.approx((near.lift - place.lift) / step, rel=1e-3)
+    assert found.motion["u"][0].real < 0.0  # more current pulls down
+
+
+def test_poles_of_the_axial_motion():
+    """Free of the stops a mass on a spring; unstable where the pull grows faster; a voltage
+    supply's third pole is the coil's."""
+    _, _, _, linear = about(0.0)
+    poles = axial_poles(linear, voltage=False)
+    m, d, k = (a[2, 2] for a in (linear.mass, linear.damping, linear.stiffness))
+    assert poles[-1] == pytest.approx(-d / (2 * m) + 1j * np.sqrt(k / m - (d / (2 * m)) ** 2))
+    assert (poles.real < 0.0).all()
+    three = axial_poles(linear, voltage=True)
+    assert three.size == 3
+    coil = -linear.resistance / linear.inductance
+    assert np.abs(three - coil).min() < 1e-9 * abs(coil)  # no current, no force, no coupling
+
+
+def test_the_unstable_place_has_a_growing_pole():
+    """Between the stops at 50 mA: the static criterion and the poles agree, by either supply."""
+    from tactgen.tmm.generator.positions import resting_places
+
+    device = Device()
+    pull = network_pull(device)
+    for place in resting_places(axial_forces(device, pull), 50e-3):
+        linear = linearised(device, Beam(), place, 50e-3, pull)
+        for voltage in (False, True):
+            growing = (axial_poles(linear, voltage=voltage).real > 0.0).any()
+            assert growing == (place.kind == "unstable")
+
+
+@pytest.mark.parametrize("shape", ["ring", "disc"])
+def test_the_resting_tilt_balances_the_spring(shape):
+    """Force times lever is what contact and guide bear; beyond the edge it is refused."""
+    device = Device(contact={"shape": shape}, spring=Spring(eccentricity=-0.9e-3))
+    place = resting_place(axial_forces(device, None), 0.0, "rising")
+    tilt = resting_tilt(device, place)
+    assert tilt < 0.0
+    borne = float(contact_of(device).moment_under(place.contact_force, tilt))
+    borne += device.guide.rotational_stiffness * tilt
+    applied = -0.9e-3 * (device.spring.preload - device.spring.stiffness * place.lift)
+    assert borne == pytest.approx(applied, rel=1e-9)
+    wide = Device(spring=Spring(eccentricity=1.2e-3))
+    with pytest.raises(InputError, match="tips the rod's head"):
+        resting_tilt(wide, resting_place(axial_forces(wide, None), 0.0, "rising"))
+
+
+@pytest.mark.parametrize("lift", ["upper", "lower"])
+def test_the_contacts_slopes_are_those_of_the_stops(lift):
+    """Over (ψ, u), about a tilted head, against the tangent of the two stops' energy."""
+    from tactgen.tmm.generator.small_signal import _contact
+
+    current = 0.0 if lift == "upper" else 50e-3
+    device, _, place, _ = about(current, "falling", spring=Spring(eccentricity=0.1e-3))
+    stops, tilt = stops_of(device), resting_tilt(device, place)
+    law: RoughContact = stops.upper
+    approach = float(law.approach(place.contact_force, tilt))
+    u = approach if lift == "upper" else -stops.stroke - approach
+    expected = stops.tangent(u, tilt)[::-1, ::-1]
+    found = _contact(device, place, tilt)[0][1:, 1:].copy()
+    if lift == "lower":
+        found[0, 0] -= law.tangential_stiffness(place.contact_force) * device.rod.head_thickness**2
+    np.testing.assert_allclose(found, expected, rtol=1e-9)

@@ -1,0 +1,244 @@
+"""Small motions of the whole machine about a place where the rod rests.
+
+The rod is rigid and moves in three ways: laterally (w, at its top face), rocking (ψ, a point at
+height z moves by w − z ψ) and along its axis (u).  It carries the bimorph, which any model gives
+over its ports, and its coil.  On it act the contact with the stop it rests on, the return spring,
+the guide, and the magnetic field; all of them are slopes of one energy,
+
+    dF = −T di + … ,   dλ = T du + L di,     T = ∂λ/∂g = −∂F/∂i,   L = ∂λ/∂i
+
+from the co-energy map, so that what the coil does to the rod and the rod to the coil is one
+number.  The current is answered by its flux linkage: v = R i + jΩ λ.
+
+An upright head keeps axial and lateral motion apart.  A spring that presses off the axis tilts the
+head at rest; one side of the contact is then stiffer, and each motion drives the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from tactgen.geometry.arrays import Complex, Floats, Numbers
+from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.geometry.device.winding import winding
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.transfer.transfer_matrix import sections
+from tactgen.tmm.generator.contact import RoughContact
+from tactgen.tmm.generator.moving_mass import moving_rod
+from tactgen.tmm.generator.positions import RestingPlace
+from tactgen.tmm.generator.stops import contact_of, stops_of
+from tactgen.tmm.ports.multiport import Multiport, connect, reduce
+from tactgen.tmm.ports.port import AXIAL, CURRENT, LATERAL, ROTATION, Port
+
+#: The rod's ports: its three motions at the top face, and the coil's current.
+ROD = (
+    Port("w_base", LATERAL),
+    Port("psi_base", ROTATION),
+    Port("u", AXIAL),
+    Port("current", CURRENT),
+)
+#: What is left of machine and bimorph together.
+MACHINE = ("w_tip", "psi_tip", "u", "voltage", "current")
+
+
+class Map(Protocol):
+    """Slopes of the magnetic circuit, such as a CoenergyMap's: arrays of current and gap."""
+
+    def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return ∂F/∂g at constant current (N/m)."""
+
+    def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return ∂λ/∂g (V s/m)."""
+
+    def incremental_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return ∂λ/∂i (H)."""
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """The rod with all that acts on it but the bimorph, about a resting place.
+
+    Attributes
+    ----------
+    mass, damping, stiffness : (3, 3) float
+        Over (w, ψ, u) at the top face; SI, symmetric.
+    motional : float
+        T = ∂λ/∂u (V s/m), of a current that the supply makes positive.
+    inductance : float
+        L = ∂λ/∂i (H), the rod held.
+    resistance : float
+        Of wire, leads and supply (Ω).
+    tilt : float
+        Of the head at rest (rad).
+    """
+
+    mass: Floats
+    damping: Floats
+    stiffness: Floats
+    motional: float = 0.0
+    inductance: float = 0.0
+    resistance: float = 0.0
+    tilt: float = 0.0
+
+
+def linearised(
+    device: Device, beam: Beam, place: RestingPlace, current: float, magnetic: Map
+) -> Linearised:
+    """Return the rod about the place where it rests at a current (A).
+
+    Raises
+    ------
+    InputError
+        If the spring presses so far off the axis that the head tips.
+    """
+    tilt = resting_tilt(device, place)
+    stiffness, damping = _contact(device, place, tilt)
+    stiffness = stiffness + _spring_and_guide(device)
+    damping = damping + np.diag([0.0, 0.0, device.guide.axial_damping])
+    gap = device.gap + place.lift
+    stiffness[2, 2] += float(magnetic.force_gradient(current, gap))
+    return Linearised(
+        mass=_mass(device, beam),
+        damping=damping,
+        stiffness=stiffness,
+        motional=float(magnetic.motional_coefficient(current, gap)),
+        inductance=float(magnetic.incremental_inductance(current, gap)),
+        resistance=winding(device.coil).resistance + device.coil.source_resistance,
+        tilt=tilt,
+    )
+
+
+def resting_tilt(device: Device, place: RestingPlace) -> float:
+    """Return the tilt (rad) at which contact and guide balance the spring's moment.
+
+    Raises
+    ------
+    InputError
+        If they cannot: the head tips over its edge.
+    """
+    lever = device.spring.eccentricity
+    if lever == 0.0:
+        return 0.0
+    from scipy.optimize import brentq
+
+    law, guide = contact_of(device), device.guide.rotational_stiffness
+    moment = lever * (device.spring.preload - device.spring.stiffness * place.lift)
+    if abs(moment) >= float(law.tipping_moment(place.contact_force)):
+        raise InputError(
+            f"spring.eccentricity = {1e3 * lever:g} mm tips the rod's head over its edge: the "
+            f"moment is {moment:.3g} N m and the contact bears less than "
+            f"{float(law.tipping_moment(place.contact_force)):.3g} N m; bring the spring closer to "
+            "the axis or press the head harder"
+        )
+
+    def left(tilt: float) -> float:
+        borne = float(law.moment_under(place.contact_force, tilt))
+        return float(borne + guide * tilt - abs(moment))
+
+    # the disc's moment falls short of N R by 3/(2a), a = R ψ/u0, and the ring's by 1/(2a)
+    share = abs(moment) / float(law.tipping_moment(place.contact_force))
+    most = 4.0 * law.decay_length / (law.radius * (1.0 - share))
+    return float(np.copysign(brentq(left, 0.0, most, xtol=1e-18), moment))
+
+
+def rod_ports(linear: Linearised, frequencies: Floats) -> Multiport:
+    """Return the rod over its ports: dynamic stiffness, and the coil's flux linkage."""
+    f = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    omega = 2.0 * np.pi * f[:, None, None]
+    d = np.zeros((f.size, 4, 4), dtype=complex)
+    d[:, :3, :3] = linear.stiffness + 1j * omega * linear.damping - omega**2 * linear.mass
+    d[:, 2, 3], d[:, 3, 2] = -linear.motional, linear.motional
+    d[:, 3, 3] = linear.inductance
+    return Multiport(f, d, ROD)
+
+
+def machine(bimorph: Multiport, linear: Linearised) -> Multiport:
+    """Return bimorph and rod as one, over tip, lift, voltage and the coil's current.
+
+    The bimorph moves along the axis as a rigid mass, which is in `linear`; so u is the tip's
+    axial motion, too.
+    """
+    rod = rod_ports(linear, bimorph.frequencies)
+    joined = connect(bimorph, rod, {"w_base": "w_base", "psi_base": "psi_base"})
+    return reduce(joined, MACHINE)
+
+
+def axial_poles(linear: Linearised, *, voltage: bool) -> Complex:
+    """Return the poles (rad/s) of axial motion and coil, (2,) or with a voltage supply (3,).
+
+    m s² + d s + k = 0 with the current held; a voltage held adds the circuit,
+    (m s² + d s + k)(R + s L) + s T² = 0.  The head does not rock.
+    """
+    motion = np.array([linear.mass[2, 2], linear.damping[2, 2], linear.stiffness[2, 2]])
+    if not voltage:
+        return _sorted(np.roots(motion))
+    circuit = np.array([linear.inductance, linear.resistance])
+    both = np.polymul(motion, circuit)
+    both[-2] += linear.motional**2
+    return _sorted(np.roots(both))
+
+
+def on_constants(support: Support) -> Linearised:
+    """Return the paper's springs in place of rod and contact: a machine without coil."""
+    inertia, damping, stiffness = (
+        np.diag([lateral, rotational, 0.0])
+        for lateral, rotational in (
+            (0.0, support.rotational_inertia),
+            (0.0, support.rotational_damping),
+            (support.lateral_stiffness, support.rotational_stiffness),
+        )
+    )
+    return replace(Linearised(inertia, damping, stiffness), inductance=1.0)
+
+
+def _sorted(poles: Numbers) -> Complex:
+    return np.asarray(poles[np.lexsort((poles.real, poles.imag))], dtype=complex)
+
+
+def _mass(device: Device, beam: Beam) -> Floats:
+    """Return the rigid rod's mass matrix; along the axis the bimorph's mass is in it."""
+    body = moving_rod(device)
+    coupling = -body.mass * body.centre
+    carried = sum(
+        float(np.real(element.m)) * length
+        for element, length in sections(device, Support(kind="clamped"), beam, lossy=False)
+        if isinstance(element, Section)
+    )
+    return np.array(
+        [
+            [body.mass, coupling, 0.0],
+            [coupling, body.inertia_about(0.0), 0.0],
+            [0.0, 0.0, body.mass + carried],
+        ]
+    )
+
+
+def _contact(device: Device, place: RestingPlace, tilt: float) -> tuple[Floats, Floats]:
+    """Return stiffness and damping (3, 3) of the stop that holds the rod."""
+    law, stops = contact_of(device), stops_of(device)
+    below = place.lift < -0.5 * stops.stroke
+    # a tilted head carries the same load closer to or farther from its stop
+    approach = float(law.approach(max(place.contact_force, 1e-300), tilt))
+    rocking = law.tangent(approach, tilt)  # over (δ, ψ), δ = u above and −u below
+    if below:
+        rocking = rocking * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    height = -device.rod.head_thickness if below else 0.0
+    lever = np.array([1.0, -height, 0.0])
+    stiffness = _along(law, place.contact_force) * np.outer(lever, lever)
+    stiffness[1:, 1:] += rocking[::-1, ::-1]
+    return stiffness, law.relaxation_time * stiffness
+
+
+def _along(law: RoughContact, load: float) -> float:
+    return float(law.tangential_stiffness(load))
+
+
+def _spring_and_guide(device: Device) -> Floats:
+    spring, guide = device.spring, device.guide
+    lever = np.array([0.0, spring.eccentricity, 1.0])
+    held = np.diag([guide.lateral_stiffness, guide.rotational_stiffness, 0.0])
+    return np.asarray(held + spring.stiffness * np.outer(lever, lever))

@@ -1,0 +1,1 @@
+"""The whole machine on any model of the lateral actuator."""
