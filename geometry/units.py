@@ -49,7 +49,8 @@ class SI(float):
 
 
 @cache
-def _registry() -> pint.UnitRegistry[Any]:
+def unit_registry() -> pint.UnitRegistry[Any]:
+    """Return the one registry of units."""
     import pint  # costs 0.2 s with its definitions: only when text has to be read
 
     return pint.UnitRegistry()
@@ -140,7 +141,7 @@ class Unit:
             raise ValueError(f'has no unit; {self._a_kind} needs one, for example "{self.example}"')
         import pint
 
-        registry = _registry()
+        registry = unit_registry()
         try:
             unit = registry.parse_units(f"1{name}" if name.startswith("/") else name)
         except pint.UndefinedUnitError as error:

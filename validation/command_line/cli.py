@@ -32,7 +32,13 @@ from tactgen.validation.command_line.commands import (
     view,
 )
 from tactgen.validation.command_line.commands.common import say
-from tactgen.validation.command_line.commands.studies import design, identify, sensitivity, whatif
+from tactgen.validation.command_line.commands.studies import (
+    compare,
+    design,
+    identify,
+    sensitivity,
+    whatif,
+)
 from tactgen.validation.command_line.streams import usable_streams
 
 if TYPE_CHECKING:
@@ -170,8 +176,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.set_defaults(run=lambda _: _help(parser))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
-        report, solve, view, whatif, design, sensitivity, identify, plan, export, verify, stress,
-        bench, scenes, cache, init,
+        report, solve, view, whatif, compare, design, sensitivity, identify, plan, export, verify,
+        stress, bench, scenes, cache, init,
     ):  # fmt: skip
         command.add(commands)
     return parser

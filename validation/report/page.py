@@ -9,12 +9,14 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from tactgen.geometry.files import writable_folder, write_text
+from tactgen.geometry.files import writable_folder, write_text, written_whole
 from tactgen.validation.models.comparison import ComparedRow
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.study import Study, check_report
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.view.browser import print_pdf
 from tactgen.validation.view.formats import filters
+from tactgen.validation.view.page.html import assets
 
 
 def write_report(
@@ -35,8 +37,21 @@ def write_report(
     writable_folder(out)
     started = time.perf_counter()
     page = _page(Study(scene, origins, announce, quick=quick), started)
-    target = out / "index.html"
-    return write_text(target, page)
+    return write_text(out / "index.html", page)
+
+
+def print_report(browser: str, page: Path) -> Path:
+    """Print a report to ``report.pdf`` beside it and return its path.
+
+    Raises
+    ------
+    InputError
+        If the browser does not write it.
+    """
+    target = page.with_name("report.pdf")
+    with written_whole(target) as temporary:
+        print_pdf(browser, page, temporary)
+    return target
 
 
 def _page(study: Study, started: float) -> str:
@@ -71,9 +86,9 @@ def _page(study: Study, started: float) -> str:
         }
         for section, found in shown
     ]
-    return environment.get_template("page.html").render(
-        common | _summary(study) | {"sections": bodies, "date": time.strftime("%Y-%m-%d")}
-    )
+    viewer = assets() if any("viewer" in found for _, found in shown) else ""
+    last = {"sections": bodies, "date": time.strftime("%Y-%m-%d"), "viewer_assets": viewer}
+    return environment.get_template("page.html").render(common | _summary(study) | last)
 
 
 def _summary(study: Study) -> dict[str, Any]:

@@ -21,6 +21,14 @@ def engineering(value: float, unit: str, digits: int = 5) -> str:
     return f"{value / 10.0**exponent:.{digits}g} {_PREFIX[exponent]}{unit}"
 
 
+def prefixed(largest: float, unit: str) -> tuple[float, str]:
+    """Return a unit with the SI prefix that suits a magnitude, and how many of it make one unit."""
+    if unit in ("", "1") or not math.isfinite(largest) or largest == 0.0:
+        return 1.0, unit
+    exponent = max(-15, min(9, 3 * math.floor(math.log10(abs(largest)) / 3.0)))
+    return 10.0**-exponent, f"{_PREFIX[exponent]}{unit}"
+
+
 def with_bar(value: float, bar: float, unit: str) -> str:
     """Return value ± bar in one unit, with two digits of the bar.
 

@@ -1,4 +1,4 @@
-"""Pictures of geometry, mesh and mode shapes (PyVista, off screen), as PNG bytes."""
+"""Pictures of geometry and mesh (PyVista, off screen), as PNG bytes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
 from tactgen.geometry.cad.solids import COLOURS
 from tactgen.geometry.cad.system_libraries import require_library
 from tactgen.geometry.meshing.mesh import Mesh
@@ -16,8 +15,6 @@ from tactgen.geometry.meshing.mesh import Mesh
 #: Direction from the object to the viewer.
 _VIEW = (3.0, -2.2, 1.1)
 _VTK_CELL = {"tetra": 10, "tetra10": 24, "hexahedron": 12}
-#: A tip whose middle moves by less than this part of the largest displacement is twisted.
-_TWISTS = 0.3
 
 
 def off_screen() -> Any:
@@ -38,7 +35,7 @@ def mesh_picture(mesh: Mesh, *, close_up: bool = False) -> bytes:
     """Return a picture of the mesh, one colour per region; `close_up` shows the held end."""
     pv = off_screen()
     plotter = _plotter(pv, 420, 420 if close_up else 900)
-    grid = _grid(pv, mesh, mesh.points)
+    grid = _grid(pv, mesh)
     for number, region in enumerate(mesh.regions):
         part = grid.extract_cells(np.flatnonzero(mesh.region_of_cell == number))
         surface = part.extract_surface(nonlinear_subdivision=0, algorithm=None)
@@ -67,48 +64,10 @@ def solids_picture(solids: dict[str, Any]) -> bytes:
     return _shoot(plotter, 1.12 * float(np.ptp(np.concatenate(everything)[:, 2])))
 
 
-def mode_picture(mesh: Mesh, displacement: Floats) -> bytes:
-    """Return a picture of a mode shape, coloured by the size of the displacement.
-
-    Parameters
-    ----------
-    displacement : (n_points, 3) array
-        At the mesh's points, any scale.
-    """
-    pv = off_screen()
-    plotter = _plotter(pv, 420, 900)
-    moved = mesh.points + displacement * (_reach(mesh, displacement) / np.abs(displacement).max())
-    grid = _grid(pv, mesh, moved)
-    grid["size"] = np.linalg.norm(displacement, axis=1)
-    surface = grid.extract_surface(nonlinear_subdivision=2, algorithm=None)
-    plotter.add_mesh(surface, scalars="size", cmap="viridis", show_scalar_bar=False)
-    rest = _grid(pv, mesh, mesh.points).extract_surface(algorithm=None)
-    plotter.add_mesh(rest.extract_feature_edges(feature_angle=60.0), color="#888888", line_width=1)
-    return _shoot(plotter, 1.3e3 * float(np.ptp(mesh.points[:, 2])))
-
-
-def _reach(mesh: Mesh, displacement: Floats) -> float:
-    """Return how far (m) the largest displacement of a mode is drawn.
-
-    Linear displacements of a twist are a stretch if drawn large, so a tip that turns about its
-    own middle is turned by half a radian at most.
-    """
-    z = mesh.points[:, 2]
-    tip = z > z.max() - 0.02 * np.ptp(z)
-    middle = np.linalg.norm(displacement[tip].mean(axis=0))
-    far = 0.12 * float(np.ptp(z))
-    if middle > _TWISTS * np.linalg.norm(displacement, axis=1).max():
-        return far
-    across = mesh.points[tip, :2] - mesh.points[tip, :2].mean(axis=0)
-    return min(far, 0.5 * float(np.linalg.norm(across, axis=1).max()))
-
-
-def _grid(pv: Any, mesh: Mesh, points: Floats) -> Any:
+def _grid(pv: Any, mesh: Mesh) -> Any:
     n, corners = mesh.cells.shape
     cells = np.column_stack([np.full(n, corners), mesh.cells])
-    return pv.UnstructuredGrid(
-        cells.ravel(), np.full(n, _VTK_CELL[mesh.kind]), np.asarray(points) * 1e3
-    )
+    return pv.UnstructuredGrid(cells.ravel(), np.full(n, _VTK_CELL[mesh.kind]), mesh.points * 1e3)
 
 
 def _plotter(pv: Any, width: int, height: int) -> Any:

@@ -191,12 +191,13 @@ def _words(image: Image, stage: _Stage, phase: float) -> None:
     words, left, line = words_of(result, state), size, 1.45 * size
     draw.text((left, 0.8 * size), f"{MODELS.get(result.model, result.model)}: {words.title}",
               fill=_INK, font=font)  # fmt: skip
-    number = f"{words.number}  {words.detail}".strip()
-    draw.text((left, 0.8 * size + line), number, fill=_INK, font=font)
+    said = [words.number, words.detail] if not picture.lies else [f"{words.number}  {words.detail}"]
+    for number, text in enumerate(said, start=1):
+        draw.text((left, 0.8 * size + number * line), text, fill=_INK, font=font)
     if stage.enlarge:
         angle = "" if state.kind == "static" else f", phase {round(np.degrees(phase)) % 360}°"
         times = f"displacements × {stage.enlarge:,.4g}{angle}"
-        draw.text((left, 0.8 * size + 2 * line), times, fill=_DIM, font=small)
+        draw.text((left, 0.8 * size + (1 + len(said)) * line), times, fill=_DIM, font=small)
     bottom = picture.height - 3.1 * line
     if picture.shade is None:
         _parts(draw, result, (left, bottom + line), font)

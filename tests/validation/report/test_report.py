@@ -36,7 +36,10 @@ def test_report_is_complete_and_self_contained(tmp_path, run_elsewhere):
     assert "<td>SOL-1</td>" not in html  # about job J1 as it stands
     assert "normal actuator is reconstructed" not in html
     assert not any("network" in step or "axisymmetric" in step for step in steps)
-    assert "picture of mode 4" in steps
+    assert "picture of mode 4, short circuit" in steps
+    assert (
+        html.count('class="tv tv-light"') == html.count("class Pane") == 1
+    )  # one viewer, one copy
     for name in ("length", "voltage"):
         assert html[html.index(f'<h2 id="{name}">') :].split("<h2", 2)[1].count("<svg") == 1
     text = re.sub(r"<[^>]+>", " ", html[html.index("<main>") :])
@@ -98,3 +101,29 @@ def test_numbers_for_people():
     assert percent(3e-14) == "0 %"
     assert share(0.00822) == "0.82 %"
     assert with_bar(1.0, float("inf"), "m") == "1 m (no error bar)"
+
+
+def test_printing_without_a_browser_is_refused_before_any_work(tmp_path, monkeypatch, capsys):
+    """One sentence, nothing written."""
+    from tactgen.validation.command_line.cli import main
+    from tactgen.validation.view import browser
+
+    monkeypatch.setattr(browser.shutil, "which", lambda _: None)
+    assert main(["report", "j1", "--out", str(tmp_path / "out"), "--pdf"]) == 2
+    assert "--pdf needs a Chromium or Chrome browser" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_page_prints_with_numbered_pages(tmp_path):
+    """Chromium makes a PDF of what the template's style says, two pages of it."""
+    from tactgen.validation.report.page import print_report
+    from tactgen.validation.view.browser import find_browser
+
+    found = find_browser()
+    if found is None:
+        pytest.skip("no Chromium on this machine")
+    page = tmp_path / "index.html"
+    page.write_text("<p>one</p><p style='break-before:page'>two</p>", encoding="utf-8")
+    pdf = print_report(found, page).read_bytes()
+    assert pdf.startswith(b"%PDF")
+    assert pdf.count(b"/Type /Page\n") == 2

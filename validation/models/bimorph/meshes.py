@@ -36,8 +36,3 @@ def mesh_pair(scene: Scene) -> MeshPair:
 def cells_of(mesh: Mesh | Bricks) -> Mesh:
     """Return the cells to show or to write, of the whole: bricks become eight-cornered ones."""
     return mesh.corner_mesh() if isinstance(mesh, Bricks) else whole_mesh(mesh)
-
-
-def points_of(mesh: Mesh | Bricks) -> Mesh:
-    """Return a mesh of the whole whose points are nodes of the solution."""
-    return mesh.node_mesh() if isinstance(mesh, Bricks) else whole_mesh(mesh)

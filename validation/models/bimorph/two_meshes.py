@@ -22,7 +22,6 @@ from tactgen.validation.models.bimorph.lowest_modes import MeshModes, lowest_mod
 from tactgen.validation.models.bimorph.model import BimorphModel
 
 if TYPE_CHECKING:
-    from tactgen.fem.bimorph.modes import SolidMode
     from tactgen.fem.bimorph.reduction.modal_model import BareMode
     from tactgen.fem.bimorph.system import SolidSystem
     from tactgen.geometry.bimorph.bricks import Bricks
@@ -174,18 +173,6 @@ class TwoMeshModel(BimorphModel):
     def motions(self, *, open_circuit: bool) -> dict[Motion, int]:
         """Return how many of the lowest modes of :meth:`modes` each class of motion has."""
         return dict(Counter(mode.motion for mode in self._lowest(open_circuit=open_circuit)[0]))
-
-    def shapes(self) -> list[SolidMode]:
-        """Return the lowest modes of :meth:`modes` with their shapes, on the finer mesh."""
-        from tactgen.fem.bimorph.modes import natural_modes
-
-        wanted = self.motions(open_circuit=False)
-        system = self.systems()[0]
-        found: list[SolidMode] = []
-        for motion, count in wanted.items():
-            of = system if system.related is None else system.related(motion)
-            found += natural_modes(of, self.scene.ends, count)
-        return sorted(found, key=lambda mode: mode.frequency)
 
     def _modal(self) -> SolidModes:
         """Return what modes on any support, load and circuit follow from."""

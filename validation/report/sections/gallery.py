@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-import base64
-from typing import Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.report.study import Study
+from tactgen.validation.view.page.html import fragment, inline
+
+if TYPE_CHECKING:
+    from tactgen.validation.fields.result import FieldResult
+
+#: Mode stills, and their size in pixels.
+_MODES = 4
+_STILL = 340, 600
 
 _KIND = {
     "tetra": "tetrahedra with 10 nodes",
@@ -33,13 +41,13 @@ def _lateral(study: Study) -> list[dict[str, str]]:
 
     study.announce("picture of the geometry")
     solids = solids_picture(scene_solids(study.scene))
-    found = [{"caption": "CAD solids", "png": _inline(solids)}]
+    found = [{"caption": "CAD solids", "png": inline(solids)}]
     if study.field is not None:
         study.announce("picture of the mesh")
         solved = study.field.meshes()[0]
         mesh = cells_of(solved)
         caption = f"mesh of the model {study.field.name}: {mesh.cells.shape[0]} {_kind(solved)}"
-        found.append({"caption": caption, "png": _inline(mesh_picture(mesh))})
+        found.append({"caption": caption, "png": inline(mesh_picture(mesh))})
         found.append({"caption": "the same at its held end", "png": close_up(mesh)})
     return found
 
@@ -52,33 +60,55 @@ def _normal(study: Study) -> dict[str, str]:
     study.announce("picture of the normal actuator")
     solids = solids_picture(normal_actuator_solids(study.scene.device))
     caption = "normal actuator: the rod inside coil and sleeve, these cut open"
-    return {"caption": caption, "png": _inline(solids)}
+    return {"caption": caption, "png": inline(solids)}
 
 
 def close_up(mesh: Mesh) -> str:
     """Return a picture of a mesh at its held end."""
     from tactgen.validation.view.pictures import mesh_picture
 
-    return _inline(mesh_picture(mesh, close_up=True))
+    return inline(mesh_picture(mesh, close_up=True))
 
 
-def modes(study: Study) -> list[dict[str, Any]]:
-    """Return the first four solid modes with their pictures."""
-    from scipy.spatial import cKDTree
+def moving(study: Study) -> dict[str, Any]:
+    """Return stills of the first solid modes, and the viewer in which modes and fields move."""
+    from tactgen.validation.catalogue.bimorph import (
+        OPEN_CIRCUIT_FREQUENCIES,
+        SHORT_CIRCUIT_FREQUENCIES,
+    )
+    from tactgen.validation.engine.solve import solve
+    from tactgen.validation.fields.gather import Request, gather_from
+    from tactgen.validation.view.page.shown import payload
 
-    from tactgen.validation.models.bimorph.meshes import points_of
-    from tactgen.validation.view.pictures import mode_picture
+    models = _moving_models(study)
+    names = (SHORT_CIRCUIT_FREQUENCIES.name, OPEN_CIRCUIT_FREQUENCIES.name)
+    solution = solve(study.scene, models, names, study.announce, reuse=study.solution)
+    request = Request(None, "edges")
+    results = [gather_from(solution, name, request, study.announce) for name in models]
+    return {
+        "stills": _stills(results[0], study.announce) if study.field is not None else [],
+        "viewer": fragment(payload(results), [], light=True),
+    }
 
-    solid = study.field
-    if solid is None:
-        return []
-    mesh, system = points_of(solid.meshes()[0]), solid.systems()[0]
-    at_points = cKDTree(system.nodes).query(mesh.points)[1]
+
+def _moving_models(study: Study) -> tuple[str, ...]:
+    """Return the models to look at: the solid that is shown, and transfer matrices beside it."""
+    asked = tuple(study.solution.models_of("bimorph"))
+    first = study.field.name if study.field is not None else asked[-1]
+    return (first, "tmm") if "tmm" in asked and first != "tmm" else (first,)
+
+
+def _stills(result: FieldResult, announce: Callable[[str], None]) -> list[dict[str, str]]:
+    from tactgen.validation.view.shading import SHADES, words_of
+    from tactgen.validation.view.stills import Picture, still
+
     found = []
-    for number, mode in enumerate(solid.shapes()[:4], start=1):
-        study.announce(f"picture of mode {number}")
-        picture = mode_picture(mesh, mode.displacement[at_points])
-        found.append({"number": number, "mode": mode, "png": _inline(picture)})
+    for state in [s for s in result.states if s.circuit == "short"][:_MODES]:
+        announce(f"picture of {state.name}")
+        words = words_of(result, state)
+        png = still(result, state, Picture(*_STILL, shade=SHADES[0]))
+        caption = f"{words.title}: {words.number}, {words.detail}"
+        found.append({"caption": caption, "png": inline(png)})
     return found
 
 
@@ -88,7 +118,3 @@ def _kind(mesh: Mesh | Bricks) -> str:
         return _KIND[mesh.kind]
     x, y, z = mesh.degree
     return f"bricks of degree {x}, {y}, {z} across the layers, the width and along the length"
-
-
-def _inline(png: bytes) -> str:
-    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")

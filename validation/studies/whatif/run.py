@@ -13,9 +13,9 @@ from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.plan import check_models
 from tactgen.validation.scene.scene import checked_scene
 from tactgen.validation.studies.whatif.answers import Answer, Question, question, reason, recall
+from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.by_family import answers_by_family
 from tactgen.validation.studies.whatif.schedule import schedule
-from tactgen.validation.studies.whatif.statement import Statement
 from tactgen.validation.studies.whatif.workers import Job, work_through
 
 

@@ -347,7 +347,9 @@
         cut: { axis: 'none', at: 0 }, field: '', circuit: 'short',
       };
       this.scheme = window.matchMedia('(prefers-color-scheme: dark)');
-      this.dark = this.scheme.matches;
+      const light = root.classList.contains('tv-light');
+      this.isDark = () => !light && this.scheme.matches;
+      this.dark = this.isDark();
       this.panes = []; this.last = null; this.frames = 0;
     }
 
@@ -365,7 +367,7 @@
       };
       this.camera = new T.OrthographicCamera(-1, 1, 1, -1, -10, 10);
       this.build();
-      this.scheme.addEventListener('change', (e) => { this.dark = e.matches; this.draw(); });
+      this.scheme.addEventListener('change', () => { this.dark = this.isDark(); this.draw(); });
       new ResizeObserver(() => this.resize()).observe(this.stage);
       this.choose(0, -1);
       this.resize(); this.look('home');

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.studies.whatif.axes import parse_axes
-from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.asked.axes import parse_axes
+from tactgen.validation.studies.whatif.asked.statement import Statement
 
 
 def one(text, *, sampled=False):

@@ -9,8 +9,8 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid, solid_family
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif import answers
+from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.statement import Statement
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),

@@ -14,8 +14,8 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif import answers, schedule, workers
 from tactgen.validation.studies.whatif.answers import Question
+from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.statement import Statement
 
 
 def statement(

@@ -14,8 +14,12 @@ from tactgen.geometry.units import quoted
 from tactgen.validation.command_line.commands.common import Commands, warn
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from tactgen.validation.studies.whatif.aim.best import Verdict
+    from tactgen.validation.studies.whatif.aim.expression import Aim
+    from tactgen.validation.studies.whatif.asked.statement import Statement
     from tactgen.validation.studies.whatif.run import Study
-    from tactgen.validation.studies.whatif.statement import Statement
 
 #: Most warnings that are printed, and most samples that can be drawn.
 _WARNINGS = 8
@@ -50,6 +54,11 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz, for example 10:2000:200"
     )
+    parser.add_argument(
+        "--aim", action="append", default=[], metavar="AIM",
+        help="which points are wanted, see below; may be repeated",
+    )  # fmt: skip
+    parser.add_argument("--plot", metavar="FILE.svg", help="draw it")
     parser.add_argument("--out", metavar="STUDY", help="folder for study.nc and study.csv")
     parser.add_argument("--jobs", metavar="N", help="processes (default: as many as pay)")
     parser.add_argument(
@@ -69,6 +78,12 @@ with --sample N also:
   KEY=normal(MEAN,DEVIATION) and uniform(LOW,HIGH), lognormal(MEDIAN,SHARE), loguniform(LOW,HIGH);
                              a deviation may be a share of the mean, such as 5%
 
+aims:
+  "min_over(tip_displacement / threshold) >= 1"     how many points meet it, and which is farthest
+  "maximise first(short_circuit_frequencies)"       the best points; of two goals the Pareto front
+  known are + - * / ( ), min_over, max_over, mean_over, first, abs, sqrt, numbers with units,
+  quantities (of complex ones the magnitude), and threshold, the detection threshold
+
 example:
   tactgen whatif paper --vary bimorph.length=14mm:22mm:9 --vary load.kind=none,finger \\
       --quantity short_circuit_frequencies --model tmm --model solid --out lengths
@@ -79,12 +94,18 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.geometry.files import writable_folder
     from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.studies.whatif.aim.best import parse_aims, verdict
+    from tactgen.validation.studies.whatif.asked.statement import write_statement
     from tactgen.validation.studies.whatif.run import run_study
-    from tactgen.validation.studies.whatif.statement import write_statement
 
     folder = Path(options.out) if options.out is not None else None
     processes = _whole(options.jobs, "--jobs", 1, 512, "2") if options.jobs else 0
-    statement = _statement(options, folder)
+    if options.plot and not options.plot.endswith(".svg"):
+        raise InputError(
+            f'--plot "{options.plot}" is not an SVG file; write for example --plot study.svg'
+        )
+    aims = parse_aims(options.aim)
+    statement = _with_quantities(_statement(options, folder), aims)
     _ = statement.size  # axes that cannot be used are refused before anything is written
     if folder is not None:
         write_statement(writable_folder(folder), statement)
@@ -93,13 +114,38 @@ def run(options: argparse.Namespace) -> int:
         if folder is not None:
             announce("writing")
             _write(folder, study)
-    _show(options, study)
+        if options.plot:
+            announce("drawing")
+            _draw(Path(options.plot), study)
+    _show(options, study, verdict(study, aims) if aims else None)
     return 0
+
+
+def _with_quantities(statement: Statement, aims: Sequence[Aim]) -> Statement:
+    """Return the statement with what the aims name added to its quantities."""
+    from tactgen.validation.catalogue.models import gives
+
+    wanted = dict.fromkeys(name for aim in aims for name in aim.quantities)
+    missing = tuple(name for name in wanted if name not in statement.quantities)
+    for name in missing:
+        if not any(gives(model, name) for model in statement.models):
+            raise InputError(
+                f"the aim names {name}, which {', '.join(statement.models)} do not give; add a "
+                "--model that does"
+            )
+    return replace(statement, quantities=statement.quantities + missing)
+
+
+def _draw(file: Path, study: Study) -> None:
+    from tactgen.geometry.files import write_text
+    from tactgen.validation.studies.whatif.shown.pictures import study_picture
+
+    write_text(file, study_picture(study))
 
 
 def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
     """Return what the options ask; where they are silent, what the study asked before."""
-    from tactgen.validation.studies.whatif.statement import FILE, read_statement
+    from tactgen.validation.studies.whatif.asked.statement import FILE, read_statement
 
     if options.resume and folder is None:
         raise InputError("--resume needs the study to go on with; add --out STUDY")
@@ -117,8 +163,8 @@ def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
 
 def _stated(options: argparse.Namespace, before: Statement | None) -> Statement:
     from tactgen.validation.scene.scene import scene_values
-    from tactgen.validation.studies.whatif.choice import chosen
-    from tactgen.validation.studies.whatif.statement import Statement
+    from tactgen.validation.studies.whatif.asked.choice import chosen
+    from tactgen.validation.studies.whatif.asked.statement import Statement
 
     overrides = list(options.overrides)
     if options.frequency is not None:
@@ -154,14 +200,15 @@ def _whole(text: str, option: str, least: int, most: int, example: str) -> int:
 
 
 def _write(folder: Path, study: Study) -> list[Path]:
-    from tactgen.validation.studies.whatif.netcdf import write_netcdf
-    from tactgen.validation.studies.whatif.tidy import write_tidy
+    from tactgen.validation.studies.whatif.shown.netcdf import write_netcdf
+    from tactgen.validation.studies.whatif.shown.tidy import write_tidy
 
     return [write_tidy(folder, study), write_netcdf(folder, study)]
 
 
-def _show(options: argparse.Namespace, study: Study) -> None:
-    from tactgen.validation.studies.whatif.summary import table_lines
+def _show(options: argparse.Namespace, study: Study, found: Verdict | None) -> None:
+    from tactgen.validation.studies.whatif.aim.wording import as_values, sentences
+    from tactgen.validation.studies.whatif.shown.summary import table_lines
 
     warnings = study.warnings
     warn(warnings[:_WARNINGS])
@@ -169,10 +216,11 @@ def _show(options: argparse.Namespace, study: Study) -> None:
         warn([f"{len(warnings) - _WARNINGS} more kinds of warnings"
               + (f", see {options.out}/study.csv" if options.out else "")])  # fmt: skip
     if options.json:
-        json.dump(_as_json(study), sys.stdout, allow_nan=False)
+        aims = {"aims": as_values(study, found)} if found else {}
+        json.dump({**_as_json(study), **aims}, sys.stdout, allow_nan=False)
         print()
     else:
-        print("\n".join(table_lines(study)))
+        print("\n".join([*table_lines(study), *(sentences(study, found) if found else ())]))
     counts = study.counts
     where = f", written to {options.out}" if options.out else ""
     together = f" ({counts.together} from a reduced basis)" if counts.together else ""

@@ -16,8 +16,8 @@ import numpy as np
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.scene import check_key
-from tactgen.validation.studies.whatif.distributions import DISTRIBUTIONS, Distribution
-from tactgen.validation.studies.whatif.scene_field import SceneField, scene_field
+from tactgen.validation.studies.whatif.asked.distributions import DISTRIBUTIONS, Distribution
+from tactgen.validation.studies.whatif.asked.scene_field import SceneField, scene_field
 
 #: Most values of one axis, and most points of one study.
 MOST = 1_000_000

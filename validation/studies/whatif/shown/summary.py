@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from tactgen.validation.catalogue.models import gives
-from tactgen.validation.engine.results import Quantity
 from tactgen.validation.studies.whatif.answers import Answer
+from tactgen.validation.studies.whatif.asked.scene_field import scene_field
 from tactgen.validation.studies.whatif.run import Study
-from tactgen.validation.studies.whatif.scene_field import scene_field
-from tactgen.validation.view.formats import engineering, with_bar
+from tactgen.validation.studies.whatif.shown.representative import representative
 
 #: Lines that are shown; of longer studies evenly spaced ones.
 _SHOWN = 60
@@ -39,38 +36,18 @@ def table_lines(study: Study) -> list[str]:
 
 
 def heading(study: Study, name: str) -> str:
-    """Return what is shown of a quantity."""
+    """Return a quantity's name with what is shown of it."""
     for _, _, answer in study.rows:
         for q in answer.quantities:
             if q.name == name:
-                if q.value.ndim > 1:
-                    return f"{name}, largest entry"
-                if q.frequency is not None and q.value.size > 1:
-                    return f"{name}, largest"
-                return name if q.value.ndim == 0 or q.frequency else f"{name}, first"
+                return ", ".join(part for part in (name, representative(q).what) if part)
     return name
 
 
 def _cells(model: str, answer: Answer, quantities: tuple[str, ...]) -> list[str]:
     by_name = {q.name: q for q in answer.quantities}
     return [
-        shown(by_name[name]) if name in by_name
+        representative(by_name[name]).text if name in by_name
         else answer.status if gives(model, name) else "-"
         for name in quantities
     ]  # fmt: skip
-
-
-def shown(q: Quantity) -> str:
-    """Return one number that stands for a quantity, with its bar."""
-    if q.value.ndim == 0 or q.frequency is None:
-        place: Any = (0,) * q.value.ndim
-        return with_bar(float(q.value[place]), float(q.uncertainty[place]), q.unit)
-    size = np.abs(q.value)
-    if not np.isfinite(size).any():
-        return "no value"
-    place = np.unravel_index(int(np.nanargmax(size)), size.shape)
-    at = f" at {q.frequency[place[0]]:g} Hz" if size.size > 1 else ""
-    bar = float(np.broadcast_to(q.uncertainty, size.shape)[place])
-    if q.value.ndim > 1:
-        return f"{engineering(float(size[place]), q.unit)}{at}"
-    return with_bar(float(size[place]), bar, q.unit) + at

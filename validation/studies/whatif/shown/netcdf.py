@@ -16,9 +16,9 @@ import numpy as np
 from tactgen.geometry.files import written_whole
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.studies.whatif.answers import code_of
-from tactgen.validation.studies.whatif.dataset import STATUSES, Dataset, Variable, dataset
+from tactgen.validation.studies.whatif.asked.statement import FORMAT
 from tactgen.validation.studies.whatif.run import Study
-from tactgen.validation.studies.whatif.statement import FORMAT
+from tactgen.validation.studies.whatif.shown.dataset import STATUSES, Dataset, Variable, dataset
 
 #: File of the arrays in a study's folder.
 FILE = "study.nc"

@@ -16,8 +16,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.files import assign
-from tactgen.validation.studies.whatif.axes import MOST, Axis, parse_axes
-from tactgen.validation.studies.whatif.scene_field import as_stated
+from tactgen.validation.studies.whatif.asked.axes import MOST, Axis, parse_axes
+from tactgen.validation.studies.whatif.asked.scene_field import as_stated
 
 #: Version of the file; another one is refused.
 FORMAT = 1
@@ -58,7 +58,7 @@ class Statement:
 
     @cached_property
     def axes(self) -> tuple[Axis, ...]:
-        """The axes; refusals as :func:`validation.studies.whatif.axes.parse_axes`."""
+        """The axes; refusals as :func:`validation.studies.whatif.asked.axes.parse_axes`."""
         return parse_axes(self.vary, sampled=self.samples > 0)
 
     @cached_property

@@ -10,7 +10,7 @@ from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.scene.wording import choices
-from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.asked.statement import Statement
 
 #: By actuator: quick, and exact within its theory.
 _USUAL: dict[Actuator, str] = {"bimorph": "tmm", "reluctance": "network"}

@@ -65,10 +65,11 @@ def records(study: Study) -> Iterator[Record]:
     for point, model, answer in study.rows:
         for name in study.statement.quantities:
             if gives(model, name):
-                yield from _of_quantity(point, model, name, answer)
+                yield from records_of(point, model, name, answer)
 
 
-def _of_quantity(point: dict[str, Any], model: str, name: str, answer: Answer) -> Iterator[Record]:
+def records_of(point: dict[str, Any], model: str, name: str, answer: Answer) -> Iterator[Record]:
+    """Yield every number of one quantity by one model at one point."""
     found = next((q for q in answer.quantities if q.name == name), None)
     if found is None:
         unit = QUANTITIES[name].unit

@@ -1,0 +1,165 @@
+"""Aims: what is met, what is best, and what their small language refuses."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.scene.scene import scene_values
+from tactgen.validation.studies.whatif.aim.best import (
+    pareto,
+    parse_aims,
+    verdict,
+    yield_interval,
+)
+from tactgen.validation.studies.whatif.aim.expression import parse_aim
+from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.run import run_study
+
+
+def quantity(name, value, unit, bar=0.0, frequency=None):
+    value = np.asarray(value)
+    return Quantity(name, "tmm", value, unit, np.full(value.shape, bar), "", 0.0, frequency)
+
+
+#: Thresholds at these frequencies are 2, 0.2 and 1 um; outside them there is none.
+TIP = quantity(
+    "tip_displacement", [4e-6, 3e-6j, -5e-6, 1.0], "m", 1e-7, (10.0, 250.0, 1000.0, 2000.0)
+)
+MODES = quantity("short_circuit_frequencies", [400.0, 900.0], "Hz", 2.0)
+KNOWN = {"tip_displacement": TIP, "short_circuit_frequencies": MODES}
+
+
+@pytest.mark.parametrize(
+    ("text", "margin"),
+    [
+        ("min_over(tip_displacement / threshold) >= 1", 1.0),
+        ("min_over(tip_displacement / threshold) <= 1.5", -0.5),
+        ("first(short_circuit_frequencies) > 0.5 kHz", -100.0),
+        (
+            "first(short_circuit_frequencies) - 2 * 150 Hz < max_over(short_circuit_frequencies)",
+            800.0,
+        ),
+        ("max_over(short_circuit_frequencies)/first(short_circuit_frequencies) >= 25 %", 2.0),
+        ("sqrt(first(short_circuit_frequencies) / 1 Hz) >= -(3 - 5)", 18.0),
+        ("mean_over(short_circuit_frequencies) >= 650 Hz", 0.0),
+        ("minimise first(short_circuit_frequencies)", -400.0),
+        ("maximize abs(first(tip_displacement))", 4e-6),
+    ],
+)
+def test_aims_mean_what_they_say(text, margin):
+    """Arithmetic, precedence, functions, magnitudes, units, and what has no value left out."""
+    assert parse_aim(text).margin(KNOWN) == pytest.approx(margin, rel=1e-12, abs=1e-12)
+
+
+def test_an_aim_carries_the_error_bars():
+    """A ratio of two numbers: the larger change of each, added."""
+    aim = parse_aim("first(short_circuit_frequencies) / first(tip_displacement) >= 0 Hz/um".replace(
+        " Hz/um", " Hz / 1 um"))  # fmt: skip
+    _, bar = aim.margin_with_bar(KNOWN)
+    assert bar == pytest.approx(2.0 / 4e-6 + 400.0 * (1 / 3.9e-6 - 1 / 4e-6), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "is not whole"),
+        ("tip_displacement", "has no comparison"),
+        ("min_over(tip_displacment) > 1 um", 'did you mean "tip_displacement"'),
+        ("minover(tip_displacement) > 1 um", 'did you mean "min_over"'),
+        ("min_over(tip_displacement > 1 um", "not closed"),
+        ("min_over(tip_displacement) > 1 um)", "where it should end"),
+        ("min_over(tip_displacement) > 1 parrot", 'unknown unit "parrot"'),
+        ("min_over(tip_displacement) > __import__", 'names "__import__"'),
+        ("tip_displacement[0] > 1 um", 'has "[", which is no part of it'),
+        ("1 > 2", "names no quantity"),
+        ("first(dynamic_stiffness) > 1", "no common unit"),
+        ("(" * 60 + "tip_displacement" + ")" * 60 + " > 1 um", "nested too deeply"),
+    ],
+)
+def test_what_is_no_aim_is_refused(text, words):
+    with pytest.raises(InputError) as caught:
+        parse_aim(text)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("min_over(tip_displacement) >= 2", "write units that fit"),
+        ("min_over(tip_displacement) >= 2 V", "write units that fit"),
+        ("tip_displacement >= 2 um", "leaves 4 values where one is wanted"),
+    ],
+)
+def test_units_and_shapes_are_checked(text, words):
+    with pytest.raises(InputError, match=words):
+        parse_aim(text).margin(KNOWN)
+
+
+def test_pareto_takes_what_cannot_be_bettered():
+    """A lead within the error bars is none."""
+    first = [(3.0, 0.0), (2.0, 0.0), (2.5, 0.0), (1.0, 0.0)]
+    second = [(1.0, 0.1), (2.0, 0.1), (1.15, 0.1), (1.9, 0.1)]
+    assert pareto(first, second) == [0, 1]
+    exact = [(value, 0.0) for value, _ in second]
+    assert pareto(first, exact) == [0, 2, 1]
+    assert pareto([], []) == []
+
+
+def test_the_interval_of_a_yield():
+    """Wilson's interval as printed: Newcombe, Statistics in Medicine 17 (1998) 857, table I."""
+    for met, of, low, high in ((81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605),
+                               (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)):  # fmt: skip
+        np.testing.assert_allclose(yield_interval(met, of), (low, high), atol=5e-5)
+
+
+def study(*vary, models=("tmm",), quantities=("static_tip_displacement",), **more):
+    values, _ = scene_values("prototype")
+    return run_study(Statement("prototype", values, vary, models, quantities, **more))
+
+
+def test_conditions_and_goals_pick_points():
+    """Longer bends more and is slower: the condition cuts, the goal orders, two make a front."""
+    both = ("static_tip_displacement", "short_circuit_frequencies")
+    found = study("bimorph.length=14mm:22mm:5", quantities=both)
+    condition = "static_tip_displacement >= 0.7 um"
+    goal = "maximise first(short_circuit_frequencies)"
+    met = verdict(found, parse_aims([condition]))
+    assert [one.number for one in met.met] == [2, 3, 4]
+    assert [one.number for one in met.best] == [4, 3, 2]
+    assert not met.undecided
+    best = verdict(found, parse_aims([condition, goal]))
+    assert [one.number for one in best.best] == [2, 3, 4]
+    front = verdict(found, parse_aims([goal, "maximise static_tip_displacement"]))
+    assert [one.number for one in front.best] == [0, 1, 2, 3, 4]
+    with pytest.raises(InputError, match="more than two goals"):
+        parse_aims([goal, goal, goal])
+
+
+def test_an_aim_over_both_actuators():
+    """No model gives both: one of each is taken together."""
+    found = study(
+        "gap=100um,200um", models=("tmm", "network"),
+        quantities=("magnetic_force", "static_tip_displacement"),
+    )  # fmt: skip
+    judged = verdict(found, parse_aims(["magnetic_force / static_tip_displacement > 0 N / 1 m"]))
+    assert [one.models for one in judged.judged] == ["tmm with network"] * 2
+
+
+def test_the_command_says_yield_and_best(capsys, tmp_path):
+    """What the aim names is asked for; the picture is written."""
+    picture = tmp_path / "study.svg"
+    code = main([
+        "whatif", "prototype", "--vary", "bimorph.length=normal(20mm,2%)", "--sample", "16",
+        "--quantity", "capacitance_free", "--aim", "first(short_circuit_frequencies) >= 440 Hz",
+        "--plot", str(picture),
+    ])  # fmt: skip
+    out = capsys.readouterr().out
+    assert code == 0
+    found = study("bimorph.length=normal(20mm,2%)", quantities=("short_circuit_frequencies",),
+                  samples=16)  # fmt: skip
+    met = sum(a.quantities[0].value[0] >= 440.0 for _, _, a in found.rows)
+    assert f"{met} of 16 points meet first(short_circuit_frequencies) >= 440 Hz: a yield of" in out
+    assert picture.read_text().startswith("<svg")

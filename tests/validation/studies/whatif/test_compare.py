@@ -1,0 +1,117 @@
+"""Two scenes or studies side by side: what differs, and what the error bars cover."""
+
+import json
+import re
+
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.whatif.compare.differences import answer_differences
+from tactgen.validation.studies.whatif.compare.sides import Key, Number, Side, read_sides
+
+KEY = Key((), "capacitance_free", "solid", "", "")
+SCENE = load_scene("prototype")[0]
+
+
+def side(name, **numbers):
+    held = {KEY._replace(number=n): v for n, v in numbers.items()}
+    return Side(name, {}, held, {}, SCENE, ())
+
+
+@pytest.mark.parametrize(
+    ("bars", "beyond"), [((0.06, 0.05), 0), ((0.04, 0.05), 1), ((float("nan"), 0.2), 0)]
+)
+def test_bars_cover_what_they_add_up_to(bars, beyond):
+    """1.0 and 1.1: 0.11 covers, 0.09 does not; no bar is none."""
+    a, b = (Number(v, bar, "F") for v, bar in zip((1.0, 1.1), bars, strict=True))
+    (found,) = answer_differences(side("a", x=a), side("b", x=b))
+    assert found.beyond == beyond
+    assert found.relative == pytest.approx(0.1)
+
+
+def test_the_largest_change_beyond_the_bars_is_shown():
+    """Not the largest of all, if its bars cover it; what only one has is counted."""
+    wide = Number(1.0, 1.0, "F"), Number(1.9, 1.0, "F")
+    sharp = Number(1.0, 0.0, "F"), Number(1.01, 0.0, "F")
+    a = side("a", wide=wide[0], sharp=sharp[0], lone=sharp[0])
+    (found,) = answer_differences(a, side("b", wide=wide[1], sharp=sharp[1]))
+    assert (found.key.number, found.beyond, found.count, found.only) == ("sharp", 1, 2, (1, 0))
+    nothing = Number(complex("nan"), float("nan"), "F")
+    (found,) = answer_differences(side("a", x=nothing), side("b", x=sharp[0]))
+    assert found.beyond == 1
+    (found,) = answer_differences(side("a", x=nothing), side("b", x=nothing))
+    assert found.beyond == 0
+
+
+def compared(capsys, *arguments):
+    code = main(["compare", *map(str, arguments)])
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_two_scenes(capsys, tmp_path):
+    """Input and numbers are those of the scenes; the page needs nothing from elsewhere."""
+    asked = ("--quantity", "static_tip_displacement", "--quantity", "tip_displacement",
+             "--frequency", "10:1000:9")  # fmt: skip
+    code, out, _ = compared(
+        capsys, "paper", "prototype", "--set", "bimorph.length=20mm", *asked, "--json",
+        "--out", tmp_path,
+    )  # fmt: skip
+    assert code == 0
+    found = json.loads(out)
+    assert {i["key"]: (i["a"], i["b"]) for i in found["inputs"]} == {
+        "load.kind": ("finger", "none"), "drive.voltage": ("50 V", "1 V"),
+    }  # fmt: skip
+    static = next(a for a in found["answers"] if a["quantity"] == "static_tip_displacement")
+    expected = [
+        solve(load_scene(n, ["bimorph.length=20mm"])[0], ("tmm",), ("static_tip_displacement",))
+        for n in ("paper", "prototype")
+    ]
+    assert [static["a"], static["b"]] == [float(s.quantities[0].value) for s in expected]
+    assert static["verdict"] == "beyond the bars"
+    assert static["change"] == pytest.approx(1 / 50 - 1)
+    page = (tmp_path / "compare.html").read_text(encoding="utf-8")
+    assert "<svg" in page
+    assert not re.findall(r"""(?:src|href)=["'](?!#|data:)|<link|<script|url\((?!#)""", page)
+    code, out, _ = compared(capsys, "paper", "paper", *asked)
+    assert "the input is the same" in out
+    assert out.count("the same") == 3
+
+
+def test_two_studies_as_they_were_written(capsys, tmp_path):
+    """Points are matched by the axes' values; nothing is solved again."""
+    for name, width, count in (("a", "2.1mm", 3), ("b", "2mm", 5)):
+        assert main(["whatif", "prototype", "--vary", f"bimorph.length=14mm:18mm:{count}", "--set",
+                     f"bimorph.width={width}", "--quantity", "capacitance_free", "--out",
+                     str(tmp_path / name)]) == 0  # fmt: skip
+    capsys.readouterr()
+    code, out, _ = compared(capsys, tmp_path / "a", tmp_path / "b", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert [i["key"] for i in found["inputs"]] == ["bimorph.width", "axis bimorph.length"]
+    (capacitance,) = found["answers"]
+    assert (capacitance["values"], capacitance["beyond_bars"]) == (3, 3)
+    assert capacitance["only"] == [0, 2]
+    # charge goes with the width
+    assert capacitance["change"] == pytest.approx(2.0 / 2.1 - 1.0, rel=1e-6)
+    assert "bimorph.length 1" in capacitance["at"]
+
+
+def test_what_cannot_be_compared_is_refused(tmp_path, capsys):
+    for arguments, words in (
+        (("paper", "nowhere"), "neither a readable file"),
+        (("paper", "paper", "--model", "tnm"), 'did you mean "tmm"'),
+    ):
+        code, out, err = compared(capsys, *arguments)
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        assert words in err
+    study = tmp_path / "study"
+    study.mkdir()
+    (study / "study.json").write_text("{}")
+    with pytest.raises(InputError, match="a scene and a study"):
+        read_sides(("paper", str(study)), (), None, None, lambda _: None)
+    with pytest.raises(InputError, match="compared as they were written"):
+        read_sides((str(study), str(study)), (), ["tmm"], None, lambda _: None)

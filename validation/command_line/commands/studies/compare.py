@@ -1,0 +1,66 @@
+"""``tactgen compare``: two scenes or two studies side by side."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from tactgen.validation.command_line.commands.common import Commands
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "compare", help="what differs between two scenes or studies, in input and in every answer"
+    )
+    parser.add_argument("first", metavar="A", help="scene (file or built-in name), or study folder")
+    parser.add_argument("second", metavar="B", help="another of the same kind")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
+        help="change a scene key of both",
+    )  # fmt: skip
+    parser.add_argument("--model", action="append", metavar="NAME", help="may be repeated")
+    parser.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated")
+    parser.add_argument(
+        "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz, for example 10:2000:200"
+    )
+    parser.add_argument("--out", metavar="DIR", help="also write compare.html with pictures")
+    parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command; a difference is no error, so the exit code is 0."""
+    from tactgen.geometry.files import writable_folder
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.export.files import scene_solids
+    from tactgen.validation.studies.whatif.compare.differences import (
+        answer_differences,
+        input_differences,
+    )
+    from tactgen.validation.studies.whatif.compare.page import write_page
+    from tactgen.validation.studies.whatif.compare.sides import read_sides
+    from tactgen.validation.studies.whatif.compare.wording import as_values, lines
+
+    out = writable_folder(Path(options.out)) if options.out is not None else None
+    overrides = list(options.overrides)
+    if options.frequency is not None:
+        overrides.append(f"frequency={options.frequency}")
+    with announcer() as announce:
+        sides = read_sides(
+            (options.first, options.second), overrides, options.model, options.quantity, announce
+        )
+        inputs, answers = input_differences(*sides), answer_differences(*sides)
+        if out is not None:
+            announce("drawing")
+            page = write_page(out, sides, inputs, answers, scene_solids)
+    if options.json:
+        json.dump(as_values(sides, inputs, answers), sys.stdout, allow_nan=False)
+        print()
+    else:
+        print("\n".join(lines(sides, inputs, answers)))
+    if out is not None:
+        print(page, file=sys.stderr)
+    return 0

@@ -1,0 +1,129 @@
+"""Which points of a study meet its aims, which are best, and which cannot be bettered in two."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.models import ranked
+from tactgen.validation.studies.whatif.aim.expression import Aim, parse_aim
+from tactgen.validation.studies.whatif.run import Study
+
+#: 97.5 % quantile of the normal distribution.
+_NORMAL = 1.959963984540054
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A point by one choice of models: margins of all aims with their bars, in SI units."""
+
+    number: int
+    models: str
+    margins: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a study's aims say of its points.
+
+    Attributes
+    ----------
+    aims : tuple of Aim
+        Conditions and at most two goals.
+    judged : tuple of Judged
+        Points that could be judged, by the models that could.
+    met, undecided : tuple of Judged
+        Those that meet all conditions, and those among all that are nearer to the edge of one
+        than its error bar.
+    best : tuple of Judged
+        Of those that meet all: the best first; of two goals the Pareto front.
+    """
+
+    aims: tuple[Aim, ...]
+    judged: tuple[Judged, ...]
+    met: tuple[Judged, ...]
+    undecided: tuple[Judged, ...]
+    best: tuple[Judged, ...]
+
+
+def parse_aims(texts: Sequence[str]) -> tuple[Aim, ...]:
+    """Return the aims; InputError for one that cannot be read, and for more than two goals."""
+    aims = tuple(parse_aim(text) for text in texts)
+    if sum(aim.kind == "goal" for aim in aims) > 2:
+        raise InputError("more than two goals are stated; keep two, and make conditions of others")
+    return aims
+
+
+def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
+    """Return what the aims say of every point, by every model that gives what they name.
+
+    If no single model does, the most detailed of each actuator together.
+    """
+    judged = []
+    for number, answers in enumerate(study.answers):
+        known = {m: {q.name: q for q in a.quantities} for m, a in answers.items()}
+        together: dict[str, Any] = {}
+        for model in ranked(known):
+            together |= known[model]
+        wanted = {name for aim in aims for name in aim.quantities}
+        choices = {m: found for m, found in known.items() if wanted <= set(found)}
+        if not choices and wanted <= set(together):
+            choices = {" with ".join(known): together}
+        for models, found in choices.items():
+            needed = {name: found[name] for name in wanted}
+            margins = tuple(aim.margin_with_bar(needed) for aim in aims)
+            if all(math.isfinite(margin) for margin, _ in margins):
+                judged.append(Judged(number, models, margins))
+    conditions = [n for n, aim in enumerate(aims) if aim.kind == "condition"]
+    met = [j for j in judged if all(j.margins[n][0] >= 0.0 for n in conditions)]
+    undecided = [
+        j for j in judged if any(abs(j.margins[n][0]) <= j.margins[n][1] for n in conditions)
+    ]
+    goals = [n for n, aim in enumerate(aims) if aim.kind == "goal"]
+    return Verdict(aims, tuple(judged), tuple(met), tuple(undecided), _best(met, goals, conditions))
+
+
+def _best(
+    met: Sequence[Judged], goals: Sequence[int], conditions: Sequence[int]
+) -> tuple[Judged, ...]:
+    if len(goals) == 2:
+        front = pareto(*([j.margins[goal] for j in met] for goal in goals))
+        return tuple(met[n] for n in front)
+    by = goals or conditions[:1]
+    return tuple(sorted(met, key=lambda j: -j.margins[by[0]][0]))
+
+
+def pareto(
+    first: Sequence[tuple[float, float]], second: Sequence[tuple[float, float]]
+) -> list[int]:
+    """Return the places of points that no other betters in both, more being better.
+
+    Parameters
+    ----------
+    first, second : sequence of (float, float)
+        Of each point the value and its error bar: in the second, a lead within the bars is none.
+
+    Returns
+    -------
+    list of int
+        In descending order of the first.
+    """
+    order = sorted(range(len(first)), key=lambda n: (-first[n][0], -second[n][0]))
+    found: list[int] = []
+    for n in order:
+        (value, bar), (last, last_bar) = second[n], second[found[-1]] if found else (-math.inf, 0.0)
+        if value > last + bar + last_bar:
+            found.append(n)
+    return found
+
+
+def yield_interval(met: int, of: int) -> tuple[float, float]:
+    """Return the 95 % interval of a share that was counted (Wilson 1927)."""
+    z2 = _NORMAL**2
+    share = met / of
+    centre = (share + z2 / (2 * of)) / (1.0 + z2 / of)
+    half = _NORMAL / (1.0 + z2 / of) * math.sqrt(share * (1 - share) / of + z2 / (4 * of**2))
+    return max(0.0, centre - half), min(1.0, centre + half)

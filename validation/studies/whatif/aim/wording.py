@@ -1,0 +1,76 @@
+"""What a study's aims say, in sentences and as plain values."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tactgen.validation.studies.whatif.aim.best import Judged, Verdict, yield_interval
+from tactgen.validation.studies.whatif.asked.scene_field import scene_field
+from tactgen.validation.studies.whatif.run import Study
+
+#: Most points that are listed.
+_LISTED = 5
+
+
+def sentences(study: Study, found: Verdict) -> list[str]:
+    """Return how many points meet the aims, and the best of them."""
+    total = len(found.judged)
+    if not total:
+        return ["no point has all the quantities that the aims name"]
+    conditions = [aim.text for aim in found.aims if aim.kind == "condition"]
+    lines = []
+    if conditions:
+        share = f"{len(found.met)} of {total} points meet {' and '.join(conditions)}"
+        if study.statement.samples:
+            low, high = (100.0 * end for end in yield_interval(len(found.met), total))
+            share += f": a yield of {100.0 * len(found.met) / total:.3g} % (95 % interval "
+            share += f"{low:.3g} to {high:.3g} %, from the count alone)"
+        lines.append(share)
+        if found.undecided:
+            lines.append(
+                f"{len(found.undecided)} of them all are nearer to the edge than the numerical "
+                "error bar, so either may be true of them"
+            )
+    if not found.best:
+        return lines
+    goals = [aim for aim in found.aims if aim.kind == "goal"]
+    if len(goals) == 2:
+        lines.append(f"{len(found.best)} points cannot be bettered in both {goals[0].text} and "
+                     f"{goals[1].text}:")  # fmt: skip
+        listed = found.best
+    else:
+        lines.append("best:" if goals else f"farthest inside {conditions[0]}:")
+        listed = found.best[:_LISTED]
+    return lines + [f"  {_line(study, found, one)}" for one in listed]
+
+
+def _line(study: Study, found: Verdict, one: Judged) -> str:
+    at = ", ".join(
+        f"{key} = {scene_field(key).show(value)}" for key, value in study.points[one.number].items()
+    )
+    numbers = ", ".join(
+        f"{aim.sign * margin:.5g}"
+        if aim.kind == "goal" else f"margin {margin:.3g}"
+        for aim, (margin, _) in zip(found.aims, one.margins, strict=True)
+    )  # fmt: skip
+    return f"{at} ({one.models}): {numbers}"
+
+
+def as_values(study: Study, found: Verdict) -> dict[str, Any]:
+    """Return the verdict as plain JSON values, SI units."""
+
+    def listed(which: tuple[Judged, ...]) -> list[dict[str, Any]]:
+        return [
+            {"at": study.points[one.number], "models": one.models,
+             "margins": [margin for margin, _ in one.margins],
+             "bars": [bar for _, bar in one.margins]}
+            for one in which
+        ]  # fmt: skip
+
+    share = yield_interval(len(found.met), len(found.judged)) if found.judged else None
+    return {
+        "aims": [aim.text for aim in found.aims], "judged": len(found.judged),
+        "met": len(found.met), "undecided": len(found.undecided),
+        "yield_interval_95": list(share) if share and study.statement.samples else None,
+        "best": listed(found.best),
+    }  # fmt: skip

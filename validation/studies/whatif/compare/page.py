@@ -1,0 +1,143 @@
+"""A comparison as one self-contained page: tables, curves, devices side by side."""
+
+from __future__ import annotations
+
+import base64
+import html
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import write_text
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.whatif.compare.differences import AnswerDifference, InputDifference
+from tactgen.validation.studies.whatif.compare.sides import Key, Side
+from tactgen.validation.studies.whatif.compare.wording import place, shown
+from tactgen.validation.view.figures import BLUE, ORANGE, panels, plain_numbers, svg
+from tactgen.validation.view.formats import percent
+from tactgen.validation.view.plain_page import plain_page, table
+
+#: File of the page.
+FILE = "compare.html"
+#: Most curves of one quantity that are drawn.
+_CURVES = 6
+
+
+def write_page(
+    folder: Path,
+    sides: tuple[Side, ...],
+    inputs: list[InputDifference],
+    answers: list[AnswerDifference],
+    solids: Callable[[Scene], dict[str, Any]],
+) -> Path:
+    """Write the page, whole or not at all; `solids` gives the CAD solids of a scene by name."""
+    first, second = sides
+    parts = [f"<p>A is {html.escape(first.name)}, B is {html.escape(second.name)}.</p>"]
+    parts.append("<h2>Input that differs</h2>")
+    parts.append(
+        table(("key", "A", "B"), [(i.key, i.first or "-", i.second or "-") for i in inputs])
+        if inputs else "<p>None.</p>"
+    )  # fmt: skip
+    parts.append("<h2>Answers, where they differ most</h2>")
+    parts.append(table(
+        ("quantity", "model", "at", "A", "B", "change", "bars"),
+        [(d.quantity, d.model, place(d.key), shown(d.first), shown(d.second),
+          percent(d.relative), d.verdict) for d in answers],
+    ))  # fmt: skip
+    parts.append(
+        "<p>A change is covered if it is no larger than both error bars together. The bars are "
+        "numerical: how far a number is from the same model solved exactly.</p>"
+    )
+    picture = _curves(sides)
+    if picture:
+        parts += ["<h2>Curves</h2>", f"<figure>{picture}</figure>"]
+    parts += _devices(sides, inputs, solids)
+    title = f"Comparison of {first.name} and {second.name}"
+    return write_text(folder / FILE, plain_page(title, parts))
+
+
+def _curves(sides: tuple[Side, ...]) -> str:
+    """Return curves over frequency, or over the first numeric axis; nothing if there are none."""
+    found: dict[str, dict[tuple[str, ...], list[list[tuple[float, float]]]]] = {}
+    for number, side in enumerate(sides):
+        for key, value in side.numbers.items():
+            abscissa = _abscissa(key)
+            if abscissa is None or (np.isnan(value.value) and not key.frequency):
+                continue
+            lines = found.setdefault(key.quantity, {}).setdefault(_curve(key), [[], []])
+            lines[number].append((abscissa, abs(value.value)))
+    found = {q: {c: v for c, v in by.items() if max(map(len, v)) > 1} for q, by in found.items()}
+    found = {q: by for q, by in found.items() if by}
+    if not found:
+        return ""
+    figure, grid = panels(8.0, 3.0 * len(found), nrows=len(found), squeeze=False)
+    for axis, (quantity, curves) in zip(grid[:, 0], found.items(), strict=True):
+        for label, both in list(curves.items())[:_CURVES]:
+            for points, colour, name, style in zip(
+                both, (BLUE, ORANGE), "AB", ("-", "--"), strict=True
+            ):
+                line = np.array(sorted(points)).reshape(-1, 2)
+                axis.plot(line[:, 0], line[:, 1], style, color=colour, linewidth=1.2,
+                          label=" ".join((name, *label)))  # fmt: skip
+        axis.set_ylabel(quantity.replace("_", " "))
+        sizes = np.array([y for both in curves.values() for line in both for _, y in line])
+        if sizes.min() > 0.0 and sizes.max() > 30.0 * sizes.min():
+            axis.set_yscale("log")
+            plain_numbers(axis.yaxis)
+        axis.legend(fontsize=8)
+    return svg(figure)
+
+
+def _abscissa(key: Key) -> float | None:
+    if key.frequency:
+        return float(key.frequency)
+    for _, value in key.point:
+        try:
+            return float(value)
+        except ValueError:
+            continue
+    return None
+
+
+def _curve(key: Key) -> tuple[str, ...]:
+    """Return what is the same along a curve: model, index, and all axes but the abscissa."""
+    rest = list(key.point)
+    if not key.frequency:
+        numeric = next(n for n, (_, value) in enumerate(rest) if _is_number(value))
+        del rest[numeric]
+    index = (f"no. {key.number}",) if key.number else ()
+    return (key.model, *index, *(value for _, value in rest))
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _devices(
+    sides: tuple[Side, ...],
+    inputs: list[InputDifference],
+    solids: Callable[[Scene], dict[str, Any]],
+) -> list[str]:
+    """Return pictures of both devices, if a dimension of them differs and they can be drawn."""
+    from tactgen.validation.view.pictures import solids_picture
+
+    shapes = ("bimorph.", "rod.", "coil.", "sleeve.", "support.kind", "gap", "glue.")
+    if not any(i.key.startswith(shapes) for i in inputs):
+        return []
+    try:
+        pictures = [base64.b64encode(solids_picture(solids(s.scene))).decode() for s in sides]
+    except InputError as error:  # profiles have no CAD solids; a library may be missing
+        return [f"<p>No picture of the devices: {html.escape(str(error))}</p>"]
+    figures = "".join(
+        f'<figure><img alt="device {name}" src="data:image/png;base64,{data}">'
+        f"<figcaption>{name}: {html.escape(side.name)}</figcaption></figure>"
+        for data, name, side in zip(pictures, "AB", sides, strict=True)
+    )
+    return ["<h2>Devices</h2>", f'<div class="pair">{figures}</div>']

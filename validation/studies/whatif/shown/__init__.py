@@ -1,0 +1,1 @@
+"""A study as table, files and pictures."""

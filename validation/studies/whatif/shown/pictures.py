@@ -1,0 +1,301 @@
+"""Pictures of a study: lines, contours, scatter, parallel coordinates, tornado.
+
+Which one follows from the axes.  Of modes the first is shown, of responses the largest magnitude.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.errors import InputError
+from tactgen.validation.studies.whatif.asked.axes import Axis
+from tactgen.validation.studies.whatif.asked.scene_field import scene_field
+from tactgen.validation.studies.whatif.run import Study
+from tactgen.validation.studies.whatif.shown.representative import representative
+from tactgen.validation.studies.whatif.shown.summary import heading
+from tactgen.validation.view.figures import (
+    AMBER,
+    BLUE,
+    DARK,
+    GREEN,
+    GREY,
+    ORANGE,
+    SKY,
+    panels,
+    plain_numbers,
+    shades,
+    svg,
+)
+from tactgen.validation.view.formats import prefixed
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_COLOURS = (BLUE, ORANGE, GREEN, AMBER, SKY, DARK)
+_STYLES = ("-", "--", ":", "-.")
+#: Values of an axis that span more than this factor with even ratios are drawn logarithmically.
+_WIDE = 20.0
+#: Axes up to which samples are shown as scatter, and not as parallel coordinates.
+_FEW = 4
+
+
+def study_picture(study: Study) -> str:
+    """Return the picture as an SVG element.
+
+    One numeric axis: lines with bars.  Two: contours.  More: a tornado, each axis from its first
+    to its last value with the others in their middle.  Samples: scatter over what was drawn, or
+    parallel coordinates if that is much.  Choices such as ``load.kind`` are a line, or for
+    contours and tornado a panel, each.
+
+    Raises
+    ------
+    InputError
+        If nothing was answered, or no axis is a number.
+    """
+    if all(answer.status != "ok" for _, _, answer in study.rows):
+        raise InputError("no point has an answer, so there is nothing to draw")
+    stated = study.statement
+    drawn = [axis for axis in stated.axes if axis.drawn is not None]
+    stepped = [axis for axis in stated.axes if axis.drawn is None and axis.numeric]
+    if drawn:
+        figure = _scatter(study, drawn) if len(drawn) <= _FEW else _parallel(study, drawn)
+    elif not stepped:
+        raise InputError(
+            "no axis is a number, so there is nothing to draw it over; add one such as --vary "
+            "bimorph.length=14mm:22mm:5"
+        )
+    elif len(stepped) == 1 or stated.zipped:
+        figure = _lines(study, stepped[0])
+    elif len(stepped) == 2:
+        figure = _contours(study, stepped)
+    else:
+        figure = _tornado(study, stepped)
+    return svg(figure)
+
+
+def _rows_of(study: Study, others: Sequence[Axis]) -> dict[tuple[str, ...], list[int]]:
+    """Return the points by what they have in common: the values of these axes."""
+    groups: dict[tuple[str, ...], list[int]] = {}
+    for number, point in enumerate(study.points):
+        at = tuple(scene_field(axis.key).show(point[axis.key]) for axis in others)
+        groups.setdefault(at, []).append(number)
+    return groups
+
+
+def _values(study: Study, name: str, model: str, numbers: Sequence[int]) -> tuple[Floats, Floats]:
+    """Return a quantity and its bar at some points, in the unit of its label; nan for none."""
+    found = np.full((2, len(numbers)), np.nan)
+    for column, number in enumerate(numbers):
+        for q in study.answers[number][model].quantities:
+            if q.name == name:
+                one = representative(q)
+                found[:, column] = one.value, one.bar
+    scale, _ = _scale(study, name)
+    return scale * found[0], scale * found[1]
+
+
+def _along(axis: Axis, values: Sequence[Any]) -> tuple[Floats, str]:
+    """Return an axis' values in the unit that people write them in, and its label."""
+    scale = scene_field(axis.key).scale
+    factor = scale.per_si if scale else 1.0
+    unit = (scale.shown or scale.si) if scale else ""
+    label = f"{axis.key} ({unit})" if unit else axis.key
+    return np.array(values, dtype=float) * factor, label
+
+
+def _scale(study: Study, name: str) -> tuple[float, str]:
+    """Return the unit that a quantity is drawn in, and how many of it make one SI unit."""
+    sizes, unit = [0.0], ""
+    for _, _, answer in study.rows:
+        for q in answer.quantities:
+            if q.name == name:
+                sizes.append(abs(representative(q).value))
+                unit = q.unit
+    return prefixed(float(np.nanmax(sizes)), unit)
+
+
+def _label(study: Study, name: str) -> str:
+    return f"{heading(study, name).replace('_', ' ')} ({_scale(study, name)[1]})"
+
+
+def _answered(study: Study) -> list[tuple[str, str]]:
+    """Return quantities with the models that answered somewhere."""
+    found = {(q.name, model): None for _, model, a in study.rows for q in a.quantities}
+    order = study.statement.quantities
+    return sorted(found, key=lambda pair: order.index(pair[0]))
+
+
+def _logarithmic(side: Any, values: Floats) -> bool:
+    """Make a side logarithmic if its values are spread that way."""
+    if values.size < 3 or values.min() <= 0.0 or values.max() < _WIDE * values.min():
+        return False
+    side.set_xscale("log")
+    return True
+
+
+def _lines(study: Study, axis: Axis) -> Figure:
+    others = [a for a in study.statement.axes if a is not axis and not study.statement.zipped]
+    groups = _rows_of(study, others)
+    pairs = _answered(study)
+    names = list(dict.fromkeys(name for name, _ in pairs))
+    figure, grid = panels(6.4, 3.2 * len(names), nrows=len(names), squeeze=False, sharex=True)
+    label = ""
+    for side, name in zip(grid[:, 0], names, strict=True):
+        models = [model for each, model in pairs if each == name]
+        for (n, model), (m, (at, numbers)) in itertools.product(
+            enumerate(models), enumerate(groups.items())
+        ):
+            x, label = _along(axis, [study.points[number][axis.key] for number in numbers])
+            y, bar = _values(study, name, model, numbers)
+            colour = _COLOURS[n % len(_COLOURS)] if len(models) > 1 else _COLOURS[m % 6]
+            style = _STYLES[m % len(_STYLES)] if len(models) > 1 else "-"
+            order = np.argsort(x)
+            side.errorbar(
+                x[order], y[order], np.nan_to_num(bar[order]), color=colour, linestyle=style,
+                marker="o", markersize=3, capsize=2, label=" ".join((model, *at)),
+            )  # fmt: skip
+            _logarithmic(side, x)
+        side.set_ylabel(_label(study, name))
+        side.legend(fontsize=8)
+        plain_numbers(side.xaxis)
+    grid[-1, 0].set_xlabel(label)
+    return figure
+
+
+def _contours(study: Study, axes: Sequence[Axis]) -> Figure:
+    others = [a for a in study.statement.axes if a not in axes]
+    groups, pairs = _rows_of(study, others), _answered(study)
+    figure, grid = panels(
+        5.0 * len(groups), 4.0 * len(pairs), nrows=len(pairs), ncols=len(groups), squeeze=False
+    )
+    first, second = axes
+    for row, (name, model) in zip(grid, pairs, strict=True):
+        for side, (at, numbers) in zip(row, groups.items(), strict=True):
+            x, x_label = _along(first, first.values)
+            y, y_label = _along(second, second.values)
+            found, _ = _values(study, name, model, numbers)
+            places = {
+                (study.points[n][first.key], study.points[n][second.key]): value
+                for n, value in zip(numbers, found, strict=True)
+            }
+            table = np.array([[places[a, b] for a in first.values] for b in second.values])
+            side.set_title(" ".join((model, *at)), fontsize=9)
+            side.set_xlabel(x_label)
+            side.set_ylabel(y_label)
+            if min(table.shape) > 1 and np.isfinite(table).sum() > 3:
+                filled = side.contourf(x, y, np.ma.masked_invalid(table), levels=12)
+                figure.colorbar(filled, ax=side, label=_label(study, name))
+            side.plot(*(part.ravel() for part in np.meshgrid(x, y)), ".", color=GREY, markersize=2)
+    return figure
+
+
+def _tornado(study: Study, axes: Sequence[Axis]) -> Figure:
+    others = [a for a in study.statement.axes if a not in axes]
+    pairs = _answered(study)
+    groups = _rows_of(study, others)
+    figure, grid = panels(
+        6.0 * len(groups), (0.8 + 0.35 * len(axes)) * len(pairs) + 0.4, nrows=len(pairs),
+        ncols=len(groups), squeeze=False,
+    )  # fmt: skip
+    for row, (name, model) in zip(grid, pairs, strict=True):
+        for side, (at, numbers) in zip(row, groups.items(), strict=True):
+            found, _ = _values(study, name, model, numbers)
+            by_place = {
+                tuple(study.points[n][axis.key] for axis in axes): value
+                for n, value in zip(numbers, found, strict=True)
+            }
+            spans = swings([axis.values for axis in axes], by_place)
+            order = sorted(range(len(axes)), key=lambda n: np.ptp(spans[n]))
+            middle = by_place[tuple(_middle(axis.values) for axis in axes)]
+            for height, n in enumerate(order):
+                for end, colour in zip(spans[n], (SKY, BLUE), strict=True):
+                    side.barh(height, end - middle, left=middle, color=colour, height=0.6)
+            shown = [scene_field(axis.key).show for axis in axes]
+            side.set_yticks(range(len(axes)), [
+                f"{axes[n].key}  {shown[n](axes[n].values[0])} to {shown[n](axes[n].values[-1])}"
+                for n in order
+            ])  # fmt: skip
+            side.axvline(middle, color=DARK, linewidth=0.8)
+            side.set_title(" ".join((model, *at)), fontsize=9)
+            side.set_xlabel(_label(study, name))
+    return figure
+
+
+def _middle(values: Sequence[Any]) -> Any:
+    return values[len(values) // 2]
+
+
+def swings(
+    values: Sequence[Sequence[Any]], by_place: dict[tuple[Any, ...], float]
+) -> list[tuple[float, float]]:
+    """Return what a quantity is at the ends of each axis, the others in their middle.
+
+    Parameters
+    ----------
+    values : sequence of sequences
+        Of each axis.
+    by_place : dict
+        The quantity by the values of all axes.
+    """
+    middle = [_middle(each) for each in values]
+    found = []
+    for n, each in enumerate(values):
+        ends = [(*middle[:n], end, *middle[n + 1 :]) for end in (each[0], each[-1])]
+        found.append((by_place[ends[0]], by_place[ends[1]]))
+    return found
+
+
+def _scatter(study: Study, drawn: Sequence[Axis]) -> Figure:
+    names = list(dict.fromkeys(name for name, _ in _answered(study)))
+    figure, grid = panels(
+        3.2 * len(drawn), 2.8 * len(names), nrows=len(names), ncols=len(drawn), squeeze=False,
+        sharey="row",
+    )  # fmt: skip
+    pairs = _answered(study)
+    numbers = range(len(study.points))
+    for row, name in zip(grid, names, strict=True):
+        models = [model for each, model in pairs if each == name]
+        for side, axis in zip(row, drawn, strict=True):
+            x, label = _along(axis, [point[axis.key] for point in study.points])
+            for model, colour in zip(models, itertools.cycle(_COLOURS)):
+                y, bar = _values(study, name, model, numbers)
+                side.errorbar(
+                    x, y, np.nan_to_num(bar), fmt="o", markersize=3, color=colour, label=model
+                )
+            side.set_xlabel(label)
+        row[0].set_ylabel(_label(study, name))
+        row[0].legend(fontsize=8)
+    return figure
+
+
+def _parallel(study: Study, drawn: Sequence[Axis]) -> Figure:
+    """Draw each sample as a line over what was drawn and what came of it, each from 0 to 1."""
+    pairs = _answered(study)
+    figure, grid = panels(1.6 * (len(drawn) + len(pairs)), 4.0, squeeze=False)
+    side = grid[0, 0]
+    columns, labels = [], []
+    for axis in drawn:
+        values, label = _along(axis, [point[axis.key] for point in study.points])
+        columns.append(values)
+        labels.append(label)
+    for name, model in pairs:
+        columns.append(_values(study, name, model, range(len(study.points)))[0])
+        labels.append(f"{_label(study, name)}, {model}")
+    table = np.array(columns)
+    low, high = np.nanmin(table, 1, keepdims=True), np.nanmax(table, 1, keepdims=True)
+    place = (table - low) / np.where(high > low, high - low, 1.0)
+    order = np.argsort(np.argsort(np.nan_to_num(place[-1])))
+    colours = shades(len(study.points))
+    for number, line in enumerate(place.T):
+        side.plot(range(len(labels)), line, color=colours[order[number]], linewidth=0.8)
+    side.set_xticks(range(len(labels)), [
+        f"{label}\n{bottom:.4g} to {top:.4g}"
+        for label, bottom, top in zip(labels, low[:, 0], high[:, 0], strict=True)
+    ], rotation=30, ha="right", fontsize=8)  # fmt: skip
+    side.set_yticks((0.0, 1.0), ("least", "most"))
+    return figure
