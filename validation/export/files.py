@@ -55,9 +55,7 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
     if "state_space" in targets:
         check_state_space(scene)
     if {"fields", "animated_glb"} & set(targets):
-        from tactgen.validation.fields.gather import default_models
-
-        default_models(scene)
+        _refuse_without_motion(scene, targets)
     with ExitStack() as stack:
         # the files take their names together, when all of them have been written
         drafts = {kind: stack.enter_context(written_whole(p)) for kind, p in targets.items()}
@@ -81,6 +79,21 @@ def _refuse_without_lateral(scene: Scene, purpose: str) -> None:
         raise InputError(
             f"models = {','.join(scene.models)} have no bimorph {purpose}; "
             'name another scene, such as "paper", or set models=solid'
+        )
+
+
+def _refuse_without_motion(scene: Scene, targets: dict[str, Path]) -> None:
+    """Refuse fields of a scene that has none, and movement of one in which nothing moves."""
+    from tactgen.validation.fields.gather import MAGNETIC, default_models
+
+    if default_models(scene) != (MAGNETIC,):
+        return
+    still = [k for k, path in targets.items() if k == "animated_glb" or path.suffix == ".pvd"]
+    if still:
+        option = "--" + still[0].replace("_", "-")
+        raise InputError(
+            f"{option} {targets[still[0]]} is for what moves, and the model {MAGNETIC} has a field "
+            "at rest; write --fields FILE.vtu"
         )
 
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.validation.export.targets import check_place
-from tactgen.validation.fields.gather import Request, default_models, gather, with_fields
+from tactgen.validation.fields.gather import MAGNETIC, Request, default_models, gather, with_fields
 from tactgen.validation.fields.result import FieldResult, State
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.view.shading import SHADES, Shade, shades_of, words_of
+from tactgen.validation.view.shading import Shade, shades_of, words_of
 
 if TYPE_CHECKING:
     from tactgen.validation.view.page.html import Still
@@ -70,7 +70,8 @@ def view(
 def _models(scene: Scene) -> tuple[str, ...]:
     """Return the fastest solid of a scene, and transfer matrices beside it."""
     first = default_models(scene)
-    return first if "tmm" not in with_fields(scene) or first == ("tmm",) else (*first, "tmm")
+    alone = first in {("tmm",), (MAGNETIC,)} or "tmm" not in with_fields(scene)
+    return first if alone else (*first, "tmm")
 
 
 def _state(result: FieldResult, look: Look) -> State:
@@ -133,11 +134,12 @@ def page_stills(result: FieldResult, announce: Callable[[str], None]) -> list[St
     from tactgen.validation.view.stills import Picture, still
 
     found = []
-    for state in [s for s in result.states if s.circuit == "short"][:2]:
+    chosen = [s for s in result.states if s.circuit == "short"] or list(result.states)
+    for state in chosen[:2]:
         announce(f"still of {state.name}")
-        picture = Picture(*_STILL, shade=SHADES[0])
+        picture = Picture(*_STILL, shade=shades_of(result)[0])
         words = words_of(result, state)
-        caption = f"{words.title}: {words.number}, {words.detail}"
+        caption = f"{words.title}: {words.number}, {words.detail}".removesuffix(", ")
         found.append(Still(still(result, state, picture), caption))
     return found
 

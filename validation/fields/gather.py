@@ -20,6 +20,8 @@ from tactgen.validation.fields.result import Circuit, FieldResult, State
 from tactgen.validation.fields.solid import Found, SolidFields
 from tactgen.validation.scene.scene import Scene
 
+#: The model of the normal actuator whose field is shown.
+MAGNETIC = "axisymmetric"
 #: Circuits that modes are shown in.
 _CIRCUITS: tuple[tuple[Circuit, str], ...] = (
     ("short", SHORT_CIRCUIT_FREQUENCIES.name), ("open", OPEN_CIRCUIT_FREQUENCIES.name),
@@ -40,6 +42,11 @@ class Request:
 
     frequencies: tuple[float, ...] | None = None
     detail: Detail = "nodes"
+
+    @property
+    def to_look_at(self) -> bool:
+        """Whether it is for pictures rather than files."""
+        return self.detail == "edges"
 
 
 class Fields(Protocol):
@@ -71,9 +78,11 @@ def default_models(scene: Scene) -> tuple[str, ...]:
     for name in ("solid", "cad", "tmm", "beam", "lumped"):
         if name in known:
             return (name,)
+    if MAGNETIC in scene.models:
+        return (MAGNETIC,)
     raise InputError(
-        f"models = {', '.join(scene.models)} in scene {scene.name} have no bimorph that moves; "
-        'name another scene, such as "paper", or set models=solid'
+        f"models = {', '.join(scene.models)} in scene {scene.name} have neither a bimorph that "
+        f'moves nor a field to show; name another scene, such as "paper", or set models={MAGNETIC}'
     )
 
 
@@ -88,14 +97,24 @@ def gather(
     Raises
     ------
     InputError
-        If a model is not one of the lateral actuator.
+        If a model has no field in space, or both actuators are asked for at once.
     """
+    able = (*models_of("bimorph"), MAGNETIC)
     for name in models:
-        if name not in models_of("bimorph"):
+        if name not in able:
             raise InputError(
-                f"the model {name} has no motion to show; models that have one are "
-                f"{', '.join(models_of('bimorph'))}"
+                f"the model {name} has no motion or field to show; models that have are "
+                f"{', '.join(able)}"
             )
+    if MAGNETIC in models:
+        if set(models) != {MAGNETIC}:
+            raise InputError(
+                f"the model {MAGNETIC} shows the normal actuator and {models[0]} the lateral one; "
+                "ask for them one after the other"
+            )
+        from tactgen.validation.fields.magnetic import gather_magnetic
+
+        return [gather_magnetic(scene, announce, opened=request.to_look_at)]
     solution = solve(scene, tuple(models), [name for _, name in _CIRCUITS], announce)
     return [gather_from(solution, name, request, announce) for name in models]
 

@@ -77,6 +77,8 @@ class State:
         Class of a mode, as the quantities name it.
     coupling : float
         Coupling factor √(1 − (f_short / f_open)²) of a mode that bends in x; nan of others.
+    pull : (float, float) or None
+        Of a magnetic state the force that closes the gap, and its error bar (N).
     """
 
     name: str
@@ -89,6 +91,7 @@ class State:
     charge: complex = 0.0
     motion: str = ""
     coupling: float = float("nan")
+    pull: tuple[float, float] | None = None
 
 
 #: Largest displacement of a mode (m), whose own size means nothing.
@@ -109,8 +112,10 @@ class FieldResult:
         With fields at the points.
     voltage : float
         Drive of driven states, peak (V).
-    method : str
-        How the model comes to its numbers, in a few words.
+    theory : str
+        Of the model, as its row names it.
+    lines : (m, 2, 3) array or None
+        Segments of flux lines (m).
     """
 
     scene: str
@@ -118,7 +123,8 @@ class FieldResult:
     mesh: Mesh
     states: tuple[State, ...]
     voltage: float
-    method: str
+    theory: str
+    lines: Floats | None = None
 
     @property
     def has(self) -> tuple[str, ...]:

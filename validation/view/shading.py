@@ -26,7 +26,7 @@ MOTIONS = {
 #: Models in words.
 MODELS = {
     "solid": "solid (bricks)", "cad": "solid (tetrahedra)", "tmm": "transfer matrix",
-    "beam": "beam elements", "lumped": "lumped",
+    "beam": "beam elements", "lumped": "lumped", "axisymmetric": "axisymmetric field",
 }  # fmt: skip
 #: Regions in words.
 REGIONS = {
@@ -163,7 +163,8 @@ def words_of(result: FieldResult, state: State) -> Words:
         detail = MOTIONS[state.motion] + coupling
         return Words(short, number, detail, name, "at a largest displacement of 1 µm")
     if "displacement" not in state.fields:
-        return Words(state.name, "", "", name, "")
+        pull = "" if state.pull is None else f"pull {with_bar(*state.pull, 'N')}"
+        return Words("field", pull, state.name, name, "")
     tip = f"tip {engineering(abs(state.tip), 'm', 4)}"
     if state.kind == "static":
         return Words("static", tip, driven.removesuffix(" peak"), "Static", driven[:-5])

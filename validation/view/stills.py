@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 #: Directions from the device to the eye, and what is up, lying and standing.
 _LYING = ((0.5, 1.0, 0.3), (1.0, 0.0, 0.0))
 _STANDING = ((0.75, -1.0, 0.45), (0.0, 0.0, 1.0))
+#: The same of what is opened by a quarter, to look into it.
+_LYING_OPEN = ((-0.8, -1.0, 0.25), (-1.0, 0.0, 0.0))
+_STANDING_OPEN = ((-0.75, -1.0, 0.45), (0.0, 0.0, 1.0))
 _INK, _DIM = (29, 39, 51), (91, 103, 118)
 #: Room for words above and below the device, in parts of the picture's height.
 _HEAD, _FOOT = 0.14, 0.2
@@ -114,7 +117,14 @@ class _Stage:
                 clim=(low, self.top or 1.0), show_scalar_bar=False, ambient=0.45, diffuse=0.6,
             )  # fmt: skip
             self._parts.append(part)
-        if picture.mesh:
+        if result.lines is not None:
+            ends = result.lines.reshape(-1, 3) * _MM
+            pairs = np.arange(len(ends)).reshape(-1, 2)
+            lines = pv.PolyData(
+                ends, lines=np.column_stack([np.full(len(pairs), 2), pairs]).ravel()
+            )
+            self._plotter.add_mesh(lines, color="black", line_width=1.5)
+        elif picture.mesh:
             lines = np.column_stack([np.full(len(surface.edges), 2), surface.edges])
             edges = pv.PolyData(points.copy(), lines=lines.ravel())
             self._plotter.add_mesh(edges, color="#1d2733", opacity=0.3, line_width=1)
@@ -127,6 +137,8 @@ class _Stage:
 
     def _look(self, points: Any) -> None:
         direction, up = _LYING if self.picture.lies else _STANDING
+        if self.result.lines is not None:
+            direction, up = _LYING_OPEN if self.picture.lies else _STANDING_OPEN
         camera, low, high = self._plotter.camera, points.min(axis=0), points.max(axis=0)
         middle, long = 0.5 * (low + high), float(np.ptp(points[:, 2]))
         away = np.array(direction) / np.linalg.norm(direction)

@@ -95,9 +95,10 @@ def test_export_writes_both_or_none(tmp_path):
     """A scene with no bimorph is refused before anything is solved."""
     scene, _ = load_scene("j1", ["modes=1", "models=tmm"])
     files = {"fields": tmp_path / "f.vtu", "animated_glb": tmp_path / "f.glb"}
-    lonely, _ = load_scene("reluctance")
-    with pytest.raises(InputError, match="no bimorph that moves"):
-        export(lonely, files, lambda _: None)
+    for models, words in (("network", "neither a bimorph"), ("axisymmetric", "is for what moves")):
+        lonely, _ = load_scene("reluctance", [f"models={models}"])
+        with pytest.raises(InputError, match=words):
+            export(lonely, files, lambda _: None)
     assert not list(tmp_path.iterdir())
     with pytest.raises(InputError, match=r"--fields .* must end in .vtu or .vtkhdf or .pvd"):
         export(scene, {"fields": tmp_path / "f.txt"}, lambda _: None)

@@ -28,7 +28,7 @@ def test_page_and_still_are_written(tmp_path, capsys):
     [
         (Look(state="mode 9"), {"png": "a.png"}, r'state "mode 9" is unknown to the model tmm'),
         (Look(shade="stress_zz"), {"png": "a.png"}, "not a field of the model tmm, which has size"),
-        (Look(models=("network",)), {"out": "a.html"}, "network has no motion to show"),
+        (Look(models=("network",)), {"out": "a.html"}, "network has no motion or field to show"),
         (Look(), {"out": "a.txt"}, r"--out .* must end in .html"),
         (Look(), {"gif": "none/a.gif"}, "its folder does not exist"),
     ],
@@ -49,8 +49,8 @@ def test_frequencies_of_driven_states():
 
 
 def test_a_scene_with_nothing_that_moves_ends_with_2(capsys):
-    assert main(["view", "reluctance"]) == 2
-    assert "no bimorph that moves" in capsys.readouterr().err
+    assert main(["view", "reluctance", "--set", "models=network"]) == 2
+    assert "neither a bimorph that moves nor a field" in capsys.readouterr().err
 
 
 def test_a_browser_that_is_not_there_is_said(monkeypatch):

@@ -151,11 +151,13 @@ def test_a_field_that_a_model_lacks_is_said(results):
 
 
 def test_a_scene_with_nothing_that_moves_is_refused():
-    scene, _ = load_scene("reluctance")
-    with pytest.raises(InputError, match="no bimorph that moves"):
+    scene, _ = load_scene("reluctance", ["models=network"])
+    with pytest.raises(InputError, match="neither a bimorph that moves nor a field"):
         default_models(scene)
-    with pytest.raises(InputError, match="network has no motion to show"):
+    with pytest.raises(InputError, match="network has no motion or field to show"):
         gather(scene, ["network"], Request())
+    with pytest.raises(InputError, match="ask for them one after the other"):
+        gather(scene, ["tmm", "axisymmetric"], Request())
 
 
 def test_series_wiring_halves_charge_and_voltage_of_a_layer():

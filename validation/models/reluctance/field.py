@@ -22,6 +22,7 @@ from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
     from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
+    from tactgen.fem.reluctance.axisymmetric.field import MagneticField
     from tactgen.fem.reluctance.three_d.actuator import SolidPoint
 
 _Found = TypeVar("_Found", "FieldPoint", "SolidPoint")
@@ -83,6 +84,12 @@ class AxisymmetricModel(_FieldModel):
         """Return the values at a current (A) and gap (m)."""
         found = self._solved(current, gap)
         return replace(_judged(found, self._METHOD), force_by_stress=found.force_eggshell)
+
+    def field(self) -> MagneticField:
+        """Return the field itself at the scene's current and gap."""
+        found = self._solved(self.scene.coil.current, self.scene.gap).solution
+        assert found is not None
+        return found
 
     def _solved(self, current: float, gap: float) -> FieldPoint:
         from tactgen.fem.reluctance.axisymmetric.actuator import solve_point

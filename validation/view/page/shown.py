@@ -35,6 +35,8 @@ _SIDED = ("glue",)
 _SIZE, _COMPONENT, _SWINGING, _STEADY = 1, 2, 3, 4
 #: Largest magnitude of a small integer.
 _FULL = 32767
+#: Most cells that go into a page, to fill the face of a cut.
+_MOST_CELLS = 6000
 #: Angle (cosine) from which on two faces have an edge that is drawn of the shape at rest.
 _SHARP = 0.8
 
@@ -90,27 +92,33 @@ def _result(block: _Block, result: FieldResult) -> dict[str, Any]:
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     region = np.zeros(len(mesh.points), dtype=np.int64)
     region[mesh.cells] = mesh.region_of_cell[:, None]
+    # of a large result the surface alone; a cut through it is hollow
+    hollow = len(mesh.cells) > _MOST_CELLS
+    used = np.unique(surface.triangles) if hollow else np.arange(len(mesh.points))
+    place = np.full(len(mesh.points), -1)
+    place[used] = np.arange(used.size)
     shades = shades_of(result)
     return {
         "model": result.model,
         "title": MODELS.get(result.model, result.model),
         "regions": [_region(name) for name in mesh.regions],
-        "points": block.plain(mesh.points),
-        "regionOfPoint": block.plain(region),
-        "triangles": block.plain(surface.triangles.ravel()),
-        "edges": block.plain(surface.edges.ravel()),
-        "outline": block.plain(outline(mesh, surface).ravel()),
-        "cells": block.plain(mesh.cells.ravel()),
+        "points": block.plain(mesh.points[used]),
+        "regionOfPoint": block.plain(region[used]),
+        "triangles": block.plain(place[surface.triangles].ravel()),
+        "edges": block.plain(place[surface.edges].ravel()),
+        "outline": block.plain(place[outline(mesh, surface)].ravel()),
+        "cells": None if hollow else block.plain(mesh.cells.ravel()),
         "cellSize": mesh.cells.shape[1],
-        "lines": None,
-        "tip": tip_point(mesh.points),
+        "lines": None if result.lines is None else block.plain(result.lines.reshape(-1, 3)),
+        "opened": result.lines is not None,
+        "tip": int(place[tip_point(mesh.points)]),
         "height": float(high[2] - low[2]),
         "box": {
             "low": low.tolist(), "high": high.tolist(), "centre": (0.5 * (low + high)).tolist(),
             "height": float(high[2] - low[2]), "width": float((high - low)[:2].max()),
         },
         "fields": [_shade(shade) for shade in shades],
-        "states": [_state(block, result, state, shades) for state in result.states],
+        "states": [_state(block, result, state, shades, used) for state in result.states],
     }  # fmt: skip
 
 
@@ -141,16 +149,16 @@ def _shade(shade: Shade) -> dict[str, Any]:
 
 
 def _state(
-    block: _Block, result: FieldResult, state: State, shades: Sequence[Shade]
+    block: _Block, result: FieldResult, state: State, shades: Sequence[Shade], used: Ints
 ) -> dict[str, Any]:
     words = words_of(result, state)
     arrays = {}
     if "displacement" in state.fields:
-        arrays["displacement"] = _amplitude(block, np.asarray(state.fields["displacement"]))
+        arrays["displacement"] = _amplitude(block, np.asarray(state.fields["displacement"])[used])
     for shade in shades:
         amplitude = shade.amplitude(state)
         if shade.field != "displacement" and amplitude is not None:
-            arrays[shade.key] = _amplitude(block, amplitude)
+            arrays[shade.key] = _amplitude(block, amplitude[used])
     return {
         "name": state.name,
         "kind": state.kind,

@@ -401,6 +401,10 @@
       const states = this.panes[0].result.states;
       this.state = states.find((s) => s.name === name) || states[0];
       this.stateName = this.state.name;
+      if (!this.state.moves && !this.chosen.coloured) {
+        this.options.field = this.fieldsNow()[0].key; this.options.mesh = false; this.inputs.mesh.checked = false;
+        this.chosen.coloured = true;
+      }
       if (this.state.circuit !== 'driven') this.options.circuit = this.state.circuit;
       if (!this.fieldsNow().some((f) => f.key === this.options.field)) this.options.field = '';
       this.listFields();
@@ -484,9 +488,11 @@
       const aspect = this.width / this.panes.length / this.height;
       // a long thing lies down where the picture is wide
       this.lies = from !== 'upright' && box.height > 2.5 * box.width && aspect > 1.3;
-      const up = this.lies ? [1, 0, 0] : [0, 0, 1];
+      const opened = this.panes[0].result.opened; // into the quarter that is left out
+      const up = this.lies ? [opened ? -1 : 1, 0, 0] : [0, 0, 1];
+      const upright = [opened ? -0.75 : 0.75, -1.0, 0.45];
       const directions = {
-        home: this.lies ? [0.5, 1, 0.3] : [0.75, -1.0, 0.45], upright: [0.75, -1.0, 0.45],
+        home: this.lies ? (opened ? [-0.8, -1, 0.25] : [0.5, 1, 0.3]) : upright, upright,
         x: [1, 0, 0], y: [0, -1, 0], z: [0, 0, 1],
       };
       const d = new T.Vector3(...directions[from]).normalize();
