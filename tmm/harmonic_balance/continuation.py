@@ -150,7 +150,7 @@ def follow(
     """
     resolution = resolution or Resolution()
     course = Course(parameter, low, high, _sizes(oscillator, start))
-    step = Step(start, _tangent(oscillator, start, course, None, direction), course, _FIRST)
+    step = Step(start, _tangent(oscillator, start, course, direction), course, _FIRST)
     steps, missing, length, ended = [step], missing_motion(oscillator, start), _FIRST, ""
     while len(steps) < most:
         try:
@@ -206,14 +206,16 @@ def _bordered(
     return found.residual, np.vstack([jacobian, row])
 
 
-def _tangent(
-    oscillator: Oscillator, orbit: Orbit, course: Course, before: Floats | None, direction: int = 1
-) -> Floats:
-    size = course.weights(orbit.harmonics).size
-    row = np.eye(size)[-1] * direction if before is None else before
-    _, matrix = _bordered(oscillator, orbit, course, row)
+def _tangent(oscillator: Oscillator, orbit: Orbit, course: Course, direction: int) -> Floats:
+    """Return the tangent along which the parameter grows, or with direction −1 falls."""
+    row = np.eye(course.weights(orbit.harmonics).size)[-1] * direction
+    return _solved_tangent(_bordered(oscillator, orbit, course, row)[1])
+
+
+def _solved_tangent(bordered: Floats) -> Floats:
+    """Return the unit tangent from the scaled Jacobian with the direction of the way below it."""
     try:
-        tangent = np.linalg.solve(matrix, np.eye(size)[-1])
+        tangent = np.linalg.solve(bordered, np.eye(bordered.shape[0])[-1])
     except np.linalg.LinAlgError:
         raise NoConvergence("the branch has no tangent") from None
     return np.asarray(tangent / np.linalg.norm(tangent))
@@ -238,9 +240,9 @@ def _advance(oscillator: Oscillator, step: Step, length: float) -> tuple[Step, i
         residual, jacobian = _bordered(oscillator, orbit, course, tangent)
         return np.append(residual, tangent @ (y - predicted)), jacobian
 
-    found, count = converge(evaluate, predicted, np.ones(predicted.size), _STEPS)
+    found, count, jacobian = converge(evaluate, predicted, np.ones(predicted.size), _STEPS)
     orbit = course.unpack(found, step.orbit)
-    return Step(orbit, _tangent(oscillator, orbit, course, tangent), course, length), count
+    return Step(orbit, _solved_tangent(jacobian), course, length), count
 
 
 def _advance_resolved(

@@ -72,5 +72,5 @@ def _solved(oscillator: Oscillator, turning_point: float, guess: Orbit, coordina
 
     start = np.append(guess.spectrum.real.ravel(), guess.omega)
     scale = np.append(np.tile(oscillator.scales, harmonics + 1), guess.omega)
-    found, _ = converge(evaluate, start, scale, _STEPS)
+    found, _, _ = converge(evaluate, start, scale, _STEPS)
     return orbit(found)

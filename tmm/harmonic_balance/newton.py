@@ -12,8 +12,8 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 
-#: Stop when the last step is this share of the unknowns' scale.
-TOLERANCE = 1e-10
+#: Stop after a step that is this share of the unknowns' scale: what is left goes as its square.
+TOLERANCE = 1e-7
 _SHORTEST = 2.0**-6
 
 
@@ -26,8 +26,8 @@ def converge(
     start: Floats,
     scale: Floats,
     most: int,
-) -> tuple[Floats, int]:
-    """Return the zero of a function and the number of steps taken.
+) -> tuple[Floats, int, Floats]:
+    """Return the zero of a function, the number of steps taken, and the Jacobian there (m, m).
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def converge(
         step = -_solve(scaled, residual)
         size = float(np.linalg.norm(step))
         if size <= TOLERANCE:
-            return x + scale * step, count
+            return x + scale * step, count, jacobian
         length = 1.0
         while True:
             there = x + length * scale * step

@@ -61,7 +61,7 @@ def equilibrium(oscillator: Oscillator) -> Orbit:
         return at_rest @ q + law.effort[0] - oscillator.static, at_rest + law.by_motion[0]
 
     try:
-        found, _ = converge(evaluate, np.zeros(k), oscillator.scales, _STEPS)
+        found, _, _ = converge(evaluate, np.zeros(k), oscillator.scales, _STEPS)
     except NoConvergence as error:
         raise NoConvergence(f"no state of rest was found: {error}") from None
     return Orbit(0.0, 0.0, found[None] + 0j)
@@ -76,7 +76,7 @@ def at_fixed_drive(oscillator: Oscillator, guess: Orbit) -> Orbit:
         return found.residual, found.jacobian
 
     scale = unknown_scale(oscillator, guess.harmonics)
-    x, _ = converge(evaluate, real_vector(guess.spectrum), scale, _STEPS)
+    x, _, _ = converge(evaluate, real_vector(guess.spectrum), scale, _STEPS)
     return Orbit(guess.omega, guess.level, complex_spectrum(x, oscillator.size))
 
 
