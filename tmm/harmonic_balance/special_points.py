@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from tactgen.tmm.harmonic_balance.continuation import Branch, Step, with_harmonics
@@ -15,13 +16,29 @@ Readout: TypeAlias = Callable[[Orbit], complex]
 _STEP = 1e-5
 
 
-def folds(oscillator: Oscillator, branch: Branch) -> tuple[Orbit, ...]:
-    """Return the orbits where the parameter turns back."""
+@dataclass(frozen=True)
+class SpecialPoint:
+    """An orbit between two points of a branch.
+
+    Attributes
+    ----------
+    orbit : Orbit
+        The orbit.
+    after : int
+        Index of the point before it.
+    """
+
+    orbit: Orbit
+    after: int
+
+
+def folds(oscillator: Oscillator, branch: Branch) -> tuple[SpecialPoint, ...]:
+    """Return where the parameter turns back."""
     return _zeros(oscillator, branch, lambda step: float(step.tangent[-1]), falling=False)
 
 
-def peaks(oscillator: Oscillator, branch: Branch, amplitude: Readout) -> tuple[Orbit, ...]:
-    """Return the orbits where the magnitude of an amplitude is largest along the branch."""
+def peaks(oscillator: Oscillator, branch: Branch, amplitude: Readout) -> tuple[SpecialPoint, ...]:
+    """Return where the magnitude of an amplitude is largest along the branch."""
 
     def slope(step: Step) -> float:
         y, course = step.course.pack(step.orbit), step.course
@@ -35,23 +52,24 @@ def peaks(oscillator: Oscillator, branch: Branch, amplitude: Readout) -> tuple[O
 
 def _zeros(
     oscillator: Oscillator, branch: Branch, of: Callable[[Step], float], *, falling: bool
-) -> tuple[Orbit, ...]:
+) -> tuple[SpecialPoint, ...]:
     from scipy.optimize import brentq
 
     found = []
     values = [of(step) for step in branch.steps]
     pairs = zip(branch.steps, branch.steps[1:], values, values[1:], strict=False)
-    for step, after, here, there in pairs:
+    for index, (step, after, here, there) in enumerate(pairs):
         if here * there >= 0.0 or (falling and here < 0.0) or after.length == 0.0:
             continue
         begin = with_harmonics(step, max(step.orbit.harmonics, after.orbit.harmonics))
         begin = begin.at(oscillator, 0.0)
         ends = [of(begin), of(begin.at(oscillator, step.length))]
         if ends[0] * ends[1] >= 0.0:  # the zero lies beside a point, by rounding
-            found.append(step.orbit if abs(here) < abs(there) else after.orbit)
+            nearer = step.orbit if abs(here) < abs(there) else after.orbit
+            found.append(SpecialPoint(nearer, index))
             continue
         length = brentq(
             lambda s, begin=begin: of(begin.at(oscillator, s)), 0.0, step.length, xtol=1e-12
         )
-        found.append(begin.at(oscillator, float(length)).orbit)
+        found.append(SpecialPoint(begin.at(oscillator, float(length)).orbit, index))
     return tuple(found)

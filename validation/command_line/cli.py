@@ -33,6 +33,7 @@ from tactgen.validation.command_line.commands import (
 )
 from tactgen.validation.command_line.commands.common import say
 from tactgen.validation.command_line.commands.studies import (
+    backbone,
     compare,
     design,
     identify,
@@ -176,8 +177,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.set_defaults(run=lambda _: _help(parser))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
-        report, solve, view, whatif, compare, design, sensitivity, identify, plan, export, verify,
-        stress, bench, scenes, cache, init,
+        report, solve, view, whatif, compare, design, sensitivity, identify, backbone, plan,
+        export, verify, stress, bench, scenes, cache, init,
     ):  # fmt: skip
         command.add(commands)
     return parser

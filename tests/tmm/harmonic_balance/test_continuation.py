@@ -45,7 +45,7 @@ def test_downwards_it_is_the_same_branch():
     start = steady_orbit(oscillator, 1.6, 1.0, resolution=ROUGH)
     branch = follow(oscillator, start, "omega", 0.9, 1.6, direction=-1, resolution=ROUGH)
     assert branch.orbits[-1].omega == 0.9
-    at = sorted(fold.omega for fold in folds(oscillator, branch))
+    at = sorted(fold.orbit.omega for fold in folds(oscillator, branch))
     assert at == pytest.approx(sorted(o.omega for o in cases.driven_duffing_folds()), rel=1e-6)
 
 

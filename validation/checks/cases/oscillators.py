@@ -128,10 +128,10 @@ def fundamental(orbit: Orbit) -> complex:
 @cache
 def driven_duffing_peak() -> Orbit:
     """Return where its first harmonic is largest."""
-    return peaks(driven_duffing(), driven_duffing_branch(), fundamental)[0]
+    return peaks(driven_duffing(), driven_duffing_branch(), fundamental)[0].orbit
 
 
 @cache
 def driven_duffing_folds() -> tuple[Orbit, ...]:
     """Return where its response turns back, in the order in which it is met."""
-    return folds(driven_duffing(), driven_duffing_branch())
+    return tuple(at.orbit for at in folds(driven_duffing(), driven_duffing_branch()))
