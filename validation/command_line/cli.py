@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import re
 import signal
 import sys
 import threading
@@ -21,6 +22,7 @@ from tactgen.geometry.store.store import size_limit
 from tactgen.validation.command_line.commands import (
     bench,
     cache,
+    completion,
     export,
     init,
     plan,
@@ -31,7 +33,6 @@ from tactgen.validation.command_line.commands import (
     verify,
     view,
 )
-from tactgen.validation.command_line.commands.common import say
 from tactgen.validation.command_line.commands.studies import (
     backbone,
     compare,
@@ -40,7 +41,7 @@ from tactgen.validation.command_line.commands.studies import (
     sensitivity,
     whatif,
 )
-from tactgen.validation.command_line.streams import usable_streams
+from tactgen.validation.command_line.streams import say, usable_streams
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite
@@ -54,6 +55,18 @@ _BLAS_THREADS = "OPENBLAS_NUM_THREADS"
 
 #: Arguments whose emptiness their readers speak of.
 _SPOKEN_OF = ("scene", "measured", "frequency", "only")
+
+
+_EXAMPLES = """\
+examples:
+  tactgen solve --model tmm                      the main numbers of the paper's actuator
+  tactgen init mine.toml                         a scene with every key, to start from
+  tactgen solve mine.toml --set bimorph.length=25mm
+  tactgen report mine.toml --out report          every model, error bars, reasons
+  eval "$(tactgen completion)"                   completion for this shell
+
+tactgen solve --help lists quantities and models, tactgen scenes the built-in scenes.
+"""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -73,7 +86,38 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Report a usage error the way all bad input is reported."""
-        raise InputError(f"{message}; see {self.prog} --help")
+        raise InputError(f"{message}{self._nearest(message)}; see {self.prog} --help")
+
+    def _nearest(self, message: str) -> str:
+        """Return what a misspelt command, choice or option may have meant."""
+        from tactgen.validation.scene.wording import nearest
+
+        chosen = re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message)
+        if chosen:
+            return nearest(chosen[1], re.findall(r"[^', ]+", chosen[2]))
+        unknown = re.search(r"unrecognized arguments: (--[a-z-]+)", message)
+        return nearest(unknown[1], self._options()) if unknown else ""
+
+    def _options(self) -> list[str]:
+        """Return the options of this parser and of the commands below it."""
+        found: list[str] = []
+        for action in self._actions:
+            found += action.option_strings
+            if isinstance(action, argparse._SubParsersAction):
+                for parser in action.choices.values():
+                    found += [o for a in parser._actions for o in a.option_strings]
+        return found
+
+
+class _Version(argparse.Action):
+    """``--version``: looked up only when asked for."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        """Print the version and end."""
+        from importlib.metadata import version
+
+        print(f"tactgen {version('tactgen')}")
+        parser.exit()
 
 
 class _Ended(BaseException):
@@ -173,12 +217,15 @@ def _parser() -> argparse.ArgumentParser:
         prog="tactgen",
         description="Verification suite for a tactile generator: a piezo bimorph on a "
         "reluctance actuator, by lumped, transfer-matrix, beam and solid models.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog=_EXAMPLES,
     )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
     parser.set_defaults(run=lambda _: _help(parser))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
         report, solve, view, whatif, compare, design, sensitivity, identify, backbone, plan,
-        export, verify, stress, bench, scenes, cache, init,
+        export, verify, stress, bench, scenes, cache, init, completion,
     ):  # fmt: skip
         command.add(commands)
     return parser

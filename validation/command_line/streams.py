@@ -20,6 +20,14 @@ _PLAIN = {
 _NAME = "tactgen.plain"
 
 
+def say(text: str) -> None:
+    """Print one line to stderr, if that can be written."""
+    from tactgen.validation.scene.wording import one_line
+
+    with contextlib.suppress(OSError):
+        print(f"tactgen: {one_line(text)}", file=sys.stderr)
+
+
 def usable_streams() -> None:
     """Let both streams be there and take every character.
 

@@ -1,7 +1,9 @@
 """Progress is for people at a terminal and never on stdout."""
 
 import io
+import re
 
+from tactgen.validation.command_line import progress
 from tactgen.validation.command_line.progress import announcer
 
 
@@ -22,10 +24,33 @@ def test_progress_is_on_stderr(monkeypatch, capsys):
     assert capsys.readouterr().out == ""
 
 
-def test_no_progress_in_a_pipe(monkeypatch, capsys):
+def test_quick_work_is_silent_in_a_pipe(monkeypatch, capsys):
     """A log file gets warnings and errors only."""
     pipe = io.StringIO()
     monkeypatch.setattr("sys.stderr", pipe)
     with announcer() as announce:
         announce("solid.mesh")
     assert pipe.getvalue() == capsys.readouterr().out == ""
+
+
+def test_long_work_says_a_line_now_and_then(monkeypatch):
+    """Plain lines, at most one in twenty seconds."""
+    pipe, now = io.StringIO(), iter([0.0, *(float(t) for t in range(1, 400))])
+    monkeypatch.setattr("sys.stderr", pipe)
+    monkeypatch.setattr(progress.time, "monotonic", lambda: next(now))
+    announce = progress._in_lines(progress.Clock(["a", "solid.ports"], lambda: next(now)))
+    for _ in range(50):
+        announce("solid.ports")
+    lines = pipe.getvalue().splitlines()
+    assert 4 <= len(lines) <= 8  # about 150 ticks of a second
+    assert all(re.fullmatch(r"tactgen: solid.ports \(stage 2 of 2\), .* s", s) for s in lines)
+
+
+def test_what_is_left_is_told_of_equal_steps_only():
+    """Gaps of a map cost the same; stages do not."""
+    times = {"now": 0.0}
+    clock = progress.Clock(["solid.modal"], lambda: times["now"])
+    assert clock.words("map, gap 1 of 9") == "map, gap 1 of 9, 0 s"
+    times["now"] = 60.0
+    assert clock.words("map, gap 3 of 9").endswith(", 60 s, about 3 min 30 s left")
+    assert "left" not in clock.words("solid.modal")

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
-import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
+
+from tactgen.validation.command_line.streams import say
 
 if TYPE_CHECKING:
     from tactgen.validation.scene.scene import Scene
@@ -71,14 +71,6 @@ def lateral_scene(
             "models=tmm"
         )
     return scene, origins
-
-
-def say(text: str) -> None:
-    """Print one line to stderr, if that can be written."""
-    from tactgen.validation.scene.wording import one_line
-
-    with contextlib.suppress(OSError):
-        print(f"tactgen: {one_line(text)}", file=sys.stderr)
 
 
 def warn(warnings: Iterable[str]) -> None:

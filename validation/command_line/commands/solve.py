@@ -48,22 +48,27 @@ def _listing() -> tuple[str, str]:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.engine.solve import as_json, solve
+    from tactgen.validation.engine.solve import as_json, check_request, solve
     from tactgen.validation.scene.idle_keys import scene_warnings
     from tactgen.validation.scene.scene import load_scene
 
     scene, origins = load_scene(options.scene, [*options.overrides, *_wanted(options)])
     warn(scene_warnings(scene, origins))
-    with announcer() as announce:
+    plan, _ = check_request(scene, scene.models, scene.quantities)
+    with announcer([step.stage for step in plan.run]) as announce:
         solution = solve(scene, announce=announce)
     warn(solution.warnings)
     if options.json:
         json.dump(as_json(solution), sys.stdout)
         print()
-    else:
+    elif options.quantity or "quantities" in origins:
         from tactgen.validation.command_line.tables import print_quantities
 
         print_quantities(solution)
+    else:
+        from tactgen.validation.command_line.overview import print_overview
+
+        print_overview(solution)
     return 0
 
 

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 from tactgen.validation.command_line.commands.common import (
     Commands,
     lateral_scene,
-    say,
     scene_options,
     warn,
 )
+from tactgen.validation.command_line.streams import say
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -1,0 +1,101 @@
+"""What solve prints unless asked for more, help, version and completion."""
+
+import json
+import re
+import subprocess
+
+import pytest
+
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.scene.files import built_in_scenes
+
+PREFIXES = {"p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3}
+
+
+def run(capsys, *arguments):
+    code = main(list(arguments))
+    return code, *capsys.readouterr()
+
+
+def test_one_screen_without_options(capsys):
+    """Models side by side, each number in a unit with its prefix, and where more is."""
+    code, out, _ = run(capsys, "solve", "--model", "lumped", "--model", "tmm")
+    lines = out.splitlines()
+    assert code == 0
+    assert len(lines) <= 24
+    assert lines[0].split() == ["lumped", "tmm"]
+    assert "--quantity all" in out
+    assert not re.search(r"\d(e-|e\+)\d", out)  # units have prefixes instead
+
+
+@pytest.mark.parametrize(
+    ("label", "name"),
+    [("static tip displacement", "static_tip_displacement"),
+     ("free capacitance", "capacitance_free"), ("coupling factor", "coupling_factor")],
+)  # fmt: skip
+def test_the_screen_shows_what_json_holds(capsys, label, name):
+    """To the five digits shown."""
+    _, screen, _ = run(capsys, "solve", "--model", "tmm")
+    _, text, _ = run(capsys, "solve", "--model", "tmm", "--quantity", name, "--json")
+    (quantity,) = json.loads(text)["quantities"]
+    (line,) = (line for line in screen.splitlines() if line.startswith(label))
+    number, unit = re.search(r"([0-9.]+)(?: (\S+))?$", line).groups()
+    own = QUANTITIES[name].unit
+    scale = PREFIXES[(unit or "").removesuffix(own)] if own not in ("", "1") else 1.0
+    assert float(number) * scale == pytest.approx(quantity["value"], rel=5e-5)
+
+
+def test_the_largest_of_a_sweep_says_where(capsys):
+    """Of arrays over frequency the largest value, at its frequency."""
+    _, screen, _ = run(capsys, "solve", "--model", "tmm", "--frequency", "100,450,900")
+    (line,) = (line for line in screen.splitlines() if line.startswith("tip velocity"))
+    assert "largest at 450 Hz" in line
+
+
+def test_all_values_are_one_option_away(capsys):
+    """The table has complex values as magnitude and phase, one notation for all."""
+    _, out, _ = run(
+        capsys, "solve", "--model", "tmm", "--quantity", "tip_velocity", "--frequency", "100,200"
+    )
+    rows = out.splitlines()[1:]
+    assert len(rows) == 2
+    assert all(re.search(r"[0-9.]+ mm/s ∠ -?[0-9.]+°", row) for row in rows)
+
+
+def test_version_and_examples(capsys):
+    """On stdout, exit code 0."""
+    code, out, err = run(capsys, "--version")
+    assert (code, err) == (0, "")
+    assert re.fullmatch(r"tactgen \d+\.\d+\S*\n", out)
+    assert "examples:" in run(capsys, "--help")[1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "meant"),
+    [(["slove"], "solve"), (["solve", "--quantiy", "x"], "--quantity"),
+     (["design", "--aim", "shortes"], "shortest"), (["report", "--quik"], "--quick")],
+)  # fmt: skip
+def test_misspelt_commands_options_and_choices(capsys, arguments, meant):
+    """The nearest one is named."""
+    code, out, err = run(capsys, *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert f'did you mean "{meant}"' in err
+
+
+def test_a_shell_completes(capsys):
+    """bash itself completes commands, scenes, models and keys with the script."""
+    code, script, _ = run(capsys, "completion")
+    assert code == 0
+    for words, expected in (
+        (["tactgen", "sol"], {"solve"}), (["tactgen", "solve", "pa"], {"paper"}),
+        (["tactgen", "solve", "--model", "net"], {"network"}),
+        (["tactgen", "solve", "--set", "bimorph.wi"],
+         {"bimorph.width=", "bimorph.width_profile=", "bimorph.wiring="}),
+        (["tactgen", "report", ""], set(built_in_scenes())),
+    ):  # fmt: skip
+        typed = " ".join(f"'{word}'" for word in words)
+        ask = f"{script}\nCOMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; _tactgen\n"
+        ask += 'printf "%s\\n" "${COMPREPLY[@]}"'
+        done = subprocess.run(["bash", "-c", ask], capture_output=True, text=True, check=True)
+        assert set(done.stdout.split()) >= expected, done.stderr
