@@ -20,7 +20,6 @@ from tactgen.fem.solvers.threads import thread_count
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import size_limit
 from tactgen.validation.command_line.commands import (
-    bench,
     cache,
     completion,
     export,
@@ -29,10 +28,9 @@ from tactgen.validation.command_line.commands import (
     report,
     scenes,
     solve,
-    stress,
-    verify,
     view,
 )
+from tactgen.validation.command_line.commands.evidence import bench, coverage, stress, verify
 from tactgen.validation.command_line.commands.studies import (
     backbone,
     compare,
@@ -225,7 +223,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
         report, solve, view, whatif, compare, design, sensitivity, identify, backbone, plan,
-        export, verify, stress, bench, scenes, cache, init, completion,
+        export, verify, coverage, stress, bench, scenes, cache, init, completion,
     ):  # fmt: skip
         command.add(commands)
     return parser

@@ -14,7 +14,7 @@ from tactgen.geometry.arrays import Floats
 ASSUMED_ORDER = 1.5
 #: Factor by which the error falls at least from one level of bricks to the next: with it, and
 #: the safety factor, 19 of 20 errors of varied bimorphs are within their bars
-#: (validation/checks/solid_coverage.py).
+#: (validation/checks/coverage/solid.py).
 ASSUMED_GAIN = 1.6
 #: Safety factor on the extrapolated error.
 SAFETY = 1.25

@@ -6,7 +6,7 @@ error bar and reference of every quantity.  The error bar is what a user is show
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
@@ -25,6 +25,7 @@ from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.tmm.ports.port import BIMORPH
 from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.checks.coverage.result import Judged
 from tactgen.validation.engine.model import Model, make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import evaluate, solve
@@ -193,17 +194,13 @@ def _ports(system: SolidSystem, frequency: float) -> Multiport:
     return Multiport(np.array([frequency]), ports_from_blocks(*stacked), BIMORPH)
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """An answer of a case held against its reference, both relative to the reference."""
-
-    case: Case
-    answer: Answer
-    error: float
-    bar: float
+def judge(rng: np.random.Generator) -> list[Judged]:
+    """Return the answers of one device, drawn by `rng`."""
+    (case,) = varied_cases(int(rng.integers(2**31)), 1, finer=0)
+    return judged(case)
 
 
-def judged(case: Case) -> list[Outcome]:
+def judged(case: Case) -> list[Judged]:
     """Return every answer of a case with its error; modes by their order in their class."""
     found = answers(case)
     known = reference(case, {answer.kind for answer in found})
@@ -211,15 +208,10 @@ def judged(case: Case) -> list[Outcome]:
     for answer in found:
         right = known[answer.quantity, answer.kind][answer.number]
         error = abs(answer.value - right) / abs(right)
-        outcomes.append(Outcome(case, answer, error, answer.bar / abs(right)))
+        which = f" {answer.kind} {answer.number + 1}" if answer.kind else ""
+        where = " ".join((*case.overrides, case.held))
+        outcomes.append(Judged(where, answer.quantity + which, error, answer.bar / abs(right)))
     return outcomes
-
-
-def coverage(outcomes: Sequence[Outcome]) -> tuple[float, float]:
-    """Return the share of errors within their bars, and the median of bar over error."""
-    within = np.mean([o.error <= o.bar for o in outcomes])
-    width = np.median([o.bar / max(o.error, 1e-15) for o in outcomes])
-    return float(within), float(width)
 
 
 def varied_cases(seed: int, count: int = 44, finer: int = 6) -> list[Case]:

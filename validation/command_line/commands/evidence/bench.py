@@ -6,7 +6,10 @@ import argparse
 from collections.abc import Collection
 
 from tactgen.validation.command_line.commands.common import Commands
-from tactgen.validation.command_line.commands.part_runs import add_part_command, run_and_show
+from tactgen.validation.command_line.commands.evidence.part_runs import (
+    add_part_command,
+    run_and_show,
+)
 
 
 def add(commands: Commands) -> None:

@@ -1,0 +1,84 @@
+"""The coverage study: what it counts, what it calls too narrow, and that seeds repeat."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tactgen.validation.checks.coverage import PARTS, beam, run, taper
+from tactgen.validation.checks.coverage.result import MULTIPLES, Judged, calibration, rows
+from tactgen.validation.command_line.cli import main
+
+
+def answers(inside, outside, quantity="f 1"):
+    return [Judged("here", quantity, 1.0, 2.0)] * inside + [Judged("there", quantity, 3.0, 2.0)] * (
+        outside
+    )
+
+
+@pytest.mark.parametrize(
+    ("inside", "outside", "holds"),
+    [(20, 0, True), (18, 2, True), (15, 5, False), (190, 10, True), (180, 20, False), (1, 0, True)],
+)
+def test_verdict_allows_for_chance(inside, outside, holds):
+    """Less than 95 % of a few may be chance; of many it is not (binomial, 1 % false alarm)."""
+    (row,) = rows(answers(inside, outside))
+    assert (row.inside, row.count, row.holds) == (inside, inside + outside, holds)
+    assert row.width == 2.0
+    assert row.worst.where == ("there" if outside else "here")
+
+
+def test_numbers_of_modes_count_together():
+    """One row for all numbers of a quantity, and one for all."""
+    found = rows([*answers(3, 0, "f 1"), *answers(2, 1, "f 2"), *answers(1, 0, "u")])
+    assert [(row.quantity, row.inside, row.count) for row in found] == [
+        ("f", 5, 6), ("u", 1, 1), ("all", 6, 7),
+    ]  # fmt: skip
+
+
+def test_calibration_counts_what_lies_within_so_many_bars():
+    """Errors of 0.5 and 1.5 bars: half from 0.5 on, all from 1.5 on."""
+    curve = calibration(answers(1, 1))
+    assert curve[MULTIPLES < 0.5].max() == 0.0
+    assert set(curve[(MULTIPLES >= 0.5) & (MULTIPLES < 1.5)]) == {0.5}
+    assert set(curve[MULTIPLES >= 1.5]) == {1.0}
+
+
+def test_bars_of_beams_hold_on_fresh_devices():
+    """A few devices a run; `tactgen coverage` takes many."""
+    for number in range(2):
+        for judge in (beam.judge, taper.judge):
+            found = judge(np.random.default_rng([2026, number]))
+            assert all(one.within for one in found), [one for one in found if not one.within]
+
+
+def test_a_seed_draws_the_same_devices(monkeypatch, capsys, tmp_path):
+    """The second of two devices is that of a run of two; exit code 1 where bars are too narrow."""
+
+    def judge(rng):
+        return [Judged("device", "f", float(rng.random()), 0.0)]
+
+    monkeypatch.setattr(beam, "judge", judge)
+    few, many = (run.run_parts(["beam"], n, 7, lambda _: None)[0].answers for n in (2, 5))
+    assert many[:2] == few
+    code = main(["coverage", "--only", "beam", "--devices", "9", "--json", "--out", str(tmp_path)])
+    out = json.loads(capsys.readouterr().out)
+    assert code == 1
+    assert len(out["answers"][0]["answers"]) == 9
+    assert {path.name for path in tmp_path.iterdir()} == {"coverage.csv", "calibration.svg"}
+
+
+def test_bad_input_is_refused(capsys):
+    """One sentence each."""
+    for arguments in (["--devices", "0"], ["--seed", "-1"], ["--only", "beams"]):
+        assert main(["coverage", *arguments]) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("part", ["beam", "taper", "axisymmetric"])
+def test_bars_hold(part):
+    """As many devices as the command takes; solid and cad have tests of their own."""
+    (found,) = run.run_parts([part], None, 1, lambda _: None)
+    assert found.holds, found.rows
+    assert found.devices == PARTS[part][1]

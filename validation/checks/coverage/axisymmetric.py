@@ -1,0 +1,56 @@
+"""Bars of the axisymmetric field: random normal actuators on a finer grid with farther walls."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint, solve_point
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
+from tactgen.validation.checks.coverage.result import Judged
+from tactgen.validation.checks.coverage.scenes import between
+from tactgen.validation.scene.scene import load_scene
+
+#: The reference's order, refinement of the grid, and how many times as far its walls are.
+_ORDER, _REFINEMENT, _FARTHER = 5, 1.5, 3.0
+_VALUES = ("force", "flux_linkage", "coenergy", "incremental_inductance")
+
+
+def judge(rng: np.random.Generator) -> list[Judged]:
+    """Return the answers of one device, drawn by `rng`; dimensions that do not fit are redrawn."""
+    while True:
+        try:
+            return _judged(_drawn(rng))
+        except InputError:
+            continue
+
+
+def _drawn(rng: np.random.Generator) -> list[str]:
+    turns = int(between(rng, 200, 2000))
+    return [
+        f"gap={between(rng, 20.0, 400.0):.4g}um",
+        f"coil.current={between(rng, 2.0, 300.0):.4g}mA",
+        f"coil.turns={turns}",
+        f"rod.head_thickness={between(rng, 0.3, 0.8):.4g}mm",
+        f"sleeve.collar_thickness={between(rng, 0.1, 0.4):.4g}mm",
+        f"steel.curve={rng.choice(['team20', 'linear'])}",
+    ]
+
+
+def _judged(overrides: list[str]) -> list[Judged]:
+    scene, _ = load_scene("reluctance", overrides)
+    found = solve_point(scene.device)
+    right = solve_point(
+        scene.device,
+        order=_ORDER,
+        refinement=_REFINEMENT,
+        outer_radius=_FARTHER * OUTER_RADIUS,
+    )
+    where = " ".join(overrides)
+    return [_one(where, name, found, right) for name in _VALUES]
+
+
+def _one(where: str, name: str, found: FieldPoint, right: FieldPoint) -> Judged:
+    value, exact = getattr(found, name), getattr(right, name)
+    bar = getattr(found.errors, name)
+    return Judged(where, name, abs(value / exact - 1.0), bar / abs(exact))

@@ -1,0 +1,58 @@
+"""What a coverage run shows: a table, a CSV of all answers, the calibration curve."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from pathlib import Path
+
+from tactgen.geometry.files import write_text
+from tactgen.validation.checks.coverage.result import MULTIPLES, PROMISED, calibration
+from tactgen.validation.checks.coverage.run import Part
+from tactgen.validation.view.figures import GREY, panels, svg
+
+
+def table(parts: Sequence[Part]) -> str:
+    """Return the parts as lines of text."""
+    lines = []
+    for part in parts:
+        lines.append(f"{part.name}: {part.what}; {part.devices} devices, seed {part.seed}")
+        lines.append(f"  {'quantity':28} {'inside':>12} {'bar/error':>10}  verdict")
+        for row in part.rows:
+            share = f"{row.inside}/{row.count}"
+            verdict = "holds" if row.holds else "too narrow"
+            lines.append(f"  {row.quantity:28} {share:>12} {row.width:>10.2g}  {verdict}")
+            if not row.holds:
+                worst = row.worst
+                lines.append(f"    worst: {worst.error:.1e} beside a bar of {worst.bar:.1e}")
+                lines.append(f"    at {worst.where}")
+    return "\n".join(lines)
+
+
+def write(parts: Sequence[Part], out: Path) -> list[Path]:
+    """Write all answers as CSV and the calibration curves as SVG; return the files."""
+    buffer = io.StringIO()
+    lines = csv.writer(buffer, lineterminator="\n")
+    lines.writerow(["part", "seed", "device", "quantity", "relative error", "relative bar"])
+    for part in parts:
+        for one in part.answers:
+            row = [part.name, part.seed, one.where, one.quantity, repr(one.error), repr(one.bar)]
+            lines.writerow(row)
+    return [
+        write_text(out / "coverage.csv", buffer.getvalue()),
+        write_text(out / "calibration.svg", calibration_plot(parts)),
+    ]
+
+
+def calibration_plot(parts: Sequence[Part]) -> str:
+    """Return the share of errors within so many times the bar, a curve for each part."""
+    figure, axis = panels(6.4, 4.0)
+    for part in parts:
+        axis.semilogx(MULTIPLES, 100.0 * calibration(part.answers), label=part.name)
+    axis.axhline(100.0 * PROMISED, color=GREY, linestyle="--", linewidth=1.0)
+    axis.axvline(1.0, color=GREY, linestyle="--", linewidth=1.0)
+    axis.set_xlabel("multiple of the bar")
+    axis.set_ylabel("errors within it (%)")
+    axis.legend(fontsize=9)
+    return svg(figure)

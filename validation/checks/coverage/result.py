@@ -1,0 +1,93 @@
+"""One number with its bar held against a better one, and what many of them say about the bars."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+
+#: Share of the errors that a bar promises to cover.
+PROMISED = 0.95
+#: Multiples of the bars at which the calibration curve is drawn.
+MULTIPLES: Floats = np.geomspace(0.05, 5.0, 41)
+#: Chance at most that bars which keep the promise are called too narrow.
+_FALSE_ALARM = 0.01
+
+
+@dataclass(frozen=True)
+class Judged:
+    """An answer held against its reference; both error and bar relative to the reference.
+
+    Attributes
+    ----------
+    where : str
+        The device, for people: what differs from the scene that it was drawn from.
+    quantity : str
+        What was asked, with the number of a mode.
+    """
+
+    where: str
+    quantity: str
+    error: float
+    bar: float
+
+    @property
+    def within(self) -> bool:
+        """Whether the bar covers the error."""
+        return self.error <= self.bar
+
+
+@dataclass(frozen=True)
+class Row:
+    """All answers of one quantity.
+
+    Attributes
+    ----------
+    inside, count : int
+        How many lie within their bars, and of how many.
+    width : float
+        Median of bar over error.
+    worst : Judged
+        The answer whose error is largest beside its bar.
+    """
+
+    quantity: str
+    inside: int
+    count: int
+    width: float
+    worst: Judged
+
+    @property
+    def holds(self) -> bool:
+        """Whether so many outside are likely enough of bars that keep the promise."""
+        from scipy.stats import binom
+
+        return bool(binom.cdf(self.inside, self.count, PROMISED) >= _FALSE_ALARM)
+
+
+def rows(found: Sequence[Judged]) -> list[Row]:
+    """Return one row a quantity, numbers of modes together, and last all of them."""
+    by_quantity: dict[str, list[Judged]] = {}
+    for one in found:
+        by_quantity.setdefault(one.quantity.partition(" ")[0], []).append(one)
+    made = [_row(name, of) for name, of in by_quantity.items()]
+    return [*made, _row("all", list(found))] if len(made) > 1 else made
+
+
+def _row(quantity: str, found: list[Judged]) -> Row:
+    worst = max(found, key=lambda one: one.error / max(one.bar, 1e-300))
+    return Row(quantity, sum(one.within for one in found), len(found), median_width(found), worst)
+
+
+def median_width(found: Sequence[Judged]) -> float:
+    """Return the median of bar over error; an error of 0 counts as rounding."""
+    return float(np.median([one.bar / max(one.error, 1e-15) for one in found]))
+
+
+def calibration(found: Sequence[Judged]) -> Floats:
+    """Return the share of errors within each of :data:`MULTIPLES` times the bar."""
+    ratios = np.array([one.error / max(one.bar, 1e-300) for one in found])
+    return np.asarray((ratios[:, None] <= MULTIPLES).mean(axis=0))
