@@ -120,6 +120,14 @@ class SolidSystem:
         """The factor of :attr:`held`: statics and all modes come from this one."""
         return factorise(self.held, order=self.elimination)
 
+    def take_factor(self, factor: Factor) -> None:
+        """Make the factor of another system, of no use to that afterwards, the factor of this.
+
+        Saves the ordering where both have the same pattern, as members of a family have.
+        """
+        factor.refactorise(self.held)
+        self.__dict__["held_factor"] = factor  # where the cached property looks
+
 
 @dataclass(frozen=True)
 class Material:

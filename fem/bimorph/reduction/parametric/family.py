@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -39,6 +39,9 @@ _LOOKED_AT = 64
 _MOST = 60
 #: Safety on what was observed to be missing per squared norm of a residual.
 _SAFETY = 2.0
+#: How much less is left out of the basis where a point that was asked is the worst again, and
+#: where what is left out is rounding.
+_CLOSER, _ROUNDING = 0.2, 1e-7
 #: Energy left out of the basis counts by its root, and this share of the tolerance's.
 _LEFT_OUT = 0.1
 
@@ -106,11 +109,13 @@ def build_family(
     while True:
         bounds = builder.bounds()
         worst = {motion: float(found.max()) for motion, found in bounds.items()}
-        if max(worst.values()) <= tolerance or builder.asked >= _MOST:
+        enough = builder.asked >= _MOST or builder.least < _ROUNDING
+        if max(worst.values()) <= tolerance or enough:
             return builder.family(max(worst.values()))
         announce(f"bound {max(worst.values()):.1e} after {builder.asked} members")
         hardest = max(worst, key=lambda motion: worst[motion])
         at = int(np.argmax(bounds[hardest]))
+        builder.look_closer(at)
         poor = [motion for motion, found in bounds.items() if found[at] > 0.3 * tolerance]
         builder.ask(builder.points[at], poor)
 
@@ -127,7 +132,9 @@ class _Builder:
     bases: dict[Motion, GrowingBasis]
     margins: dict[Motion, float]
     points: Floats
+    least: float
     asked: int = 1
+    _seen: set[int] = field(default_factory=set)
 
     @classmethod
     def of(
@@ -151,13 +158,14 @@ class _Builder:
             motion: GrowingBasis(products, _in_motion(system, motion), known, count)
             for motion, count in modes.items()
         }
+        least = float(_LEFT_OUT * np.sqrt(tolerance))
         for motion, basis in bases.items():
-            basis.learn(_in_motion(system, motion), np.ones(3), _least(tolerance))
+            basis.learn(_in_motion(system, motion), np.ones(3), least)
         low, high = np.array(list(ranges.values())).T
         share = np.random.default_rng(2).uniform(size=(_LOOKED_AT * len(ranges), len(ranges)))
         points = low + share * (high - low)
         margins = dict.fromkeys(modes, 1.0)
-        return cls(device, ranges, modes, tolerance, products, bases, margins, points)
+        return cls(device, ranges, modes, tolerance, products, bases, margins, points, least)
 
     def corners(self) -> list[Floats]:
         """Return the corners of the range."""
@@ -172,9 +180,15 @@ class _Builder:
         for motion in motions:
             basis = self.bases[motion]
             before = self._answers(motion, point[None])
-            basis.learn(_in_motion(system, motion), scale, _least(self.tolerance))
+            basis.learn(_in_motion(system, motion), scale, self.least)
             self._observe(motion, before, self._answers(motion, point[None]))
         self.asked += 1
+
+    def look_closer(self, at: int) -> None:
+        """Leave less out from now on, if this point was asked before and is the worst again."""
+        if at in self._seen:
+            self.least *= _CLOSER
+        self._seen.add(at)
 
     def bounds(self) -> dict[Motion, Floats]:
         """Return the largest relative bound (points,) of each class of motion."""
@@ -214,11 +228,6 @@ def _in_motion(system: SolidSystem, motion: Motion) -> SolidSystem:
         return system
     assert system.related is not None
     return system.related(motion)
-
-
-def _least(tolerance: float) -> float:
-    """Return the root of the share of energy that may be left out of a basis."""
-    return float(_LEFT_OUT * np.sqrt(tolerance))
 
 
 @dataclass(frozen=True)

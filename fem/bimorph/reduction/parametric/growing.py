@@ -17,7 +17,7 @@ from tactgen.fem.bimorph.reduction.parametric.reduced import BasisTerms, RandomT
 from tactgen.fem.bimorph.reduction.parametric.sketch import random_loads
 from tactgen.fem.bimorph.reduction.parametric.snapshot import Grid, answers
 from tactgen.fem.bimorph.system import Material, SolidSystem
-from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
 
 
@@ -54,6 +54,7 @@ class GrowingBasis:
         self._rigid = int(rigid.moved.shape[-1])
         self._tip = tip_shapes(bricks) if self._has_ports else none
         self._shapes = none
+        self._factor: Factor | None = None
         # displacements and potentials of the basis as states of the unknowns
         self._moving = self._field = np.zeros((self._grid.index.size, 0))
         self._own = _own(products, none, none, self._tip)
@@ -84,6 +85,10 @@ class GrowingBasis:
             Root of the share of energy below which what is new is left out.
         """
         # the next mode tells how far the last one may be off
+        if self._factor is None:
+            self._factor = system.held_factor
+        else:
+            system.take_factor(self._factor)
         states = answers(system, self._modes + 1)
         found = self._grid.spread(states)
         moved = found.moved * scale[:, None, None, None, None]

@@ -6,7 +6,11 @@ import pytest
 from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.ports import ports_from_blocks, static_multiport
-from tactgen.fem.bimorph.reduction.parametric.answers import family_modes, family_statics
+from tactgen.fem.bimorph.reduction.parametric.answers import (
+    family_modes,
+    family_statics,
+    largest_eigenpairs,
+)
 from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
 from tactgen.fem.bimorph.reduction.parametric.family import build_family
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
@@ -87,6 +91,26 @@ def test_statics_lie_within_their_bounds(family):
     bound = np.outer(found.missing[0, 1:], found.missing[0, 1:])
     off = np.abs(found.compliance[0] - compliance)
     assert (off <= bound + ROUNDING * np.abs(compliance)).all()
+
+
+def test_a_thickness_changes_the_proportions_and_the_bound_is_reached():
+    """Layers stretched apart need more shapes; a point that stays the worst is asked more of."""
+    ranges = LENGTH | {"bimorph.piezo_thickness": (0.2e-3, 0.3e-3)}
+    family = build_family(PLAIN, ranges, COARSE, {"bending_x": 1}, tolerance=1e-4)
+    assert family.bound <= 1e-4
+    assert family.asked <= 20
+
+
+def test_few_modes_of_a_large_basis_are_those_of_the_whole_problem():
+    """Subspace iteration on compliances that fall as those of a rod, the slowest of all classes."""
+    rng = np.random.default_rng(0)
+    turn = np.linalg.qr(rng.standard_normal((2, 60, 60)))[0]
+    exact = 1.0 / np.arange(1, 61) ** 2.0
+    matrix = turn @ (exact[:, None] * np.swapaxes(turn, 1, 2))
+    values, vectors = largest_eigenpairs(matrix, 5)
+    np.testing.assert_allclose(values[:, :5], np.tile(exact[:5], (2, 1)), rtol=1e-12)
+    left = matrix @ vectors[:, :, :5] - vectors[:, :, :5] * values[:, None, :5]
+    assert np.abs(left).max() < 1e-6
 
 
 def test_a_constant_of_the_material_and_the_tab_vary_together():
