@@ -16,9 +16,8 @@ def network_pull(device: Device) -> CoenergyMap:
     InputError
         If the parts cannot form the circuit.
     """
-    return _network_pull(
-        device.rod, device.coil, device.sleeve, device.spring, device.steel, device.gap
-    )
+    coil = device.coil.model_copy(update={"history": "rising"})  # no matter to the circuit
+    return _network_pull(device.rod, coil, device.sleeve, device.spring, device.steel, device.gap)
 
 
 @lru_cache(maxsize=32)

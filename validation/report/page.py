@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.files import writable_folder, write_text, written_whole
 from tactgen.validation.models.comparison import ComparedRow
@@ -17,6 +17,9 @@ from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.browser import print_pdf
 from tactgen.validation.view.formats import filters
 from tactgen.validation.view.page.html import assets
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 
 def write_report(
@@ -54,7 +57,8 @@ def print_report(browser: str, page: Path) -> Path:
     return target
 
 
-def _page(study: Study, started: float) -> str:
+def templates() -> Environment:
+    """Return the report's templates, with the filters that write numbers."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     folder = resources.files("tactgen.validation.report") / "templates"
@@ -66,6 +70,11 @@ def _page(study: Study, started: float) -> str:
         lstrip_blocks=True,
     )
     environment.filters.update(filters())
+    return environment
+
+
+def _page(study: Study, started: float) -> str:
+    environment = templates()
     shown = [(s, found) for s in sections(study) if (found := s.context(study)) is not None]
     numbers = {section.id: number for number, (section, _) in enumerate(shown, start=1)}
     common: dict[str, Any] = {

@@ -62,7 +62,9 @@ def test_contract_of_scene_keys():
 
 def test_built_in_scenes():
     """All load, and are what they say."""
-    assert set(built_in_scenes()) == {"paper", "prototype", "j1", "generator", "reluctance"}
+    assert set(built_in_scenes()) == {
+        "paper", "prototype", "j1", "generator", "machine", "reluctance",
+    }  # fmt: skip
     prototype, _ = load_scene("prototype")
     assert (prototype.bimorph.length, prototype.load.kind, prototype.drive.voltage) == (
         0.014,

@@ -116,7 +116,7 @@ def _places(forces: AxialForces, pull: CoenergyMap, current: float) -> MeasuredL
     found = resting_places(forces, current)
     error = pull.interpolation_error.force + pull.residual.force
     bars = [
-        error * float(pull.force(current, forces.gap(place.lift))) / abs(place.stiffness)
+        error * abs(float(pull.force(current, forces.gap(place.lift))) / place.stiffness)
         for place in found
     ]
     return MeasuredList(

@@ -23,6 +23,10 @@ def sections(study: Study) -> tuple[Section, ...]:
         from tactgen.validation.report.sections.reluctance import NORMAL
 
         found += NORMAL
+    if study.lateral and study.scene.support.kind == "contact":
+        from tactgen.validation.report.sections.machine import MACHINE
+
+        found.append(MACHINE)
     return (
         *found,
         Section("checks", "Checks of this scene", _checks),
