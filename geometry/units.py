@@ -249,6 +249,18 @@ PiezoConstant = _quantity(
         limits=(1e-18, 1e-6), shown="pC/N", per_si=1e12,
     )
 )  # fmt: skip
+Stress = _quantity(
+    Unit("Pa", "stress", "28 MPa", above=0.0, limits=(1.0, 1e12), shown="MPa", per_si=1e-6)
+)
+ElectricField = _quantity(
+    Unit(
+        "V/m", "electric field", "0.4 kV/mm",
+        above=0.0, limits=(1.0, 1e12), shown="kV/mm", per_si=1e-6,
+    )
+)  # fmt: skip
+HeatTransfer = _quantity(
+    Unit("W/(m**2*K)", "heat transfer coefficient", "25 W/(m^2*K)", above=0.0, limits=(1e-3, 1e6))
+)
 RotationalStiffness = _quantity(
     Unit("N*m/rad", "rotational stiffness", "0.24 N*m/rad", at_least=0.0, limits=(1e-12, 1e9))
 )

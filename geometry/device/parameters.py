@@ -20,14 +20,14 @@ from tactgen.geometry.device.groups.normal import (
     Sleeve,
     Steel,
 )
-from tactgen.geometry.device.groups.operation import Beam, Drive, Load, Support
+from tactgen.geometry.device.groups.operation import Beam, Drive, Limits, Load, Support
 from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.device.piezo_library import LIBRARY
 
 __all__ = [
     "BUILT_IN_CURVES", "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Drive",
-    "Glue", "Guide", "Load", "Parameters", "Piezo", "Rod", "Shim", "Sleeve", "Spring", "Steel",
-    "Support", "sources", "spreads",
+    "Glue", "Guide", "Limits", "Load", "Parameters", "Piezo", "Rod", "Shim", "Sleeve", "Spring",
+    "Steel", "Support", "sources", "spreads",
 ]  # fmt: skip
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parameters import Device, Limits
 from tactgen.geometry.device.winding import winding
 
 #: Heat transfer to still air (W/(m² K)), the most that free convection gives (Incropera and
@@ -18,9 +18,26 @@ def steady_temperature_rise(device: Device, current: float) -> float:
     Free convection at its best from the sleeve's outside and the head's top; what the
     circuit board and the finger lead away is left out, and so is the wire's own rise.
     """
+    return float(winding(device.coil).power(current) / (_TO_AIR * _surface(device)))
+
+
+def largest_rms_current(device: Device, limits: Limits) -> float:
+    """Return the effective current (A) that takes the winding to its temperature limit for good.
+
+    From the sleeve's outside and the head's top to still air alone, the hot wire's resistance
+    included.  A current switched much faster than the actuator warms (tens of seconds) with the
+    share D of its time on may be 1/√D times as large.
+    """
+    rise = limits.winding_temperature - limits.ambient_temperature
+    coil = device.coil.model_copy(update={"temperature": limits.winding_temperature})
+    carried = limits.heat_transfer * _surface(device) * max(rise, 0.0)
+    return math.sqrt(carried / winding(coil).resistance)
+
+
+def _surface(device: Device) -> float:
+    """Return the area of the sleeve's outside and the head's top (m²)."""
     sleeve, head = device.sleeve, device.rod.head_radius
-    surface = 2.0 * math.pi * sleeve.outer_radius * sleeve.length + math.pi * head**2
-    return float(winding(device.coil).power(current) / (_TO_AIR * surface))
+    return float(2.0 * math.pi * sleeve.outer_radius * sleeve.length + math.pi * head**2)
 
 
 def thermal_statement(device: Device, current: float) -> str:

@@ -9,7 +9,8 @@ import numpy as np
 from tactgen.geometry.units import Unit
 from tactgen.tmm.ports.readout import ELECTRICAL, MECHANICAL, ModalReadout, PortMatrix, Readout
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
-from tactgen.validation.catalogue.row import QuantityRow
+from tactgen.validation.catalogue.row import DrivenReadout, QuantityRow
+from tactgen.validation.catalogue.safe_drive import voltage_limits
 
 #: Largest plausible magnitude of any measured curve (SI).
 _LARGEST = 1e3
@@ -85,9 +86,18 @@ DYNAMIC_STIFFNESS = QuantityRow(
     PortMatrix(),
 )  # fmt: skip
 
+CERAMIC_STRESS = QuantityRow(
+    "ceramic_stress", "Pa", "largest stress amplitude along the ceramic at the drive voltage",
+    DrivenReadout(lambda driven, _, voltage: driven.stress * abs(voltage)),
+)  # fmt: skip
+VOLTAGE_LIMIT = QuantityRow(
+    "voltage_limit", "V", "largest drive voltage by strength, depoling field and amplifier current",
+    DrivenReadout(lambda driven, limits, _: np.min(voltage_limits(driven, limits), axis=0)),
+)  # fmt: skip
+
 ROWS = (
     TIP_DISPLACEMENT, TIP_VELOCITY, TIP_ROTATION, INPUT_CURRENT, ADMITTANCE, BLOCKED_FORCE,
     THRESHOLD_VOLTAGE, STATIC_TIP_DISPLACEMENT, SHORT_CIRCUIT_FREQUENCIES,
     OPEN_CIRCUIT_FREQUENCIES, COUPLING_FACTOR, CAPACITANCE_FREE, CAPACITANCE_BLOCKED,
-    DYNAMIC_STIFFNESS,
+    DYNAMIC_STIFFNESS, CERAMIC_STRESS, VOLTAGE_LIMIT,
 )  # fmt: skip

@@ -69,6 +69,11 @@ class ModelRow:
     loads: tuple[str, ...] = ()
     families: str = ""
 
+    @property
+    def takes_sections_as_plane(self) -> bool:
+        """Whether its theory is that of slender beams."""
+        return self.theory == "beam"
+
     def reads(self, key: str) -> bool:
         """Return whether some stage reads a scene key."""
         return any(key in read for read in self.stages.values())

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from tactgen.geometry.device.parameters import Limits
 from tactgen.geometry.units import Unit
 from tactgen.tmm.ports.readout import ModalReadout, PortMatrix, Readout
 from tactgen.validation.catalogue.needs import NEEDS, Actuator, Need
@@ -28,6 +29,20 @@ class AnswerReadout:
 
 
 @dataclass(frozen=True)
+class DrivenReadout:
+    """A value of the driven bimorph: what the ceramic and its amplifier carry.
+
+    Attributes
+    ----------
+    of : callable
+        Takes a :class:`tmm.beam.ceramic.DrivenCeramic`, the scene's limits and the drive
+        voltage (V), gives an array (n,) over the frequencies.
+    """
+
+    of: Callable[[Any, Limits, float], Any]
+
+
+@dataclass(frozen=True)
 class QuantityRow:
     """One quantity that can be asked for.
 
@@ -35,7 +50,7 @@ class QuantityRow:
     ----------
     name, unit, meaning : str
         Name in the interface, SI unit, one line of explanation.
-    read : Readout, ModalReadout, PortMatrix or AnswerReadout
+    read : Readout, ModalReadout, PortMatrix, AnswerReadout or DrivenReadout
         How it is read off a model; all that follows from it are properties.
     label : str
         What people call it; the name in words if left out.
@@ -52,7 +67,7 @@ class QuantityRow:
     name: str
     unit: str
     meaning: str
-    read: Readout | ModalReadout | PortMatrix | AnswerReadout
+    read: Readout | ModalReadout | PortMatrix | AnswerReadout | DrivenReadout
     label: str = ""
     headline: bool = False
     varied: bool = False
@@ -99,14 +114,18 @@ class QuantityRow:
     @property
     def loaded(self) -> bool:
         """Whether the tip's load enters with its losses."""
-        if "small_signal" in self.needs:
+        if self._is_driven or "small_signal" in self.needs:
             return True
         return isinstance(self.read, Readout) and self.read.is_loaded
 
     @property
     def held_by_support(self) -> bool:
         """Whether only the support keeps the actuator from moving as a rigid body."""
-        return isinstance(self.read, Readout) and self.read.has_free_ports
+        return self._is_driven or (isinstance(self.read, Readout) and self.read.has_free_ports)
+
+    @property
+    def _is_driven(self) -> bool:
+        return isinstance(self.read, DrivenReadout)
 
     @property
     def has_level(self) -> bool:

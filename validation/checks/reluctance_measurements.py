@@ -10,11 +10,12 @@ import numpy as np
 from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.layout import total_height
-from tactgen.geometry.device.parameters import Device, Steel
+from tactgen.geometry.device.parameters import Device, Limits, Steel
 from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.reluctance.team20 import MEASURED_FORCE
 from tactgen.tmm.reluctance.coenergy.fit import fit
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples, closed_loop_work
+from tactgen.tmm.reluctance.coil_heat import largest_rms_current
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import spring_force
@@ -194,6 +195,11 @@ def collared_linkage(current: float) -> float:
     """Flux linkage per turn of the same (Wb)."""
     found = collared_actuator.field(current)
     return float(found.flux_linkage / collared_actuator.COLLARED.coil.turns)
+
+
+def largest_held_current() -> float:
+    """Effective current that the winding stands for good in still air (A)."""
+    return largest_rms_current(Device(), Limits())
 
 
 def generator_height() -> float:

@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactgen.tmm.ports.multiport import Multiport, Response, in_series, round_off
-from tactgen.tmm.ports.readout import ModalReadout, PortMatrix, Readout
+from tactgen.tmm.beam.ceramic import driven_ceramic
+from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond, round_off
+from tactgen.tmm.ports.readout import ELECTRICAL, ModalReadout, PortMatrix, Readout
 from tactgen.tmm.ports.terminations import attach
-from tactgen.validation.catalogue.row import AnswerReadout, QuantityRow
+from tactgen.validation.catalogue.row import AnswerReadout, DrivenReadout, QuantityRow
 from tactgen.validation.engine.model import Model, Modes, Refined
 from tactgen.validation.engine.results import MeasuredList
 from tactgen.validation.scene.scene import Scene
@@ -24,6 +25,8 @@ Array = NDArray[Any]
 
 #: Rounding of a frequency that a model solved for exactly.
 _ROUNDING = 1e-13
+#: Rounding of a moment inside the ceramic, which follows from the tip by two small solutions.
+_OF_A_MOMENT = 1e-10
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,8 @@ def read(row: QuantityRow, model: Model) -> Judged:
             return _frequencies(answers[0], model.scene.modes)
         case ModalReadout():
             return _combination(row.read, answers)
+        case DrivenReadout():
+            return _of_ceramic(row.read, model, answers[0])
         case PortMatrix() | Readout():
             return _at_ports(row.read, model, answers[0])
 
@@ -92,6 +97,28 @@ def _of_tip(readout: Readout, scene: Scene, refined: Refined[Response]) -> Judge
         return readout.scaled(readout.variable(response), scene.drive.voltage, frequencies)
 
     return _judge(refined, of, 0.0)
+
+
+def _of_ceramic(readout: DrivenReadout, model: Model, refined: Refined[Multiport]) -> Judged:
+    """Read what the ceramic carries off the tip's motion and the charge, whoever gives them."""
+    scene = model.scene
+    frequencies = np.asarray(scene.frequency, dtype=float)
+
+    def of(response: Response) -> Array:
+        driven = driven_ceramic(scene.device, scene.beam, scene.ends, frequencies, response)
+        return np.asarray(readout.of(driven, scene.limits, scene.drive.voltage))
+
+    closed = model.closed_form(scene.ends)
+    if closed is not None:
+        return _judge(closed, of, _OF_A_MOMENT)
+    series = scene.bimorph.wiring == "series"
+
+    def of_port(port: Multiport) -> Array:
+        attached = attach(in_series(port) if series else port, scene.ends)
+        return of(respond(attached, {ELECTRICAL: 1.0}))
+
+    rounding = round_off(attach(refined.fine, scene.ends)) * (1.0 + refined.elimination)
+    return _judge(refined, of_port, rounding + _OF_A_MOMENT)
 
 
 def _frequencies(refined: Refined[Modes], count: int) -> Judged:

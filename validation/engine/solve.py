@@ -9,6 +9,11 @@ from typing import Any
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.drive_warnings import (
+    field_warnings,
+    slenderness_warnings,
+    stress_warnings,
+)
 from tactgen.validation.engine.model import Model, make_model
 from tactgen.validation.engine.plan import Plan, Step, make_plan
 from tactgen.validation.engine.reading import read
@@ -81,6 +86,7 @@ def solve(
         warnings += model.warnings(quantities)
     warnings += accuracy_warnings(scene, found)
     warnings += deflection_warnings(scene, found)
+    warnings += stress_warnings(scene, made, quantities)
     # models of one theory say the same
     return Solution(scene, tuple(found), plan, tuple(dict.fromkeys(warnings)), made, stages)
 
@@ -97,7 +103,8 @@ def check_request(
     """
     check_held(scene, quantities)
     warnings = load_warnings(scene, quantities) + level_warnings(scene, quantities)
-    warnings += held_warnings(scene, models)
+    warnings += held_warnings(scene, models) + field_warnings(scene, quantities)
+    warnings += slenderness_warnings(scene, models)
     return make_plan(scene, models, quantities), warnings
 
 

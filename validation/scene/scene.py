@@ -96,6 +96,7 @@ class Scene(p.Device):
     load: p.Load = p.Load()
     drive: p.Drive = p.Drive()
     beam: p.Beam = p.Beam()
+    limits: p.Limits = p.Limits()
     mesh: MeshSettings = MeshSettings()
     accuracy: u.RelativeError = Field(
         default=1e-3, description="relative numerical error wanted of the field models"

@@ -45,6 +45,47 @@ class Drive(Parameters):
     voltage: u.Voltage = field(50.0, PAPER_4, "amplitude (peak) of the drive voltage")
 
 
+class Limits(Parameters):
+    """What bimorph, amplifier and coil stand; no model reads them, warnings and limits do."""
+
+    ceramic_strength: u.Stress = field(
+        28e6,
+        "assumed: rated dynamic tensile strength of PZT-5A and 5H, 4000 psi; M1876's is not public",
+        "largest amplitude of the stress in the ceramic",
+        (20e6, 40e6, "assumed: soft ceramics, by grain, surface and number of cycles"),
+    )
+    depoling_field: u.ElectricField = field(
+        0.4e6,
+        "assumed: half the coercive field of a soft ceramic (0.8 kV/mm below 1 Hz, CTS 3203HD)",
+        "largest amplitude of the field in a layer, half of each period against the poling",
+        (0.27e6, 0.8e6, "assumed: from a third of the coercive field to all of it"),
+    )
+    amplifier_current: u.Current = field(
+        0.1,
+        "assumed: small amplifier for capacitive loads; the paper gives no current",
+        "amplitude of the current that the amplifier gives all its channels together",
+        (0.02, 1.0, "assumed: from driver chips to laboratory amplifiers"),
+    )
+    amplifier_channels: u.Turns = field(
+        16.0, "paper section 5.2: sixteen generators", "channels that share the current"
+    )
+    winding_temperature: u.Temperature = field(
+        428.15,
+        "IEC 60085: class 155 (F), polyurethane enamel",
+        "temperature that the winding stands for long",
+        (403.15, 453.15, "classes 130 to 180"),
+    )
+    ambient_temperature: u.Temperature = field(
+        293.15, "assumed: 20 degC", "temperature of the air", (288.15, 308.15, "rooms")
+    )
+    heat_transfer: u.HeatTransfer = field(
+        25.0,
+        "Incropera and DeWitt, table 1.1: the most that free convection gives",
+        "heat from the actuator's outer surface to the air",
+        (5.0, 30.0, "assumed: from among fifteen others to alone, with radiation"),
+    )
+
+
 class Beam(Parameters):
     """What only the one-dimensional models need."""
 

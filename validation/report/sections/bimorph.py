@@ -19,6 +19,7 @@ from tactgen.validation.report.sections.bridge import (
     holding_section,
     material_section,
 )
+from tactgen.validation.report.sections.drive_limits import drive_limits_section
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
 from tactgen.validation.studies.design import length_section, voltage_section
@@ -99,6 +100,7 @@ LATERAL: tuple[Section, ...] = (
     Section("holding", "What holds the bimorph", holding_section),
     Section("material", "What the assumed constants are worth", material_section),
     Section("response", "Frequency response", _response),
+    Section("drive_limits", "What it may be driven with", drive_limits_section),
     Section("length", "Length design", _length),
     Section("voltage", "Voltage at the detection threshold", _voltage),
     Section("uncertainty", "Numerical and parameter uncertainty", _uncertainty),

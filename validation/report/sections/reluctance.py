@@ -11,7 +11,7 @@ import numpy as np
 from tactgen.geometry.device.layout import below_head
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.winding import winding
-from tactgen.tmm.reluctance.coil_heat import thermal_statement
+from tactgen.tmm.reluctance.coil_heat import largest_rms_current, thermal_statement
 from tactgen.tmm.reluctance.switching import Equilibrium, equilibria, finger_force, spring_force
 from tactgen.validation.engine.results import Measured
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
@@ -142,6 +142,9 @@ def _characteristics(actuator: NormalActuator) -> Context:
         "heating_rate": wound.heating_rate(current),
         "electrical_rows": _electrical_rows(actuator, chosen),
         "heat": heat,
+        "rms": largest_rms_current(device, actuator.scene.limits),
+        "limits": actuator.scene.limits,
+        "duties": (1.0, 0.5, 0.1, 0.01),
     }
 
 

@@ -23,6 +23,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.beam.parametric import Actuator
+from tactgen.validation.engine.drive_warnings import SLENDER
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.design.aim import Aim
 from tactgen.validation.studies.design.length_map import actuator
@@ -34,8 +35,6 @@ Limit = Literal["threshold", "peak", "end", "compromise"]
 
 #: Relative accuracy to which crossings are refined, and peaks, which rounding flattens.
 _ACCURACY, _PEAK_ACCURACY = 1e-9, 1e-7
-#: A beam shorter than this many thicknesses is no longer slender.
-_SLENDER = 10.0
 
 
 @dataclass(frozen=True)
@@ -187,7 +186,7 @@ def _excess(device: Actuator, aim: Aim, length: float) -> float:
 
 def _doubts(scene: Scene, length: float) -> tuple[str, ...]:
     slenderness = length / scene.bimorph.thickness
-    if slenderness >= _SLENDER:
+    if slenderness >= SLENDER:
         return ()
     doubt = (
         f"at {1e3 * length:.4g} mm the actuator is {slenderness:.2g} times as long as thick, too "

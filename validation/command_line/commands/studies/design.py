@@ -55,7 +55,9 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     import numpy as np
 
+    from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
     from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.engine.drive_warnings import field_warnings
     from tactgen.validation.scene.idle_keys import scene_warnings
     from tactgen.validation.studies.design.length_dependence import dependences
     from tactgen.validation.studies.design.length_design import design
@@ -77,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
         rows = dependences(found, origins)
         if options.plot:
             _draw(Path(options.plot), study, found)
-    warn(found.warnings)
+    warn((*field_warnings(scene, (TIP_DISPLACEMENT.name,)), *found.warnings))
     if options.json:
         json.dump(_as_json(scene, study, found, rows), sys.stdout, allow_nan=False)
         print()

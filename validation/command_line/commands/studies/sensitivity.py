@@ -53,6 +53,7 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.engine.drive_warnings import field_warnings, slenderness_warnings
     from tactgen.validation.engine.warnings import level_warnings, load_warnings
     from tactgen.validation.scene.idle_keys import scene_warnings
     from tactgen.validation.studies.uncertainty.headline_numbers import actuator
@@ -66,6 +67,7 @@ def run(options: argparse.Namespace) -> int:
     warn(scene_warnings(scene, origins))
     columns = sensitivity_columns(scene, options.key)
     warn(load_warnings(scene, scene.quantities) + level_warnings(scene, scene.quantities))
+    warn(field_warnings(scene, scene.quantities) + slenderness_warnings(scene, scene.models))
     omitted = left_out(scene, actuator(scene)) if options.sobol or not options.key else ""
     if omitted:
         say(f"note: {omitted}")

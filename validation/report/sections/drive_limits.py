@@ -1,0 +1,55 @@
+"""The report's section on what the lateral actuator may be driven with."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.tmm.beam.ceramic import driven_ceramic
+from tactgen.tmm.beam.transfer.transfer_matrix import multiport
+from tactgen.tmm.ports.multiport import in_series, respond
+from tactgen.tmm.ports.readout import ELECTRICAL
+from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.catalogue.safe_drive import REASONS, voltage_limits
+from tactgen.validation.report.sections.section import Context
+from tactgen.validation.report.study import Study
+
+#: Frequencies added to the scene's: a peak lies between two of them.
+_POINTS = 800
+
+
+def drive_limits_section(study: Study) -> Context | None:
+    """Return the limits under the scene's load and with a free tip, None for layers not plain."""
+    from tactgen.validation.report.figures.drive_limits import limits_plot
+
+    scene = study.scene
+    asked = np.asarray(scene.frequency, dtype=float)
+    low = max(float(asked.min()), 1e-3 * float(asked.max()))
+    if not float(asked.max()) > low:
+        return None
+    frequencies = np.geomspace(low, float(asked.max()), _POINTS)
+    cases = {"free tip": Ends(scene.ends.base)}
+    if scene.load.kind != "none":
+        cases = {"under the load": scene.ends, **cases}
+    port = multiport(scene.device, scene.support, scene.beam, frequencies)
+    port = in_series(port) if scene.bimorph.wiring == "series" else port
+    found, rows = {}, []
+    for title, ends in cases.items():
+        response = respond(attach(port, ends), {ELECTRICAL: 1.0})
+        driven = driven_ceramic(scene.device, scene.beam, ends, frequencies, response)
+        if np.isnan(driven.stress).any():
+            return None
+        found[title] = voltage_limits(driven, scene.limits)
+        at = np.unravel_index(int(np.argmin(found[title])), found[title].shape)
+        rows.append(
+            {
+                "load": title,
+                "voltage": float(found[title][at]),
+                "frequency": float(frequencies[at[1]]),
+                "reason": REASONS[int(at[0])],
+                "stress": float(driven.stress.max()) * abs(scene.drive.voltage),
+                "stress_at": float(frequencies[int(driven.stress.argmax())]),
+            }
+        )
+    picture = limits_plot(frequencies, found, abs(scene.drive.voltage))
+    return {"rows": rows, "picture": picture, "limits": scene.limits}
