@@ -14,7 +14,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.fields.result import FieldResult, State
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.scene.scene import Scene
@@ -64,7 +64,11 @@ class Section:
 
 
 def gather_magnetic(
-    scene: Scene, announce: Callable[[str], None] = lambda _: None, *, opened: bool = True
+    scene: Scene,
+    announce: Callable[[str], None] = lambda _: None,
+    *,
+    opened: bool = True,
+    reuse: Solution | None = None,
 ) -> FieldResult:
     """Return the field at the scene's current and gap, by the axisymmetric model.
 
@@ -72,8 +76,10 @@ def gather_magnetic(
     ----------
     opened : bool
         Leave out a quarter turn, so that the section is seen.
+    reuse : Solution, optional
+        An earlier one, whose force is not computed again.
     """
-    solution = solve(scene, ["axisymmetric"], ["magnetic_force"], announce)
+    solution = solve(scene, ["axisymmetric"], ["magnetic_force"], announce, reuse)
     model = solution.models["axisymmetric"]
     assert isinstance(model, AxisymmetricModel)
     announce("field of axisymmetric")

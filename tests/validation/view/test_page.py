@@ -9,7 +9,9 @@ import zlib
 import numpy as np
 import pytest
 
+from tactgen.validation.fields.gather import Request, gather
 from tactgen.validation.fields.result import at_phase
+from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.view.browser import find_browser, run_browser
 from tactgen.validation.view.formats import with_bar
 from tactgen.validation.view.page.html import Still, page
@@ -108,10 +110,8 @@ def browser():
     return found
 
 
-@pytest.fixture(scope="module")
-def tested(browser, text, tmp_path_factory):
+def selftest(browser, text, path):
     """Return what the page's self-test wrote, and the browser's messages."""
-    path = tmp_path_factory.mktemp("page") / "view.html"
     path.write_text(text, encoding="utf-8")
     done = run_browser(
         browser, path.as_uri() + "#selftest", "--dump-dom", "--virtual-time-budget=20000",
@@ -120,6 +120,11 @@ def tested(browser, text, tmp_path_factory):
     found = re.search(r'<pre id="selftest">(.*?)</pre>', done.stdout, flags=re.DOTALL)
     assert found is not None, done.stderr[-2000:]
     return json.loads(html.unescape(found[1])), done.stderr
+
+
+@pytest.fixture(scope="module")
+def tested(browser, text, tmp_path_factory):
+    return selftest(browser, text, tmp_path_factory.mktemp("page") / "view.html")
 
 
 @pytest.mark.heavy
@@ -178,3 +183,16 @@ def test_without_webgl_stills_are_shown_and_it_is_said(browser, text, tmp_path):
     assert 'data-ready="stills"' in done.stdout
     assert "has no WebGL 2, so nothing moves here" in done.stdout
     assert 'alt="one pixel"' in done.stdout
+
+
+@pytest.mark.heavy
+def test_a_field_at_rest_is_shown_and_read(browser, tmp_path):
+    """The normal actuator: no controls of motion, |B| under the pointer, no complaint."""
+    scene, _ = load_scene("reluctance", ["models=axisymmetric", "accuracy=0.01"])
+    (field,) = gather(scene, ["axisymmetric"], Request((), "edges"))
+    text = page("field", payload([field]), [])
+    report, messages = selftest(browser, text, tmp_path / "field.html")
+    assert "CONSOLE" not in messages
+    assert report["errors"] == []
+    assert [name for name, changed in report["changes"].items() if not changed] == []
+    assert re.search(r"\|B\|: [\d.]+ m?T", report["reading"]["text"])

@@ -82,8 +82,21 @@ def _field(actuator: NormalActuator) -> Context | None:
     return {
         "field_picture": field_plot(device, points),
         "saturated": [p.incremental_inductance < 0.5 * p.inductance for p in points.values()],
+        "viewer": _viewer(actuator),
         "shaft": [_shaft_density(point, device.rod.radius) for point in points.values()],
     }
+
+
+def _viewer(actuator: NormalActuator) -> str:
+    """Return the field at the scene's current and gap, revolved, in a frame of its own."""
+    from tactgen.validation.fields.magnetic import gather_magnetic
+    from tactgen.validation.view.page.html import fragment
+    from tactgen.validation.view.page.shown import payload
+
+    actuator.announce("field in the round")
+    solution = actuator.solution
+    found = gather_magnetic(solution.scene, actuator.announce, reuse=solution)
+    return fragment(payload([found]), [], light=True, name="tv-field")
 
 
 def _shaft_density(point: FieldPoint, radius: float) -> float:

@@ -22,10 +22,13 @@ class Still:
     caption: str
 
 
-def fragment(data: dict[str, Any], stills: Sequence[Still], *, light: bool = False) -> str:
+def fragment(
+    data: dict[str, Any], stills: Sequence[Still], *, light: bool = False, name: str = "tv-data"
+) -> str:
     """Return the viewer as a part of a page that also has :func:`assets`.
 
     With `light` it stays light where the reader's system is dark, as the page around it.
+    Where a page has two viewers, each has its own `name`.
     """
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
     pictures = "".join(
@@ -34,8 +37,8 @@ def fragment(data: dict[str, Any], stills: Sequence[Still], *, light: bool = Fal
         for s in stills
     )
     return (
-        f'<script type="application/json" id="tv-data">{text}</script>\n'
-        f'<div class="tv{" tv-light" if light else ""}" data-payload="tv-data">\n'
+        f'<script type="application/json" id="{name}">{text}</script>\n'
+        f'<div class="tv{" tv-light" if light else ""}" data-payload="{name}">\n'
         f'<div class="tv-stills" hidden><p class="tv-why"></p>{pictures}</div>\n'
         "<noscript><style>.tv .tv-stills[hidden]{display:block!important}</style>"
         "<p>Scripts are off, so nothing moves here. Still pictures:</p></noscript>\n</div>\n"

@@ -776,9 +776,11 @@
       this.tip.hidden = !hit;
       if (!hit) return null;
       const found = pane.reading(hit), lines = [element('b', {}, found.region.title)];
-      const field = pane.field || pane.result.fields[0];
-      const number = this.payload.number(found.value, field);
-      lines.push(element('br'), `${pane.field ? field.title : '|u| now'}: ${number.value} ${number.unit}`);
+      const field = pane.field || (pane.state.moves ? pane.result.fields[0] : null);
+      if (field) {
+        const number = this.payload.number(found.value, field);
+        lines.push(element('br'), `${field.title}${pane.field ? '' : ' now'}: ${number.value} ${number.unit}`);
+      }
       lines.push(element('br'), element('span', { class: 'tv-dim' },
         'at rest ' + found.rest.map((v) => (v * 1e3).toFixed(2)).join(', ') + ' mm'));
       this.tip.replaceChildren(...lines);
@@ -892,35 +894,43 @@
       if (back) back();
     };
     const send = (key) => view.renderer.domElement.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true, cancelable: true }));
-    const drag = (key, value) => { view.inputs[key].value = value; view.inputs[key].dispatchEvent(new Event('input')); };
+    const moves = !!view.inputs.amplitude, several = view.results[0].states.length > 1;
+    const drag = (key, value) => { if (!view.inputs[key]) return; view.inputs[key].value = value; view.inputs[key].dispatchEvent(new Event('input')); };
     const set = (key, value) => { view.inputs[key].value = value; view.inputs[key].dispatchEvent(new Event('change')); };
-    differs('phase', () => drag('phase', 90), () => drag('phase', 0));
-    differs('amplitude', () => drag('amplitude', 2), () => drag('amplitude', 1));
+    if (moves) {
+      differs('phase', () => drag('phase', 90), () => drag('phase', 0));
+      differs('amplitude', () => drag('amplitude', 2), () => drag('amplitude', 1));
+      differs('key arrow', () => { send('ArrowRight'); send('ArrowRight'); }, () => drag('phase', 0));
+    }
     differs('explode', () => drag('explode', 1), () => drag('explode', 0));
     differs('mesh', () => view.inputs.mesh.click(), () => view.inputs.mesh.click());
     differs('rest', () => { drag('phase', 0); view.inputs.rest.click(); }, () => view.inputs.rest.click());
     for (const axis of ['x', 'y', 'z']) differs('cut ' + axis, () => set('axis', axis), () => set('axis', 'none'));
+    set('field', '');
     for (const field of view.fieldsNow()) differs('colour ' + field.key, () => set('field', field.key), () => set('field', ''));
     differs('key c', () => send('c'), () => set('field', ''));
     differs('key m', () => send('m'), () => send('m'));
-    differs('key ]', () => send(']'), () => send('['));
-    differs('key arrow', () => { send('ArrowRight'); send('ArrowRight'); });
+    if (several) differs('key ]', () => send(']'), () => send('['));
     if (view.inputs.other) {
       differs('two results', () => set('other', view.results.length - 1));
       report.captions = [...view.captions.children].map((c) => c.textContent);
       set('other', -1);
     }
-    const circuit = view.options.circuit;
-    send('o'); report.opened = view.state.name; send('o');
-    changes['key o'] = view.options.circuit === circuit && report.opened !== view.state.name;
+    if (several) {
+      const circuit = view.options.circuit;
+      send('o'); report.opened = view.state.name; send('o');
+      changes['key o'] = view.options.circuit === circuit && report.opened !== view.state.name;
+    }
     for (const from of ['x', 'y', 'z', 'upright']) differs('look ' + from, () => view.look(from));
     view.look('home');
     // the animation advances by itself
-    const phase = view.options.phase;
-    view.play();
-    await new Promise((resolve) => setTimeout(resolve, 600));
-    changes.animation = view.options.phase !== phase;
-    view.pause();
+    if (moves) {
+      const phase = view.options.phase;
+      view.play();
+      await new Promise((resolve) => setTimeout(resolve, 600));
+      changes.animation = view.options.phase !== phase;
+      view.pause();
+    }
     // pointing at the middle of the device gives a value
     view.select(view.panes[0].result.states[0].name);
     set('field', view.fieldsNow()[0].key);
