@@ -76,14 +76,10 @@ def family_modes(members: Members, ends: Ends, count: int, *, open_circuit: bool
     stiffness, mass, tip = _attached(members, ends, open_circuit=open_circuit)
     loose = ends.rigid_motions if members.ports is not None else 0
     shift = SHIFT if loose else 0.0
-    lower = np.linalg.inv(np.linalg.cholesky(stiffness + shift * mass))
-    softness = lower @ mass @ np.swapaxes(lower, 1, 2)
     count = min(count, members.reduced.modes)
-    softness = 0.5 * (softness + np.swapaxes(softness, 1, 2))
-    values, vectors = largest_eigenpairs(softness, loose + count + 1)
+    values, vectors = softest(stiffness + shift * mass, mass, loose + count + 1)
     chosen = slice(loose, loose + count + 1)  # the next one tells how far the last may be off
-    found = values[:, chosen]
-    shapes = np.swapaxes(lower, 1, 2) @ vectors[:, :, chosen]
+    found, shapes = values[:, chosen], vectors[:, :, chosen]
     omega2 = 1.0 / found - shift
     shapes = shapes / np.sqrt(found)[:, None, :]
     missing = _residual(members, ends, omega2, shapes, tip, open_circuit=open_circuit)
@@ -92,24 +88,31 @@ def family_modes(members: Members, ends: Ends, count: int, *, open_circuit: bool
     return FamilyModes(frequencies, share * frequencies, shapes[:, :, :-1])
 
 
-def largest_eigenpairs(matrix: Floats, count: int) -> tuple[Floats, Floats]:
-    """Return the largest eigenvalues (n, ≥ count), descending, and vectors of (n, k, k).
+def softest(stiffness: Floats, mass: Floats, count: int) -> tuple[Floats, Floats]:
+    """Return the largest μ of M y = μ K y (n, ≥ count), descending, and y (n, k, ≥ count).
 
-    Of compliances the values fall fast, so that subspace iteration beats the full problem
-    several times; what it might leave out shows in the modes' residuals.
+    K being definite (n, k, k), yᵀ K y = 1.  Of a body the values fall fast, so that
+    subspace iteration beats the full problem several times; what it might leave out shows in
+    the modes' residuals.
     """
-    size, block = matrix.shape[1], 2 * count + _SPARE
+    size, block = stiffness.shape[1], 2 * count + _SPARE
     if size <= 2 * block:
-        values, vectors = np.linalg.eigh(matrix)
-        return values[:, ::-1], vectors[:, :, ::-1]
-    start = np.random.default_rng(4).standard_normal((size, block))
-    basis = matrix @ start
+        return _all_pairs(stiffness, mass)
+    inverse = np.linalg.inv(stiffness)
+    basis = inverse @ (mass @ np.random.default_rng(4).standard_normal((size, block)))
     for _ in range(_ITERATIONS):
-        basis = matrix @ np.linalg.qr(basis)[0]
+        basis = inverse @ (mass @ np.linalg.qr(basis)[0])
     basis = np.linalg.qr(basis)[0]
-    small = np.swapaxes(basis, 1, 2) @ matrix @ basis
-    values, vectors = np.linalg.eigh(0.5 * (small + np.swapaxes(small, 1, 2)))
-    return values[:, ::-1], basis @ vectors[:, :, ::-1]
+    across = np.swapaxes(basis, 1, 2)
+    values, vectors = _all_pairs(across @ (stiffness @ basis), across @ (mass @ basis))
+    return values, basis @ vectors
+
+
+def _all_pairs(stiffness: Floats, mass: Floats) -> tuple[Floats, Floats]:
+    lower = np.linalg.inv(np.linalg.cholesky(stiffness))
+    softness = lower @ mass @ np.swapaxes(lower, 1, 2)
+    values, vectors = np.linalg.eigh(0.5 * (softness + np.swapaxes(softness, 1, 2)))
+    return values[:, ::-1], np.swapaxes(lower, 1, 2) @ vectors[:, :, ::-1]
 
 
 def _temple(missing: Floats, omega2: Floats) -> Floats:

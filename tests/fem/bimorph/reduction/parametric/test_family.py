@@ -9,7 +9,7 @@ from tactgen.fem.bimorph.ports import ports_from_blocks, static_multiport
 from tactgen.fem.bimorph.reduction.parametric.answers import (
     family_modes,
     family_statics,
-    largest_eigenpairs,
+    softest,
 )
 from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
 from tactgen.fem.bimorph.reduction.parametric.family import build_family
@@ -107,7 +107,7 @@ def test_few_modes_of_a_large_basis_are_those_of_the_whole_problem():
     turn = np.linalg.qr(rng.standard_normal((2, 60, 60)))[0]
     exact = 1.0 / np.arange(1, 61) ** 2.0
     matrix = turn @ (exact[:, None] * np.swapaxes(turn, 1, 2))
-    values, vectors = largest_eigenpairs(matrix, 5)
+    values, vectors = softest(np.tile(np.eye(60), (2, 1, 1)), matrix, 5)
     np.testing.assert_allclose(values[:, :5], np.tile(exact[:5], (2, 1)), rtol=1e-12)
     left = matrix @ vectors[:, :, :5] - vectors[:, :, :5] * values[:, None, :5]
     assert np.abs(left).max() < 1e-6
