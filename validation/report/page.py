@@ -10,6 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.files import writable_folder, write_text, written_whole
+from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.models.bimorph.beam_theory_error import Band, expected_differences
 from tactgen.validation.models.comparison import ComparedRow
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.study import Study, check_report
@@ -114,10 +117,19 @@ def _summary(study: Study) -> dict[str, Any]:
         "failed": sum(o.status == "fail" for o in study.outcomes),
         "parameters": study.parameters,
         "bridge": study.rungs,
+        "left_out": _left_out(study),
         "asked": study.asked,
         "bars": len(most_detailed),
         "missed": sum(c.uncertainty > study.scene.accuracy * abs(c.value) for c in most_detailed),
     }
+
+
+def _left_out(study: Study) -> list[tuple[str, Band]]:
+    """Return how far beam theory is expected from the solid, where no solid was solved."""
+    models = study.solution.models_of("bimorph")
+    if not models or any(MODELS[name].theory == "solid" for name in models):
+        return []
+    return [(QUANTITIES[name].label, b) for name, b in expected_differences(study.scene).items()]
 
 
 def _spread(rows: Sequence[ComparedRow]) -> dict[str, float]:

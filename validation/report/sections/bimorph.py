@@ -22,6 +22,7 @@ from tactgen.validation.report.sections.bridge import (
 from tactgen.validation.report.sections.drive_limits import drive_limits_section
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
+from tactgen.validation.scene.papers_device import is_papers_bimorph
 from tactgen.validation.studies.design import length_section, voltage_section
 from tactgen.validation.studies.uncertainty import section as uncertainty_section
 
@@ -81,6 +82,8 @@ def _length(study: Study) -> Context | None:
 
 
 def _voltage(study: Study) -> Context | None:
+    if not is_papers_bimorph(study.scene):  # the voltages stated were felt on the paper's display
+        return None
     return voltage_section.section(study.scene, study.announce)
 
 
@@ -88,7 +91,9 @@ def _uncertainty(study: Study) -> Context:
     return uncertainty_section.section(study.scene, study.solution, study.announce)
 
 
-def _audit(study: Study) -> Context:
+def _audit(study: Study) -> Context | None:
+    if not is_papers_bimorph(study.scene):
+        return None
     return audit.section(study.scene, study.announce)
 
 
