@@ -208,9 +208,15 @@ class Piezoceramic:
                 f"piezo.d31 = {self.d[2, 0]:.4g} m/V with piezo.eps33 = "
                 f"{self.eps_t[2, 2] / EPS0:.4g} and piezo.s11 = {self.s[0, 0]:.4g} m^2/N stores "
                 f"negative energy (clamped permittivity not positive: {self._field_clash()}); "
-                "raise piezo.eps33, or choose piezo.d31 closer to the library material's, or 0 "
-                "for a passive ceramic"
+                f"{self._sign_hint()}raise piezo.eps33, or choose piezo.d31 closer to the library "
+                "material's, or 0 for a passive ceramic"
             )
+
+    def _sign_hint(self) -> str:
+        """Return a remedy for a size that was taken for a value, as data sheets print it."""
+        if self.d[2, 0] > 0.0:
+            return "write d31 with a minus, as that of poled ceramics is negative, or "
+        return ""
 
     def _compliance_clash(self) -> str:
         """Say which compliances contradict each other."""

@@ -60,6 +60,32 @@ def _pzt_5a() -> Piezoceramic:
     )
 
 
+def _pzt_4() -> Piezoceramic:
+    return Piezoceramic(
+        name="PZT-4",
+        s=_transversely_isotropic(12.3e-12, -4.05e-12, -5.31e-12, 15.5e-12, 39.0e-12),
+        d=_strain_constants(-123e-12, 289e-12, 496e-12),
+        eps_t=np.diag([1475.0, 1475.0, 1300.0]) * EPS0,
+        density=7500.0,
+        quality_factor=500.0,
+        loss_tangent=0.004,
+        origin="PZT-4 (hard), Jaffe, Cook and Jaffe, Piezoelectric Ceramics (1971)",
+    )
+
+
+def _pzt_8() -> Piezoceramic:
+    return Piezoceramic(
+        name="PZT-8",
+        s=_transversely_isotropic(11.5e-12, -3.7e-12, -4.8e-12, 13.5e-12, 31.9e-12),
+        d=_strain_constants(-97e-12, 225e-12, 330e-12),
+        eps_t=np.diag([1290.0, 1290.0, 1000.0]) * EPS0,
+        density=7600.0,
+        quality_factor=1000.0,
+        loss_tangent=0.004,
+        origin="PZT-8 (hard), makers' tables of the Navy type III ceramic",
+    )
+
+
 def _m1876() -> Piezoceramic:
     """Return M1876: the paper's three constants, the rest a soft PZT by ratio to PZT-5H."""
     assumed = "assumed: typical of soft PZT with this d31 (no M1876 data sheet is public)"
@@ -98,4 +124,16 @@ def _m1876() -> Piezoceramic:
 
 
 #: Library of piezoceramics by name.
-LIBRARY: dict[str, Piezoceramic] = {c.name: c for c in (_m1876(), _pzt_5h(), _pzt_5a())}
+LIBRARY: dict[str, Piezoceramic] = {
+    c.name: c for c in (_m1876(), _pzt_5h(), _pzt_5a(), _pzt_4(), _pzt_8())
+}
+
+
+def library_name(text: str) -> str | None:
+    """Return the library's name of a ceramic written in any case, with or without - and space."""
+    names = {_folded(name): name for name in LIBRARY}
+    return names.get(_folded(text))
+
+
+def _folded(name: str) -> str:
+    return "".join(c for c in name.casefold() if c not in " -_")

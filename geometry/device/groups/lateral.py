@@ -9,7 +9,7 @@ from pydantic import model_validator
 from tactgen.geometry import units as u
 from tactgen.geometry.device.groups.declaration import PAPER_2, PAPER_4, Parameters, field, printed
 from tactgen.geometry.device.materials import Piezoceramic, Spread
-from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.device.piezo_library import LIBRARY, library_name
 from tactgen.geometry.device.profile import UNIFORM, LengthProfile, Profile
 from tactgen.geometry.errors import InputError
 
@@ -99,10 +99,11 @@ class Piezo(Parameters):
     def _fill_from_library(cls, given: Any) -> Any:
         if not isinstance(given, dict):
             return given
-        name = given.get("material", "M1876")
-        if not isinstance(name, str) or name not in LIBRARY:
+        asked = given.get("material", "M1876")
+        name = library_name(asked) if isinstance(asked, str) else None
+        if name is None:
             raise InputError(
-                f"piezo.material = {u.quoted(name)} is not in the library; "
+                f"piezo.material = {u.quoted(asked)} is not in the library; "
                 f"use one of {', '.join(LIBRARY)} and replace single values, such as piezo.s11"
             )
         library = {key: u.SI(value) for key, value in LIBRARY[name].reduced().items()}

@@ -45,14 +45,18 @@ def test_pzt_5a_is_the_printed_table():
 
 
 @pytest.mark.parametrize(
-    ("name", "printed"),
+    ("name", "printed", "within"),
     [
         # planar, transverse, longitudinal and shear coupling factors of the data sheets
-        ("PZT-5A", {"kp": 0.60, "k31": 0.344, "k33": 0.705, "k15": 0.685}),
-        ("PZT-5H", {"kp": 0.65, "k31": 0.388, "k33": 0.752, "k15": 0.675}),
+        ("PZT-5A", {"kp": 0.60, "k31": 0.344, "k33": 0.705, "k15": 0.685}, 0.006),
+        ("PZT-5H", {"kp": 0.65, "k31": 0.388, "k33": 0.752, "k15": 0.675}, 0.006),
+        # these tables hold averages of measurements, each by itself: eps33 = 1300 of PZT-4 is
+        # 5 % more than its d31 and k31 together allow
+        ("PZT-4", {"kp": 0.58, "k31": 0.334, "k33": 0.70, "k15": 0.71}, 0.017),
+        ("PZT-8", {"kp": 0.51, "k31": 0.30, "k33": 0.64, "k15": 0.55}, 0.017),
     ],
 )
-def test_coupling_factors_are_the_printed_ones(name, printed):
+def test_coupling_factors_are_the_printed_ones(name, printed, within):
     """What the sheets print beside the tensors follows from them: two digits of each."""
     ceramic = LIBRARY[name]
     s, d, eps = ceramic.s, ceramic.d, np.diag(ceramic.eps_t)
@@ -62,7 +66,7 @@ def test_coupling_factors_are_the_printed_ones(name, printed):
         "k33": d[2, 2] / np.sqrt(s[2, 2] * eps[2]),
         "k15": d[0, 4] / np.sqrt(s[4, 4] * eps[0]),
     }
-    assert found == pytest.approx(printed, abs=0.006)
+    assert found == pytest.approx(printed, abs=within)
 
 
 def test_m1876_is_pzt_5h_by_its_ratios():

@@ -447,3 +447,20 @@ def test_a_pipe_is_no_scene(tmp_path):
     for name in (str(tmp_path / "pipe"), "/dev/zero"):
         with pytest.raises(InputError, match="a pipe or a device"):
             load_scene(name)
+
+
+def test_a_positive_d31_is_asked_about():
+    """Data sheets print sizes; no poled ceramic has a d31 and a d33 of one sign."""
+    with pytest.raises(InputError, match=r"d31 = 2\.1e-10 m/V .*; write d31 with a minus"):
+        load_scene("paper", ["piezo.d31=210 pC/N"])
+    with pytest.raises(InputError) as caught:
+        load_scene("paper", ["piezo.d31=-3850 pC/N"])
+    assert "minus" not in str(caught.value)
+
+
+@pytest.mark.parametrize("written", ["pzt-5h", "PZT5H", "pzt 5H", "Pzt_5h"])
+def test_names_of_ceramics_are_folded(written):
+    """Case, hyphens and spaces do not matter; the scene has the library's name."""
+    scene, _ = load_scene("paper", [f"piezo.material={written}"])
+    assert scene.piezo.material == "PZT-5H"
+    assert scene == load_scene("paper", ["piezo.material=PZT-5H"])[0]

@@ -34,6 +34,10 @@ class MaterialRow:
     refused: str = ""
 
 
+#: Mechanical quality factor from which on a ceramic is hard, of another kind than those here.
+_HARD = 200.0
+
+
 def choices(ceramic: Piezoceramic) -> Iterator[tuple[str, str, Piezoceramic]]:
     """Yield (name, why it could be so, full material), the assumed one first."""
     yield "as it stands", ceramic.origin, ceramic
@@ -41,7 +45,7 @@ def choices(ceramic: Piezoceramic) -> Iterator[tuple[str, str, Piezoceramic]]:
     # M1876 is PZT-5H by ratio already
     same = {ceramic.name, "M1876", *(("PZT-5H",) if ceramic.name == "M1876" else ())}
     for name, other in LIBRARY.items():
-        if name not in same:
+        if name not in same and other.quality_factor < _HARD:
             yield (
                 f"rest by ratio to {name}",
                 "all that the reduced constants do not fix",
