@@ -37,6 +37,7 @@ from tactgen.validation.command_line.commands.studies import (
     design,
     identify,
     sensitivity,
+    simulate,
     whatif,
 )
 from tactgen.validation.command_line.streams import say, usable_streams
@@ -222,7 +223,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.set_defaults(run=lambda _: _help(parser))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
-        report, solve, view, whatif, compare, design, sensitivity, identify, backbone, plan,
+        report, solve, view, whatif, compare, design, sensitivity, identify, backbone,
+        simulate, plan,
         export, verify, coverage, stress, bench, scenes, cache, init, completion,
     ):  # fmt: skip
         command.add(commands)

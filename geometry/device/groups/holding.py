@@ -73,6 +73,12 @@ class Contact(Parameters):
         "stiffness of the contact along the surfaces over that across them",
         (0.7, 1.0, "measured on rough surfaces: at most that of Mindlin's smooth ones, or equal"),
     )
+    friction: u.PositiveNumber = field(
+        0.2,
+        "assumed: dry steel on board or steel",
+        "coefficient of friction of the head on a stop, in time simulations",
+        (0.1, 0.5, "dry metals and boards"),
+    )
 
 
 class Guide(Parameters):

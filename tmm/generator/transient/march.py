@@ -324,12 +324,10 @@ class _Marcher:
                 h = (end - begin) / parts
                 for part in range(1, parts + 1):
                     time = end if part == parts else begin + part * h
-                    try:
-                        state, flow = self._stepped(state, h, time, inside)
-                    except StepTooLongError:
-                        raise InputError(_never_settles(time)) from None
-                    self._keep(record, time, state, flow, inside)
-                    shared.append(part == parts)
+                    for at, new, flow in self._in_pieces(state, h, time, inside):
+                        self._keep(record, at, new, flow, inside)
+                        state = new
+                        shared.append(part == parts and at == time)
                 begin = end
                 self._announce((1.0 + 2.0 * end / self._until) / 3.0)
         return record.run(), np.array(shared)
@@ -353,6 +351,22 @@ class _Marcher:
             )
         return max(level, _FIRST)
 
+    def _in_pieces(
+        self, state: State, h: float, time: float, inside: float, depth: int = 0
+    ) -> Iterator[tuple[float, State, Flow]]:
+        """Yield the states of a step, which is halved where it does not settle."""
+        try:
+            new, flow = self._stepped(state, h, time, inside)
+        except StepTooLongError:
+            if depth == _DEEPEST:
+                raise InputError(_never_settles(time)) from None
+            for end in (time - 0.5 * h, time):
+                for found in self._in_pieces(state, 0.5 * h, end, inside, depth + 1):
+                    state = found[1]
+                    yield found
+            return
+        yield time, new, flow
+
     def _stepped(self, state: State, h: float, time: float, inside: float) -> tuple[State, Flow]:
         """Return the state at `time`, `h` later."""
         coil = self._sources.coil
@@ -373,9 +387,7 @@ class _Marcher:
         """Return the step's error over the outputs' scales, by its distance from a predictor."""
         if not earlier:
             return 0.0
-        h_before, before = earlier[-1]
-        acceleration = (state.velocity - before.velocity) / h_before
-        ahead = state.position + h * state.velocity + 0.5 * h * h * acceleration
+        ahead = state.position + h * state.velocity + 0.5 * h * h * state.acceleration
         off = float(np.abs(self._rows @ (new.position - ahead)).max(initial=0.0))
         coil = self._system.coil
         if coil is not None and coil.source == "voltage" and len(earlier) == 2:

@@ -20,19 +20,23 @@ from typing import NamedTuple
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.tmm.generator.transient.coil import Means, held_current, held_linkage
+from tactgen.tmm.generator.transient.answers import NO_FIELD, Answer, Answers
 from tactgen.tmm.generator.transient.system import System
 from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
 
+#: A correction is halved when the residual has grown by more than this.
+_WORSE = 4.0
 #: Newton's corrections before a time step is called too long, and halvings of one of them.
 _ITERATIONS, _HALVINGS = 30, 8
 #: Relative correction at which the iterated coordinates stand: it leaves less than this share of
 #: the energy that a step moves.
 _STANDS = 1e-13
+#: Relative correction after which the next would be below that, and is not tried.
+_LAST = 1e-9
+#: The same after so many corrections, when what is left goes to and fro with the rounding.
+_ROUNDED, _PATIENCE = 1e-11, 6
 #: Roundings of the terms that the coordinates are the sum of; corrections below are noise.
 _NOISE = 8.0 * float(np.finfo(float).eps)
-
-_NO_FIELD = CoenergyPoint(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -42,23 +46,26 @@ class State:
     Attributes
     ----------
     position, velocity : (n,) float
+    acceleration : (n,) float
+        Mean over the step before; 0 at the start.
     voltage : float
         Across the bimorph (V).
     current, gap : float
         In the winding (A); m.
     field : CoenergyPoint
         At that current and gap.
-    deformations : tuple of float
-        Of the elements.
+    deformations : tuple of arrays
+        Of each element.
     """
 
     position: Floats
     velocity: Floats
+    acceleration: Floats
     voltage: float
     current: float
     gap: float
     field: CoenergyPoint
-    deformations: tuple[float, ...]
+    deformations: tuple[Floats, ...]
 
 
 class Energies(NamedTuple):
@@ -82,16 +89,6 @@ class Flow(NamedTuple):
     wire_loss: float
 
 
-class _Pushed(NamedTuple):
-    """Forces (m,) on what is iterated, their slope (m, m) with the sign turned, field, loss (J)."""
-
-    forces: list[float]
-    slope: list[list[float]]
-    field: CoenergyPoint
-    means: Means
-    loss: float
-
-
 class StepTooLongError(ArithmeticError):
     """The iteration of a step did not settle."""
 
@@ -101,7 +98,7 @@ class _Factors(NamedTuple):
 
     inverse: Floats
     at_rows: Floats
-    compliance: list[list[float]]
+    compliance: Floats
 
 
 class Stepper:
@@ -109,34 +106,27 @@ class Stepper:
 
     def __init__(self, system: System) -> None:
         self.system = system
-        coil = system.coil
-        directions = [e.direction for e in system.elements]
-        if coil is not None:
-            directions = [*directions, coil.direction]
-        read = np.any(np.array(directions) != 0.0, axis=0) if directions else []
-        self._at = np.flatnonzero(read)
-        self._laws = [e.law for e in system.elements]
-        self._rows = [np.asarray(e.direction)[self._at].tolist() for e in system.elements]
-        self._offsets = [e.offset for e in system.elements]
-        self._opens = [] if coil is None else np.asarray(coil.direction)[self._at].tolist()
-        self._by_voltage = coil is not None and coil.source == "voltage"
+        self._answers = Answers(system)
+        self._unit = np.eye(self._answers.at.size)
         self._factors: dict[float, _Factors] = {}
 
     def start(self, position: Floats, velocity: Floats, voltage: float, current: float) -> State:
         """Return a state (n,), (n,), V, A."""
         near = np.asarray(position, dtype=float)
-        deformations = tuple(self._deformations(near))
-        coil, gap, field = self.system.coil, 0.0, _NO_FIELD
+        deformations = self._answers.deformations(near)
+        coil, gap, field = self.system.coil, 0.0, NO_FIELD
         if coil is not None:
             gap = coil.gap + float(coil.direction @ near)
             field = coil.coenergy.at(current, gap)
         speed = np.asarray(velocity, dtype=float)
-        return State(near, speed, voltage, current, gap, field, deformations)
+        still = np.zeros(near.size)
+        return State(near, speed, still, voltage, current, gap, field, deformations)
 
     def energies(self, state: State) -> Energies:
         """Return what is stored, by kind (J)."""
         s, x, v = self.system, state.position, state.velocity
-        laws = sum(law.energy(d) for law, d in zip(self._laws, state.deformations, strict=True))
+        pairs = zip(self._answers.laws, state.deformations, strict=True)
+        laws = sum(float(law.energy(d).sum()) for law, d in pairs)
         return Energies(
             0.5 * float(v @ s.mass @ v),
             0.5 * float(x @ s.stiffness @ x),
@@ -155,7 +145,7 @@ class Stepper:
         """Return the state after sources jumped while nothing moved; a circuit keeps its λ."""
         coil = self.system.coil
         bimorph = 0.5 * self.system.capacitance * (voltage**2 - state.voltage**2)
-        if coil is None or self._by_voltage or current == state.current:
+        if coil is None or self._answers.by_voltage or current == state.current:
             new = dataclasses.replace(state, voltage=voltage)
             return new, Flow(bimorph, 0.0, 0.0, 0.0, 0.0)
         field = coil.coenergy.at(current, state.gap)
@@ -187,165 +177,110 @@ class Stepper:
         right = s.mass @ ((2.0 / h) * state.velocity) - s.stiffness @ state.position
         right += s.load
         right += s.coupling * mean_voltage
-        guess = (factors.at_rows @ right).tolist()
-        forces, current, field, means, loss = self._settled(state, h, factors, guess, source)
-        right[self._at] += forces
+        guess = factors.at_rows @ right
+        found, current = self._settled(state, h, factors, guess, source)
+        right[self._answers.at] += found.forces
         change = factors.inverse @ right
         position = state.position + change
+        velocity = (2.0 / h) * change - state.velocity
         new = State(
             position,
-            (2.0 / h) * change - state.velocity,
+            velocity,
+            (velocity - state.velocity) / h,
             voltage,
             current,
             0.0 if s.coil is None else s.coil.gap + float(s.coil.direction @ position),
-            field,
-            tuple(self._deformations(position)),
+            found.field,
+            self._answers.deformations(position),
         )
         work = mean_voltage * (
             float(s.coupling @ change) + s.capacitance * (voltage - state.voltage)
         )
         wire = 0.0
-        coil_work = means.work
+        coil_work = found.means.work
         if s.coil is not None:
-            wire = h * s.coil.resistance * means.current**2
+            wire = h * s.coil.resistance * found.means.current**2
             coil_work += wire
         structure = float(change @ s.damping @ change) / h
-        return new, Flow(work, coil_work, structure, loss, wire)
+        return new, Flow(work, coil_work, structure, found.loss, wire)
 
     def _settled(
-        self,
-        state: State,
-        h: float,
-        factors: _Factors,
-        guess: list[float],
-        source: tuple[float, float],
-    ) -> tuple[list[float], float, CoenergyPoint, Means, float]:
+        self, state: State, h: float, factors: _Factors, guess: Floats, source: tuple[float, float]
+    ) -> tuple[Answer, float]:
         """Iterate on what laws and coil read: the change y, and the current of a circuit.
 
         Residuals are y − y_without − S f(y) and, of a circuit, Δλ − h (v̄ − R ī).
         """
-        count = len(guess)
-        moved = (h * state.velocity[self._at]).tolist()
-        sizes = [
-            abs(g) + abs(m) + abs(x)
-            for g, m, x in zip(guess, moved, state.position[self._at].tolist(), strict=True)
-        ]
-        terms = abs(state.field.flux_linkage) + h * max(abs(source[0]), abs(source[1]))
-        still = _STANDS * terms / state.field.inductance if self._by_voltage else 0.0
-        unknown = [*moved, state.current if self._by_voltage else source[1]]
-        found = self._pushed(state, h, moved, unknown[-1], source)
-        for j, row in enumerate(factors.compliance):
-            sizes[j] += sum(abs(a * f) for a, f in zip(row, found.forces, strict=True))
-        weights = [*sizes, terms]
-        last = [0.0] * (count + 1)
+        answers, count = self._answers, guess.size
+        start = (state.current if answers.by_voltage else source[0], state.gap, state.field)
+        moved = h * (state.velocity + 0.5 * h * state.acceleration)[answers.at]
+        size = np.abs(guess) + np.abs(moved) + np.abs(state.position[answers.at])
+        unknown: Floats = np.append(moved, state.current) if answers.by_voltage else moved
+        current = state.current if answers.by_voltage else source[1]
+        found = answers.over(state.deformations, start, moved, current, h)
+        size = size + np.abs(factors.compliance) @ np.abs(found.forces)
+        still = np.abs(moved)
+        if answers.by_voltage:
+            terms = abs(state.field.flux_linkage) + h * max(abs(source[0]), abs(source[1]))
+            size, still = np.append(size, terms), np.append(still, terms / state.field.inductance)
+        known = size > 0.0
+        weight = np.where(known, size, np.inf)
+        noise = _NOISE * size
+        if answers.by_voltage:
+            noise[-1] /= state.field.inductance
         before, halvings = np.inf, 0
-        for _ in range(_ITERATIONS):
-            y, current = unknown[:count], unknown[count]
-            residual, matrix = self._residual(state, found, factors, y, guess, h, source)
-            off = max(
-                (abs(r) / s if s else abs(r) and np.inf)
-                for r, s in zip([*residual, 0.0], [*weights, 1.0], strict=False)
-            )
-            if off <= _NOISE:
-                return found.forces, current, found.field, found.means, found.loss
-            if off > before and halvings < _HALVINGS:
+        last: Floats = np.zeros(unknown.size)
+        for turn in range(_ITERATIONS):
+            done = False
+            residual, matrix = self._residual(state, found, factors, unknown, guess, h, source)
+            off = float((np.abs(residual) / weight).max(initial=0.0))
+            if off <= _NOISE and known.all():
+                return found, current
+            if off > _WORSE * before and halvings < _HALVINGS:
                 halvings += 1
-                last = [0.5 * c for c in last]
-                unknown = [u - c for u, c in zip(unknown, last, strict=True)]
-                found = self._pushed(state, h, unknown[:count], unknown[count], source)
-                continue
-            before, halvings = off, 0
-            change = _solved(matrix, [-r for r in residual])
-            if not self._by_voltage:
-                change.append(0.0)
-            if (
-                all(
-                    abs(c) <= _STANDS * max(abs(u), abs(m)) or abs(c) <= _NOISE * s
-                    for c, u, m, s in zip(change, y, moved, sizes, strict=False)
-                )
-                and abs(change[-1]) <= still
-            ):
-                return found.forces, current, found.field, found.means, found.loss
-            unknown = [u + c for u, c in zip(unknown, change, strict=True)]
-            found = self._pushed(state, h, unknown[:count], unknown[count], source)
-            last = change
+                last = 0.5 * last
+                unknown = unknown - last
+            else:
+                before, halvings = off, 0
+                last = -np.linalg.solve(matrix, residual)
+                share = _STANDS if turn < _PATIENCE else _ROUNDED
+                small = share * np.maximum(np.abs(unknown), still)
+                if (np.abs(last) <= np.maximum(small, noise)).all():
+                    return found, current
+                unknown = unknown + last
+                done = bool((np.abs(last) <= _LAST * np.maximum(np.abs(unknown), still)).all())
+            current = float(unknown[-1]) if answers.by_voltage else current
+            found = answers.over(state.deformations, start, unknown[:count], current, h)
+            if done:
+                return found, current
         raise StepTooLongError(f"a step of {h:.3g} s does not settle")
-
-    def _pushed(
-        self, state: State, h: float, y: list[float], current: float, source: tuple[float, float]
-    ) -> _Pushed:
-        """Return what laws and coil answer to a change y of what they read."""
-        count = len(y)
-        forces, slope, loss = [0.0] * count, [[0.0] * count for _ in y], 0.0
-        for law, row, before in zip(self._laws, self._rows, state.deformations, strict=True):
-            moved = sum(a * b for a, b in zip(row, y, strict=True))
-            force, by_after, elastic = law.mean(before, before + moved, h)
-            if force == 0.0 and elastic == 0.0:
-                continue
-            loss += (force - elastic) * moved
-            for j, a in enumerate(row):
-                forces[j] -= a * force
-                for k, b in enumerate(row):
-                    slope[j][k] += a * b * by_after
-        coil = self.system.coil
-        if coil is None:
-            return _Pushed(forces, slope, _NO_FIELD, Means(0.0, 0.0, 0.0), loss)
-        gap = state.gap + sum(a * b for a, b in zip(self._opens, y, strict=True))
-        field = coil.coenergy.at(current, gap)
-        mean = held_linkage if self._by_voltage else held_current
-        begin = state.current if self._by_voltage else source[0]
-        means = mean(begin, state.gap, state.field, current, gap, field, coil.width)
-        for j, a in enumerate(self._opens):
-            forces[j] -= a * means.pull
-            for k, b in enumerate(self._opens):
-                slope[j][k] += 0.5 * a * b * field.force_gradient
-        return _Pushed(forces, slope, field, means, loss)
 
     def _residual(
         self,
         state: State,
-        found: _Pushed,
+        found: Answer,
         factors: _Factors,
-        y: list[float],
-        guess: list[float],
+        unknown: Floats,
+        guess: Floats,
         h: float,
         source: tuple[float, float],
-    ) -> tuple[list[float], list[list[float]]]:
+    ) -> tuple[Floats, Floats]:
         """Return the residuals and their derivatives by y, and by the current of a circuit."""
-        compliance, count = factors.compliance, len(y)
-        residual = [
-            y[j] - guess[j] - sum(a * f for a, f in zip(row, found.forces, strict=True))
-            for j, row in enumerate(compliance)
-        ]
-        matrix = [
-            [
-                float(j == k) + sum(row[l] * found.slope[l][k] for l in range(count))
-                for k in range(count)
-            ]
-            for j, row in enumerate(compliance)
-        ]
+        answers, count = self._answers, guess.size
+        residual = unknown[:count] - guess - factors.compliance @ found.forces
+        matrix = self._unit + factors.compliance @ found.slope
         coil = self.system.coil
-        if coil is not None and self._by_voltage:
-            field = found.field
-            half = 0.5 * field.motional
-            for line, row in zip(matrix, compliance, strict=True):
-                line.append(-half * sum(a * b for a, b in zip(row, self._opens, strict=True)))
-            drop = 0.5 * (source[0] + source[1]) - coil.resistance * found.means.current
-            residual.append(field.flux_linkage - state.field.flux_linkage - h * drop)
-            matrix.append(
-                [
-                    *(field.motional * b for b in self._opens),
-                    field.inductance + 0.5 * h * coil.resistance,
-                ]
-            )
-        return residual, matrix
-
-    def _deformations(self, position: Floats) -> list[float]:
-        near = position[self._at].tolist()
-        return [
-            o + sum(a * b for a, b in zip(row, near, strict=True))
-            for row, o in zip(self._rows, self._offsets, strict=True)
-        ]
+        if coil is None or not answers.by_voltage:
+            return residual, matrix
+        field = found.field
+        whole = np.empty((count + 1, count + 1))
+        whole[:count, :count] = matrix
+        whole[:count, count] = -0.5 * field.motional * (factors.compliance @ answers.opens)
+        whole[count, :count] = field.motional * answers.opens
+        whole[count, count] = field.inductance + 0.5 * h * coil.resistance
+        drop = 0.5 * (source[0] + source[1]) - coil.resistance * found.means.current
+        off = field.flux_linkage - state.field.flux_linkage - h * drop
+        return np.append(residual, off), whole
 
     def _factored(self, h: float) -> _Factors:
         s = self.system
@@ -353,21 +288,7 @@ class Stepper:
         scale = 1.0 / np.sqrt(np.diag(matrix))
         inverse = np.linalg.inv(matrix * scale[:, None] * scale) * scale[:, None] * scale
         inverse = 0.5 * (inverse + inverse.T)
-        rows = inverse[self._at]
-        found = _Factors(inverse, rows, rows[:, self._at].tolist())
+        rows = inverse[self._answers.at]
+        found = _Factors(inverse, rows, rows[:, self._answers.at])
         self._factors[h] = found
         return found
-
-
-def _solved(matrix: list[list[float]], right: list[float]) -> list[float]:
-    """Return the solution of a system of very few equations."""
-    if len(right) == 1:
-        return [right[0] / matrix[0][0]]
-    if len(right) == 2:
-        (a, b), (c, d) = matrix
-        determinant = a * d - b * c
-        return [
-            (right[0] * d - b * right[1]) / determinant,
-            (a * right[1] - c * right[0]) / determinant,
-        ]
-    return list(np.linalg.solve(np.array(matrix), np.array(right)).tolist()) if right else []

@@ -7,16 +7,9 @@ import pytest
 from scipy.special import ellipk
 
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient.laws import CubicSpring, RoughPoint, Stop
 from tactgen.tmm.generator.transient.march import Sources, simulate, simulate_steps
-from tactgen.tmm.generator.transient.system import (
-    Coil,
-    CubicSpring,
-    Element,
-    Output,
-    RoughPoint,
-    Stop,
-    System,
-)
+from tactgen.tmm.generator.transient.system import Coil, Element, Friction, Output, System
 from tactgen.tmm.generator.transient.waveform import Chirp, Constant, Sampled, Sine, Square, Step
 from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
 
@@ -27,7 +20,7 @@ def oscillator(law, *, mass=1.0, damping=0.0, stiffness=0.0, load=0.0, sign=1.0,
     """One mass on a linear spring, a damper and a law along sign · x."""
     return System(
         mass * UNIT, damping * UNIT, stiffness * UNIT, load * ONE, 0.0 * ONE, 0.0,
-        (Element("spring", law, sign * ONE),), None, {"x": Output(ONE, "m", scale)},
+        (Element("spring", law, sign * ONE),), (), None, {"x": Output(ONE, "m", scale)},
     )  # fmt: skip
 
 
@@ -49,16 +42,15 @@ class IdealGap:
 def circuit(inductance, resistance):
     """A coil whose gap stands still, beside a mass that nothing moves."""
     coil = Coil(IdealGap(inductance), 0.0 * ONE, 1.0, resistance, "voltage")
-    return System(
-        UNIT, 0.0 * UNIT, UNIT, 0.0 * ONE, 0.0 * ONE, 0.0, (), coil, {"x": Output(ONE, "m", 1.0)}
-    )
+    outputs = {"x": Output(ONE, "m", 1.0)}
+    return System(UNIT, 0.0 * UNIT, UNIT, 0.0 * ONE, 0.0 * ONE, 0.0, (), (), coil, outputs)
 
 
 def moving_gap(source, resistance=1.0):
     """A mass on a spring that a coil with an ideal gap of 1 m pulls at."""
     coil = Coil(IdealGap(1.0), -ONE, 1.0, resistance, source, width=0.1)
     return System(
-        UNIT, 0.01 * UNIT, 4.0 * UNIT, 0.0 * ONE, 0.0 * ONE, 0.0, (), coil,
+        UNIT, 0.01 * UNIT, 4.0 * UNIT, 0.0 * ONE, 0.0 * ONE, 0.0, (), (), coil,
         {"x": Output(ONE, "m", 0.1)},
     )  # fmt: skip
 
@@ -119,7 +111,7 @@ def test_a_driven_damped_mass_follows_its_closed_form():
     """m x'' + c x' + k x = θ U sin Ωt from rest: transient and forced motion."""
     m, c, k, theta, omega = 2.0, 0.3, 50.0, 4.0, 3.0
     system = System(
-        m * UNIT, c * UNIT, k * UNIT, 0.0 * ONE, theta * ONE, 1e-3, (), None,
+        m * UNIT, c * UNIT, k * UNIT, 0.0 * ONE, theta * ONE, 1e-3, (), (), None,
         {"x": Output(ONE, "m", 0.1)},
     )  # fmt: skip
     found = simulate(system, Sources(Sine(2.0, omega / (2.0 * math.pi))), 4.0)
@@ -205,6 +197,26 @@ def test_laws_balance_whatever_the_step(law):
             assert slope == pytest.approx((moved[1] - moved[0]) / 2e-6, rel=1e-5, abs=1e-9)
 
 
+def test_friction_stops_what_slides():
+    """µ N over m, but for the speed at which it is rounded off; all motion is lost in it."""
+    mass, pressed, start = 0.1, 2.0, 0.05
+    system = System(
+        mass * np.eye(2), np.zeros((2, 2)), np.diag([0.0, 1.0]), np.array([0.0, pressed]),
+        np.zeros(2), 0.0, (Element("floor", Stop(1e4), np.array([0.0, 1.0])),),
+        (Friction(0, np.array([1.0, 0.0]), 0.3, 1e-6),), None,
+        {"x": Output(np.array([1.0, 0.0]), "m", 1e-3)},
+    )  # fmt: skip
+    deceleration = 0.3 * pressed / (1.0 + 1e-4) / mass
+    way, time = 0.5 * start**2 / deceleration, start / deceleration
+    at = np.array([0.0, pressed / (1e4 + 1.0)])
+    run = simulate_steps(
+        system, Sources(), 1.2 * time, 1000, position=at, velocity=np.array([start, 0.0])
+    )
+    assert run.position[-1, 0] == pytest.approx(way, rel=1e-3)  # it creeps for its last 1e-3
+    assert run.element_loss[-1] == pytest.approx(0.5 * mass * start**2, rel=1e-6)
+    assert run.worst_imbalance < 1e-12
+
+
 def test_vm207():
     """ANSYS VM207: 12 V on 5.991 Ω and the Brooks coil's 12.74 mH; 1.9849 A after 10 ms."""
     found = simulate(circuit(0.01274, 5.991), Sources(coil=Step(12.0)), 0.01)
@@ -263,7 +275,7 @@ def test_small_motion_is_that_of_the_frequency_domain():
     k, tau, theta, frequency = 1e4, 1e-4, 1.0, 40.0
     system = System(
         UNIT * 0.01, 6.0 * UNIT, 100.0 * UNIT, 10.0 * ONE, theta * ONE, 0.0,
-        (Element("stop", Stop(k, k * tau), ONE),), None, {"x": Output(ONE, "m", 1e-5)},
+        (Element("stop", Stop(k, k * tau), ONE),), (), None, {"x": Output(ONE, "m", 1e-5)},
     )  # fmt: skip
     rest = 10.0 / (k + 100.0)
     periods, per = 3, 2000

@@ -1,0 +1,183 @@
+"""The generator in time: rest, rim, modes, files, refusals."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.io import netcdf_file
+
+from tactgen.geometry.bimorph.ends import TipLoad
+from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.generator.stops import contact_of
+from tactgen.tmm.generator.transient.march import Sources
+from tactgen.tmm.generator.transient.waveform import Sine, Step
+from tactgen.tmm.ports.multiport import respond
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.models.generator.transient import (
+    above_the_head,
+    run_scene,
+    scene_machine,
+    scene_modes,
+)
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.transient.files import write_run
+
+FREE = ["load.kind=none"]
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return load_scene("paper", FREE)[0]
+
+
+@pytest.fixture(scope="module")
+def still(scene):
+    return scene_machine(scene, coil="current", volts=1.0)
+
+
+def test_modes_answer_like_the_transfer_matrices(scene):
+    """Base held, 1 V: tip and charge at 0 Hz and away from resonance, two methods of one beam."""
+    modes = scene_modes(scene)
+    assert modes.omega[0] / (2.0 * np.pi) == pytest.approx(1044.16, abs=0.01)  # by TMM, two digits
+    for frequency in (0.0, 300.0, 3000.0):
+        square = modes.omega**2 - (2.0 * np.pi * frequency) ** 2
+        tip = float(np.sum(modes.tip[2:] * modes.coupling / square))
+        charge = float(np.sum(modes.coupling**2 / square)) + modes.capacitance
+        port = transfer_matrix.multiport(
+            Device(), Support(), Beam(), np.array([frequency]), lossy=False
+        )
+        exact = respond(port, {"w_base": 0.0, "psi_base": 0.0, "voltage": 1.0})
+        # the statics of modes above 20 kHz: (3 kHz / 20 kHz)⁴ of their small share
+        assert tip == pytest.approx(exact.motion["w_tip"][0].real, rel=1e-6)
+        assert charge == pytest.approx(exact.effort["voltage"][0].real, rel=1e-6)
+
+
+def test_the_rim_pushes_like_the_law_of_the_whole(scene, still):
+    """Load and moment of the points are those of the rim, pressed and tilted."""
+    law = contact_of(scene.device)
+    rim = still.system.elements[0]
+    for lift, tilt in ((0.0, 0.0), (2e-7, 3e-4), (-1e-7, -1e-3)):
+        position = np.zeros(still.system.mass.shape[0])
+        position[[0, 2]] = lift, tilt
+        each = rim.law.force(rim.direction @ position + rim.offset, 0.0)
+        assert each.sum() == pytest.approx(float(law.load(lift, tilt)), rel=1e-7)
+        moment = float(each @ rim.direction[:, 2])
+        assert moment == pytest.approx(float(law.moment(lift, tilt)), rel=1e-6, abs=1e-18)
+
+
+def test_without_drive_the_generator_stays(scene):
+    """On its upper stop, to rounding, with the preload on the stop."""
+    found = run_scene(scene, Sources(), 1e-4, coil="current", accuracy=0.1)
+    run = found.answer.run
+    assert np.ptp(run.position[:, 0]) < 1e-15
+    assert np.abs(run.velocity).max() < 1e-9
+    spring = scene.device.spring
+    expected = spring.preload - spring.stiffness * run.position[0, 0]
+    assert found.stop_force["upper_stop"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_short_run_is_written_whole(scene, tmp_path):
+    """A step of current and a sine: everything over time, units, bars, provenance."""
+    sources = Sources(Sine(10.0, 200.0), Step(0.15))
+    found = run_scene(scene, sources, 2e-4, coil="current", accuracy=0.1)
+    run = found.answer.run
+    assert run.position[-1, 0] < -1e-6  # the pull exceeds the preload
+    assert found.answer.outputs["lateral_tip"][-1] > 1e-8
+    assert run.worst_imbalance < 1e-10
+    path = tmp_path / "run.nc"
+    write_run(path, found, {"bimorph_voltage": "10 V sine 200 Hz"})
+    with netcdf_file(str(path), "r", mmap=False) as file:
+        assert file.bimorph_voltage == b"10 V sine 200 Hz"
+        assert b"spring.preload = 0.11" in file.parameters
+        lift = file.variables["rod_lift"]
+        assert lift.units == b"m"
+        assert float(lift.error_bar) == found.answer.errors["rod_lift"]
+        assert lift[:] == pytest.approx(run.position[:, 0])
+        # lift is spring, pull and stops: Newton's law from the file alone
+        force = file.variables["upper_stop_force"][:]
+        assert force[0] == pytest.approx(scene.device.spring.preload, rel=1e-4)
+        assert float(file.energy_imbalance) == run.worst_imbalance
+
+
+def test_a_coil_driven_by_voltage_fills_with_current(scene):
+    """The rod still on its stop: i' = (v − R i)/L at the start."""
+    found = run_scene(scene, Sources(coil=Step(1.0)), 2e-5, coil="voltage", accuracy=0.1)
+    coil = found.machine.system.coil
+    inductance = coil.coenergy.at(1e-4, scene.device.gap).inductance
+    last = found.answer.run.current[-1]
+    exact = -np.expm1(-coil.resistance / inductance * 2e-5) / coil.resistance
+    assert last == pytest.approx(exact, rel=0.05)  # the inductance changes with the current
+
+
+def test_in_a_slot_only_the_free_part_of_the_tab_bends():
+    device = load_scene("generator", [])[0].device
+    assert above_the_head(device, Support(kind="rod")).bimorph.tab_length == pytest.approx(1.6e-3)
+    assert above_the_head(device, Support()) is device
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (["load.kind=finger"], "law of frequency"),
+        ([*FREE, "spring.preload=0 mN"], "does not hold the rod up"),
+        ([*FREE, "contact.shape=disc"], "has no time simulation"),
+        ([*FREE, "spring.stop_gap=0.3 mm"], "no stroke"),
+    ],
+)
+def test_scenes_that_cannot_move_are_refused(overrides, words):
+    scene = load_scene("paper", overrides)[0]
+    with pytest.raises(InputError, match=words):
+        run_scene(scene, Sources(), 1e-3, coil="current", accuracy=0.1)
+
+
+def test_a_tip_load_moves_with_the_tip(scene, still):
+    """Mass and spring at the tip appear in energy and frequency."""
+    assert scene.ends.tip == TipLoad()
+    loaded = load_scene("paper", ["load.kind=mass", "load.mass=0.1 g"])[0]
+    heavy = scene_machine(loaded, coil="current", volts=1.0)
+    assert heavy.system.mass[0, 0] - still.system.mass[0, 0] == pytest.approx(1e-4)
+    row = heavy.system.outputs["lateral_tip"].row
+    added = heavy.system.mass - still.system.mass
+    assert added[1:, 1:] == pytest.approx(1e-4 * np.outer(row, row)[1:, 1:], abs=1e-12)
+
+
+def test_the_command_says_what_it_did(capsys, tmp_path):
+    out, picture = tmp_path / "run.nc", tmp_path / "run.svg"
+    code = main(
+        ["simulate", "paper", "--set", "load.kind=none", "--voltage", "10 V sine 200 Hz",
+         "--until", "50 us", "--accuracy", "0.2", "--out", str(out), "--plot", str(picture),
+         "--json"]
+    )  # fmt: skip
+    captured = capsys.readouterr()
+    assert code == 0, captured.err
+    found = json.loads(captured.out)
+    assert found["phases"][0]["name"] == "pressed"
+    assert found["energy_imbalance"] < 1e-10
+    assert found["quantities"]["voltage"]["largest"] == pytest.approx(
+        10.0 * np.sin(2.0 * np.pi * 200.0 * 50e-6)
+    )
+    assert out.stat().st_size > 0
+    assert picture.read_text(encoding="utf-8").startswith("<svg")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--until", "-3 ms"], "--until"),
+        (["--until", "soon"], "--until"),
+        (["--accuracy", "0"], "--accuracy"),
+        (["--out", "run.txt"], "must end in .nc"),
+        (["--plot", "nowhere/run.svg"], "folder does not exist"),
+        (["--coil", "2 kg"], "--coil"),
+        (["--map", "nowhere.nc"], "cannot be read"),
+    ],
+)
+def test_bad_options_get_one_sentence(capsys, arguments, words):
+    code = main(["simulate", "paper", "--set", "load.kind=none", *arguments])
+    captured = capsys.readouterr()
+    assert code == 2
+    assert words in captured.err
+    assert captured.err.count("\n") == 1
+    assert captured.out == ""

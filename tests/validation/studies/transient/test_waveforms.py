@@ -1,0 +1,84 @@
+"""Waveforms as they are written, and one sentence for each that cannot be read."""
+
+import math
+
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient.waveform import Chirp, Constant, Sampled, Sine, Square, Step
+from tactgen.validation.studies.transient.waveforms import AMPERES, VOLTS, parsed
+
+
+@pytest.mark.parametrize(
+    ("text", "waveform"),
+    [
+        ("10 V", Constant(10.0)),
+        ("-5 mV constant", Constant(-5e-3)),
+        ("10 V sine 200 Hz", Sine(10.0, 200.0)),
+        ("10V sine 0.2 kHz phase 90 deg delay 1 ms", Sine(10.0, 200.0, math.pi / 2, 1e-3)),
+        ("1 V square 100 Hz low -1 V duty 0.25", Square(1.0, 100.0, -1.0, 0.25)),
+        ("5 V step at 1 ms until 3 ms", Step(5.0, 1e-3, 3e-3)),
+        ("1 V chirp 10 Hz to 1 kHz in 20 ms", Chirp(1.0, 10.0, 1000.0, 20e-3)),
+    ],
+)
+def test_waveforms_are_read(text, waveform):
+    found = parsed(text, "--voltage", (VOLTS,))
+    assert found.waveform == waveform
+    assert found.of == "voltage"
+
+
+def test_the_unit_says_what_the_coil_is_driven_by():
+    assert parsed("120 mA square 100 Hz", "--coil", (AMPERES, VOLTS)).of == "current"
+    assert parsed("2 V step", "--coil", (AMPERES, VOLTS)).of == "voltage"
+
+
+def test_samples_are_read_from_a_file(tmp_path):
+    path = tmp_path / "drive.csv"
+    path.write_text("time (ms), current (mA)\n0, 0\n1, 50\n1, 0  # off\n2, 10\n")
+    found = parsed(str(path), "--coil", (AMPERES, VOLTS))
+    assert found.of == "current"
+    assert found.waveform == Sampled((0.0, 1e-3, 1e-3, 2e-3), (0.0, 0.05, 0.0, 0.01))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "write"),
+        ("10", "has no unit"),
+        ("10 mA sine 200 Hz", "not a voltage"),
+        ("10 V triangle 200 Hz", "cannot be read"),
+        ("10 V sine", "the sine's frequency"),
+        ("10 V sine -5 Hz", "out of range"),
+        ("10 V sine 200 Hz duty 0.5", "duty, which sine does not know"),
+        ("10 V sine 200 Hz delay 1 ms delay 2 ms", "delay, twice"),
+        ("10 V sine 200 Hz delay -1 ms", "out of range"),
+        ("5 V step at 3 ms until 2 ms", "give a later end"),
+        ("5 V step 3 ms", "leave it out"),
+        ("1 V chirp 10 Hz to 1 kHz", "needs the last frequency and the time"),
+        ("delay 3 ms", "write"),
+        ("missing.csv", "cannot be read"),
+    ],
+)
+def test_what_cannot_be_read_gets_one_sentence(text, words):
+    with pytest.raises(InputError, match=words) as refused:
+        parsed(text, "--voltage", (VOLTS,))
+    assert "\n" not in str(refused.value)
+    assert "--voltage" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("time (s), current (A)\n0, 1\n", "are needed"),
+        ("time (s), voltage (kg)\n0, 1\n", "not a voltage"),
+        ("time (s), voltage (V)\n0, one\n", "line 2 does not hold two numbers"),
+        ("time (s), voltage (V)\n1, 0\n0, 0\n", "sort the rows"),
+        ("time (s), voltage (V)\n-1, 0\n", "sort the rows"),
+        ("time (s), voltage (V)\n", "no rows"),
+    ],
+)
+def test_files_that_are_no_waveform_get_one_sentence(tmp_path, content, words):
+    path = tmp_path / "drive.csv"
+    path.write_text(content)
+    with pytest.raises(InputError, match=words):
+        parsed(str(path), "--voltage", (VOLTS,))

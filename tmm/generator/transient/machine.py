@@ -1,0 +1,170 @@
+"""The generator as a system that moves: bimorph, rigid rod, spring, two stops, coil.
+
+Coordinates: lift u of the rod (m, 0 at the upper stop, positive upwards), lateral motion w and
+tilt ψ of its head, then the bimorph's modes.  The head stands on points around its rim, each of
+which pushes by the law of rough contact that :mod:`tmm.generator.contact` states for the whole
+rim: lift, rocking and tipping follow.  Friction holds the head laterally while it is pressed.
+
+Left out: the bimorph's stretching, tilting about the second axis, the field's moment on a tilted
+head, the head's thickness as a lever.  The weight (2 % of the preload) is in the preload, which is
+set by hand on the standing device.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from tactgen.geometry.bimorph.ends import TipLoad
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.winding import winding
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.contact import RoughContact
+from tactgen.tmm.generator.moving_mass import moving_rod
+from tactgen.tmm.generator.stops import stops_of
+from tactgen.tmm.generator.transient.bimorph import BimorphModes
+from tactgen.tmm.generator.transient.laws import RoughPoint
+from tactgen.tmm.generator.transient.system import Coil, Element, Friction, Output, System
+from tactgen.tmm.reluctance.coenergy.cells import cells
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+
+#: Points on the rim, in mirror pairs: as a quadrature of the ring's law they are exact to 1e-8
+#: up to the tilt at which one side carries e⁸ times the other.
+_POINTS = 16
+#: How far beyond its stops the rod may be pressed, in decay lengths: e²⁵ of the reference load.
+_BEYOND = 25.0
+
+LOWER, UPPER = "lower_stop", "upper_stop"
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """The system with what an initial state needs.
+
+    Attributes
+    ----------
+    system : System
+    rest : (n,) float
+        At rest on the upper stop without current and voltage.
+    """
+
+    system: System
+    rest: np.ndarray
+
+
+def machine(
+    device: Device,
+    modes: BimorphModes,
+    pull: CoenergyMap,
+    *,
+    load: TipLoad,
+    source: Literal["current", "voltage"],
+    drive_scale: float = 1.0,
+) -> Machine:
+    """Return the generator.
+
+    Parameters
+    ----------
+    modes : BimorphModes
+        Of the bimorph that stands on the rod's head.
+    pull : CoenergyMap
+        Of the normal actuator, over the stroke.
+    load : TipLoad
+        On the tip, laterally.
+    source : {"current", "voltage"}
+        What is prescribed in the coil.
+    drive_scale : float
+        Largest voltage across each layer (V), by which the lateral error's scale is set.
+
+    Raises
+    ------
+    InputError
+        If the spring cannot hold the rod on its upper stop, or a disc is asked for.
+    """
+    spring, guide, contact = device.spring, device.guide, device.contact
+    if contact.shape != "ring":
+        raise InputError(
+            f'contact.shape = "{contact.shape}" has no time simulation yet; set contact.shape = '
+            '"ring"'
+        )
+    if spring.preload <= 0.0:
+        raise InputError(
+            f"spring.preload = {spring.preload * 1e3:g} mN does not hold the rod up; give it the "
+            "force with which it presses on the upper stop, such as 110 mN"
+        )
+    body, stops = moving_rod(device), stops_of(device)
+    k = modes.omega.size
+    n = 3 + k
+    tip = np.concatenate([[0.0], modes.tip])
+    mass = load.mass * np.outer(tip, tip)
+    mass[0, 0] += body.mass + modes.rigid[0, 0] + load.mass
+    lever = -body.mass * body.centre
+    mass[1:3, 1:3] += modes.rigid + np.array([[body.mass, lever], [lever, body.inertia_about(0.0)]])
+    mass[3:, 1:3] += modes.inertia
+    mass[1:3, 3:] += modes.inertia.T
+    mass[3:, 3:] += np.eye(k)
+    damping = load.damping * np.outer(tip, tip)
+    damping[0, 0] += guide.axial_damping
+    damping[3:, 3:] += np.diag(modes.damping)
+    stiffness = load.stiffness * np.outer(tip, tip)
+    stiffness[:3, :3] += np.diag(
+        [spring.stiffness, guide.lateral_stiffness, guide.rotational_stiffness]
+    )
+    stiffness[3:, 3:] += np.diag(modes.omega**2)
+    pushed = np.zeros(n)
+    pushed[0] = spring.preload
+    elements = (
+        _rim(UPPER, stops.upper, 1.0, 0.0, n),
+        _rim(LOWER, stops.lower, -1.0, -stops.stroke, n),
+    )
+    low, high = pull.gap_limits
+    beyond = _BEYOND * contact.decay_length
+    lateral, axial = np.eye(n)[1], np.eye(n)[0]
+    static = drive_scale * float(modes.tip[2:] @ (modes.coupling / modes.omega**2))
+    system = System(
+        mass=mass,
+        damping=damping,
+        stiffness=stiffness,
+        load=pushed,
+        coupling=np.concatenate([np.zeros(3), modes.coupling]),
+        capacitance=modes.capacitance,
+        elements=elements,
+        frictions=tuple(Friction(i, lateral, contact.friction) for i in range(2)),
+        coil=Coil(
+            coenergy=cells(pull),
+            direction=axial,
+            gap=device.gap,
+            resistance=winding(device.coil).resistance + device.coil.source_resistance,
+            source=source,
+            width=0.5 * device.gap,
+            largest_current=pull.current_limit,
+            gaps=(max(low - beyond, 0.1 * low), high),
+        ),
+        outputs={
+            "rod_lift": Output(axial, "m", stops.stroke, "lift of the rod, 0 on top"),
+            "lateral_tip": Output(tip, "m", max(abs(static), 1e-9), "lateral motion of the tip"),
+            "head_tilt": Output(
+                np.eye(n)[2], "rad", np.inf,
+                "tilt of the rod's head",
+            ),
+        },
+    )  # fmt: skip
+    rest = np.zeros(n)
+    force = spring.preload
+    # N(u) = preload − k u: the contact gives way by decay lengths, so the spring hardly changes
+    for _ in range(20):
+        rest[0] = float(stops.upper.approach(force))
+        force = spring.preload - spring.stiffness * rest[0]
+    return Machine(system, rest)
+
+
+def _rim(name: str, law: RoughContact, upwards: float, offset: float, n: int) -> Element:
+    """Return the points of the rim, those at equal x as one: δ = offset ± u + x ψ."""
+    pairs = _POINTS // 2
+    direction = np.zeros((pairs, n))
+    direction[:, 0] = upwards
+    direction[:, 2] = law.radius * np.cos(np.pi * (np.arange(pairs) + 0.5) / pairs)
+    point = RoughPoint(law.reference_load / pairs, law.decay_length, law.relaxation_time)
+    return Element(name, point, direction, offset)

@@ -1,0 +1,185 @@
+"""``tactgen simulate``: the generator in time."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
+
+if TYPE_CHECKING:
+    from tactgen.validation.models.generator.transient import Simulation
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser("simulate", help="the generator in time: rod, tip, coil, stops")
+    scene_options(parser, default="generator")
+    parser.add_argument(
+        "--voltage", metavar="WAVEFORM", default="0 V",
+        help='across the bimorph, such as "10 V sine 200 Hz", "5 V step at 1 ms", FILE.csv',
+    )  # fmt: skip
+    parser.add_argument(
+        "--coil", metavar="WAVEFORM", default="0 mA",
+        help='current or voltage of the coil, such as "120 mA square 100 Hz" (on and off)',
+    )  # fmt: skip
+    parser.add_argument("--until", metavar="TIME", default="30 ms", help="end (default 30 ms)")
+    parser.add_argument(
+        "--accuracy", metavar="SHARE", default="0.05",
+        help="error wanted, over the stroke and over the tip's static deflection (default 0.05)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--map", metavar="FILE.nc", help="co-energy map from tactgen export (default: network's)"
+    )
+    parser.add_argument("--out", metavar="FILE.nc", help="write everything over time as netCDF")
+    parser.add_argument("--plot", metavar="FILE.svg", help="draw it")
+    parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command and return its exit code."""
+    from tactgen.tmm.generator.transient.march import Sources
+    from tactgen.tmm.reluctance.coenergy.files import read_map
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.models.generator.transient import run_scene
+    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.studies.transient.waveforms import AMPERES, VOLTS, parsed
+
+    _check_files(options)
+    scene, _ = load_scene(options.scene, options.overrides)
+    voltage = parsed(options.voltage, "--voltage", (VOLTS,))
+    coil = parsed(options.coil, "--coil", (AMPERES, VOLTS))
+    until, accuracy = _until(options.until), _accuracy(options.accuracy)
+    with announcer() as announce:
+        found = run_scene(
+            scene,
+            Sources(voltage.waveform, coil.waveform),
+            until,
+            coil=coil.of,
+            accuracy=accuracy,
+            pull=read_map(options.map) if options.map else None,
+            announce=announce,
+        )
+    if found.answer.error > accuracy:
+        text = (
+            f"the error is {found.answer.error:.2g}, above the {accuracy:g} asked for; bounces "
+            "amplify small differences, so later times are less certain than early ones"
+        )
+        warn([text])
+    _write(options, found)
+    if options.json:
+        json.dump(as_json(found), sys.stdout)
+        print()
+    else:
+        _print(found)
+    return 0
+
+
+def as_json(found: Simulation) -> dict[str, Any]:
+    """Return the run's summary: ends and extremes of what moved, phases, balance, errors."""
+    from tactgen.validation.models.generator.phases import phases
+    from tactgen.validation.studies.transient.files import series
+
+    answer = found.answer
+    return {
+        "scene": found.scene.name,
+        "until_s": float(answer.run.time[-1]),
+        "steps": int(answer.run.time.size),
+        "accuracy": answer.accuracy,
+        "error": answer.error,
+        "error_bars": answer.errors,
+        "energy_imbalance": answer.run.worst_imbalance,
+        "quantities": {
+            name: {
+                "unit": unit,
+                "meaning": meaning,
+                "least": float(values.min()),
+                "largest": float(values.max()),
+                "last": float(values[-1]),
+            }
+            for name, (values, unit, meaning) in series(found).items()
+        },
+        "phases": [
+            {
+                "name": phase.name,
+                "start_s": phase.start,
+                "end_s": phase.end,
+                "lateral_amplitude_m": phase.amplitude,
+            }
+            for phase in phases(found)
+        ],
+    }
+
+
+def _print(found: Simulation) -> None:
+    from tactgen.validation.models.generator.phases import phases
+
+    print(f"{'phase':10} {'from (ms)':>10} {'to (ms)':>10}  lateral amplitude (um)")
+    for phase in phases(found):
+        print(
+            f"{phase.name:10} {1e3 * phase.start:10.3f} {1e3 * phase.end:10.3f}  "
+            f"{1e6 * phase.amplitude:.4g}"
+        )
+    answer = found.answer
+    bars = ", ".join(
+        f"{name} {1e6 * answer.errors[name]:.2g} um" for name in ("rod_lift", "lateral_tip")
+    )
+    print(
+        f"{answer.run.time.size} steps; error bars: {bars}; energy balance kept to "
+        f"{answer.run.worst_imbalance:.1e} of what was exchanged"
+    )
+
+
+def _write(options: argparse.Namespace, found: Simulation) -> None:
+    if options.out:
+        from tactgen.validation.studies.transient.files import write_run
+
+        drives = {"bimorph_voltage": options.voltage, "coil_drive": options.coil}
+        write_run(options.out, found, drives)
+    if options.plot:
+        from tactgen.geometry.files import written_whole
+        from tactgen.validation.studies.transient.plot import time_plot
+
+        picture = time_plot(found)
+        with written_whole(options.plot) as draft:
+            draft.write_text(picture, encoding="utf-8")
+
+
+def _check_files(options: argparse.Namespace) -> None:
+    """Refuse what would fail only after the run."""
+    for option, path, suffix in (("out", options.out, ".nc"), ("plot", options.plot, ".svg")):
+        if path and not path.endswith(suffix):
+            raise InputError(f"--{option} {path} must end in {suffix}; name the file so")
+        if path and not Path(path).parent.is_dir():
+            raise InputError(
+                f"--{option} {path} cannot be written (its folder does not exist); choose another "
+                "place"
+            )
+
+
+def _until(text: str) -> float:
+    from tactgen.validation.studies.transient.waveforms import SECONDS
+
+    try:
+        value = SECONDS.parse(text.strip())
+    except ValueError as error:
+        raise InputError(f'--until "{text}" {error}') from None
+    if not 1e-6 <= value <= 10.0:
+        raise InputError(f"--until = {value:g} s is not between 1 us and 10 s; write such as 30 ms")
+    return value
+
+
+def _accuracy(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 1e-6 <= value <= 0.5:
+        raise InputError(f'--accuracy "{text}" is not between 1e-6 and 0.5; write for example 0.05')
+    return value

@@ -1,0 +1,148 @@
+"""A scene in time: bimorph by beam elements, magnets by the network or a map, on one rod."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.ends import TipLoad
+from tactgen.geometry.device.parameters import Device, Support
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient.bimorph import BimorphModes, bimorph_modes
+from tactgen.tmm.generator.transient.machine import LOWER, UPPER, Machine, machine
+from tactgen.tmm.generator.transient.march import Answer, Sources, simulate
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.validation.scene.scene import Scene
+
+#: Modes of the bimorph up to this frequency (Hz) move; those above follow statically.
+_HIGHEST = 20e3
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """What a scene did.
+
+    Attributes
+    ----------
+    scene : Scene
+    machine : Machine
+    answer : Answer
+    stop_force : dict of str to (k,) float
+        Of each stop on the head (N), 0 or more.
+    """
+
+    scene: Scene
+    machine: Machine
+    answer: Answer
+    stop_force: dict[str, Floats]
+
+    @property
+    def stroke(self) -> float:
+        """Way between the stops (m)."""
+        device = self.scene.device
+        return float(device.gap - device.spring.stop_gap)
+
+
+def run_scene(
+    scene: Scene,
+    sources: Sources,
+    until: float,
+    *,
+    coil: Literal["current", "voltage"],
+    accuracy: float,
+    pull: CoenergyMap | None = None,
+    announce: Callable[[str], None] = lambda _: None,
+) -> Simulation:
+    """Return what a scene's generator does from rest on its upper stop.
+
+    Parameters
+    ----------
+    sources : Sources
+        Voltage across the bimorph; current or voltage of the coil.
+    until : float
+        End (s).
+    accuracy : float
+        Error aimed at, over the stroke and over the static deflection.
+    pull : CoenergyMap, optional
+        Of the normal actuator; by default the reluctance network's.
+
+    Raises
+    ------
+    InputError
+        If the scene has no time simulation, or the run fails.
+    """
+    announce("machine")
+    found = scene_machine(scene, coil=coil, volts=sources.bimorph.peak, pull=pull)
+
+    def tell(share: float) -> None:
+        announce(f"time steps, {100.0 * share:.0f} %")
+
+    answer = simulate(
+        found.system, sources, until, position=found.rest, accuracy=accuracy, announce=tell
+    )
+    forces = {}
+    for element in found.system.elements:
+        deformed = answer.run.position @ element.direction.T + element.offset
+        rate = answer.run.velocity @ element.direction.T
+        forces[element.name] = np.asarray(element.law.force(deformed, rate).sum(axis=1))
+    assert set(forces) == {LOWER, UPPER}
+    return Simulation(scene, found, answer, forces)
+
+
+def scene_machine(
+    scene: Scene,
+    *,
+    coil: Literal["current", "voltage"],
+    volts: float,
+    pull: CoenergyMap | None = None,
+) -> Machine:
+    """Return the generator of a scene, `volts` being the size of what drives it."""
+    load = scene.ends.tip
+    if not isinstance(load, TipLoad):
+        raise InputError(
+            f'load.kind = "{scene.load.kind}" is a law of frequency, which a time simulation '
+            'cannot take; set load.kind = "none", or "spring_damper" with its constants'
+        )
+    if pull is None:
+        from tactgen.tmm.generator.network_pull import network_pull
+
+        pull = network_pull(scene.device)
+    modes = scene_modes(scene)
+    return machine(scene.device, modes, pull, load=load, source=coil, drive_scale=volts or 1.0)
+
+
+def scene_modes(scene: Scene) -> BimorphModes:
+    """Return the modes of a scene's bimorph above the rod's head, by beam elements."""
+    from tactgen.fem.beam.beam import assemble, elements_for
+
+    device = above_the_head(scene.device, scene.support)
+    found = assemble(
+        device, Support(), scene.beam, elements=elements_for(device, _HIGHEST), lossy=True
+    )
+    share = 0.5 if scene.bimorph.wiring == "series" else 1.0
+    tip = np.zeros(found.mass.shape[0])
+    tip[found.ports[2]] = 1.0
+    return bimorph_modes(
+        found.stiffness,
+        found.mass,
+        share * found.coupling,
+        share**2 * found.capacitance,
+        found.ports[:2],
+        tip,
+        _HIGHEST,
+    )
+
+
+def above_the_head(device: Device, support: Support) -> Device:
+    """Return the device whose row of pieces begins at the rod's head.
+
+    In a slot only the free part of the tab bends; the bond below it is taken as rigid.
+    """
+    if support.kind != "rod":
+        return device
+    bimorph = device.bimorph.model_copy(update={"tab_length": device.ceramic_base})
+    return device.model_copy(update={"bimorph": bimorph})
