@@ -40,6 +40,7 @@ GROUPS: dict[str, tuple[str, str]] = {
     "orders": (_KNOWN + "orders", "CASES"),
     "bimorph": ("tactgen.validation.checks.bimorph", "CHECKS"),
     "reluctance": ("tactgen.validation.checks.reluctance", "MAGNETIC_CHECKS"),
+    "motion": ("tactgen.validation.checks.motion", "MOTION_CHECKS"),
     "amplitude": ("tactgen.validation.checks.amplitude", "AMPLITUDE_CHECKS"),
     "misprints": (_KNOWN + "misprints", "CASES"),
 }

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _SUFFIXES = {
     "step": (".step", ".stp"), "glb": (".glb",), "mesh": (".vtu", ".msh"), "map": (".nc",),
     "ports": (".npz",), "state_space": (".npz",), "fields": (".vtu", ".vtkhdf", ".pvd"),
-    "animated_glb": (".glb",),
+    "animated_glb": (".glb",), "fmu": (".fmu",),
 }  # fmt: skip
 
 
@@ -33,7 +33,7 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
     Parameters
     ----------
     targets : dict of {"step", "glb", "mesh", "map", "ports", "state_space", "fields", \
-"animated_glb"} to Path
+"animated_glb", "fmu"} to Path
         What to write where.
 
     Raises
@@ -124,6 +124,13 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
     if reductions:
         announce("ports of the solid")
         write_port_files(scene, reductions)
+    if "fmu" in files:
+        from tactgen.validation.export.fmu.unit import write_fmu
+        from tactgen.validation.models.generator.transient import scene_machine
+
+        announce("co-simulation unit")
+        machine = scene_machine(scene, coil=scene.coil.supply, volts=scene.drive.voltage)
+        write_fmu(files["fmu"], machine, scene.name)
     if "map" in files:
         from tactgen.tmm.reluctance.coenergy.files import write_map
 

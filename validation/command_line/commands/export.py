@@ -36,6 +36,9 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--animated-glb", metavar="FILE.glb", help="the same motions as glTF animations"
     )
+    parser.add_argument(
+        "--fmu", metavar="FILE.fmu", help="the generator for co-simulation (FMI 2.0, in C)"
+    )
     parser.set_defaults(run=run)
 
 
@@ -46,13 +49,14 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.scene.scene import load_scene
 
     scene, _ = load_scene(options.scene, options.overrides)
-    kinds = ("step", "glb", "mesh", "map", "ports", "state_space", "fields", "animated_glb")
+    kinds = ("step", "glb", "mesh", "map", "ports", "state_space", "fields", "animated_glb", "fmu")
     targets = {kind: getattr(options, kind) for kind in kinds}
     wanted = {kind: Path(file) for kind, file in targets.items() if file}
     if not wanted:
         raise InputError(
             "export needs at least one of --step FILE, --glb FILE, --mesh FILE.vtu, --map FILE.nc, "
-            "--ports FILE.npz, --state-space FILE.npz, --fields FILE.vtu, --animated-glb FILE.glb"
+            "--ports FILE.npz, --state-space FILE.npz, --fields FILE.vtu, --animated-glb FILE.glb, "
+            "--fmu FILE.fmu"
         )
     with announcer() as announce:
         for path in export(scene, wanted, announce):

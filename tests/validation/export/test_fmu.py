@@ -1,0 +1,155 @@
+"""The co-simulation unit: the same motion as the steps in Python, the balance, what it holds."""
+
+import ctypes
+import math
+import shutil
+import xml.etree.ElementTree as ET
+import zipfile
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient.step import Stepper
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.export.fmu.unit import write_fmu
+from tactgen.validation.models.generator.transient import scene_machine
+from tactgen.validation.scene.scene import load_scene
+
+COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler on the path")
+SCENE = load_scene("paper", ["load.kind=none"])[0]
+
+
+class Slave:
+    """A unit's binary by its C functions, variables by name."""
+
+    def __init__(self, path, folder):
+        with zipfile.ZipFile(path) as unit:
+            unit.extractall(folder)
+        root = ET.parse(folder / "modelDescription.xml").getroot()
+        self.references = {
+            v.get("name"): int(v.get("valueReference")) for v in root.iter("ScalarVariable")
+        }
+        self.library = ctypes.CDLL(str(folder / "binaries" / "linux64" / "generator.so"))
+        self.library.fmi2Instantiate.restype = ctypes.c_void_p
+        made = self.library.fmi2Instantiate(b"one", 1, root.get("guid").encode(), b"", None, 0, 0)
+        self.component = ctypes.c_void_p(made)
+
+    def set(self, name, value):
+        one = (ctypes.c_uint * 1)(self.references[name]), ctypes.c_size_t(1)
+        return self.library.fmi2SetReal(self.component, *one, (ctypes.c_double * 1)(value))
+
+    def get(self, name):
+        one, value = (ctypes.c_uint * 1)(self.references[name]), (ctypes.c_double * 1)()
+        assert self.library.fmi2GetReal(self.component, one, ctypes.c_size_t(1), value) == 0
+        return value[0]
+
+    def step(self, time, size):
+        return self.library.fmi2DoStep(
+            self.component, ctypes.c_double(time), ctypes.c_double(size), 0
+        )
+
+
+@pytest.fixture(scope="module")
+def machine():
+    return scene_machine(SCENE, coil="current", volts=10.0)
+
+
+@needs_compiler
+def test_it_moves_like_the_steps_in_python(machine, tmp_path):
+    """The rod leaves its stop under 150 mA, the bimorph bends under a sine held piecewise."""
+    path = tmp_path / "generator.fmu"
+    assert write_fmu(path, machine, "paper")
+    assert path.stat().st_size < 200_000
+    slave = Slave(path, tmp_path / "unit")
+    stepper = Stepper(machine.system)
+    state = stepper.start(machine.rest, 0.0 * machine.rest, 0.0, 0.0)
+    size, pieces = 4e-6, 4
+    for k in range(25):
+        voltage = 10.0 * math.sin(2.0 * math.pi * 1000.0 * k * size)
+        assert slave.set("voltage", voltage) == 0
+        assert slave.set("coil", 0.15) == 0
+        assert slave.step(k * size, size) == 0
+        state, _ = stepper.jump(state, voltage, 0.15)
+        for _ in range(pieces):
+            state, _ = stepper.step(state, size / pieces, voltage, (0.15, 0.15))
+    row = machine.system.outputs["lateral_tip"].row
+    # both iterate to 1e-9 of a step, which the stiff contact amplifies on the way
+    for name, value in (
+        ("rod_lift", state.position[0]),
+        ("lateral_tip", row @ state.position),
+        ("head_tilt", state.position[2]),
+        ("coil_current", state.current),
+        ("flux_linkage", state.field.flux_linkage),
+        ("magnetic_pull", state.field.force),
+        ("charge", stepper.charge(state)),
+    ):
+        assert slave.get(name) == pytest.approx(float(value), rel=1e-5), name
+    assert slave.get("rod_lift") < -1e-7
+    assert abs(slave.get("imbalance")) < 1e-12 * abs(slave.get("energy"))
+
+
+@needs_compiler
+def test_the_balance_holds_through_pull_in_and_release(tmp_path):
+    """20 ms on and off, driven by voltage: stops hit at both ends, and energy is kept."""
+    path = tmp_path / "generator.fmu"
+    write_fmu(path, scene_machine(SCENE, coil="voltage", volts=10.0), "paper")
+    slave = Slave(path, tmp_path / "unit")
+    resistance = scene_machine(SCENE, coil="voltage", volts=10.0).system.coil.resistance
+    stroke = SCENE.gap - SCENE.spring.stop_gap
+    lifts, energies = [], []
+    for k in range(2000):
+        slave.set("coil", 0.15 * resistance if k < 1000 else 0.0)
+        slave.set("voltage", 10.0 * math.sin(2.0 * math.pi * 200.0 * k * 1e-5))
+        assert slave.step(k * 1e-5, 1e-5) == 0
+        lifts.append(slave.get("rod_lift"))
+        energies.append(slave.get("energy"))
+    lifts = np.array(lifts)
+    # the contact gives way by less than 1 um
+    assert lifts[999] == pytest.approx(-stroke, abs=2e-6)
+    assert lifts[-1] == pytest.approx(0.0, abs=2e-6)
+    assert abs(slave.get("imbalance")) < 1e-10 * np.ptp(energies)
+
+
+@needs_compiler
+def test_it_refuses_what_is_no_number(machine, tmp_path):
+    path = tmp_path / "generator.fmu"
+    write_fmu(path, machine, "paper")
+    slave = Slave(path, tmp_path / "unit")
+    assert slave.set("voltage", math.nan) != 0
+    assert slave.set("rod_lift", 1.0) != 0  # an output
+    assert slave.step(0.0, -1.0) != 0
+
+
+def test_without_a_compiler_the_sources_are_there(machine, tmp_path, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    path = tmp_path / "generator.fmu"
+    assert not write_fmu(path, machine, "paper")
+    with zipfile.ZipFile(path) as unit:
+        assert set(unit.namelist()) == {
+            "modelDescription.xml", "sources/generator.c", "sources/model.h"
+        }  # fmt: skip
+
+
+def test_fmpy_finds_no_fault(machine, tmp_path):
+    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+    path = tmp_path / "generator.fmu"
+    write_fmu(path, machine, "paper")
+    assert fmpy.validation.validate_fmu(str(path)) == []
+
+
+def test_a_failing_compiler_leaves_nothing(machine, tmp_path, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda name: "/bin/false")
+    path = tmp_path / "generator.fmu"
+    with pytest.raises(InputError, match="C compiler"):
+        write_fmu(path, machine, "paper")
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command_writes_it(capsys, tmp_path):
+    path = tmp_path / "generator.fmu"
+    assert main(["export", "paper", "--set", "load.kind=none", "--fmu", str(path)]) == 0
+    assert capsys.readouterr().out.strip() == str(path)
+    assert main(["export", "paper", "--fmu", str(tmp_path / "other.fmu")]) == 2
+    assert "law of frequency" in capsys.readouterr().err

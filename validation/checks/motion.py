@@ -1,0 +1,51 @@
+"""The checks of motion over time as declarative rows; see :mod:`validation.checks.row`."""
+
+from __future__ import annotations
+
+from tactgen.validation.checks import motion_measurements as m
+from tactgen.validation.checks.row import Check
+
+_ELLIPTIC = "complete elliptic integral: 4 √(m/(k + k₃A²)) K(m), of ANSYS VM156"
+_VM207 = "ANSYS VM207: 12 V on 5.991 Ω and 12.74 mH"
+_FIG16 = "paper, section 6, text on Fig 16"
+_READ = "the text gives whole milliseconds, so half of one either way"
+
+MOTION_CHECKS: tuple[Check, ...] = (
+    Check(
+        "MOT-1", "code verification",
+        "A mass on a hardening spring swings in its exact period.",
+        0.144043869, "s", _ELLIPTIC, 5e-7, "1600 steps of 25 us: (ω h)²/12", m.vm156_period,
+    ),
+    Check(
+        "MOT-2", "code verification",
+        "A stepped voltage fills a coil with current.",
+        1.9849, "A", _VM207, 5e-5, "five digits are printed", m.vm207_current,
+    ),
+    Check(
+        "MOT-3", "code verification",
+        "A mass leaves rough surfaces without loss at the speed at which it met them.",
+        0.3, "m/s", "conservation of energy", 1e-6, "the surfaces' energy at the start, e^-33",
+        m.rough_bounce,
+    ),
+    Check(
+        "MOT-4", "solution verification",
+        "The generator's energy is what its sources gave less what was lost.",
+        (0.0, 1e-10), "1", "first law", 0.0, "rounding; relative to all that was exchanged",
+        m.generator_imbalance, scene="paper",
+    ),
+    Check(
+        "MOT-5", "validation",
+        "The 120 mA of Fig 16 pull the reconstructed rod down against its preload.",
+        (0.0, 0.12), "A", _FIG16, 0.0, "enough is enough", m.pull_in_current, scene="paper",
+    ),
+    Check(
+        "MOT-6", "validation",
+        "Switched off, the rod is on its upper stop about 1 ms later (3 to 4 ms in the text).",
+        (0.5e-3, 1.5e-3), "s", _FIG16, 0.0, _READ, m.rise_time, heavy=True, scene="paper",
+    ),
+    Check(
+        "MOT-7", "validation",
+        "Switched on, the rod is on its lower stop about 2 ms later (7 to 9 ms in the text).",
+        (1.5e-3, 2.5e-3), "s", _FIG16, 0.0, _READ, m.fall_time, heavy=True, scene="paper",
+    ),
+)  # fmt: skip

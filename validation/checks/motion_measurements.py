@@ -1,0 +1,115 @@
+"""What the rows about time measure: known motions, and the paper's Fig 16 run of the generator."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tactgen.tmm.generator.transient.laws import CubicSpring, RoughPoint
+from tactgen.tmm.generator.transient.march import Sources, simulate_steps
+from tactgen.tmm.generator.transient.system import Coil, Element, System
+from tactgen.tmm.generator.transient.waveform import Sine, Square, Step
+from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
+
+if TYPE_CHECKING:
+    from tactgen.validation.models.generator.phases import Phase
+    from tactgen.validation.models.generator.transient import Simulation
+
+_ONE, _UNIT = np.ones(1), np.eye(1)
+
+#: Section 2 of the paper: the drives of Fig 16, until the rod is up again.
+SOURCES = Sources(Sine(10.0, 200.0), Square(0.12, 100.0))
+UNTIL = 7e-3
+
+
+class _Inductor:
+    """A constant inductance (H)."""
+
+    def __init__(self, inductance: float) -> None:
+        self.inductance = inductance
+
+    def at(self, current: float, gap: float) -> CoenergyPoint:
+        """Return W' = L i²/2 and its derivatives, whatever the gap."""
+        linkage = self.inductance * current
+        return CoenergyPoint(0.5 * linkage * current, linkage, 0.0, self.inductance, 0.0, 0.0)
+
+
+def _one_mass(mass: float, element: Element) -> System:
+    return System(mass * _UNIT, 0.0 * _UNIT, 0.0 * _UNIT, 0.0 * _ONE, 0.0 * _ONE, 0.0, (element,))
+
+
+def vm156_period() -> float:
+    """Return four times the first quarter of the swing (s), from 1600 steps."""
+    system = _one_mass(2588e-6, Element("spring", CubicSpring(2.0, 4.0), _ONE))
+    run = simulate_steps(system, Sources(), 0.04, 1600, position=_ONE)
+    x = run.position[:, 0]
+    k = int(np.flatnonzero(x < 0.0)[0])
+    near = slice(k - 2, k + 2)
+    # time as a cubic in the position, which is steep there
+    return 4.0 * float(np.polyval(np.polyfit(x[near], run.time[near], 3), 0.0))
+
+
+def vm207_current() -> float:
+    """Return the current (A) after 10 ms."""
+    coil = Coil(_Inductor(0.01274), 0.0 * _ONE, 1.0, 5.991, "voltage")
+    zero = 0.0 * _ONE
+    system = System(_UNIT, 0.0 * _UNIT, _UNIT, zero, zero, 0.0, (), (), coil)
+    run = simulate_steps(system, Sources(coil=Step(12.0)), 0.01, 500)
+    return float(run.current[-1])
+
+
+def rough_bounce() -> float:
+    """Return the speed (m/s) at which a mass leaves rough surfaces that it met at 0.3 m/s."""
+    law = RoughPoint(0.1, 3e-7)
+    system = _one_mass(3e-4, Element("stop", law, -_ONE))
+    run = simulate_steps(system, Sources(), 8e-5, 2000, position=1e-5 * _ONE, velocity=-0.3 * _ONE)
+    return float(run.velocity[-1, 0])
+
+
+def generator_imbalance() -> float:
+    """Return the generator's energy imbalance over what was exchanged, in a short coarse run."""
+    found = _scene_run(Sources(Sine(10.0, 200.0), Step(0.15)), 3e-4, 0.2)
+    return found.answer.run.worst_imbalance
+
+
+def pull_in_current() -> float:
+    """Return the current (A) that pulls the rod down from its upper stop, by the network."""
+    from tactgen.tmm.generator.network_pull import network_pull
+    from tactgen.tmm.reluctance.switching import switching
+    from tactgen.validation.scene.scene import load_scene
+
+    device = load_scene("paper", [])[0].device
+    return switching(device, network_pull(device)).pull_in
+
+
+def rise_time() -> float:
+    """Return how long the rod takes from switching off to the upper stop (s)."""
+    return _phase("pressed", after=5e-3).start - 5e-3
+
+
+def fall_time() -> float:
+    """Return how long the rod takes from switching on, at the start, to the lower stop (s)."""
+    return _phase("held", after=0.0).start
+
+
+def _phase(name: str, after: float) -> Phase:
+    """Return the first phase of a name that starts after a time (s)."""
+    from tactgen.validation.models.generator.phases import phases
+
+    return next(p for p in phases(paper_run()) if p.name == name and p.start > after)
+
+
+@lru_cache(maxsize=1)
+def paper_run() -> Simulation:
+    """Return the run of Fig 16: 10 V at 200 Hz, 120 mA on and off at 100 Hz."""
+    return _scene_run(SOURCES, UNTIL, 0.05)
+
+
+def _scene_run(sources: Sources, until: float, accuracy: float) -> Simulation:
+    from tactgen.validation.models.generator.transient import run_scene
+    from tactgen.validation.scene.scene import load_scene
+
+    scene, _ = load_scene("paper", ["load.kind=none"])
+    return run_scene(scene, sources, until, coil="current", accuracy=accuracy)
