@@ -117,7 +117,7 @@ def test_nothing_else_falls_with_a_current(overrides):
     scene, _ = load_scene("reluctance", ["models=network", *overrides])
     solution = solve(scene)
     assert not solution.warnings
-    assert all(np.isfinite(q.value) for q in solution.quantities)
+    assert all(np.isfinite(q.value).all() for q in solution.quantities)
 
 
 @pytest.mark.usefixtures("own_store")
