@@ -50,7 +50,8 @@ def field_plot(device: Device, points: Mapping[str, FieldPoint]) -> str:
 
 
 def _heights(device: Device) -> tuple[float, float]:
-    low = -max(device.sleeve.length, device.rod.length + 0.1e-3)
+    # a sleeve that goes on below the rod carries little: the picture ends under the rod
+    low = -max(min(device.sleeve.length, device.rod.length + 0.6e-3), device.rod.length + 0.1e-3)
     return _MM * low - 0.3, _MM * (device.gap + device.rod.head_thickness) + 0.35
 
 
@@ -143,7 +144,10 @@ def _names(axis: Any, device: Device, gap: float) -> None:
             shift - coil.position - 0.3 * coil.length,
         ),
         "shaft": (0.6 * rod.radius, shift - coil.position - 0.55 * coil.length),
-        "sleeve": (0.5 * (sleeve.inner_radius + sleeve.outer_radius), -0.55 * sleeve.length),
+        "sleeve": (
+            0.5 * (sleeve.inner_radius + sleeve.outer_radius),
+            -0.55 * min(sleeve.length, rod.length),
+        ),
         "flange": (0.85 * rod.flange_radius, flange - 0.4 * rod.flange_thickness),
         "parasitic gap": (
             0.5 * (rod.flange_radius + sleeve.inner_radius),
