@@ -95,6 +95,11 @@ def recalled(
     return found[0] if found is not None else None
 
 
+def is_kept(kind: str, inputs: tuple[object, ...], made_of: tuple[str, ...]) -> bool:
+    """Return whether the store has a file for a value, whole or not."""
+    return _place(kind, inputs, made_of).is_file()
+
+
 def _place(kind: str, inputs: tuple[object, ...], made_of: tuple[str, ...]) -> Path:
     """Return the file of a value."""
     folder = store_folder()

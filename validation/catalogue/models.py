@@ -51,6 +51,8 @@ class ModelRow:
     families : str
         Module that answers many scenes of one family together, if there is one: see
         :mod:`validation.engine.families`.
+    finest : float
+        Relative error that its finest mesh is known to come down to; 0 if that is not known.
     """
 
     name: str
@@ -68,6 +70,7 @@ class ModelRow:
     kept: tuple[str, ...] = ()
     loads: tuple[str, ...] = ()
     families: str = ""
+    finest: float = 0.0
 
     @property
     def takes_sections_as_plane(self) -> bool:
@@ -173,7 +176,7 @@ _ROWS = (
         "tactgen.validation.models.bimorph.solid", "SolidModel", theory="solid", rank=5,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
         remedy="raise mesh.level (at most 5) or accept the bar", kept=_SOLID_KEPT,
-        families="tactgen.validation.models.bimorph.family_answers",
+        families="tactgen.validation.models.bimorph.family_answers", finest=6e-5,
     ),
     ModelRow(
         "cad", "3D piezoelectric solid on the CAD solids: fTetWild's tetrahedra in scikit-fem",

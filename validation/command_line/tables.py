@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tactgen.validation.engine.outlook import Prospect, total
 from tactgen.validation.engine.plan import Plan
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution
@@ -24,12 +25,15 @@ def print_quantities(solution: Solution) -> None:
             print(f"{q.name:26} {q.model:12} {label:>10}  {value:>28}  {bar:>9}")
 
 
-def print_plan(scene: str, plan: Plan) -> None:
-    """Print what runs and what is skipped, each with its reason."""
+def print_plan(scene: str, plan: Plan, prospects: dict[str, Prospect]) -> None:
+    """Print what runs, with what it cost when it last ran here, and what is skipped, and why."""
     print(f"scene {scene}")
     print("runs:")
     for step in plan.run:
-        print(f"  {step.stage:23} {step.reason}  [{step.key}]")
+        found = prospects[step.stage]
+        cost = "kept" if found.kept else f"{found.seconds:.2g} s" if found.seconds else ""
+        print(f"  {step.stage:23} {cost:>7}  {step.reason}  [{step.key}]")
+    print(f"  about {total(prospects):.2g} s in all, as far as costs are recorded")
     print("skipped:")
     for skip in plan.skipped:
         print(f"  {skip.stage:23} {skip.reason}")

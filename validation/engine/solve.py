@@ -9,6 +9,7 @@ from typing import Any
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.costs import record
 from tactgen.validation.engine.drive_warnings import (
     field_warnings,
     slenderness_warnings,
@@ -87,6 +88,7 @@ def solve(
     warnings += accuracy_warnings(scene, found)
     warnings += deflection_warnings(scene, found)
     warnings += stress_warnings(scene, made, quantities)
+    record({stage: stages.seconds[stage] for stage in stages.computed})
     # models of one theory say the same
     return Solution(scene, tuple(found), plan, tuple(dict.fromkeys(warnings)), made, stages)
 

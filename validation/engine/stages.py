@@ -33,11 +33,14 @@ class Stages:
         Wall-clock cost of each stage that ran.
     announce : callable
         Told the name of each stage as it is computed.
+    computed : set of str
+        Stages that were computed, not recalled or taken over.
     """
 
     keys: dict[str, str]
     announce: Callable[[str], None] = lambda _: None
     seconds: dict[str, float] = field(default_factory=dict)
+    computed: set[str] = field(default_factory=set)
     _results: dict[str, Any] = field(default_factory=dict)
 
     def run(self, name: str, work: Callable[[], T]) -> T:
@@ -55,6 +58,7 @@ class Stages:
 
             def announced() -> T:
                 self.announce(name)
+                self.computed.add(name)
                 return work()
 
             code = stage_code().get(name)

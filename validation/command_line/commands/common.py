@@ -30,6 +30,28 @@ def scene_options(parser: argparse.ArgumentParser, default: str = "paper") -> No
     )
 
 
+def asking_options(parser: argparse.ArgumentParser) -> None:
+    """Add the models, quantities and frequencies asked for."""
+    parser.add_argument(
+        "--model", action="append", metavar="NAME", help="one of the models, or all"
+    )
+    parser.add_argument(
+        "--quantity", action="append", metavar="NAME", help="one of the quantities; may be repeated"
+    )
+    parser.add_argument(
+        "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz, for example 10:2000:200"
+    )
+
+
+def asked_overrides(options: argparse.Namespace) -> list[str]:
+    """Return the overrides that --frequency, --model and --quantity stand for."""
+    return [
+        *overrides_of("frequency", "frequency", options.frequency, "10:2000:200"),
+        *overrides_of("model", "models", options.model, "tmm"),
+        *overrides_of("quantity", "quantities", options.quantity, "all"),
+    ]
+
+
 def overrides_of(option: str, key: str, given: str | list[str] | None, example: str) -> list[str]:
     """Return the override that ``--option`` stands for, none if it was not given.
 

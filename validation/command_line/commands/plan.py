@@ -1,35 +1,59 @@
-"""``tactgen plan``: what would run, what is skipped, and why."""
+"""``tactgen plan``: what would run, what is skipped, why, and about how long it takes."""
 
 from __future__ import annotations
 
 import argparse
 import json
 import sys
+from typing import Any
 
-from tactgen.validation.command_line.commands.common import Commands, scene_options
+from tactgen.validation.command_line.commands.common import (
+    Commands,
+    asked_overrides,
+    asking_options,
+    scene_options,
+)
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("plan", help="show what would run, what is skipped, and why")
     scene_options(parser)
+    asking_options(parser)
     parser.add_argument("--json", action="store_true", help="machine-readable plan on stdout")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    from tactgen.validation.command_line.contract import under_contract
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.engine.outlook import outlook
     from tactgen.validation.engine.plan import make_plan
     from tactgen.validation.engine.solve import plan_json
     from tactgen.validation.scene.scene import load_scene
 
-    scene, _ = load_scene(options.scene, options.overrides)
+    scene, origins = load_scene(options.scene, [*options.overrides, *asked_overrides(options)])
+    with announcer() as announce:
+        scene, choice = under_contract(scene, origins, announce)
     plan = make_plan(scene, scene.models, scene.quantities)
+    prospects = outlook(plan)
     if options.json:
-        json.dump({"scene": scene.name, "plan": plan_json(plan)}, sys.stdout)
+        shown: dict[str, Any] = plan_json(plan)
+        for entry in shown["run"]:
+            prospect = prospects[entry["stage"]]
+            entry |= {"kept": prospect.kept, "seconds": prospect.seconds}
+        found: dict[str, Any] = {"scene": scene.name, "plan": shown}
+        if choice is not None:
+            from tactgen.validation.command_line.plain_values import plain
+
+            found["ladders"] = plain(choice.ladders)
+        json.dump(found, sys.stdout)
         print()
     else:
         from tactgen.validation.command_line.tables import print_plan
 
-        print_plan(scene.name, plan)
+        for sentence in choice.sentences if choice is not None else ():
+            print(sentence)
+        print_plan(scene.name, plan, prospects)
     return 0

@@ -8,7 +8,9 @@ import sys
 
 from tactgen.validation.command_line.commands.common import (
     Commands,
-    overrides_of,
+    asked_overrides,
+    asking_options,
+    say,
     scene_options,
     warn,
 )
@@ -23,15 +25,7 @@ def add(commands: Commands) -> None:
     )
     parser.listing = _listing
     scene_options(parser)
-    parser.add_argument(
-        "--model", action="append", metavar="NAME", help="one of the models below, or all"
-    )
-    parser.add_argument(
-        "--quantity", action="append", metavar="NAME", help="one below; may be repeated"
-    )
-    parser.add_argument(
-        "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz, for example 10:2000:200"
-    )
+    asking_options(parser)
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 
@@ -47,16 +41,21 @@ def _listing() -> tuple[str, str]:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    from tactgen.validation.command_line.contract import under_contract
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.solve import as_json, check_request, solve
     from tactgen.validation.scene.idle_keys import scene_warnings
     from tactgen.validation.scene.scene import load_scene
 
-    scene, origins = load_scene(options.scene, [*options.overrides, *_wanted(options)])
+    scene, origins = load_scene(options.scene, [*options.overrides, *asked_overrides(options)])
     warn(scene_warnings(scene, origins))
+    with announcer() as announce:
+        scene, choice = under_contract(scene, origins, announce)
     plan, _ = check_request(scene, scene.models, scene.quantities)
     with announcer([step.stage for step in plan.run]) as announce:
         solution = solve(scene, announce=announce)
+    for sentence in choice.sentences if choice is not None else ():
+        say(sentence)
     warn(solution.warnings)
     if options.json:
         json.dump(as_json(solution), sys.stdout)
@@ -70,12 +69,3 @@ def run(options: argparse.Namespace) -> int:
 
         print_overview(solution)
     return 0
-
-
-def _wanted(options: argparse.Namespace) -> list[str]:
-    """Return the overrides that --frequency, --model and --quantity stand for."""
-    return [
-        *overrides_of("frequency", "frequency", options.frequency, "10:2000:200"),
-        *overrides_of("model", "models", options.model, "tmm"),
-        *overrides_of("quantity", "quantities", options.quantity, "all"),
-    ]

@@ -1,0 +1,114 @@
+"""The accuracy contract: the cheapest model whose known error meets it, or a refusal."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.costs import record, recorded
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.bimorph import solid
+from tactgen.validation.models.ladder import Rung, _error, choose, ladder
+from tactgen.validation.scene.scene import load_scene
+
+STATIC = ("static_tip_displacement",)
+
+
+def scene_with(accuracy):
+    return load_scene("j1", [f"accuracy={accuracy}"])[0]
+
+
+def test_the_model_form_is_measured_on_the_device():
+    """What a rung says is the difference from the solid on its coarse mesh and the solid's bar."""
+    scene = scene_with("10%")
+    rungs = {rung.model: rung for rung in ladder(scene, "bimorph", STATIC)}
+    coarse = solve(scene, ("solid",), STATIC).quantities[0]
+    beam = solve(scene, ("tmm",), STATIC).quantities[0]
+    expected = (abs(beam.value - coarse.value) + coarse.uncertainty) / abs(coarse.value)
+    assert rungs["tmm"].form == pytest.approx(float(expected), rel=1e-12)
+    assert rungs["solid"].form == 0.0
+    # what the beam leaves out of this wide short bimorph is percents, not more
+    assert 0.01 < rungs["tmm"].form < 0.1
+    # job J1's converged deflection lies where the rung says it does
+    truth = solve(load_scene("j1", ["mesh.level=3"])[0], ("solid",), STATIC).quantities[0].value
+    assert abs(beam.value - truth) <= (rungs["tmm"].form + rungs["tmm"].numerical) * abs(truth)
+
+
+@pytest.mark.parametrize(("accuracy", "chosen"), [("10%", "lumped"), ("1%", "solid")])
+def test_the_cheapest_that_meets_it_answers(accuracy, chosen):
+    found = choose(scene_with(accuracy), STATIC)
+    assert found.models == (chosen,)
+    (sentence,) = found.sentences
+    assert f"{chosen} meets it" in sentence
+    assert ("tmm does not meet it" in sentence) == (chosen == "solid")
+
+
+def test_what_no_model_meets_is_refused():
+    with pytest.raises(InputError, match=r"accuracy = 1e-07 is met by no model: lumped does not"):
+        choose(scene_with("1e-7"), STATIC)
+    assert MODELS["solid"].finest == solid._BRICK_BARS[-1]
+
+
+def test_errors_of_lists_and_responses():
+    """Of modes bending in x, of a response the worst frequency; too few modes are no answer."""
+
+    def quantity(value, bar, classes=None):
+        return Quantity("q", "m", np.array(value), "Hz", np.array(bar), "", 0.0, None, classes)
+
+    exact = quantity([100.0, 150.0, 300.0], [1.0, 9.0, 3.0], ("bending_x", "torsion", "bending_x"))
+    two = quantity([102.0, 300.0], [0.5, 0.0], ("bending_x",) * 2)
+    form, numerical = _error(two, exact)
+    assert (form, numerical) == (pytest.approx(0.03), pytest.approx(0.005))
+    assert _error(quantity([102.0], [0.0], ("bending_x",)), exact)[0] == np.inf
+    wave = quantity([1.0 + 1.0j, np.nan], [0.0, 0.0])
+    assert _error(wave, quantity([1.0 + 1.1j, 2.0], [0.0, 0.0]))[0] == pytest.approx(
+        0.1 / abs(1.0 + 1.1j)
+    )
+    assert np.isnan(_error(quantity(np.eye(2), np.eye(2)), quantity(np.eye(2), np.eye(2)))[0])
+
+
+def test_a_rung_says_what_is_known():
+    said = Rung("tmm", 0.04, 1e-12, None, False, "capacitance_free").sentence
+    assert said == (
+        "tmm does not meet it: model form 4 % (capacitance_free), numerical 1e-10 %, cost not "
+        "recorded yet"
+    )
+
+
+def test_costs_are_written_down(own_store):
+    """What takes long is there for the next plan; a small change is not worth a file."""
+    assert recorded() == {}
+    record({"solid.static": 2.0, "tmm.static": 1e-4})
+    assert recorded() == {"solid.static": 2.0}
+    record({"solid.static": 2.1, "solid.mesh": 0.5})
+    assert recorded() == {"solid.static": 2.0, "solid.mesh": 0.5}
+    (own_store / "costs.kept").write_bytes(b"damaged")
+    assert recorded() == {}
+
+
+def test_the_plan_takes_what_solve_takes(capsys, own_store):
+    """Models and quantities by option; what is kept is known."""
+    asked = ("prototype", "--model", "beam", "--quantity", "capacitance_free")
+    assert main(["plan", *asked, "--json"]) == 0
+    (step,) = json.loads(capsys.readouterr().out)["plan"]["run"]
+    assert (step["stage"], step["kept"]) == ("beam.static", False)
+    assert main(["solve", *asked, "--json"]) == 0
+    capsys.readouterr()
+    assert main(["plan", *asked]) == 0
+    assert "beam.static                kept" in capsys.readouterr().out
+
+
+def test_solve_under_the_contract(capsys):
+    """No model named and an accuracy stated: one model answers, and why is on stderr."""
+    code = main(["solve", "j1", "--set", "accuracy=10%", "--quantity", *STATIC, "--json"])
+    captured = capsys.readouterr()
+    assert code == 0
+    assert [q["model"] for q in json.loads(captured.out)["quantities"]] == ["lumped"]
+    assert "lumped meets it" in captured.err
+    assert main(["plan", "j1", "--set", "accuracy=10%", "--quantity", *STATIC, "--json"]) == 0
+    (rungs,) = json.loads(capsys.readouterr().out)["ladders"]
+    assert [rung["model"] for rung in rungs] == ["lumped", "tmm", "solid"]
