@@ -16,6 +16,7 @@ PARTS = {
     "magnetics": "tactgen.validation.bench.reluctance",
     "piezo": "tactgen.validation.bench.bimorph.solid",
     "solver": "tactgen.validation.bench.solver",
+    "skip": "tactgen.validation.bench.skip",
 }
 
 

@@ -10,10 +10,10 @@ from tactgen.validation.command_line.commands.common import (
     Commands,
     asked_overrides,
     asking_options,
-    say,
     scene_options,
     warn,
 )
+from tactgen.validation.command_line.streams import say
 
 
 def add(commands: Commands) -> None:
