@@ -21,8 +21,8 @@ from tactgen.validation.bench.result import Bench, Target, Timing
 #: the fields.
 _WATCHED = (
     "cadquery", "vtkmodules", "pyvista", "skfem", "scipy.sparse", "matplotlib", "meshio",
-    "pytetwild", "tactgen.fem.bimorph", "tactgen.fem.beam", "tactgen.fem.reluctance", "tactgen.tmm.beam",
-    "tactgen.tmm.reluctance",
+    "pytetwild", "tactgen.fem.bimorph", "tactgen.fem.beam", "tactgen.fem.reluctance",
+    "tactgen.tmm.beam", "tactgen.tmm.reluctance",
 )  # fmt: skip
 #: Processor time of a warm answer by a field, per that of a closed form: both are mostly imports.
 _WARM = 2.0
