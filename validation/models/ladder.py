@@ -22,7 +22,6 @@ from tactgen.validation.engine.model import model_class
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.view.formats import share
 
 #: By actuator: models from the cheapest on, the last of them of the most detailed theory.
 _LADDERS: Mapping[Actuator, tuple[str, ...]] = {
@@ -34,6 +33,11 @@ _LADDERS: Mapping[Actuator, tuple[str, ...]] = {
 _INSTEAD = {"solid": "cad"}
 #: Accuracy at which the last one judges the others: its coarsest mesh.
 _COARSE = 0.1
+
+
+def share(value: float) -> str:
+    """Return an error as people write it."""
+    return f"{100.0 * value:.2g} %" if math.isfinite(value) else "not known"
 
 
 @dataclass(frozen=True)
