@@ -61,7 +61,9 @@ class Page:
     def verdict(self) -> str:
         """The worst verdict of its rows."""
         verdicts = {row.verdict for row in self.rows}
-        return next(v for v in ("fail", "explained", "pass", "skipped") if v in verdicts)
+        return next(
+            v for v in ("fail", "explained", "calibrated", "pass", "skipped") if v in verdicts
+        )
 
 
 def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], None]) -> Path:
@@ -90,7 +92,7 @@ def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], No
     return write_text(out / "index.html", render("index.html", **common))
 
 
-_VERDICTS = ("pass", "explained", "fail", "skipped")
+_VERDICTS = ("pass", "explained", "calibrated", "fail", "skipped")
 
 
 def _page(rows: tuple[Verified, ...], announce: Callable[[str], None]) -> Page:

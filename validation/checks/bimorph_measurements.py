@@ -180,11 +180,6 @@ def _deflection(frequency: float, *overrides: str) -> float:
     return float(np.abs(_value("paper", "tmm", "tip_displacement", sweep, *overrides)[0]))
 
 
-def paper_start_deflection() -> float:
-    """Return the loaded deflection at 10 Hz and 50 V, parallel wiring (m)."""
-    return _deflection(10.0)
-
-
 def paper_end_deflection() -> float:
     """Return the loaded deflection at 1000 Hz and 50 V (m)."""
     return _deflection(1000.0)
@@ -208,3 +203,8 @@ def threshold_voltage_start() -> float:
 def threshold_voltage_250() -> float:
     """Voltage for 0.2 um at 250 Hz under the finger (V)."""
     return _threshold_voltage(250.0)
+
+
+def threshold_voltage_1000() -> float:
+    """Voltage for 1 um at 1000 Hz under the finger (V)."""
+    return _threshold_voltage(1000.0)

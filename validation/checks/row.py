@@ -1,7 +1,8 @@
 """What a check is: one declarative row, in one of four tiers, and how it is measured.
 
 Tiers are never mixed.  The test suite, the report and the documentation read the same rows.  A
-row that is known not to agree says why; it is shown, not hidden, and not counted as passed.
+row that is known not to agree says why; it is shown, not hidden, and not counted as passed.  Nor
+is one that agrees because something was chosen so that it does.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 Tier = Literal["code verification", "solution verification", "cross-model", "validation"]
-Status = Literal["pass", "fail", "differs, explained"]
+Status = Literal["pass", "fail", "differs, explained", "calibrated"]
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,8 @@ class Check:
         Why the row is known to differ; empty where it must pass.
     known : float
         The deviation that the explanation was written for; another one fails.
+    calibrated : str
+        What was chosen so that the row agrees; it then confirms nothing and is no pass.
     heavy : bool
         Whether it takes more than a few seconds.
     scene : str
@@ -52,6 +55,7 @@ class Check:
     measure: Callable[[], float]
     explained: str = ""
     known: float = 0.0
+    calibrated: str = ""
     heavy: bool = False
     scene: str = ""
 
@@ -80,7 +84,7 @@ def judged(check: Check, measured: float) -> Outcome:
     """Return what a measured value says about a row."""
     deviation = _deviation(measured, check.reference)
     if abs(deviation) <= check.tolerance:
-        status: Status = "pass"
+        status: Status = "calibrated" if check.calibrated else "pass"
     else:
         near = min(_STILL, _STILL_SHARE * abs(check.known))
         still = check.explained and abs(deviation - check.known) <= near

@@ -17,7 +17,7 @@ from tactgen.geometry.store.store import kept
 from tactgen.validation.checks.case import Case
 from tactgen.validation.checks.row import Check, Outcome, judged
 
-Verdict = Literal["pass", "fail", "explained", "skipped"]
+Verdict = Literal["pass", "fail", "explained", "calibrated", "skipped"]
 #: How much is run: the first row of each case, all that are light, or the heavy ones as well.
 Extent = Literal["quick", "light", "heavy"]
 
@@ -89,6 +89,7 @@ class Verified:
             "reason": check.reason,
             "verdict": self.verdict,
             "explained": check.explained,
+            "calibrated": check.calibrated,
             "seconds": self.seconds,
             "test": self.test,
         }

@@ -3,14 +3,15 @@
 import pytest
 
 from tactgen.validation.catalogue import detection
+from tactgen.validation.checks.amplitude import AMPLITUDE_CHECKS
 from tactgen.validation.checks.bimorph import CHECKS
 from tactgen.validation.checks.reluctance import MAGNETIC_CHECKS
 from tactgen.validation.studies.reconstruction import stated
 
 #: References of the validation rows, as printed.
 PRINTED = {
-    "PAP-1": 750.0, "PAP-2": 0.7, "PAP-3": (13.6e-6, 72.4e-6), "PAP-5": (0.0, 13.6e-6),
-    "PAP-6": 3.441e-8, "PAP-7": 8.0, "PAP-8": 3.0,
+    "PAP-1": 750.0, "PAP-2": 0.7, "PAP-4": (2.5, 4.0), "PAP-5": (13.6e-6, 72.4e-6),
+    "PAP-6": -3.441e-8, "PAP-7": 8.0, "PAP-8": 3.0,
 }  # fmt: skip
 
 
@@ -22,6 +23,16 @@ def test_references_of_the_validation_rows():
     force = next(c for c in MAGNETIC_CHECKS if c.source == "paper section 5.1")
     assert (force.reference, force.unit) == (0.110, "N")
     assert force.tolerance == pytest.approx(0.5 / 110.0)
+
+
+def test_references_of_the_rocking_head():
+    """Figs 14 to 17 as printed; what the paper only says has a range or a count."""
+    rows = {c.id: c.reference for c in AMPLITUDE_CHECKS if c.tier == "validation"}
+    printed = [rows[f"ROCK-{number}"] for number in range(7, 16)]
+    assert printed == [
+        -3.441e-8, -1.164e-8, pytest.approx(3.441 / 1.164, rel=2e-4), 24.8e-6, 3.1e-6, 72.4e-6,
+        13.6e-6, (2.5, 4.0), (2.5, 4.0),
+    ]  # fmt: skip
 
 
 def test_threshold_and_stated_voltages():

@@ -134,22 +134,7 @@ def response_curve(
     announce: Callable[[str], None] = lambda _: None,
 ) -> Curve:
     """Return the response over a band of frequencies (Hz) at one voltage (V); refusals as above."""
-    announce(f"backbone: {voltage:g} V")
-    low, high = (2.0 * np.pi * f for f in band)
-
-    def shown(orbit: Orbit) -> None:
-        announce(f"backbone: {voltage:g} V, {orbit.frequency:.4g} Hz, {orbit.harmonics} harmonics")
-
-    try:
-        start = steady_orbit(head.oscillator, low, voltage, resolution=RESOLUTION)
-    except NoConvergence as error:
-        raise InputError(
-            f"at --voltage {voltage:g} V no response was found to begin with: {error}; begin at "
-            "another --frequency, or with less voltage"
-        ) from None
-    branch = follow(
-        head.oscillator, start, "omega", low, high, resolution=RESOLUTION, announce=shown
-    )
+    branch = response_branch(head, voltage, band, announce)
     turns = folds(head.oscillator, branch)
     announce(f"backbone: {voltage:g} V, stability")
     found = [_peak(head, branch, at) for at in peaks(head.oscillator, branch, speed(head))]
@@ -165,6 +150,29 @@ def response_curve(
         missing=branch.missing,
         ended=branch.ended,
     )
+
+
+def response_branch(
+    head: RockingHead,
+    voltage: float,
+    band: tuple[float, float],
+    announce: Callable[[str], None] = lambda _: None,
+) -> Branch:
+    """Return the orbits over a band of frequencies (Hz) at one voltage (V); refusals as above."""
+    announce(f"backbone: {voltage:g} V")
+    low, high = (2.0 * np.pi * f for f in band)
+
+    def shown(orbit: Orbit) -> None:
+        announce(f"backbone: {voltage:g} V, {orbit.frequency:.4g} Hz, {orbit.harmonics} harmonics")
+
+    try:
+        start = steady_orbit(head.oscillator, low, voltage, resolution=RESOLUTION)
+    except NoConvergence as error:
+        raise InputError(
+            f"at --voltage {voltage:g} V no response was found to begin with: {error}; begin at "
+            "another --frequency, or with less voltage"
+        ) from None
+    return follow(head.oscillator, start, "omega", low, high, resolution=RESOLUTION, announce=shown)
 
 
 def speed(head: RockingHead) -> Callable[[Orbit], complex]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.tmm.generator.network_pull import network_pull
@@ -10,6 +12,13 @@ from tactgen.tmm.generator.rocking import RockingHead, rocking_head
 from tactgen.tmm.ports.terminations import ends_of
 from tactgen.validation.models.five_port import five_port
 from tactgen.validation.scene.scene import Scene
+
+State = Literal["not activated", "held"]
+#: What a scene says of the two states in which the paper measured.
+STATES: dict[State, tuple[str, ...]] = {
+    "not activated": ("coil.current=0mA",),
+    "held": ("coil.current=50mA", "coil.history=falling"),
+}
 
 
 def held_head(scene: Scene, model: str = "tmm") -> RockingHead:

@@ -68,5 +68,7 @@ def _print(rows: list[Verified]) -> None:
         if row.verdict == "explained":
             print(f"{'':20} {check.explained}")
     verdicts = [row.verdict for row in rows]
-    counts = (f"{verdicts.count(v)} {v}" for v in ("pass", "explained", "fail", "skipped"))
+    counts = (
+        f"{verdicts.count(v)} {v}" for v in ("pass", "explained", "calibrated", "fail", "skipped")
+    )
     print(", ".join(counts))
