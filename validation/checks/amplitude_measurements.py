@@ -12,14 +12,14 @@ from tactgen.tmm.harmonic_balance.continuation import Branch
 from tactgen.tmm.harmonic_balance.oscillator import Orbit
 from tactgen.tmm.harmonic_balance.special_points import folds, peaks
 from tactgen.validation.checks.cases import oscillators
-from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.amplitude.backbone import response_branch, speed
-from tactgen.validation.studies.amplitude.deflection import (
+from tactgen.validation.models.amplitude.backbone import response_branch, speed
+from tactgen.validation.models.amplitude.deflection import (
     LoadedDeflection,
     loaded_deflection,
     voltage_for,
 )
-from tactgen.validation.studies.amplitude.held_head import STATES, State, held_head
+from tactgen.validation.models.amplitude.held_head import STATES, State, held_head
+from tactgen.validation.scene.scene import load_scene
 
 #: Where the paper swept the small signal (Hz).
 _BAND = (10.0, 1000.0)

@@ -13,9 +13,9 @@ from tactgen.tmm.harmonic_balance.steady import Resolution
 from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.tmm.ports.port import BIMORPH
 from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.models.amplitude.held_head import held_head
 from tactgen.validation.models.five_port import five_port
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.amplitude.held_head import held_head
 
 UP = ("support.kind=contact", "coil.current=0mA", "models=tmm")
 HELD = ("support.kind=contact", "coil.current=50mA", "coil.history=falling", "models=tmm")

@@ -18,8 +18,8 @@ from tactgen.validation.command_line.commands.common import (
 )
 
 if TYPE_CHECKING:
+    from tactgen.validation.models.amplitude.backbone import Backbone, Curve
     from tactgen.validation.scene.scene import Scene
-    from tactgen.validation.studies.amplitude.backbone import Backbone, Curve
 
 _EXAMPLE = "--voltage 0.1:2:6"
 #: Most voltages of one request.
@@ -51,9 +51,9 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.models.amplitude.backbone import backbone
+    from tactgen.validation.models.amplitude.held_head import held_head
     from tactgen.validation.scene.idle_keys import scene_warnings
-    from tactgen.validation.studies.amplitude.backbone import backbone
-    from tactgen.validation.studies.amplitude.held_head import held_head
 
     scene, origins = lateral_scene(options.scene, options.overrides, "backbone")
     voltages = _voltages(options.voltage) if options.voltage else [abs(scene.drive.voltage)]
@@ -139,7 +139,7 @@ def _scene_band(scene: Scene) -> tuple[float, float]:
 
 def _draw(file: Path, found: Backbone) -> None:
     from tactgen.geometry.files import write_text
-    from tactgen.validation.studies.amplitude.plot import backbone_plot
+    from tactgen.validation.report.figures.amplitude import backbone_plot
 
     write_text(file, backbone_plot(found))
 

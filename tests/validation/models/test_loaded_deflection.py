@@ -6,14 +6,14 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.multiport import respond
 from tactgen.tmm.ports.terminations import attach
-from tactgen.validation.models.five_port import five_port
-from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.amplitude.deflection import (
+from tactgen.validation.models.amplitude.deflection import (
     LoadedDeflection,
     loaded_deflection,
     voltage_for,
 )
-from tactgen.validation.studies.amplitude.held_head import STATES, held_head
+from tactgen.validation.models.amplitude.held_head import STATES, held_head
+from tactgen.validation.models.five_port import five_port
+from tactgen.validation.scene.scene import load_scene
 
 
 def loaded(state):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.validation.studies.amplitude.backbone import Backbone, Curve
+from tactgen.validation.models.amplitude.backbone import Backbone, Curve
 from tactgen.validation.view.figures import DARK, panels, plain_numbers, shades, svg
 
 

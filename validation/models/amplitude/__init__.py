@@ -1,0 +1,1 @@
+"""The bimorph on a head that may rock: responses, backbones, deflections by harmonic balance."""
