@@ -32,6 +32,7 @@ SUBJECTS = {
     "orders": "Observed orders of convergence, each with an absolute bound",
     "bimorph": "The lateral actuator: exact beam, job J1, models against each other, the paper",
     "reluctance": "The normal actuator: fields and circuits, TEAM problem 20, the paper",
+    "motion": "The machine in time: oscillators with known motions, circuits, the paper's Fig 16",
     "amplitude": "Large amplitudes: oscillators with known answers, the paper's Figs 8, 14 and 15",
     "misprints": "Printed targets that are wrong or coarse, with the proof",
 }

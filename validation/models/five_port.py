@@ -55,19 +55,16 @@ def _beam(scene: Scene, _: str) -> FivePort:
 
 def _solid(scene: Scene, model: str) -> FivePort:
     from tactgen.fem.bimorph.reduction.kept import reduced_solid
-    from tactgen.validation.engine.solve import solve
-    from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+    from tactgen.validation.models.bimorph.meshes import mesh_pair
 
     # any support: the ports know none
     free = scene.model_copy(
-        update={"support": scene.support.model_copy(update={"kind": "clamped"}),
-                "frequency": (min(scene.frequency),)}
-    )  # fmt: skip
-    made = solve(free, (model,), ("static_tip_displacement",)).models[model]
-    assert isinstance(made, TwoMeshModel)
+        update={"support": scene.support.model_copy(update={"kind": "clamped"}), "models": (model,)}
+    )
+    mesh = mesh_pair(free).meshes[0]
     reach = np.array([0.0, _highest(scene)])
     tolerance = 1e-3 * scene.accuracy
-    reduced = reduced_solid(scene.device, made.meshes()[0], reach, tolerance=tolerance)
+    reduced = reduced_solid(scene.device, mesh, reach, tolerance=tolerance)
     return reduced.multiport
 
 
