@@ -15,7 +15,7 @@ from tactgen.validation.bench.one_core import on_one_core, peak_memory
 from tactgen.validation.bench.output import time_error_plot
 from tactgen.validation.bench.reluctance import FieldTiming
 from tactgen.validation.bench.result import Bench, Target
-from tactgen.validation.command_line.commands import bench as command
+from tactgen.validation.command_line.commands.evidence import bench as command
 
 
 def test_measured_alone_on_one_core():

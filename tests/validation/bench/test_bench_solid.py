@@ -18,7 +18,7 @@ from tactgen.validation.bench.bimorph.timing import SolidTiming
 from tactgen.validation.bench.bimorph.ways import ways
 from tactgen.validation.bench.output import time_error_plot
 from tactgen.validation.bench.work_precision import front, time_at_error
-from tactgen.validation.command_line.commands import bench as command
+from tactgen.validation.command_line.commands.evidence import bench as command
 
 COARSE = {"longest": 3e-3, "first": 2e-4, "through_piezo": 2, "across": 3}
 

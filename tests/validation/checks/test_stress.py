@@ -16,7 +16,7 @@ from tactgen.validation.checks.stress.result import (
     answered,
     judged,
 )
-from tactgen.validation.command_line.commands import stress as command
+from tactgen.validation.command_line.commands.evidence import stress as command
 
 
 @pytest.fixture(scope="module")

@@ -25,7 +25,7 @@ def test_report_is_complete_and_self_contained(tmp_path, run_elsewhere):
     """All sections, every light check, pictures inside the page, no address to fetch."""
     html, steps = make(tmp_path, "j1", "mesh.level=1")
     assert re.findall(r'<h2 id="(\w+)">', html) == [
-        "what", "models", "modes", "bridge", "response", "length",
+        "what", "models", "modes", "bridge", "response", "drive_limits", "length",
         "uncertainty", "stress", "checks", "parameters", "plan",
     ]  # fmt: skip
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
