@@ -133,7 +133,7 @@ CHECKS: tuple[Check, ...] = (
         "On job J1 bricks and the tetrahedra of the CAD solids differ by no more than their error "
         "bars: deflection, capacitances, coupling factor and four frequencies.",
         (0.0, 1.0), "bars", "the same equations, neither mesh nor assembly in common", 0.0,
-        "the largest difference over the sum of the two bars", m.j1_cad_against_bricks,
+        "the largest difference over the sum of the two bars", m.j1_cad_against_bricks, heavy=True,
     ),
     Check(
         "PAP-1", "validation",

@@ -21,6 +21,7 @@ def make(tmp_path, name, *overrides):
     return page.read_text(encoding="utf-8"), steps
 
 
+@pytest.mark.heavy
 def test_report_is_complete_and_self_contained(tmp_path, run_elsewhere):
     """All sections, every light check, pictures inside the page, no address to fetch."""
     html, steps = make(tmp_path, "j1", "mesh.level=1")
@@ -51,6 +52,11 @@ def test_report_without_the_solid_says_so(tmp_path, run_elsewhere):
     Where its drive and load are not those that a length is designed for, that is said.
     """
     html, steps = make(tmp_path, "prototype", "models=lumped,tmm")
+    assert re.findall(r'<h2 id="(\w+)">', html) == [
+        "what", "models", "modes", "bridge", "response", "drive_limits", "length", "voltage",
+        "uncertainty", "stress", "checks", "audit", "parameters", "plan",
+    ]  # fmt: skip
+    assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert "The solid model was not asked for" in html
     text = unescape(re.sub(r"<[^>]+>", "", html))
     assert "at 50 V under the finger instead of this scene's 1 V, with a free tip" in text
