@@ -68,6 +68,9 @@ def test_all_commands_are_tried():
         "verify",
         "bench",
         "cache",
+        "completion",
+        "compare",
+        "coverage",
     }
 
 

@@ -12,12 +12,13 @@ from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
 from tactgen.fem.reluctance.axisymmetric.field import solve_field
 from tactgen.fem.reluctance.axisymmetric.space import discretise
 from tactgen.fem.reluctance.three_d.problem import MagneticSolid
-from tactgen.geometry.device.parameters import Coil, Device, Steel
+from tactgen.geometry.device.parameters import Device, Steel
 from tactgen.geometry.device.steel_law import MagnetisationCurve, linear
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid
 from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from tactgen.tmm.reluctance.circuit import ONE_GAP
 from tactgen.tmm.reluctance.network import network_samples, textbook_force
+from tactgen.validation.checks.cases.magnetics.collared_actuator import COLLARED, collared
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.result import Row, answered
 from tactgen.validation.view.formats import engineering
@@ -104,11 +105,11 @@ def _hexahedra() -> None:
 _IMPOSSIBLE: dict[str, Callable[[], object]] = {
     "a closed gap": lambda: solve_point(Device(), gap=0.0),
     "a negative gap": lambda: solve_point(Device(), gap=-1e-4),
-    "flange against collar": lambda: solve_point(Device(), gap=2.4e-3),
-    "flange in collar": lambda: solve_point(Device(), gap=2.5e-3),
-    "flange beyond collar": lambda: solve_point(Device(), gap=5e-3),
-    "coil in head": lambda: solve_point(Device(coil=Coil(position=-1e-3))),
-    "coil in collar": lambda: solve_point(Device(coil=Coil(outer_radius=0.93e-3)), gap=0.4e-3),
+    "flange against collar": lambda: solve_point(COLLARED, gap=2.4e-3),
+    "flange in collar": lambda: solve_point(COLLARED, gap=2.5e-3),
+    "flange beyond collar": lambda: solve_point(COLLARED, gap=5e-3),
+    "coil in head": lambda: solve_point(collared(coil={"position": -1e-3})),
+    "coil in collar": lambda: solve_point(collared(coil={"outer_radius": 0.93e-3}), gap=0.4e-3),
     "order 1 with an error bar": lambda: solve_point(Device(), order=1),
     "µr below 1": lambda: linear(0.5),
     "µr nan": lambda: linear(float("nan")),

@@ -75,8 +75,9 @@ def write_fmu(path: str | Path, machine: Machine, scene: str) -> bool:
 def _compiled(compiler: str, source: str, header: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        (work / "generator.c").write_text(source, encoding="utf-8")
-        (work / "model.h").write_text(header, encoding="utf-8")
+        for name, text in (("generator.c", source), ("model.h", header)):
+            draft = work / name
+            draft.write_text(text, encoding="utf-8")
         target = work / f"{_MODEL}.so"
         done = subprocess.run(
             [compiler, *_FLAGS, "-o", str(target), str(work / "generator.c"), "-lm"],

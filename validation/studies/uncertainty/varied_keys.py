@@ -14,7 +14,7 @@ from tactgen.validation.scene.scene import Scene, scene_keys
 from tactgen.validation.scene.wording import nearest
 
 #: Groups that no one-dimensional model of the lateral actuator reads.
-_ELSEWHERE = ("coil", "sleeve", "spring", "steel", "mesh")
+_ELSEWHERE = ("coil", "sleeve", "spring", "steel", "mesh", "limits")
 
 
 def chosen_keys(scene: Scene, device: Actuator, asked: Iterable[str]) -> tuple[str, ...]:
