@@ -199,6 +199,13 @@ class Box:
         return (stiffness + shift * mass).tocsr(), mass
 
 
+def block(axes: tuple[Axis, Axis, Axis], material: Material, *held: Held) -> Box:
+    """Return a box of one material."""
+    x, y, z = axes
+    slab = Slab("body", (0, x.intervals), (0, z.intervals))
+    return Box(x, y, z, ((slab, material),), held)
+
+
 @dataclass(frozen=True)
 class State:
     """All values of a box, (nx, ny, nz, 4), in m and V, and what they need to be so."""

@@ -100,8 +100,7 @@ def static_state(
     """
     with mp.workdps(_DIGITS):
         t = laminate.transfer(0)
-        known = {_T: (0, 0), _S: pressure}
-        rows = [(_T, 0), (_S, pressure[1]), (_electric(faces[1]))]
+        rows = [(_T, 0), (_S, pressure[1]), _electric(faces[1])]
         start = mp.zeros(6, 1)
         start[_S] = mp.mpf(pressure[0])
         at, value = _electric(faces[0])
@@ -114,7 +113,6 @@ def static_state(
             for j, column in enumerate(free):
                 system[i, j] = t[row, column]
         found = mp.lu_solve(system, right)
-        del known
         for j, column in enumerate(free):
             start[column] = found[j]
         return start, t * start

@@ -9,10 +9,17 @@ import numpy as np
 
 from tactgen.fem.bimorph.system import Material
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.bricks import Axis, Slab
+from tactgen.geometry.bimorph.bricks import Axis
 from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.validation.checks.case import Answer, Case, Refinement, case, nth
-from tactgen.validation.checks.cases.boxes import Box, Held, Where, natural_frequencies, statics
+from tactgen.validation.checks.cases.boxes import (
+    Box,
+    Held,
+    Where,
+    block,
+    natural_frequencies,
+    statics,
+)
 from tactgen.validation.checks.known.laminates import even
 
 _BRICKS = "bricks of the model solid"
@@ -25,10 +32,7 @@ def _centred(length: float, intervals: int, degree: int) -> Axis:
 def _block(
     axes: tuple[Axis, Axis, Axis], modulus: float, poisson: float, density: float, *held: Held
 ) -> Box:
-    x, y, z = axes
-    material = Material(isotropic_stiffness(modulus, poisson), density)
-    slab = Slab("body", (0, x.intervals), (0, z.intervals))
-    return Box(x, y, z, ((slab, material),), held)
+    return block(axes, Material(isotropic_stiffness(modulus, poisson), density), *held)
 
 
 @cache

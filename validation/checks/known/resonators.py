@@ -10,7 +10,6 @@ import numpy as np
 
 from tactgen.fem.bimorph.system import Material
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.bricks import Axis, Slab
 from tactgen.geometry.device.materials import EPS0, Piezoceramic, PiezoTensors
 from tactgen.geometry.device.piezo_library import LIBRARY
 from tactgen.validation.checks.case import Answer, Case, Refinement, case, nth
@@ -20,6 +19,7 @@ from tactgen.validation.checks.cases.boxes import (
     Held,
     Together,
     Where,
+    block,
     harmonic,
     natural_frequencies,
     statics,
@@ -45,12 +45,6 @@ def _material(ceramic: Piezoceramic, poled: Component = "x") -> Material:
     return Material(tensors.c, ceramic.density, tensors)
 
 
-def _body(axes: tuple[Axis, Axis, Axis], material: Material) -> Box:
-    x, y, z = axes
-    slab = Slab("body", (0, x.intervals), (0, z.intervals))
-    return Box(x, y, z, ((slab, material),))
-
-
 # --- plates of infinite extent -----------------------------------------------------------------
 
 _THICKNESS = 1e-3
@@ -63,7 +57,7 @@ def _plate(shear: bool) -> Box:
     column reaches from the middle (φ = 0) to one electrode.
     """
     material = _material(_CERAMIC, "z" if shear else "x")
-    box = _body((even(0.5 * _THICKNESS, 1, 9), even(1e-4, 1, 1), even(1e-4, 1, 1)), material)
+    box = block((even(0.5 * _THICKNESS, 1, 9), even(1e-4, 1, 1), even(1e-4, 1, 1)), material)
     # all points of a height move alike: one column of nodes, the others tied to it
     other: tuple[Component, ...] = ("x", "y") if shear else ("y", "z")
     moving: Component = "z" if shear else "x"
@@ -155,7 +149,7 @@ def _bar(along: bool) -> Box:
     """Return an eighth of a 10 mm bar along z, driven across (31) or along its length (33)."""
     material = _material(_BAR_CERAMIC, "z" if along else "x")
     side = even(0.5 * _SIDE, 1, 2)
-    box = _body((side, side, even(0.5 * _BAR, 2, 7)), material)
+    box = block((side, side, even(0.5 * _BAR, 2, 7)), material)
     return replace(box, held=_mirrored(grounded="z" if along else "x"))
 
 
@@ -207,7 +201,7 @@ def _admittance(frequency: float) -> float:
     axes = (even(0.5 * height, 1, 2), even(0.5 * width, 1, 2), even(0.5 * length, 2, 6))
     face = Where(x=0.5 * height)
     held = (*_mirrored(grounded="x"), Held(face, ("phi",), 0.5))
-    state = harmonic(replace(_body(axes, _material(_BAR_CERAMIC)), held=held), frequency)
+    state = harmonic(replace(block(axes, _material(_BAR_CERAMIC)), held=held), frequency)
     return 2.0 * math.pi * frequency * 4.0 * state.force(face, "phi").real
 
 
@@ -233,7 +227,7 @@ _ADMITTANCE = case(
 @cache
 def _free_block() -> tuple[float, float]:
     """Return the stretch along 10 mm and across 1 mm at 1 V across the latter (m)."""
-    box = _body((even(1e-3, 1, 1), even(2e-3, 1, 1), even(10e-3, 1, 1)), _material(_CERAMIC))
+    box = block((even(1e-3, 1, 1), even(2e-3, 1, 1), even(10e-3, 1, 1)), _material(_CERAMIC))
     held = (
         Held(Where(x=0.0), ("phi",), 1.0),
         Held(Where(x=1e-3), ("phi",)),
@@ -286,7 +280,7 @@ def _cube(grounded: bool, degree: int = 6) -> Floats:
     Some of them are odd under the exchange of y and z: a voltage does not excite those.
     """
     half = 10e-3
-    box = _body((even(half, 1, degree),) * 3, _pzt4())
+    box = block((even(half, 1, degree),) * 3, _pzt4())
     held = _mirrored(grounded="x")
     face = Where(x=half)
     if grounded:
