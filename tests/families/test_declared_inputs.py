@@ -70,7 +70,7 @@ LATERAL = [
 ]
 CASES = [
     *LATERAL,
-    ("generator", ("modes=2",), "tmm", "tip_displacement"),
+    ("bimorph_on_rod", ("modes=2",), "tmm", "tip_displacement"),
     ("paper", ("support.kind=contact", "coil.current=0mA"), "tmm", "short_circuit_frequencies"),
     ("paper", ("support.kind=contact", "coil.current=0mA"), "tmm", "axial_tip_per_current"),
     ("j1", ("mesh.level=2", "modes=2"), "solid", "static_tip_displacement"),

@@ -204,7 +204,7 @@ def largest_held_current() -> float:
 
 def generator_height() -> float:
     """Height of the built-in generator, from the tip to the sleeve's lower end (m)."""
-    return total_height(load_scene("generator")[0].device)
+    return total_height(load_scene("bimorph_on_rod")[0].device)
 
 
 def paper_force() -> float:

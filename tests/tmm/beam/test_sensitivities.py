@@ -187,7 +187,7 @@ def test_coupling_factor_follows_from_both_frequencies():
 
 ROWS = {
     "tab": actuator("paper", "bimorph.tab_length=2mm", "load.kind=none"),
-    "rod": actuator("generator", "load.kind=none"),
+    "rod": actuator("bimorph_on_rod", "load.kind=none"),
     "taper": actuator("prototype", "bimorph.width_profile=0 mm: 2.1 mm, 14 mm: 1 mm"),
     "series": actuator("prototype", "bimorph.wiring=series", "bimorph.bare_below=2mm"),
     "mass": actuator("prototype", "load.kind=mass", "load.mass=5mg", "support.kind=clamped"),

@@ -220,7 +220,7 @@ def test_stopped_study_goes_on_from_the_cache(pair, monkeypatch):
 @pytest.mark.heavy
 def test_bars_of_the_generator_cover_finer_meshes():
     """Bimorph in its rod: bars of two meshes cover the values of a pair four times as exact."""
-    scene, _ = load_scene("generator")
+    scene, _ = load_scene("bimorph_on_rod")
     loose, tight = (adapted_pair(scene, accuracy) for accuracy in (4e-2, 1e-2))
     better = {name: (value, bar) for name, value, bar in bars(tight)}
     for name, value, bar in bars(loose):

@@ -13,7 +13,7 @@ CASES = {
     "slender": ("paper", "bimorph.length=200mm", "load.kind=none"),
     "stubby": ("paper", "bimorph.length=2mm"),
     "tab": ("paper", "bimorph.tab_length=2mm"),
-    "glued": ("generator",),
+    "glued": ("bimorph_on_rod",),
     "series": ("prototype", "bimorph.wiring=series"),
 }
 

@@ -76,7 +76,7 @@ def test_a_bimorph_shorter_than_thick_is_no_beam():
     assert f"{100 * end_share(scene.bimorph):.0f} % off" in warning
 
 
-@pytest.mark.parametrize("name", ["paper", "prototype", "j1", "generator"])
+@pytest.mark.parametrize("name", ["paper", "prototype", "j1", "bimorph_on_rod"])
 def test_slender_ones_are_not_warned_of(name):
     """The built-in bimorphs."""
     assert stubby_warning(load_scene(name)[0]) == ""
@@ -91,4 +91,4 @@ def test_layers_of_a_taper_or_with_glue_count_as_plain_ones():
         for name, band in expected_differences(other).items():
             near = expected_differences(plain)[name]
             assert (band.low, band.high) == pytest.approx((near.low, near.high), abs=2e-3)
-    assert expected_differences(load_scene("generator")[0]) == {}
+    assert expected_differences(load_scene("bimorph_on_rod")[0]) == {}

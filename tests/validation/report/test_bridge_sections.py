@@ -51,10 +51,10 @@ def test_nothing_to_lead_to():
 
 
 @pytest.mark.heavy
-@pytest.mark.parametrize("scene", ["paper", "generator"])
+@pytest.mark.parametrize("scene", ["paper", "bimorph_on_rod"])
 def test_full_sections(scene):
     """Every number is there, both materials, the refused sets with their reason."""
-    field = "cad" if scene == "generator" else "solid"
+    field = "cad" if scene == "bimorph_on_rod" else "solid"
     shown = texts(scene, "mesh.level=2", f"models=tmm,{field}", quick=False)
     assert list(shown) == list(SECTIONS)
     for text in shown.values():

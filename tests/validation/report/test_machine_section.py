@@ -13,7 +13,7 @@ from tactgen.validation.scene.scene import load_scene
 FEW = ("models=tmm,network", "frequency=10,100,439,1000")
 
 
-def study(name="machine", *overrides):
+def study(name="generator", *overrides):
     scene, origins = load_scene(name, [*FEW, *overrides])
     return Study(scene, origins, lambda _: None, quick=True)
 
@@ -21,7 +21,7 @@ def study(name="machine", *overrides):
 @pytest.fixture(scope="module")
 def held():
     """The scene held down by 50 mA, and what its section shows."""
-    of = study("machine", "coil.current=50mA", "coil.history=falling")
+    of = study("generator", "coil.current=50mA", "coil.history=falling")
     return of, machine_section(of)
 
 
@@ -44,7 +44,7 @@ def test_the_moment_is_held_against_what_the_contact_bears(held):
     """50 V: far beyond; a tenth of a volt: pressed all round."""
     moment = held[1]["moment"]
     assert moment["largest"] > moment["tipping"] == pytest.approx(2.0 * moment["uplift"])
-    quiet = machine_section(study("machine", "drive.voltage=0.1V"))["moment"]
+    quiet = machine_section(study("generator", "drive.voltage=0.1V"))["moment"]
     assert quiet["largest"] < quiet["uplift"]
 
 

@@ -77,7 +77,7 @@ def test_folder_is_checked_before_any_work(tmp_path):
 def test_exported_files_are_complete(tmp_path, capsys):
     """STEP, glTF and mesh of the built-in generator and bimorph."""
     step, glb, mesh = tmp_path / "g.step", tmp_path / "g.glb", tmp_path / "m.vtu"
-    assert main(["export", "generator", "--step", str(step), "--glb", str(glb)]) == 0
+    assert main(["export", "bimorph_on_rod", "--step", str(step), "--glb", str(glb)]) == 0
     assert main(["export", "j1", "--set", "mesh.level=2", "--mesh", str(mesh)]) == 0
     assert capsys.readouterr().out.split() == [str(step), str(glb), str(mesh)]
     assert step.read_text(encoding="utf-8").startswith("ISO-10303-21")

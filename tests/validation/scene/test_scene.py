@@ -63,7 +63,7 @@ def test_contract_of_scene_keys():
 def test_built_in_scenes():
     """All load, and are what they say."""
     assert set(built_in_scenes()) == {
-        "paper", "prototype", "j1", "generator", "machine", "reluctance",
+        "paper", "prototype", "j1", "bimorph_on_rod", "generator", "reluctance",
     }  # fmt: skip
     prototype, _ = load_scene("prototype")
     assert (prototype.bimorph.length, prototype.load.kind, prototype.drive.voltage) == (
@@ -71,7 +71,7 @@ def test_built_in_scenes():
         "none",
         1.0,
     )
-    assert load_scene("generator")[0].support.kind == "rod"
+    assert load_scene("bimorph_on_rod")[0].support.kind == "rod"
 
 
 @pytest.mark.parametrize(
@@ -143,7 +143,7 @@ def test_bad_values_are_refused_in_one_sentence(override, words):
 def test_parts_that_do_not_fit_are_refused(overrides, words):
     """A generator that cannot be built is refused before any work."""
     with pytest.raises(InputError) as caught:
-        load_scene("generator", overrides)
+        load_scene("bimorph_on_rod", overrides)
     assert all(word in str(caught.value) for word in words), caught.value
 
 
@@ -397,10 +397,10 @@ def test_scene_is_frozen():
     ("name", "overrides", "models"),
     [
         ("paper", [], ("lumped", "tmm", "beam", "solid", "cad")),
-        ("generator", [], ("lumped", "tmm", "beam", "cad")),
+        ("bimorph_on_rod", [], ("lumped", "tmm", "beam", "cad")),
         ("paper", ["bimorph.bare_below=1mm"], ("lumped", "tmm", "beam", "solid")),
         ("paper", ["bimorph.width_profile=0mm:2mm,20mm:1mm"], ("lumped", "tmm", "beam")),
-        ("generator", ["models=tmm,solid"], ("tmm", "solid")),
+        ("bimorph_on_rod", ["models=tmm,solid"], ("tmm", "solid")),
     ],
 )
 def test_models_are_those_that_can_unless_they_are_named(name, overrides, models):

@@ -40,7 +40,7 @@ KINDS = [
     ("paper", ["bimorph.wiring=series"]),
     ("paper", ["bimorph.tab_length=2mm"]),
     ("paper", ["support.kind=clamped", "load.kind=none"]),
-    ("generator", []),
+    ("bimorph_on_rod", []),
 ]
 
 
@@ -153,7 +153,7 @@ def test_lowest_margin_is_the_lowest(paper):
 @pytest.mark.parametrize(
     ("name", "overrides", "margin"),
     [(*kind, margin) for kind in KINDS[:4] for margin in (0.5, 1.0, 2.0)]
-    + [("generator", [], 0.2)],
+    + [("bimorph_on_rod", [], 0.2)],
 )
 def test_intervals_are_exactly_the_feasible_lengths(name, overrides, margin):
     """The margin is reached at each crossing, kept inside the intervals and nowhere else."""
@@ -309,7 +309,7 @@ def test_what_is_said_of_another_device_is_its_own():
     assert not re.search(r"50 V|under the finger|Fig 9|20 mm", text)
 
 
-@pytest.mark.parametrize("name", ["paper", "generator"])
+@pytest.mark.parametrize("name", ["paper", "bimorph_on_rod"])
 def test_curves_pass_through_their_minima(name):
     """What is plotted is what is stated: each dot lies on its curve, which goes no lower.
 
@@ -510,7 +510,7 @@ def test_an_actuator_that_does_nothing_is_refused(paper):
     assert section(dead, origins, lambda _: None) is None
 
 
-@pytest.mark.parametrize("name", ["paper", pytest.param("generator", marks=pytest.mark.heavy)])
+@pytest.mark.parametrize("name", ["paper", pytest.param("bimorph_on_rod", marks=pytest.mark.heavy)])
 def test_partials_render(name):
     """Both sections: no undefined name, no nan, pictures inside; no other setting is spoken of.
 

@@ -103,7 +103,7 @@ def test_ranges_of_the_models_parameters_only():
     assert found["bimorph.width"].text_range == "2.05 to 2.15 mm"
     assert found["bimorph.width"].printed
     assert not found["piezo.eps33"].printed
-    with_rod = {row.key for row in uncertain_parameters(load_scene("generator")[0])}
+    with_rod = {row.key for row in uncertain_parameters(load_scene("bimorph_on_rod")[0])}
     assert {"rod.radius", "glue.youngs_modulus"} <= with_rod
 
 
@@ -294,7 +294,7 @@ def test_left_out_parameters_are_told(capsys):
     assert "bimorph.length (bimorph.width_profile would not end at the ceramic's edge" in err
     assert "bimorph.width (bimorph.width_profile gives it)" in err
     assert "bimorph.width_profile (its points are not varied)" in err
-    assert call("generator", "--quantity", "capacitance_free") == 0
+    assert call("bimorph_on_rod", "--quantity", "capacitance_free") == 0
     assert "rod.length (a piece of the row" in capsys.readouterr().err
     assert call("paper", "--quantity", "capacitance_free") == 0
     assert capsys.readouterr().err == ""

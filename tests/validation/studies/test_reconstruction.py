@@ -35,7 +35,7 @@ def test_the_device_built_in_follows_the_rules_of_the_search():
 
 def test_the_generator_has_the_stated_height():
     """41 mm from tip to the sleeve's end: the last printed digit is half a millimetre."""
-    device = load_scene("generator")[0].device
+    device = load_scene("bimorph_on_rod")[0].device
     assert total_height(device) == pytest.approx(stated.TOTAL_HEIGHT, abs=0.5e-3)
     assert 2.0 * device.sleeve.outer_radius == pytest.approx(stated.OUTER_DIAMETER)
 

@@ -112,7 +112,7 @@ def test_a_coil_driven_by_voltage_fills_with_current(scene):
 
 
 def test_in_a_slot_only_the_free_part_of_the_tab_bends():
-    device = load_scene("generator", [])[0].device
+    device = load_scene("bimorph_on_rod", [])[0].device
     assert above_the_head(device, Support(kind="rod")).bimorph.tab_length == pytest.approx(1.6e-3)
     assert above_the_head(device, Support()) is device
 

@@ -24,7 +24,7 @@ from tactgen.validation.models.bimorph.bridge.solid_values import (
 )
 from tactgen.validation.scene.scene import Scene
 
-#: Tab of a scene that has none (m): that of the built-in scene ``generator``.
+#: Tab of a scene that has none (m): that of the built-in scene ``bimorph_on_rod``.
 USUAL_TAB = 2e-3
 #: Moduli of glue and rod are raised by this for what counts as rigid.
 _RIGID = 1e3
