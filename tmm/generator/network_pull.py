@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from tactgen.geometry.device.parameters import Coil, Device, Rod, Sleeve, Spring, Steel
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+
+if TYPE_CHECKING:
+    from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 
 
 def network_pull(device: Device) -> CoenergyMap:

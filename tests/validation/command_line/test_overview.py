@@ -4,11 +4,15 @@ import json
 import re
 import subprocess
 
+import numpy as np
 import pytest
 
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.command_line.overview import print_overview
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.files import built_in_scenes
+from tactgen.validation.scene.scene import load_scene
 
 PREFIXES = {"p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3}
 
@@ -51,6 +55,51 @@ def test_the_largest_of_a_sweep_says_where(capsys):
     _, screen, _ = run(capsys, "solve", "--model", "tmm", "--frequency", "100,450,900")
     (line,) = (line for line in screen.splitlines() if line.startswith("tip velocity"))
     assert "largest at 450 Hz" in line
+
+
+@pytest.fixture(scope="module")
+def whole_machine():
+    """What solve prints of the scene generator, and the numbers behind it."""
+    scene, _ = load_scene("generator", ["models=tmm,network", "coil.supply=voltage"])
+    return scene, solve(scene)
+
+
+def test_the_machine_is_one_screen_in_parts(whole_machine, capsys):
+    """Though its scene names quantities: bimorph, normal actuator, machine, each its models."""
+    print_overview(whole_machine[1])
+    parts = [part.splitlines() for part in capsys.readouterr().out.split("\n\n")]
+    assert [re.split(r"  +", part[0]) for part in parts[:3]] == [
+        ["bimorph", "tmm"], ["normal actuator", "network"], ["machine, small motions", "tmm"],
+    ]  # fmt: skip
+    assert sum(map(len, parts)) <= 30
+    assert not re.search(r"\d(e-|e\+)\d", str(parts))
+    # what nothing moves is named once and fills no rows
+    (idle,) = (line for line in parts[2] if line.startswith("0 "))
+    assert idle.endswith(": axial tip per voltage, axial tip per current, lateral tip per current")
+
+
+def test_poles_as_frequency_and_damping(whole_machine, capsys):
+    """One of each pair, its natural frequency and damping ratio; real ones as a rate."""
+    poles = whole_machine[1].get("axial_poles", "tmm").value
+    print_overview(whole_machine[1])
+    lines = capsys.readouterr().out.splitlines()
+    first = next(n for n, line in enumerate(lines) if line.startswith("axial poles"))
+    shown = " ".join(lines[first : first + 2])
+    (pair,) = (pole for pole in poles if pole.imag > 0.0)
+    natural, ratio = re.search(r"([0-9.]+) kHz ζ ([0-9.]+)", shown).groups()
+    assert float(natural) == pytest.approx(1e-3 * abs(pair) / (2.0 * np.pi), rel=5e-5)
+    assert float(ratio) == pytest.approx(-pair.real / abs(pair), rel=0.05)
+    (rate,) = (-pole.real for pole in poles if not pole.imag)
+    assert float(re.search(r"([0-9.]+) k1/s", shown)[1]) == pytest.approx(1e-3 * rate, rel=5e-5)
+
+
+@pytest.mark.parametrize(
+    "asking", [["--quantity", "rod_position"], ["--set", "quantities=rod_position"]]
+)
+def test_what_is_asked_for_by_name_is_shown_in_full(capsys, asking):
+    """On the command line, of a scene that names quantities, too."""
+    _, out, _ = run(capsys, "solve", "generator", "--model", "network", *asking)
+    assert [line.split()[0] for line in out.splitlines()] == ["quantity", "rod_position"]
 
 
 def test_all_values_are_one_option_away(capsys):

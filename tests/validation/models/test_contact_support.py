@@ -1,5 +1,8 @@
 """support.kind = contact: the scene's springs from the rod's resting place, for every model."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -92,3 +95,18 @@ def test_without_current_nothing_magnetic_is_touched(monkeypatch):
     """The network is not asked."""
     monkeypatch.setattr("tactgen.tmm.generator.network_pull.network_pull", None)
     assert np.isfinite(frequency(*UP))
+
+
+def test_without_current_nothing_magnetic_is_loaded():
+    """Of the bimorph on the contact, spring alone: no circuit, no field, no map."""
+    code = (
+        "import sys\n"
+        "from tactgen.validation.engine.solve import solve\n"
+        "from tactgen.validation.scene.scene import load_scene\n"
+        "scene, _ = load_scene('generator', ['models=tmm', 'quantities=tip_displacement'])\n"
+        "solve(scene)\n"
+        "print([m for m in sys.modules if m.startswith(('tactgen.tmm.reluctance', "
+        "'tactgen.fem.reluctance', 'tactgen.validation.models.reluctance'))])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.solve import as_json, check_request, solve
     from tactgen.validation.scene.idle_keys import scene_warnings
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.scene import ON_COMMAND_LINE, load_scene
 
     scene, origins = load_scene(options.scene, [*options.overrides, *asked_overrides(options)])
     warn(scene_warnings(scene, origins))
@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         json.dump(as_json(solution), sys.stdout)
         print()
-    elif options.quantity or "quantities" in origins:
+    elif options.quantity or origins.get("quantities") == ON_COMMAND_LINE:
         from tactgen.validation.command_line.tables import print_quantities
 
         print_quantities(solution)
