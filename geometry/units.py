@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     import pint
 
 
+#: A number as scenes write it, without its unit.
+NUMBER = r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,4})?|nan|inf)"
 _NUMBER_AND_UNIT = re.compile(
-    r"\s*(?P<number>[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,4})?|nan|inf))"
+    rf"\s*(?P<number>{NUMBER})"
     r"(?P<unit>(?:\s+1\s*/|\s*[^\s\d.,;=\[\]{}])[^,;=\[\]{}]*)?\s*",
     re.IGNORECASE | re.ASCII,
 )
@@ -130,6 +132,10 @@ class Unit:
             With a sentence that names the remedy.
         """
         unreadable = f'cannot be read as {self._a_kind}; write for example "{self.example}"'
+        if "±" in text or "+/-" in text:
+            raise ValueError(
+                f'has a tolerance, and none is read here; write for example "{self.example}"'
+            )
         # one number, one unit: pint by itself also computes, drops commas and multiplies lists
         parts = _NUMBER_AND_UNIT.fullmatch(text)
         if parts is None:
@@ -168,6 +174,10 @@ class Unit:
             # shift the decimal point of the text: "0.96 mm" is the same double as 0.96e-3
             return float(number.scaleb(power))
         return float(number) * scale
+
+    def check(self, number: float) -> None:
+        """Refuse a number (SI) that a scene cannot have; ValueError as from a call."""
+        self._in_range(number, limited=True)
 
     def _takes(self, number: float) -> bool:
         """Return whether a number is within the bounds that the quantity has by its nature."""

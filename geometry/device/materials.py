@@ -25,6 +25,10 @@ _VOIGT = np.array([2, 1, 0, 5, 4, 3])
 _AXES = np.array([2, 1, 0])
 
 
+#: Reason of a range that only says how a value was printed.
+PRINTED = "half a unit of the last digit printed"
+
+
 class Spread(NamedTuple):
     """The range (SI) in which a value may lie, every place in it alike, and why that range.
 
@@ -36,6 +40,15 @@ class Spread(NamedTuple):
     high: float
     reason: str
     absolute: bool = False
+
+    @property
+    def whose(self) -> str:
+        """Whose range it is, in a word: stated by the scene, printed, assumed, or of tables."""
+        if self.reason.startswith("stated"):
+            return "stated"
+        if self.reason == PRINTED:
+            return "printed"
+        return "assumed" if "assumed" in self.reason else "tables"
 
     def moved(self, usual: float, value: float) -> Spread:
         """Return the range of `value` where this is that of `usual`.
@@ -57,8 +70,16 @@ class Spread(NamedTuple):
         return Spread(low, high, reason, self.absolute)
 
 
-#: Reason of a range that only says how a value was printed.
-PRINTED = "half a unit of the last digit printed"
+class Own(NamedTuple):
+    """How far a number of which only the kind is known may lie from what is said of it."""
+
+    kind: str
+    share: float
+
+    def around(self, value: float) -> Spread:
+        """Return the assumed range of a value; its reason says that it is assumed."""
+        low, high = sorted((value * (1.0 - self.share), value * (1.0 + self.share)))
+        return Spread(low, high, f"assumed: {self.kind} ± {100.0 * self.share:g} %")
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ from tactgen.geometry.device.groups.normal import (
     Steel,
 )
 from tactgen.geometry.device.groups.operation import Beam, Drive, Limits, Load, Support
-from tactgen.geometry.device.materials import Spread
-from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.device.materials import Own, Spread
+from tactgen.geometry.device.piezo_library import CERAMICS, LIBRARY
 
 __all__ = [
     "BUILT_IN_CURVES", "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Drive",
@@ -69,19 +69,25 @@ def sources(group: Parameters) -> dict[str, str]:
 
 
 def spreads(group: Parameters) -> dict[str, Spread]:
-    """Return the range of each scalar of a group that has one stated, as ``{field: range}``.
+    """Return the range of each scalar of a group that has one, as ``{field: range}``.
 
-    For a value other than the default the range moves along: :meth:`Spread.moved`.
+    A value that is not the source's has the range of its kind, or else the default's, moved
+    along: :meth:`Spread.moved`.
     """
-    stated: dict[str, tuple[float, Spread]] = {}
+    found: dict[str, Spread] = {}
     for name, info in type(group).model_fields.items():
-        extra = info.json_schema_extra
-        if isinstance(extra, dict) and isinstance(extra.get("spread"), list):
-            stated[name] = (float(info.default), Spread(*extra["spread"]))  # type: ignore[misc]
+        extra, value = info.json_schema_extra, getattr(group, name)
+        if not isinstance(extra, dict) or not isinstance(value, float):
+            continue
+        spread, own = extra.get("spread"), extra.get("own")
+        if isinstance(own, list) and value != info.default:
+            found[name] = Own(*own).around(value)  # type: ignore[arg-type]
+        elif isinstance(spread, list):
+            found[name] = Spread(*spread).moved(float(info.default), value)  # type: ignore[arg-type]
     if isinstance(group, Piezo):
         ceramic = LIBRARY[group.material]
-        usual = ceramic.reduced()
-        stated.update({name: (usual[name], spread) for name, spread in ceramic.spreads.items()})
-    return {
-        name: spread.moved(usual, getattr(group, name)) for name, (usual, spread) in stated.items()
-    }
+        for name, usual in ceramic.reduced().items():
+            value = getattr(group, name)
+            stated = ceramic.spreads.get(name) if value == usual else None
+            found[name] = stated or CERAMICS[name].around(value)
+    return found

@@ -7,7 +7,20 @@ from dataclasses import replace
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.materials import EPS0, PRINTED, Piezoceramic, Spread
+from tactgen.geometry.device.materials import EPS0, PRINTED, Own, Piezoceramic, Spread
+
+#: How far a ceramic of the trade may lie from its data sheet.  APC International states as
+#: standard tolerances: capacitance and d33 20 %, frequency 5 %, of which the compliance is the
+#: square; the other three are assumed.
+CERAMICS = {
+    "s11": Own("compliance of a ceramic (makers: frequency ± 5 %)", 0.10),
+    "s55": Own("compliance of a ceramic (makers: frequency ± 5 %)", 0.10),
+    "d31": Own("d of a ceramic (makers: d33 ± 20 %)", 0.20),
+    "eps33": Own("permittivity of a ceramic (makers: capacitance ± 20 %)", 0.20),
+    "density": Own("density of a ceramic", 0.02),
+    "quality_factor": Own("Q of a ceramic", 0.30),
+    "loss_tangent": Own("loss of a ceramic", 0.30),
+}
 
 
 def _transversely_isotropic(s11: float, s12: float, s13: float, s33: float, s44: float) -> Floats:

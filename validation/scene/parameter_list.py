@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from tactgen.geometry.device.parameters import Parameters, sources
 from tactgen.geometry.units import Unit
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.tolerances import Tolerance
 
 
 @dataclass(frozen=True)
@@ -36,22 +37,27 @@ def parameter_rows(scene: Scene, origins: dict[str, str]) -> list[ParameterRow]:
 
     A value that a built-in scene repeats from the paper keeps the paper as its source.
     """
-    return list(_rows(scene, "", origins))
+    return list(_rows(scene, "", origins, scene.tolerances))
 
 
-def _rows(group: Parameters, prefix: str, origins: dict[str, str]) -> Iterator[ParameterRow]:
+def _rows(
+    group: Parameters, prefix: str, origins: dict[str, str], tolerances: Mapping[str, Tolerance]
+) -> Iterator[ParameterRow]:
     default = type(group)() if prefix else None
     source_of = sources(group)
     for name, info in type(group).model_fields.items():
         value, key = getattr(group, name), f"{prefix}{name}"
         if isinstance(value, Parameters):
-            yield from _rows(value, f"{key}.", origins)
+            yield from _rows(value, f"{key}.", origins, tolerances)
             continue
         source = source_of.get(name, "")
         changed = default is None or getattr(default, name) != value
         if key in origins and (changed or not source):
             source = origins[key]
-        yield ParameterRow(key, show(value, info), info.description or "", source)
+        text = show(value, info)
+        if key in tolerances:
+            text += f" ({tolerances[key].words})"
+        yield ParameterRow(key, text, info.description or "", source)
 
 
 def show(value: Any, info: FieldInfo) -> str:

@@ -7,12 +7,19 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, field_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PrivateAttr,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+)
 
 from tactgen.geometry import units as u
 from tactgen.geometry.bimorph.ends import Ends
@@ -33,6 +40,7 @@ from tactgen.validation.scene.files import (
     split_override,
 )
 from tactgen.validation.scene.frequencies import parse_frequencies
+from tactgen.validation.scene.tolerances import Tolerance, split_tolerances
 from tactgen.validation.scene.wording import choices, nearest, sentence
 
 if TYPE_CHECKING:
@@ -116,6 +124,13 @@ class Scene(p.Device):
     quantities: tuple[str, ...] = Field(
         default_factory=lambda: quantities_of("bimorph"), description="quantities asked for"
     )
+
+    _tolerances: dict[str, Tolerance] = PrivateAttr(default_factory=dict)
+
+    @property
+    def tolerances(self) -> Mapping[str, Tolerance]:
+        """What the scene states of how far its numbers may lie from what they say, by key."""
+        return self._tolerances
 
     @property
     def device(self) -> p.Device:
@@ -234,10 +249,12 @@ def checked_scene(values: dict[str, Any]) -> Scene:
     InputError
         In one sentence, if a value cannot be used or the device does not fit together.
     """
+    plain, tolerances = split_tolerances(Scene, values)
     try:
-        scene = Scene.model_validate(values, context={"units_required": True})
+        scene = Scene.model_validate(plain, context={"units_required": True})
     except ValidationError as error:
         raise InputError(sentence(error)) from None
+    scene._tolerances = tolerances
     scene.piezo.ceramic().check_admissible()
     if set(scene.models) & set(models_of("bimorph")) or scene.support.kind == "rod":
         check_bimorph(scene.device, scene.support)

@@ -14,6 +14,7 @@ from tactgen.validation.scene.scene import load_scene
 _HEAD = """\
 # A tactgen scene.  Every key is shown with the paper's value, commented out; take the
 # leading "# " away from what you change.  Quantities with a unit must be written with it.
+# A number of the device may carry its tolerance: "0.26 ± 0.01 mm", "60 (50..80)", "50 V ± 2 %".
 # Run:  tactgen solve THIS_FILE      tactgen report THIS_FILE      tactgen plan THIS_FILE
 
 description = "my what-if"

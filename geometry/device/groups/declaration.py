@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from tactgen.geometry.device.materials import PRINTED, Spread
+from tactgen.geometry.device.materials import PRINTED, Own, Spread
 
 #: Where the numbers that the paper gives stand.
 PAPER_2 = "paper table 2"
@@ -23,18 +23,27 @@ def field(
     source: str,
     description: str,
     spread: tuple[float, float, str] | Spread | None = None,
+    own: Own | None = None,
 ) -> Any:
-    """Declare a parameter; `spread` is (low, high, reason), a tenth for a reconstructed size."""
+    """Declare a parameter; `spread` is (low, high, reason), a tenth for a reconstructed size.
+
+    A number other than the default is not the source's; `own` says how far it may lie from what
+    is said of it.  Without `own` the default's range moves along.
+    """
     if spread is None and source == RECONSTRUCTED:
         spread = (0.9 * default, 1.1 * default, "assumed: a reconstruction, a tenth either way")
-    extra: dict[str, Any] = {"source": source, "spread": list(spread) if spread else None}
+    extra: dict[str, Any] = {
+        "source": source,
+        "spread": list(spread) if spread else None,
+        "own": list(own) if own else None,
+    }
     return Field(default, description=description, json_schema_extra=extra)
 
 
-def printed(default: float, source: str, description: str, half_a_unit: float) -> Any:
+def printed(default: float, source: str, description: str, half_a_unit: float, *, own: Own) -> Any:
     """Declare a parameter that is known to the digits printed, trailing zeros not counted."""
     spread = Spread(default - half_a_unit, default + half_a_unit, PRINTED, absolute=True)
-    return field(default, source, description, spread)
+    return field(default, source, description, spread, own)
 
 
 class Parameters(BaseModel):

@@ -8,10 +8,13 @@ from pydantic import model_validator
 
 from tactgen.geometry import units as u
 from tactgen.geometry.device.groups.declaration import PAPER_2, PAPER_4, Parameters, field, printed
-from tactgen.geometry.device.materials import Piezoceramic, Spread
+from tactgen.geometry.device.materials import Own, Piezoceramic, Spread
 from tactgen.geometry.device.piezo_library import LIBRARY, library_name
 from tactgen.geometry.device.profile import UNIFORM, LengthProfile, Profile
 from tactgen.geometry.errors import InputError
+
+#: How far layers of somebody else's bimorph may lie from what is said of them.
+_LAYER = Own("layer thickness", 0.05)
 
 
 class Bimorph(Parameters):
@@ -23,11 +26,13 @@ class Bimorph(Parameters):
         "active (ceramic) length",
         Spread(19.9e-3, 20.1e-3, "chosen by design; assumed: cut to 0.1 mm", absolute=True),
     )
-    width: u.SmallLength = printed(2.1e-3, PAPER_2, "width b", 0.05e-3)
+    width: u.SmallLength = printed(2.1e-3, PAPER_2, "width b", 0.05e-3, own=Own("width", 0.025))
     piezo_thickness: u.SmallLength = printed(
-        0.26e-3, PAPER_2, "thickness of one piezo layer h_p", 0.005e-3
+        0.26e-3, PAPER_2, "thickness of one piezo layer h_p", 0.005e-3, own=_LAYER
     )
-    shim_thickness: u.SmallLength = printed(0.25e-3, PAPER_2, "thickness of the shim h_s", 0.005e-3)
+    shim_thickness: u.SmallLength = printed(
+        0.25e-3, PAPER_2, "thickness of the shim h_s", 0.005e-3, own=_LAYER
+    )
     tab_length: u.LengthOrZero = field(
         0.0, "assumed: no bare shim below the ceramic", "length of the bare shim below the ceramic"
     )
@@ -118,12 +123,15 @@ class Piezo(Parameters):
 class Shim(Parameters):
     """The middle layer: elastic, electrically conducting, fibres along z."""
 
-    youngs_modulus: u.Modulus = printed(140e9, PAPER_2, "modulus along the actuator E_s", 5e9)
+    youngs_modulus: u.Modulus = printed(
+        140e9, PAPER_2, "modulus along the actuator E_s", 5e9, own=Own("modulus", 0.05)
+    )
     shear_modulus: u.Modulus = field(
         5e9,
         "assumed: unidirectional carbon fibre composite",
         "longitudinal shear modulus G_s",
         (4e9, 6e9, "such composites with usual fibre contents"),
+        own=Own("modulus", 0.05),
     )
     transverse_modulus: u.Modulus | None = field(
         None,
@@ -135,8 +143,9 @@ class Shim(Parameters):
         "assumed: typical of the composite",
         "Poisson ratio (solid model only)",
         (0.25, 0.35, "such composites"),
+        own=Own("Poisson ratio", 0.1),
     )
-    density: u.Density = printed(1500.0, PAPER_2, "mass density", 50.0)
+    density: u.Density = printed(1500.0, PAPER_2, "mass density", 50.0, own=Own("density", 0.02))
 
 
 class Glue(Parameters):

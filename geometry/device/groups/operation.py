@@ -6,6 +6,10 @@ from typing import Literal
 
 from tactgen.geometry import units as u
 from tactgen.geometry.device.groups.declaration import PAPER_4, Parameters, field, printed
+from tactgen.geometry.device.materials import Own
+
+#: How far a support of somebody else may lie from what is said of it.
+_FITTED = Own("support", 0.2)
 
 
 class Support(Parameters):
@@ -17,12 +21,14 @@ class Support(Parameters):
         "the paper's springs, a rigid clamp, the glued joint in the real rod, or the rod's head "
         "pressed on its stop",
     )
-    rotational_stiffness: u.RotationalStiffness = printed(0.24, PAPER_4, "c_s", 0.005)
+    rotational_stiffness: u.RotationalStiffness = printed(0.24, PAPER_4, "c_s", 0.005, own=_FITTED)
     lateral_stiffness: u.LateralStiffness = printed(
-        3e6, f"{PAPER_4} (printed with the unit Nm, meant N/m)", "c_sl", 0.5e6
+        3e6, f"{PAPER_4} (printed with the unit Nm, meant N/m)", "c_sl", 0.5e6, own=_FITTED
     )
-    rotational_damping: u.RotationalDamping = printed(4.46e-6, PAPER_4, "d_s", 0.005e-6)
-    rotational_inertia: u.RotationalInertia = printed(1e-12, PAPER_4, "theta", 0.5e-12)
+    rotational_damping: u.RotationalDamping = printed(
+        4.46e-6, PAPER_4, "d_s", 0.005e-6, own=_FITTED
+    )
+    rotational_inertia: u.RotationalInertia = printed(1e-12, PAPER_4, "theta", 0.5e-12, own=_FITTED)
 
 
 class Load(Parameters):

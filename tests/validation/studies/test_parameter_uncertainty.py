@@ -17,6 +17,7 @@ from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.uncertainty.headline_numbers import (
     HeadlineNumbers,
     SampledNumbers,
+    actuator,
     targets,
 )
 from tactgen.validation.studies.uncertainty.propagation import (
@@ -26,6 +27,7 @@ from tactgen.validation.studies.uncertainty.propagation import (
 )
 from tactgen.validation.studies.uncertainty.section import section
 from tactgen.validation.studies.uncertainty.table import sensitivity_columns
+from tactgen.validation.studies.uncertainty.varied_keys import left_out
 
 GROUPS = [
     group
@@ -62,22 +64,27 @@ def test_printed_digits_are_half_a_unit():
     assert p.spreads(p.Support())["rotational_stiffness"][:2] == pytest.approx((0.235, 0.245))
 
 
-def test_own_values_keep_the_range_as_it_is_meant():
-    """A range from tables goes in proportion; a tolerance or printed digits stay an amount."""
-    usual = p.spreads(p.Piezo())
+def test_own_values_have_the_range_of_their_kind():
+    """Somebody else's number is not known to the paper's digits; the reason says it is assumed."""
     own = p.spreads(p.Piezo(density=3950.0, d31=-770e-12))
-    assert own["density"].low == pytest.approx(usual["density"].low / 2)
-    assert own["d31"][:2] == pytest.approx((-770.5e-12, -769.5e-12))
-    assert own["d31"].low < own["d31"].high
+    assert own["d31"][:2] == pytest.approx((-1.2 * 770e-12, -0.8 * 770e-12))
+    assert own["density"].low == pytest.approx(0.98 * 3950.0)
+    layer = p.spreads(p.Bimorph(piezo_thickness=0.2e-3))["piezo_thickness"]
+    assert (layer.low, layer.high) == pytest.approx((0.19e-3, 0.21e-3))
+    assert layer.reason == "assumed: layer thickness ± 5 %"
+    assert layer.whose == "assumed"
+
+
+def test_own_values_of_other_kinds_keep_the_range_as_it_is_meant():
+    """A range of a reconstruction goes in proportion; a tolerance of cutting stays an amount."""
     assert p.spreads(p.Bimorph(length=14e-3))["length"][:2] == pytest.approx((13.9e-3, 14.1e-3))
     assert p.spreads(p.Rod(radius=1.24e-3))["radius"][:2] == pytest.approx((1.116e-3, 1.364e-3))
 
 
 def test_an_amount_larger_than_the_value_goes_in_proportion():
-    """Half a unit of 3e6 N/m would make a stiffness of 1e5 N/m negative; the reason says so."""
-    spread = p.spreads(p.Support(lateral_stiffness=1e5))["lateral_stiffness"]
-    assert spread[:2] == pytest.approx((1e5 * 2.5 / 3, 1e5 * 3.5 / 3))
-    assert spread.reason.startswith(PRINTED)
+    """Cut to 0.1 mm would make a length of 50 um negative; the reason says so."""
+    spread = p.spreads(p.Bimorph(length=50e-6))["length"]
+    assert spread[:2] == pytest.approx((0.995 * 50e-6, 1.005 * 50e-6))
     assert "in proportion" in spread.reason
 
 
@@ -89,10 +96,13 @@ def test_range_of_the_prototypes_length():
     assert "cut to 0.1 mm" in length.reason
 
 
-def test_published_material_has_no_range():
-    """Only what was assumed or printed in the paper is uncertain here."""
-    assert not p.spreads(p.Piezo(material="PZT-5A"))
-    assert not LIBRARY["PZT-5H"].spreads
+@pytest.mark.parametrize("name", LIBRARY)
+def test_every_ceramic_has_ranges(name):
+    """A published material is known as makers vouch for it, and no better."""
+    found = p.spreads(p.Piezo(material=name))
+    assert set(found) == set(LIBRARY[name].reduced())
+    for key, value in LIBRARY[name].reduced().items():
+        assert found[key].low < value < found[key].high
 
 
 def test_ranges_of_the_models_parameters_only():
@@ -101,8 +111,8 @@ def test_ranges_of_the_models_parameters_only():
     assert len(found) == 19
     assert "drive.voltage" not in found
     assert found["bimorph.width"].text_range == "2.05 to 2.15 mm"
-    assert found["bimorph.width"].printed
-    assert not found["piezo.eps33"].printed
+    assert found["bimorph.width"].whose == "printed"
+    assert found["piezo.eps33"].whose == "tables"
     with_rod = {row.key for row in uncertain_parameters(load_scene("bimorph_on_rod")[0])}
     assert {"rod.radius", "glue.youngs_modulus"} <= with_rod
 
@@ -152,6 +162,20 @@ def test_sobol_indices_are_the_shares_of_first_order(prototype):
         # the stated 95 % interval of the estimate, and 3 % of interaction at most
         assert abs(index - share) < bar + 0.03, key
     assert row.contributors[0][0] == "bimorph.piezo_thickness"
+
+
+def test_stated_tolerances_come_first():
+    """Eight times the width gives eight times the share; what tmm does not read is named."""
+    stated = ["bimorph.shim_thickness=0.25 ± 0.04 mm", "coil.turns=560 ± 5", "gap=0.2 ± 0.01 mm"]
+    scene, _ = load_scene("prototype", stated)
+    found = {row.key: row for row in uncertain_parameters(scene)}
+    assert found["bimorph.shim_thickness"].reason == "stated: ± 0.04 mm"
+    assert found["bimorph.shim_thickness"].text_range == "0.21 to 0.29 mm"
+    assert found["bimorph.width"].whose == "printed"
+    assert "coil.turns" not in found
+    assert "gap, coil.turns" in left_out(scene, actuator(scene)) or "coil.turns, gap" in left_out(
+        scene, actuator(scene)
+    )
 
 
 def test_the_study_is_repeatable():
@@ -244,6 +268,7 @@ def test_command_json(capsys):
         peak["logarithmic"][key]
     )
     assert found["uncertainty"] == []
+    assert found["ranges"][key]["reason"] == PRINTED
 
 
 def test_command_tables(capsys):

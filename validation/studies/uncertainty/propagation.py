@@ -16,11 +16,10 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.bimorph.pieces import beam_pieces
-from tactgen.geometry.device.materials import PRINTED
-from tactgen.geometry.device.parameters import spreads
 from tactgen.tmm.beam.parametric import parameter_keys
 from tactgen.tmm.beam.transfer.transfer_matrix import is_tapered
 from tactgen.validation.scene.parameter_list import show
+from tactgen.validation.scene.ranges import ranges
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.uncertainty.headline_numbers import (
     HeadlineNumbers,
@@ -45,13 +44,9 @@ class UncertainParameter:
     low: float
     high: float
     reason: str
+    whose: str
     text: str
     text_range: str
-
-    @property
-    def printed(self) -> bool:
-        """Whether the range only says how the paper printed the value."""
-        return self.reason == PRINTED
 
 
 @dataclass(frozen=True)
@@ -103,13 +98,13 @@ class Uncertainty:
 def uncertain_parameters(scene: Scene) -> tuple[UncertainParameter, ...]:
     """Return the parameters of the transfer-matrix model that have a range, in the scene's order.
 
-    For a value that the scene changes the range moves along.
+    Ranges as :func:`validation.scene.ranges.ranges`.
     """
-    found = []
+    found, known = [], ranges(scene)
     for key in parameter_keys(actuator(scene)):
         group_name, name = key.split(".")
         group = getattr(scene, group_name)
-        spread = spreads(group).get(name)
+        spread = known.get(key)
         if spread is not None and spread.high > spread.low:
             info = type(group).model_fields[name]
             low, high = show(spread.low, info), show(spread.high, info)
@@ -118,8 +113,8 @@ def uncertain_parameters(scene: Scene) -> tuple[UncertainParameter, ...]:
             text_range = f"{low.partition(' ')[0]} to {number} {unit}".rstrip()
             found.append(
                 UncertainParameter(
-                    key, getattr(group, name), spread.low, spread.high, spread.reason, text,
-                    text_range,
+                    key, getattr(group, name), spread.low, spread.high, spread.reason,
+                    spread.whose, text, text_range,
                 )
             )  # fmt: skip
     return tuple(found)

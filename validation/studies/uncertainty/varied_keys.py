@@ -36,13 +36,16 @@ def chosen_keys(scene: Scene, device: Actuator, asked: Iterable[str]) -> tuple[s
 def left_out(scene: Scene, device: Actuator) -> str:
     """Return which parameters that act have no sensitivity, and why, or nothing if all have one."""
     reasons: dict[str, list[str]] = {}
+    read = parameter_keys(device)
     for key in scene_keys():
         group, _, name = key.partition(".")
-        if not name or group in _ELSEWHERE:
+        if key not in scene.tolerances and (not name or group in _ELSEWHERE):
             continue
         reason = _omission(scene, device, key)
         if reason:
             reasons.setdefault(reason, []).append(key)
+        elif key in scene.tolerances and key not in read:
+            reasons.setdefault("has a tolerance, but is not read here", []).append(key)
     listed = "; ".join(f"{', '.join(keys)} ({reason})" for reason, keys in reasons.items())
     return f"left out of the parameters: {listed}" if listed else ""
 

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
+from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif.asked.axes import parse_axes
 from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.asked.tolerance_axes import with_tolerances
 
 
 def one(text, *, sampled=False):
@@ -79,6 +81,37 @@ def test_what_cannot_be_an_axis_is_refused(text, words):
 def test_what_cannot_be_drawn_is_refused(text, words):
     with pytest.raises(InputError, match=words.replace("(", r"\(")):
         parse_axes([text], sampled=True)
+
+
+def test_tolerances_are_axes():
+    """Alone a key means its tolerance; without axes all that are stated are drawn from."""
+    values, _ = scene_values("paper", ["bimorph.width=2.1 ± 0.1 mm", "gap=0.2 mm (0.19..0.22)"])
+    every, notes = with_tolerances(values, (), sampled=True)
+    assert {axis.key for axis in parse_axes(every, sampled=True)} == {"bimorph.width", "gap"}
+    assert "gap is drawn from 0.19 mm to 0.22 mm (stated: 0.19 mm to 0.22 mm)" in notes
+    mixed, notes = with_tolerances(values, ("gap=0.1mm,0.2mm", "shim.density"), sampled=True)
+    steps, drawn = parse_axes(mixed, sampled=True)
+    assert (steps.values, drawn.drawn.first, drawn.drawn.second) == ((1e-4, 2e-4), 1450.0, 1550.0)
+    assert len(notes) == 1
+    assert with_tolerances(values, ("gap=0.1mm,0.2mm",), sampled=False)[0] == ("gap=0.1mm,0.2mm",)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "vary", "sampled", "words"),
+    [
+        ([], (), True, "the scene states no tolerance"),
+        (["gap=0.2 ± 0 mm"], (), True, "the scene states no tolerance"),
+        ([], ("drive.voltage",), True, "states no tolerance of it"),
+        ([], ("gap",), True, "states no tolerance of it"),
+        (["gap=0.2 ± 0.1 mm"], ("gap",), False, "add --sample 16"),
+        ([], ("bimorph.lenght",), True, 'did you mean "bimorph.length"'),
+    ],
+)
+def test_without_a_tolerance_nothing_is_drawn(overrides, vary, sampled, words):
+    """The sentence says what to write."""
+    with pytest.raises(InputError) as refused:
+        with_tolerances(scene_values("paper", overrides)[0], vary, sampled=sampled)
+    assert words in str(refused.value)
 
 
 def test_axes_are_combined_or_taken_hand_in_hand():

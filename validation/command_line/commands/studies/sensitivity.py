@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from tactgen.validation.command_line.commands.common import (
@@ -19,8 +19,13 @@ from tactgen.validation.command_line.streams import say
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from tactgen.geometry.device.materials import Spread
+    from tactgen.validation.scene.scene import Scene
     from tactgen.validation.studies.uncertainty.propagation import Uncertainty
     from tactgen.validation.studies.uncertainty.table import SensitivityColumn
+
+    #: A value, and the range in which it may lie.
+    KnownRange = tuple[float, Spread | None]
 
 
 def add(commands: Commands) -> None:
@@ -75,17 +80,38 @@ def run(options: argparse.Namespace) -> int:
     if options.sobol:
         with announcer() as announce:
             uncertain = parameter_uncertainty(scene, announce=announce)
+    known = _ranges(scene, columns[0].logarithmic if columns else ())
     if options.json:
-        json.dump(_as_json(scene.name, columns, uncertain), sys.stdout)
+        json.dump(_as_json(scene.name, columns, uncertain, known), sys.stdout)
         print()
     else:
         shown = thinned(columns)
         if len(shown) < len(columns):
             say(f"note: {len(shown)} of {len(columns)} columns are shown; --json gives all")
-        _print_sensitivities(shown)
+        _print_sensitivities(shown, known)
         if uncertain:
             _print_uncertainty(uncertain)
     return 0
+
+
+def _ranges(scene: Scene, keys: Iterable[str]) -> dict[str, KnownRange]:
+    """Return the value of each key and the range in which it may lie, if it has one."""
+    from tactgen.validation.scene.keys import value_of
+    from tactgen.validation.scene.ranges import ranges
+
+    known = ranges(scene)
+    return {key: (value_of(scene, key), known.get(key)) for key in keys}
+
+
+def _may_lie(known: KnownRange) -> str:
+    """Return a range in percent of its value, and whose it is."""
+    value, spread = known
+    if spread is None:
+        return "no range"
+    low, high = sorted(100.0 * (end / value - 1.0) for end in (spread.low, spread.high))
+    even = abs(low + high) < 1e-6 * (high - low)
+    percent = f"±{high:.2g}" if even else f"{low:+.2g} to {high:+.2g}"
+    return f"{percent} {spread.whose}"
 
 
 def _default() -> tuple[str, ...]:
@@ -103,10 +129,18 @@ def _default() -> tuple[str, ...]:
 
 
 def _as_json(
-    scene: str, columns: Sequence[SensitivityColumn], uncertain: Sequence[Uncertainty]
+    scene: str,
+    columns: Sequence[SensitivityColumn],
+    uncertain: Sequence[Uncertainty],
+    known: dict[str, KnownRange],
 ) -> dict[str, Any]:
     return {
         "scene": scene,
+        "ranges": {
+            key: {"low": spread.low, "high": spread.high, "reason": spread.reason}
+            for key, (_, spread) in known.items()
+            if spread is not None
+        },
         "sensitivities": [
             {
                 "quantity": column.quantity,
@@ -148,16 +182,20 @@ def _print(title: str, table: Table) -> None:
     console.print(table)
 
 
-def _print_sensitivities(columns: Sequence[SensitivityColumn]) -> None:
+def _print_sensitivities(
+    columns: Sequence[SensitivityColumn], known: dict[str, KnownRange]
+) -> None:
     from rich.table import Table
 
     table = Table()
     table.add_column("parameter", no_wrap=True)
+    table.add_column("may lie\nin percent", justify="right", no_wrap=True)
     for column in columns:
         table.add_column(column.label, justify="right")
-    table.add_row("value", *(column.text for column in columns), end_section=True)
+    table.add_row("value", "", *(column.text for column in columns), end_section=True)
     for key in columns[0].logarithmic:
-        table.add_row(key, *(_signed(column.logarithmic[key]) for column in columns))
+        changes = (_signed(column.logarithmic[key]) for column in columns)
+        table.add_row(key, _may_lie(known[key]), *changes)
     _print("change in percent per percent of parameter", table)
 
 

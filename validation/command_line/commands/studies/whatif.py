@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.validation.command_line.commands.common import Commands, warn
+from tactgen.validation.command_line.streams import say
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,7 +39,7 @@ def add(commands: Commands) -> None:
         "scene", nargs="?", help="file or built-in name (default paper, or that of --resume)"
     )
     parser.add_argument(
-        "--vary", action="append", default=[], metavar="KEY=VALUES", help="an axis, see below"
+        "--vary", action="append", default=[], metavar="KEY[=VALUES]", help="an axis, see below"
     )
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
@@ -75,6 +76,8 @@ axes:
   KEY=a,b,c                  these values (of a profile parted by semicolons)
 with --sample N also:
   KEY=START:STOP[:log]       drawn from the range
+  KEY                        drawn from the tolerance that the scene states, or else assumes;
+                             without --vary, of all the keys of which the scene states one
   KEY=normal(MEAN,DEVIATION) and uniform(LOW,HIGH), lognormal(MEDIAN,SHARE), loguniform(LOW,HIGH);
                              a deviation may be a share of the mean, such as 5%
 
@@ -165,6 +168,7 @@ def _stated(options: argparse.Namespace, before: Statement | None) -> Statement:
     from tactgen.validation.scene.scene import scene_values
     from tactgen.validation.studies.whatif.asked.choice import chosen
     from tactgen.validation.studies.whatif.asked.statement import Statement
+    from tactgen.validation.studies.whatif.asked.tolerance_axes import with_tolerances
 
     overrides = list(options.overrides)
     if options.frequency is not None:
@@ -175,13 +179,17 @@ def _stated(options: argparse.Namespace, before: Statement | None) -> Statement:
         values, _ = scene_values(options.scene or "paper", overrides)
         base = before or Statement("", {}, (), (), ())
     models, quantities = chosen(values, options.model, options.quantity, base)
+    samples = (
+        _whole(options.sample, "--sample", 1, _MOST_SAMPLES, "16")
+        if options.sample is not None
+        else base.samples
+    )
+    vary, drawn = with_tolerances(values, tuple(options.vary) or base.vary, sampled=samples > 0)
+    for line in drawn:
+        say(f"note: {line}")
     return replace(
         base, scene=str(values["name"]), values=values, models=models, quantities=quantities,
-        vary=tuple(options.vary) or base.vary, zipped=options.zip or base.zipped,
-        samples=(
-            _whole(options.sample, "--sample", 1, _MOST_SAMPLES, "16")
-            if options.sample is not None else base.samples
-        ),
+        vary=vary, zipped=options.zip or base.zipped, samples=samples,
         seed=(
             _whole(options.seed, "--seed", 0, 2**31, "1")
             if options.seed is not None else base.seed

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
@@ -14,6 +14,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit
 from tactgen.validation.scene.frequencies import parse_frequencies
 from tactgen.validation.scene.scene import Scene, WholeNumber
+from tactgen.validation.scene.tolerances import unit_of
 from tactgen.validation.scene.wording import sentence
 
 
@@ -122,9 +123,7 @@ def scene_field(key: str) -> SceneField:
     info = _info(key)
     if key == "frequency":
         return SceneField(key, info, u.FREQUENCY)
-    nested = [part for arg in get_args(info.annotation) for part in get_args(arg)]
-    scale = next((part for part in (*info.metadata, *nested) if isinstance(part, Unit)), None)
-    return SceneField(key, info, scale)
+    return SceneField(key, info, unit_of(info))
 
 
 @cache

@@ -1,0 +1,68 @@
+"""Tolerances in scenes: they travel beside the numbers, and nothing else changes."""
+
+import pickle
+
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.models import stage_reads
+from tactgen.validation.engine.stages import stage_key
+from tactgen.validation.scene.parameter_list import parameter_rows
+from tactgen.validation.scene.ranges import ranges
+from tactgen.validation.scene.scene import load_scene
+
+
+def test_a_file_and_an_override_state_them(tmp_path):
+    """Values are those without a tolerance, and so are the keys by which they are kept."""
+    file = tmp_path / "mine.toml"
+    file.write_text('[bimorph]\nwidth = "2.0 ± 0.1 mm"\n[piezo]\nquality_factor = "60 (50..80)"\n')
+    scene, origins = load_scene(str(file), ["bimorph.length=18 mm +/- 1 %"])
+    plain, _ = load_scene(
+        "paper", ["bimorph.width=2.0 mm", "bimorph.length=18 mm", "piezo.quality_factor=60"]
+    )
+    assert scene.model_dump(exclude={"name"}) == plain.model_dump(
+        exclude={"name", "description"}
+    ) | {"description": scene.description}
+    for stage in stage_reads():
+        assert stage_key(stage, scene) == stage_key(stage, plain)
+    found = ranges(scene)
+    assert found["bimorph.width"][:2] == pytest.approx((1.9e-3, 2.1e-3))
+    assert found["piezo.quality_factor"][:3] == (50.0, 80.0, "stated: 50 to 80")
+    assert found["bimorph.length"][:2] == pytest.approx((17.82e-3, 18.18e-3))
+    assert found["bimorph.shim_thickness"].whose == "printed"
+    text = {row.key: row.text for row in parameter_rows(scene, origins)}
+    assert text["bimorph.width"] == "2 mm (± 0.1 mm)"
+
+
+def test_they_follow_a_value_that_changes():
+    """A copy keeps them, another process too; a changed number takes its amount along."""
+    scene, _ = load_scene("paper", ["bimorph.width=2.1 ± 0.1 mm"])
+    wider = scene.bimorph.model_copy(update={"width": 2.5e-3})
+    moved = pickle.loads(pickle.dumps(scene.model_copy(update={"bimorph": wider})))
+    assert ranges(moved)["bimorph.width"][:2] == pytest.approx((2.4e-3, 2.6e-3))
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("accuracy=1e-3 ± 1e-4", "says how the scene is solved"),
+        ("mesh.time_limit=60 ± 1 s", "says how the scene is solved"),
+        ("modes=4 ± 1", "is not a whole number"),
+        ("frequency=10 ± 1 Hz", "is not a frequency"),
+        ("bimorph.width_profile=0 mm: 2.1 ± 0.1 mm, 20 mm: 1 mm", "has a tolerance"),
+        ("support.kind=rod ± 1", "is not a valid choice"),
+        ("shim.poisson_ratio=0.3 ± 0.3", 'reaches "0.6", which must be less than 0.5'),
+        ("bimorph.width=2.1 ± 0.1", 'bimorph.width = "2.1 ± 0.1" has no unit'),
+    ],
+)
+def test_where_none_can_be_the_sentence_says_so(override, words):
+    """One sentence with key and value."""
+    with pytest.raises(InputError) as refused:
+        load_scene("paper", [override])
+    assert words in str(refused.value)
+    assert override.partition("=")[0] in str(refused.value)
+
+
+def test_a_name_may_hold_the_sign():
+    """Words are no numbers."""
+    assert load_scene("paper", ["name=18 ± 1"])[0].name == "18 ± 1"
