@@ -311,6 +311,11 @@ RelaxationTime = _quantity(
 Resistance = _quantity(
     Unit("ohm", "resistance", "10 ohm", at_least=0.0, limits=(1e-9, 1e9), shown="ohm")
 )
+#: Mechanical impedance: force per velocity.
+IMPEDANCE = Unit("N*s/m", "mechanical impedance", "0.5 N s/m", limits=(0.0, 1e9))
+#: Force per displacement, of either sign: a mass pulls.
+DYNAMIC_STIFFNESS = Unit("N/m", "dynamic stiffness", "300 N/m", limits=(0.0, 1e15))
+PHASE = Unit("rad", "phase", "30 deg", limits=(0.0, 1e4))
 #: Up to where waves in the device are shorter than 0.1 mm.
 FREQUENCY = Unit("Hz", "frequency", "500 Hz", at_least=0.0, limits=(1e-6, 1e7))
 RelativePermittivity = _quantity(

@@ -12,6 +12,7 @@ import numpy as np
 from tactgen.geometry.arrays import Bools, Complex, Floats
 from tactgen.geometry.bimorph.ends import Ends, Law, Springs, TipLoad
 from tactgen.geometry.device.parameters import Load, Support
+from tactgen.tmm.ports.loads.tabulated import measured_law, outside
 from tactgen.tmm.ports.multiport import Multiport, hold, terminate
 
 #: Range in which the paper fitted the finger's impedance (Hz).
@@ -41,14 +42,25 @@ def finger_spring_damper(frequencies: Floats) -> tuple[Floats, Floats]:
     return -2.0 * np.pi * f * impedance.imag, impedance.real
 
 
-def outside_finger_range(load: Load, frequencies: Floats) -> Bools:
+def known_range(load: Load) -> tuple[float, float] | None:
+    """Return lowest and highest frequency (Hz) at which a load is known; None if at all.
+
+    Raises
+    ------
+    InputError
+        If it is a table that cannot be used.
+    """
+    if load.kind == "table":
+        return measured_law(load).table.band
+    return FINGER_RANGE if load.kind == "finger" else None
+
+
+def outside_known_range(load: Load, frequencies: Floats) -> Bools:
     """Return which frequencies (n,) the load model does not cover."""
-    f = np.asarray(frequencies, dtype=float)
-    if load.kind != "finger":
-        return np.zeros(f.shape, dtype=bool)
-    low, high = FINGER_RANGE
-    tolerance = 1e-9 * high
-    return np.asarray((f < low - tolerance) | (f > high + tolerance))
+    known = known_range(load)
+    if known is None:
+        return np.zeros(np.shape(frequencies), dtype=bool)
+    return outside(known, frequencies)
 
 
 def finger_stiffness(frequencies: Floats) -> Complex:
@@ -76,6 +88,8 @@ def ends_of(support: Support, load: Load) -> Ends:
         )
     if load.kind == "finger":
         return Ends(base, finger_stiffness)
+    if load.kind == "table":
+        return Ends(base, measured_law(load))
     if load.kind == "mass":
         return Ends(base, TipLoad(mass=load.mass))
     if load.kind == "spring_damper":

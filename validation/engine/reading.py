@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.beam.ceramic import driven_ceramic
+from tactgen.tmm.ports.loads.tabulated import OF_THE_TABLE, disturbed
 from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond, round_off
 from tactgen.tmm.ports.readout import ELECTRICAL, ModalReadout, PortMatrix, Readout
 from tactgen.tmm.ports.terminations import attach
@@ -41,6 +43,19 @@ class Judged:
 
 def read(row: QuantityRow, model: Model) -> Judged:
     """Return a quantity by a model that gives it."""
+    ends = model.scene.ends
+    found = _read(row, model, ends)
+    if not row.loaded or isinstance(row.read, AnswerReadout):
+        return found
+    apart = [np.abs(found.value - _read(row, model, other).value) for other in disturbed(ends)]
+    if not apart:
+        return found
+    bar = found.bar + np.hypot(*apart)
+    return replace(found, bar=bar, method=f"{found.method}; {OF_THE_TABLE}")
+
+
+def _read(row: QuantityRow, model: Model, ends: Ends) -> Judged:
+    """Return a quantity with what holds and loads the actuator."""
     answers = [model.answer(need) for need in row.needs]
     match row.read:
         case AnswerReadout(of=of):
@@ -53,9 +68,9 @@ def read(row: QuantityRow, model: Model) -> Judged:
         case ModalReadout():
             return _combination(row.read, answers)
         case DrivenReadout():
-            return _of_ceramic(row.read, model, answers[0])
+            return _of_ceramic(row.read, model, answers[0], ends)
         case PortMatrix() | Readout():
-            return _at_ports(row.read, model, answers[0])
+            return _at_ports(row.read, model, answers[0], ends)
 
 
 def _judge(refined: Refined[Any], of: Callable[[Any], Any], rounding: Any) -> Judged:
@@ -67,10 +82,12 @@ def _judge(refined: Refined[Any], of: Callable[[Any], Any], rounding: Any) -> Ju
     return Judged(value, np.asarray(bar, dtype=float), refined.method)
 
 
-def _at_ports(readout: Readout | PortMatrix, model: Model, refined: Refined[Multiport]) -> Judged:
+def _at_ports(
+    readout: Readout | PortMatrix, model: Model, refined: Refined[Multiport], ends: Ends
+) -> Judged:
     scene = model.scene
     static = isinstance(readout, Readout) and readout.static
-    ends = scene.ends.lossless if static else scene.ends
+    ends = ends.lossless if static else ends
     if isinstance(readout, Readout) and readout.is_of_tip and not static:
         closed = model.closed_form(ends)
         if closed is not None:
@@ -99,25 +116,27 @@ def _of_tip(readout: Readout, scene: Scene, refined: Refined[Response]) -> Judge
     return _judge(refined, of, 0.0)
 
 
-def _of_ceramic(readout: DrivenReadout, model: Model, refined: Refined[Multiport]) -> Judged:
+def _of_ceramic(
+    readout: DrivenReadout, model: Model, refined: Refined[Multiport], ends: Ends
+) -> Judged:
     """Read what the ceramic carries off the tip's motion and the charge, whoever gives them."""
     scene = model.scene
     frequencies = np.asarray(scene.frequency, dtype=float)
 
     def of(response: Response) -> Array:
-        driven = driven_ceramic(scene.device, scene.beam, scene.ends, frequencies, response)
+        driven = driven_ceramic(scene.device, scene.beam, ends, frequencies, response)
         return np.asarray(readout.of(driven, scene.limits, scene.drive.voltage))
 
-    closed = model.closed_form(scene.ends)
+    closed = model.closed_form(ends)
     if closed is not None:
         return _judge(closed, of, _OF_A_MOMENT)
     series = scene.bimorph.wiring == "series"
 
     def of_port(port: Multiport) -> Array:
-        attached = attach(in_series(port) if series else port, scene.ends)
+        attached = attach(in_series(port) if series else port, ends)
         return of(respond(attached, {ELECTRICAL: 1.0}))
 
-    rounding = round_off(attach(refined.fine, scene.ends)) * (1.0 + refined.elimination)
+    rounding = round_off(attach(refined.fine, ends)) * (1.0 + refined.elimination)
     return _judge(refined, of_port, rounding + _OF_A_MOMENT)
 
 

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
+from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.store.store import kept
 from tactgen.validation.catalogue.models import stage_code, stage_reads
@@ -98,6 +99,10 @@ def values_read(scene: Scene, keys: Iterable[str]) -> dict[str, Any]:
         if path == "steel.curve":  # a name, or a file: what counts is what is in it
             curve = magnetisation_curve(scene.steel)
             value = [curve.flux_density.tolist(), curve.field.tolist(), curve.slope_beyond]
+        if path == "load" and scene.load.kind == "table":
+            table = load_table(scene.load)
+            content = [table.frequencies.tolist(), table.impedance.real.tolist()]
+            value = {**value, "file": [*content, table.impedance.imag.tolist()]}
         if path == "support":  # of a contact what counts is how its load holds the base
             value = scene.held.model_dump(mode="json")
         read[path] = value

@@ -6,9 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.ports.loads.tabulated import MeasuredLaw
 from tactgen.tmm.ports.readout import Readout
-from tactgen.tmm.ports.terminations import FINGER_RANGE, outside_finger_range
+from tactgen.tmm.ports.terminations import FINGER_RANGE, outside_known_range
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
@@ -125,18 +127,22 @@ def held_warnings(scene: Scene, models: Sequence[str]) -> tuple[str, ...]:
 
 
 def load_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
-    """Check the frequencies against the range of the finger's load model.
+    """Check the frequencies against the range of the load model.
 
-    Returns a warning if some lie outside.
+    Returns a warning if some lie outside, or if a fit stands for a measured table.
 
     Raises
     ------
     InputError
-        If all of them do.
+        If all of them do, or one of them where nothing continues a table.
     """
-    loaded = [name for name in quantities if QUANTITIES[name].loaded]
-    outside = outside_finger_range(scene.load, np.asarray(scene.frequency))
-    if not loaded or not outside.any():
+    if not any(QUANTITIES[name].loaded for name in quantities):
+        return ()
+    frequencies = np.asarray(scene.frequency)
+    outside = outside_known_range(scene.load, frequencies)
+    if scene.load.kind == "table":
+        return _table_warnings(scene.ends.tip, frequencies, int(outside.sum()))
+    if not outside.any():
         return ()
     low, high = FINGER_RANGE
     if outside.all():
@@ -149,6 +155,27 @@ def load_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
         f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which the "
         f"finger was measured ({low:g} to {high:g} Hz); there its stiffness and damping are held "
         "at the nearer end of that range"
+    )
+    return (warning,)
+
+
+def _table_warnings(law: object, frequencies: Floats, outside: int) -> tuple[str, ...]:
+    """Say of a fit to a table how far it is off, and for how many frequencies it continues it."""
+    assert isinstance(law, MeasuredLaw)
+    law(frequencies)  # refuses what it does not reach
+    if not law.fits:
+        return ()
+    low, high = law.table.band
+    largest, usual = law.misfit
+    beyond = (
+        f"; {outside} of {frequencies.size} frequencies lie beyond it, where the bar is an estimate"
+        if outside
+        else ""
+    )
+    warning = (
+        f"springs, dampers and masses fitted to {law.table.source} ({low:g} to {high:g} Hz) stand "
+        f"for it, {100.0 * largest:.2g} % off at most and {100.0 * usual:.2g} % in the mean, which "
+        f"the error bars contain{beyond}"
     )
     return (warning,)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex
 from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
-from tactgen.tmm.ports.terminations import outside_finger_range
+from tactgen.tmm.ports.terminations import outside_known_range
 from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
@@ -53,7 +53,7 @@ class LoadCase:
     def curve(self, model: str) -> Complex:
         """Return the tip displacement (n,); nan where the load model does not reach."""
         values = self.solution.get(TIP_DISPLACEMENT.name, model).value
-        outside = outside_finger_range(
+        outside = outside_known_range(
             self.solution.scene.load, np.asarray(self.solution.scene.frequency)
         )
         return np.where(outside, np.nan, values)
@@ -164,6 +164,7 @@ class Study:
             "none": "free tip",
             "mass": "with the tip mass",
             "spring_damper": "on spring and damper",
+            "table": "under the measured load",
         }
         kind = self.scene.load.kind
         other = "none" if kind != "none" else "finger"

@@ -156,6 +156,7 @@ def _idle(scene: Scene, key: str) -> str:
     needed = {
         **dict.fromkeys(("load.stiffness", "load.damping"), "spring_damper"),
         "load.mass": "mass",
+        **dict.fromkeys(("load.file", "load.extrapolation"), "table"),
     }.get(key)
     if needed and scene.load.kind != needed:
         return f'with load.kind = "{scene.load.kind}"; set load.kind = "{needed}" to use it'

@@ -25,6 +25,7 @@ from tactgen.geometry import units as u
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
+from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.tmm.ports.terminations import ends_of
@@ -75,6 +76,11 @@ class WholeNumber:
         return number
 
 
+#: Keys that name a file, each with the values that do not.
+FILE_KEYS: dict[str, tuple[str, ...]] = {
+    "steel.curve": tuple(p.BUILT_IN_CURVES),
+    "load.file": ("",),
+}
 #: Origin of what ``--set`` and its shorthands say.
 ON_COMMAND_LINE = "set on the command line"
 
@@ -259,17 +265,21 @@ def checked_scene(values: dict[str, Any]) -> Scene:
     if set(scene.models) & set(models_of("bimorph")) or scene.support.kind == "rod":
         check_bimorph(scene.device, scene.support)
     check_actuator(scene.device)
+    if scene.load.kind == "table":
+        load_table(scene.load)
     if "models" not in values:
         scene = scene.model_copy(update={"models": _able_models(scene)})
     return scene
 
 
 def _point_from_scene(values: dict[str, Any], name: str) -> None:
-    """Let the path that a scene file states start where the file is, not where the command runs."""
-    steel = values.get("steel")
-    curve = steel.get("curve") if isinstance(steel, dict) else None
-    if isinstance(curve, str) and curve not in p.BUILT_IN_CURVES and isinstance(steel, dict):
-        steel["curve"] = beside_scene(name, curve)
+    """Let a path that a scene file states start where the file is, not where the command runs."""
+    for key, named in FILE_KEYS.items():
+        group, _, field = key.partition(".")
+        inside = values.get(group)
+        file = inside.get(field) if isinstance(inside, dict) else None
+        if isinstance(inside, dict) and isinstance(file, str) and file not in named:
+            inside[field] = beside_scene(name, file)
 
 
 def _able_models(scene: Scene) -> tuple[str, ...]:

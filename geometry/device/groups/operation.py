@@ -34,14 +34,28 @@ class Support(Parameters):
 class Load(Parameters):
     """What the tip pushes against."""
 
-    kind: Literal["none", "finger", "mass", "spring_damper"] = field(
-        "finger", "paper section 3", "free tip, the paper's finger (eqs 1-5), or lumped elements"
+    kind: Literal["none", "finger", "mass", "spring_damper", "table"] = field(
+        "finger",
+        "paper section 3",
+        "free tip, the paper's finger (eqs 1-5), lumped elements, or a measured table",
     )
     mass: u.Mass = field(0.0, "not in the paper", "tip mass, used by kind mass")
     stiffness: u.LateralStiffness = field(0.0, "not in the paper", "used by kind spring_damper")
     damping: u.LateralDamping = field(0.0, "not in the paper", "used by kind spring_damper")
     normal_force: u.Force = field(
         0.0, "assumed: nothing rests on the tip", "force with which the finger presses the tip down"
+    )
+    file: str = field(
+        "",
+        "not in the paper",
+        "used by kind table: a CSV file with the columns frequency, and impedance or stiffness as "
+        "..._re and ..._im or with ..._phase, each with its unit",
+    )
+    extrapolation: Literal["refuse", "passive_fit"] = field(
+        "refuse",
+        "not in the paper",
+        "used by kind table: refuse frequencies outside it, or let springs, dampers and masses "
+        "fitted to it answer, up to a factor of 3 beyond it",
     )
 
 

@@ -68,8 +68,8 @@ def test_outside_of_the_range_is_reported():
     """The finger says where it was not measured; other loads hold everywhere."""
     f = np.array([0.0, 9.9, 10.0, 500.0, 1000.0, 1000.1])
     expected = [True, True, False, False, False, True]
-    assert t.outside_finger_range(Load(), f).tolist() == expected
-    assert not t.outside_finger_range(Load(kind="mass", mass=1e-3), f).any()
+    assert t.outside_known_range(Load(), f).tolist() == expected
+    assert not t.outside_known_range(Load(kind="mass", mass=1e-3), f).any()
 
 
 def test_support_is_the_papers():

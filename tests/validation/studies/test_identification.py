@@ -16,7 +16,7 @@ from tactgen.validation.studies.identification.curve_model import curve_model, s
 from tactgen.validation.studies.identification.fit_parameters import fit_parameter
 from tactgen.validation.studies.identification.identify import identify
 from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
-from tactgen.validation.studies.identification.output import curve_from
+from tactgen.validation.studies.identification.output import file_from
 
 PROTOTYPE, ORIGINS = load_scene("prototype")
 TRUTH = {"c_s": 0.24, "d_s": 4.46e-6, "c_sl": 3e6, "theta": 1e-12, "rho_p": 7900.0}
@@ -426,6 +426,8 @@ def test_requests_that_make_no_sense():
 
 def test_a_fitted_scene_elsewhere_names_the_same_curve(tmp_path):
     """The path of a steel's table is written from where the new scene stands."""
-    assert curve_from(Path("fits"), "data/steel.csv") == str(Path("..") / "data" / "steel.csv")
+    assert file_from(Path("fits"), "data/steel.csv", ("team20",)) == str(
+        Path("..") / "data" / "steel.csv"
+    )
     for as_it_is in ("team20", "linear", str(tmp_path / "steel.csv")):
-        assert curve_from(Path("fits"), as_it_is) == as_it_is
+        assert file_from(Path("fits"), as_it_is, ("team20", "linear")) == as_it_is

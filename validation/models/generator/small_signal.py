@@ -11,9 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import Linearised, axial_poles, linearised, machine
+from tactgen.tmm.ports.loads.tabulated import disturbed
 from tactgen.tmm.ports.multiport import Multiport, in_series, respond, round_off, terminate
 from tactgen.tmm.ports.terminations import tip_stiffness
 from tactgen.validation.engine.model import Refined
@@ -106,13 +108,17 @@ class SmallSignal:
         bar: Floats = np.abs(value) * (rounding + self.ports.rounding)
         for coarser, factor in self.ports.coarser:
             bar = bar + factor * np.abs(value - of(self._whole(coarser)))
-        return MeasuredList(value, bar)
+        apart = [
+            np.abs(value - of(self._whole(self.ports.fine, ends)))
+            for ends in disturbed(self.scene.ends)
+        ]
+        return MeasuredList(value, bar + np.hypot(*apart) if apart else bar)
 
-    def _whole(self, bimorph: Multiport) -> Multiport:
+    def _whole(self, bimorph: Multiport, ends: Ends | None = None) -> Multiport:
         """Return the machine with the tip's load."""
         if self.scene.bimorph.wiring == "series":
             bimorph = in_series(bimorph)
-        load = tip_stiffness(self.scene.ends.tip, bimorph.frequencies)
+        load = tip_stiffness((ends or self.scene.ends).tip, bimorph.frequencies)
         return terminate(machine(bimorph, self.linear), {"w_tip": load})
 
 

@@ -20,7 +20,7 @@ from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import RestingPlace, axial_forces, resting_places
 from tactgen.tmm.generator.stops import contact_of
 from tactgen.tmm.ports.multiport import in_series, respond
-from tactgen.tmm.ports.terminations import attach, outside_finger_range
+from tactgen.tmm.ports.terminations import attach, outside_known_range
 from tactgen.validation.catalogue.bimorph import SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.generator.small_signal import machine_of, measured_poles
@@ -134,7 +134,7 @@ def _base_moment(scene: Scene) -> Context:
     tilt = respond(attach(port, scene.ends), {"voltage": scene.drive.voltage}).motion["psi_base"]
     omega = 2.0 * np.pi * frequencies
     borne = np.abs(tilt * (springs.rotational_stiffness + 1j * omega * springs.rotational_damping))
-    borne[outside_finger_range(scene.load, frequencies)] = 0.0
+    borne[outside_known_range(scene.load, frequencies)] = 0.0
     at = int(np.argmax(borne))
     law = contact_of(scene.device)
     return {

@@ -11,6 +11,7 @@ LOADS = {
     "finger": "under the finger",
     "mass": "with the tip mass",
     "spring_damper": "on spring and damper",
+    "table": "under the measured load",
 }
 
 

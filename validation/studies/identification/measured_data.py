@@ -6,25 +6,24 @@ Nothing is repaired or guessed; a file that cannot be used gives one sentence.
 
 from __future__ import annotations
 
-import re
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Numbers
+from tactgen.geometry.csv_columns import Column, check_ascending, heading, numbers, scale_to_si
 from tactgen.geometry.csv_rows import Row, check_widths, csv_rows, plain_number
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.units import FREQUENCY, Unit, quoted
+from tactgen.geometry.units import FREQUENCY, PHASE, Unit, quoted
 from tactgen.validation.catalogue.quantities import measurable
 from tactgen.validation.scene.wording import nearest
 from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
 
-_PHASE = Unit("rad", "phase", "30 deg", limits=(0.0, 1e4))
 _WEIGHT = Unit("", "weight", "1", limits=(1e-12, 1e12))
 _PARTS = ("", "_re", "_im", "_phase")
 _EXAMPLE = "frequency (Hz), velocity (mm/s)"
-_HEADING = re.compile(r"(?P<name>[^()\[\]]*)(?:[(\[](?P<unit>.*)[)\]])?\s*")
 #: Most points that a curve may have: a sweep of a laboratory analyser has a few thousand.
 _MOST = 100_000
 
@@ -50,12 +49,9 @@ def read_measured(path: str | Path) -> MeasuredCurve:
         raise InputError(f"{source} holds {len(rows)} measured points; a curve needs at least 5")
     if len(rows) > _MOST:
         raise InputError(f"{source} holds {len(rows)} points; thin it to at most {_MOST}")
-    data = {
-        name: np.array([_cell(row, at, names, scale, unit, source) for row in rows])
-        for name, (at, scale, unit) in columns.items()
-    }
+    data = {name: numbers(rows, column, names, source) for name, column in columns.items()}
     lines = [line for line, _ in rows]
-    _check_ascending(data["frequency"], lines, source)
+    check_ascending(data["frequency"], lines, source)
     kind = next(c for c in measurable() if c in data or f"{c}_re" in data)
     return MeasuredCurve(
         source=source,
@@ -75,9 +71,9 @@ def _table(path: str | Path, source: str) -> tuple[Row, list[Row]]:
     """Return the header and the rows of measured points, each as wide as the header."""
     remedy = f"give a CSV file with columns such as {_EXAMPLE}"
     (number, header), *rows = csv_rows(path, source, remedy)
-    if not any(_plain_name(cell) in _known() for cell in header):
-        numbers = all(plain_number(cell) is not None for cell in header)
-        what = "numbers" if numbers else "other text"
+    if not any(heading(cell).name in _known() for cell in header):
+        plain = all(plain_number(cell) is not None for cell in header)
+        what = "numbers" if plain else "other text"
         raise InputError(
             f"{source} line {number} holds {what} where the column names should be; begin the "
             f"file with a header such as {_EXAMPLE}, and lines of remarks with #"
@@ -92,35 +88,29 @@ def _known() -> tuple[str, ...]:
     return ("frequency", *curves, "uncertainty", "weight")
 
 
-def _plain_name(heading: str) -> str:
-    """Return a column's name without its unit, or nothing if it cannot be read."""
-    parts = _HEADING.fullmatch(heading)
-    return parts["name"].strip().lower().replace(" ", "_") if parts else ""
-
-
-def _columns(names: list[str], where: str) -> dict[str, tuple[int, float, Unit]]:
+def _columns(names: list[str], where: str) -> dict[str, Column]:
     """Return position, factor to SI and kind of unit of each column, by its plain name."""
-    found: dict[str, tuple[int, float, Unit]] = {}
+    found: dict[str, int] = {}
     units: dict[str, str] = {}
     for at, text in enumerate(names):
-        parts, name = _HEADING.fullmatch(text), _plain_name(text)
-        if name not in _known() or parts is None:
+        name, unit = heading(text)
+        if name not in _known():
             raise InputError(
                 f"{where}: column {at + 1} {quoted(text)} is unknown{nearest(name, _known())}; "
                 f"name the columns like {_EXAMPLE} and remove those that are not needed"
             )
         if name in found:
             raise InputError(f"{where}: column {quoted(text)} is there twice; keep one of them")
-        units[name] = (parts["unit"] or "").strip()
-        found[name] = (at, 1.0, _WEIGHT)
+        units[name], found[name] = unit, at
     curve = _the_curve(found, where)
-    for name, (at, _, _) in found.items():
-        unit = _unit_of(name, curve)
-        found[name] = (at, _scale(name, units[name], unit, where), unit)
-    return found
+    kinds = {name: _unit_of(name, curve) for name in found}
+    return {
+        name: Column(at, _scale(name, units[name], kinds[name], where), kinds[name])
+        for name, at in found.items()
+    }
 
 
-def _the_curve(names: dict[str, tuple[int, float, Unit]], where: str) -> str:
+def _the_curve(names: Collection[str], where: str) -> str:
     """Return which curve the columns hold; there must be one, completely."""
     if "frequency" not in names:
         raise InputError(f'{where}: there is no frequency column; add one named "frequency (Hz)"')
@@ -153,7 +143,7 @@ def _unit_of(name: str, curve: str) -> Unit:
     if name == "weight":
         return _WEIGHT
     if name.endswith("_phase"):
-        return _PHASE
+        return PHASE
     unit = _unit_of_curve(curve)
     _, largest = unit.limits or (0.0, np.inf)
     # one part of a complex number may be as small as it likes
@@ -168,63 +158,14 @@ def _unit_of_curve(curve: str) -> Unit:
 
 def _scale(name: str, text: str, unit: Unit, where: str) -> float:
     """Return the factor from the column's unit to SI."""
-    example = unit.example.split(" ", 1)[-1]
-    if not unit.si:
-        if text not in ("", "1", "-"):
-            raise InputError(
-                f'{where}: column "{name}" has the unit {quoted(text)}; a weight has none, '
-                f'so name the column "{name}"'
-            )
-        return 1.0
-    if not text:
+    if unit.si:
+        return scale_to_si(name, text, unit, where)
+    if text not in ("", "1", "-"):
         raise InputError(
-            f'{where}: column "{name}" has no unit; write for example "{name} ({example})"'
+            f'{where}: column "{name}" has the unit {quoted(text)}; a weight has none, '
+            f'so name the column "{name}"'
         )
-    try:
-        return unit.parse(f"1 {text}")
-    except ValueError:
-        raise InputError(
-            f'{where}: column "{name}" has the unit {quoted(text)}, which is not that of a '
-            f'{unit.kind}; write for example "{name} ({example})"'
-        ) from None
-
-
-def _cell(row: Row, at: int, names: list[str], scale: float, unit: Unit, source: str) -> float:
-    """Return one number in SI units."""
-    line, cells = row
-    text, where = cells[at], f"{source} line {line}, column {quoted(names[at])}:"
-    if not text:
-        raise InputError(f"{where} the cell is empty; fill it or remove the line")
-    number = plain_number(text)
-    if number is None:
-        remedy = "write decimals with a point" if "," in text else "correct it or remove the line"
-        raise InputError(f"{where} {quoted(text)} is not a finite number; {remedy}")
-    value = number * scale
-    low, high = unit.limits or (0.0, np.inf)
-    if value and not low <= abs(value) <= high:
-        raise InputError(
-            f"{where} {quoted(text)} is not a possible {unit.kind} (magnitude {unit.show(low)} to "
-            f"{unit.show(high)}); check the value and the unit in the header"
-        )
-    return value
-
-
-def _check_ascending(frequencies: Floats, lines: list[int], source: str) -> None:
-    for i, f in enumerate(frequencies):
-        if f <= 0.0:
-            raise InputError(
-                f"{source} line {lines[i]}: frequency {f:g} Hz is not above 0; remove the line"
-            )
-        if i and f == frequencies[i - 1]:
-            raise InputError(
-                f"{source} line {lines[i]}: frequency {f:g} Hz repeats that of line {lines[i - 1]};"
-                " keep one of the two, or their mean"
-            )
-        if i and f < frequencies[i - 1]:
-            raise InputError(
-                f"{source} line {lines[i]}: frequency {f:g} Hz follows {frequencies[i - 1]:g} Hz; "
-                "sort the lines by frequency"
-            )
+    return 1.0
 
 
 def _values(kind: str, data: dict[str, Floats], lines: list[int], source: str) -> Numbers:

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.geometry.device.parameters import BUILT_IN_CURVES
 from tactgen.geometry.device.profile import Profile
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
@@ -20,6 +19,7 @@ from tactgen.geometry.units import quoted
 from tactgen.validation.scene.files import scene_name
 from tactgen.validation.scene.keys import SYMBOLS, value_of
 from tactgen.validation.scene.parameter_list import parameter_rows
+from tactgen.validation.scene.scene import FILE_KEYS
 from tactgen.validation.studies.identification.fit_quality import Assumption
 from tactgen.validation.studies.identification.identify import Estimate, Identification
 from tactgen.validation.view.formats import engineering
@@ -272,17 +272,17 @@ def scene_text(found: Identification, origins: Mapping[str, str], folder: Path) 
         if row.key in estimates:
             lines.append(_interval_comment(estimates[row.key]))
         value, text = value_of(found.scene, row.key), row.text
-        if row.key == "steel.curve":
-            text = curve_from(folder, value)
+        if row.key in FILE_KEYS:
+            text = file_from(folder, value, FILE_KEYS[row.key])
         lines.append(f"{name} = {_toml(value, text)}")
     return "\n".join(lines) + "\n"
 
 
-def curve_from(folder: Path, curve: str) -> str:
-    """Return a steel's curve as a scene in `folder` names it: files relative to that."""
-    if curve in BUILT_IN_CURVES or Path(curve).is_absolute():
-        return curve
-    return os.path.relpath(curve, folder)
+def file_from(folder: Path, file: str, named: tuple[str, ...]) -> str:
+    """Return a file as a scene in `folder` names it, relative to that; `named` are no files."""
+    if file in named or Path(file).is_absolute():
+        return file
+    return os.path.relpath(file, folder)
 
 
 def _interval_comment(e: Estimate) -> str:

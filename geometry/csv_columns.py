@@ -1,0 +1,172 @@
+"""Columns of a CSV file by name and unit: what a header says, and its numbers in SI.
+
+A heading is a name with its unit in brackets, such as ``frequency (Hz)``.  Nothing is repaired or
+guessed; which columns there may be is the readers' business.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.csv_rows import Row, check_widths, csv_rows, plain_number
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import Unit, quoted
+
+_HEADING = re.compile(r"(?P<name>[^()\[\]]*)(?:[(\[](?P<unit>.*)[)\]])?\s*")
+
+
+class Heading(NamedTuple):
+    """A column's name, in small letters with underscores, and its unit, both maybe empty."""
+
+    name: str
+    unit: str
+
+
+class Column(NamedTuple):
+    """Where a column is, its factor to SI, and what it measures."""
+
+    at: int
+    scale: float
+    unit: Unit
+
+
+def heading(text: str) -> Heading:
+    """Return what a heading says; no name if it cannot be read."""
+    parts = _HEADING.fullmatch(text)
+    if parts is None:
+        return Heading("", "")
+    name = parts["name"].strip().lower().replace(" ", "_")
+    return Heading(name, (parts["unit"] or "").strip())
+
+
+def scale_to_si(name: str, text: str, unit: Unit, where: str) -> float:
+    """Return the factor from the unit that a heading states to SI.
+
+    Raises
+    ------
+    InputError
+        If the unit is missing or not one of that kind.
+    """
+    example = unit.example.split(" ", 1)[-1]
+    if not text:
+        raise InputError(
+            f'{where}: column "{name}" has no unit; write for example "{name} ({example})"'
+        )
+    try:
+        return unit.parse(f"1 {text}")
+    except ValueError:
+        kind = f"{'an' if unit.kind[0] in 'aeiou' else 'a'} {unit.kind}"
+        raise InputError(
+            f'{where}: column "{name}" has the unit {quoted(text)}, which is not that of {kind}; '
+            f'write for example "{name} ({example})"'
+        ) from None
+
+
+def numbers(rows: list[Row], column: Column, names: list[str], source: str) -> Floats:
+    """Return a column's numbers in SI units, (rows,).
+
+    Raises
+    ------
+    InputError
+        Naming line, column and value of the first that is no possible number.
+    """
+    return np.array([_cell(row, column, names, source) for row in rows])
+
+
+def _cell(row: Row, column: Column, names: list[str], source: str) -> float:
+    line, cells = row
+    at, scale, unit = column
+    text, where = cells[at], f"{source} line {line}, column {quoted(names[at])}:"
+    if not text:
+        raise InputError(f"{where} the cell is empty; fill it or remove the line")
+    number = plain_number(text)
+    if number is None:
+        remedy = "write decimals with a point" if "," in text else "correct it or remove the line"
+        raise InputError(f"{where} {quoted(text)} is not a finite number; {remedy}")
+    value = number * scale
+    low, high = unit.limits or (0.0, np.inf)
+    if value and not low <= abs(value) <= high:
+        raise InputError(
+            f"{where} {quoted(text)} is not a possible {unit.kind} (magnitude {unit.show(low)} to "
+            f"{unit.show(high)}); check the value and the unit in the header"
+        )
+    return value
+
+
+def check_ascending(frequencies: Floats, lines: list[int], source: str) -> None:
+    """Refuse frequencies (n,) in Hz that are not above 0 and ascending.
+
+    Raises
+    ------
+    InputError
+        Naming the line.
+    """
+    for i, f in enumerate(frequencies):
+        if f <= 0.0:
+            raise InputError(
+                f"{source} line {lines[i]}: frequency {f:g} Hz is not above 0; remove the line"
+            )
+        if i and f == frequencies[i - 1]:
+            raise InputError(
+                f"{source} line {lines[i]}: frequency {f:g} Hz repeats that of line {lines[i - 1]};"
+                " keep one of the two, or their mean"
+            )
+        if i and f < frequencies[i - 1]:
+            raise InputError(
+                f"{source} line {lines[i]}: frequency {f:g} Hz follows {frequencies[i - 1]:g} Hz; "
+                "sort the lines by frequency"
+            )
+
+
+class Table(NamedTuple):
+    """Numbers of a file in SI units by column name, and the line that each row is on."""
+
+    columns: dict[str, Floats]
+    lines: list[int]
+
+
+def read_table(path: str | Path, name: str, known: Mapping[str, Unit], example: str) -> Table:
+    """Return the columns of a file whose headings are all among the known ones.
+
+    Parameters
+    ----------
+    path : path
+        A CSV file with a header; see :func:`tactgen.geometry.csv_rows.csv_rows`.
+    name : str
+        What messages call it.
+    known : dict of str to Unit
+        What a column of each name measures.
+    example : str
+        A header that would do.
+
+    Raises
+    ------
+    InputError
+        In one sentence with file, line, column, value and remedy.
+    """
+    (number, names), *rows = csv_rows(path, name, f"give a CSV file with the columns {example}")
+    where = f"{name} line {number}"
+    columns: dict[str, Column] = {}
+    for at, text in enumerate(names):
+        column, unit = heading(text)
+        if column not in known:
+            raise InputError(
+                f"{where}: column {at + 1} {quoted(text)} is unknown; name the columns like "
+                f"{example} and remove those that are not needed"
+            )
+        if column in columns:
+            raise InputError(f"{where}: column {quoted(text)} is there twice; keep one of them")
+        columns[column] = Column(at, scale_to_si(column, unit, known[column], where), known[column])
+    if "frequency" not in columns:
+        raise InputError(f"{where}: there is no frequency column; name the columns like {example}")
+    check_widths([(number, names), *rows], name)
+    found = {column: numbers(rows, place, names, name) for column, place in columns.items()}
+    lines = [line for line, _ in rows]
+    check_ascending(found["frequency"], lines, name)
+    return Table(found, lines)

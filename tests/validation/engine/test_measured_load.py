@@ -1,0 +1,114 @@
+"""A measured load in a scene: every model takes it, the bar has it, its key is its content."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.stages import values_read
+from tactgen.validation.scene.idle_keys import scene_warnings
+from tactgen.validation.scene.scene import load_scene
+
+SPRING = ("load.kind=spring_damper", "load.stiffness=300N/m", "load.damping=0.5N*s/m")
+
+
+def write(path, impedance, frequencies):
+    points = zip(frequencies, impedance(frequencies), strict=True)
+    rows = [f"{f:.17g}, {z.real:.17g}, {z.imag:.17g}" for f, z in points]
+    head = "frequency (Hz), impedance_re (N s/m), impedance_im (N s/m)"
+    path.write_text("\n".join([head, *rows]) + "\n")
+    return path
+
+
+def spring_damper(f):
+    return 0.5 + 300.0 / (2j * np.pi * f)
+
+
+@pytest.fixture
+def measured(tmp_path):
+    """A table of a spring with a damper, and what a scene says to be loaded by it."""
+    path = write(tmp_path / "load.csv", spring_damper, np.geomspace(10.0, 1000.0, 50))
+    return ("load.kind=table", f"load.file={path}")
+
+
+def solved(scene, models, quantity, *overrides):
+    return solve(load_scene(scene, overrides)[0], models, (quantity,))
+
+
+@pytest.mark.parametrize(
+    ("scene", "models", "quantities"),
+    [
+        (
+            "paper",
+            ("lumped", "tmm", "beam"),
+            ("tip_velocity", "ceramic_stress"),
+        ),
+        ("j1", ("solid",), ("tip_displacement",)),
+    ],
+)
+def test_every_model_takes_it(measured, scene, models, quantities):
+    """As the same spring and damper by constants, within bars that say what the table lacks."""
+    common = ("frequency=20,130,900", "mesh.level=2")
+    by_table, by_constants = (
+        solve(load_scene(scene, (*common, *load))[0], models, quantities)
+        for load in (measured, SPRING)
+    )
+    for found, exact in zip(by_table.quantities, by_constants.quantities, strict=True):
+        assert (np.abs(found.value - exact.value) <= found.uncertainty).all()
+        assert (found.uncertainty >= exact.uncertainty).all()
+        assert (found.uncertainty <= 0.02 * np.abs(found.value) + exact.uncertainty).all()
+        assert "load's table" in found.uncertainty_method
+
+
+def test_the_machine_takes_it(measured):
+    common = ("support.kind=contact", "frequency=20,130", "models=tmm")
+    name = "lateral_tip_per_voltage"
+    found = solved("paper", ("tmm",), name, *common, *measured).get(name, "tmm")
+    exact = solved("paper", ("tmm",), name, *common, *SPRING).get(name, "tmm")
+    assert (np.abs(found.value - exact.value) <= found.uncertainty).all()
+    assert (found.uncertainty > exact.uncertainty).all()
+
+
+def test_beyond_the_table_only_its_fit_answers_and_says_so(measured):
+    common = ("frequency=20,2000", "models=tmm", *measured)
+    with pytest.raises(InputError, match=r"2000 Hz is outside .*passive_fit"):
+        solved("paper", None, "tip_displacement", *common)
+    fitted = (*common, "load.extrapolation=passive_fit")
+    found = solved("paper", None, "tip_displacement", *fitted)
+    (said,) = (text for text in found.warnings if "fitted to" in text)
+    assert "1 of 2 frequencies lie beyond it" in said
+    assert "% off at most" in said
+    q = found.get("tip_displacement", "tmm")
+    exact = solved("paper", ("tmm",), "tip_displacement", "frequency=20,2000", *SPRING)
+    apart = np.abs(q.value - exact.get("tip_displacement", "tmm").value)
+    assert (apart <= q.uncertainty).all()
+
+
+def test_its_key_is_what_is_in_the_file(measured, tmp_path):
+    """Another name for the same numbers is the same; other numbers under that name are not."""
+    scene, _ = load_scene("paper", measured)
+    first = values_read(scene, ("load",))
+    other = write(tmp_path / "other.csv", spring_damper, np.geomspace(10.0, 1000.0, 50))
+    again, _ = load_scene("paper", ("load.kind=table", f"load.file={other}"))
+    assert values_read(again, ("load",)) == first
+    write(other, lambda f: 2.0 * spring_damper(f), np.geomspace(10.0, 1000.0, 50))
+    assert values_read(again, ("load",)) != first
+
+
+def test_a_scene_file_names_it_from_where_it_is(tmp_path, monkeypatch):
+    folder = tmp_path / "study"
+    folder.mkdir()
+    write(folder / "load.csv", spring_damper, np.geomspace(10.0, 1000.0, 9))
+    scene_file = folder / "scene.toml"
+    scene_file.write_text('[load]\nkind = "table"\nfile = "load.csv"\n')
+    monkeypatch.chdir(tmp_path)
+    scene, _ = load_scene(str(scene_file))
+    assert scene.ends.tip.table.band == (10.0, 1000.0)
+
+
+def test_what_is_missing_or_idle_is_said(capsys):
+    assert main(["solve", "paper", "--set", "load.kind=table"]) == 2
+    assert "needs load.file" in capsys.readouterr().err
+    scene, origins = load_scene("paper", ["load.file=nowhere.csv"])
+    assert any('set load.kind = "table"' in text for text in scene_warnings(scene, origins))

@@ -1,0 +1,1 @@
+"""What the tip may touch besides constant springs: measured tables, their passive fits, skin."""

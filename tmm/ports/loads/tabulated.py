@@ -1,0 +1,175 @@
+"""A measured load as a law of frequency: interpolated in its band, by a passive fit beyond.
+
+Between the points Re Z and Im Z are monotone cubics (Fritsch and Carlson) over ln f, which pass
+neither above nor below their neighbours: what takes energy at every point does so between them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from tactgen.geometry.arrays import Bools, Complex, Floats
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.load_table import LoadTable, load_table
+from tactgen.geometry.device.parameters import Load
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.ports.loads.passive_fit import PassiveFit, passive_fit
+
+#: What the error bar of a loaded response contains besides, in words.
+OF_THE_TABLE = "the load's table between its points, and of a fit its distance"
+#: Most points to which a load is fitted, evenly chosen: a fit follows no finer features.
+_FITTED = 300
+#: Share of the band, in ln f, that the second fit leaves out at either end.
+_LEFT_OUT = 0.2
+#: How far beyond the band a fit is believed, a factor: over random chains of springs, dampers and
+#: masses nine of ten bars hold there, and fewer further out (a test asks for that).
+_BELIEVED = 3.0
+
+
+@dataclass(frozen=True)
+class MeasuredLaw:
+    """A table as a dynamic stiffness over frequency, and how far that may be off.
+
+    Attributes
+    ----------
+    table : LoadTable
+        What was measured.
+    fits : tuple of PassiveFit
+        Empty, so that nothing is said beyond the band; or the fit to the whole band, which
+        answers everywhere, and one to the inner part of the band, by which its continuation is
+        judged.
+    """
+
+    table: LoadTable
+    fits: tuple[PassiveFit, ...] = ()
+
+    def __call__(self, frequencies: Floats) -> Complex:
+        """Return the dynamic stiffness (n,) in N/m.
+
+        Raises
+        ------
+        InputError
+            For a frequency outside :attr:`reach`.
+        """
+        f = np.asarray(frequencies, dtype=float)
+        beyond = outside(self.reach, f)
+        if beyond.any():
+            raise self._refusal(float(f[beyond][0]))
+        return self.fits[0].stiffness_at(f) if self.fits else _interpolated(self.table, f)
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Lowest and highest frequency (Hz) for which there is a value."""
+        low, high = self.table.band
+        return (low / _BELIEVED, high * _BELIEVED) if self.fits else (low, high)
+
+    def _refusal(self, frequency: float) -> InputError:
+        low, high = self.reach
+        where = f"frequency = {frequency:g} Hz is outside the table {self.table.source}"
+        if self.fits:
+            return InputError(
+                f"{where} and its passive fit, which is believed up to a factor of {_BELIEVED:g} "
+                f"beyond it ({low:g} to {high:g} Hz); choose frequencies inside"
+            )
+        return InputError(
+            f"{where} ({low:g} to {high:g} Hz); choose frequencies inside it, or continue it with "
+            "load.extrapolation = passive_fit"
+        )
+
+    def error(self, frequencies: Floats) -> Floats:
+        """Return by how much the dynamic stiffness may be off (n,), in N/m.
+
+        Between points what leaving out every other one changes; of a fit also its distance from
+        the table, and beyond the band the difference of the two fits and the largest relative
+        distance in the band.
+        """
+        f = np.asarray(frequencies, dtype=float)
+        within = np.clip(f, *self.table.band)
+        table = _interpolated(self.table, within)
+        error: Floats = np.abs(table - _interpolated(_thinned(self.table), within))
+        if not self.fits:
+            return error
+        error = error + np.abs(table - self.fits[0].stiffness_at(within))
+        whole, inner = (fit.stiffness_at(f) for fit in self.fits)
+        worst = self.misfit[0] * np.maximum(np.abs(whole), np.abs(inner))
+        return np.where(outside(self.table.band, f), np.abs(whole - inner) + worst, error)
+
+    @property
+    def misfit(self) -> tuple[float, float]:
+        """Largest and root-mean-square relative distance of the fit from the table; 0 if none."""
+        if not self.fits:
+            return 0.0, 0.0
+        at, impedance = _fitted_points(self.table)
+        apart = np.abs(self.fits[0].stiffness_at(at) / (2j * np.pi * at * impedance) - 1.0)
+        return float(apart.max()), float(np.sqrt(np.mean(apart**2)))
+
+
+@lru_cache(maxsize=16)
+def continued(table: LoadTable) -> MeasuredLaw:
+    """Return a table with the passive fits that continue it."""
+    frequencies, impedance = _fitted_points(table)
+    x = np.log(frequencies)
+    inside = np.abs(x - 0.5 * (x[0] + x[-1])) <= (0.5 - _LEFT_OUT) * (x[-1] - x[0])
+    whole = passive_fit(frequencies, impedance)
+    return MeasuredLaw(table, (whole, passive_fit(frequencies[inside], impedance[inside])))
+
+
+def measured_law(load: Load) -> MeasuredLaw:
+    """Return the law of a scene's table, continued by passive fits if the scene says so.
+
+    Raises
+    ------
+    InputError
+        If the table cannot be used.
+    """
+    table = load_table(load)
+    return MeasuredLaw(table) if load.extrapolation == "refuse" else continued(table)
+
+
+def _fitted_points(table: LoadTable) -> tuple[Floats, Complex]:
+    """Return the points of a table to which a load is fitted, those without force left out."""
+    count = table.frequencies.size
+    chosen = np.unique(np.linspace(0, count - 1, min(count, _FITTED)).round().astype(int))
+    chosen = chosen[np.abs(table.impedance[chosen]) > 0.0]
+    return table.frequencies[chosen], table.impedance[chosen]
+
+
+def outside(band: tuple[float, float], frequencies: Floats) -> Bools:
+    """Return which frequencies (n,) in Hz a band does not hold; a sweep's last may be rounded."""
+    f = np.asarray(frequencies, dtype=float)
+    return np.asarray((f < band[0] * (1.0 - 1e-9)) | (f > band[1] * (1.0 + 1e-9)))
+
+
+def _thinned(table: LoadTable) -> LoadTable:
+    """Return every other point of a table, and its last."""
+    chosen = np.unique([*range(0, table.frequencies.size, 2), table.frequencies.size - 1])
+    return LoadTable(table.source, table.frequencies[chosen], table.impedance[chosen])
+
+
+def _interpolated(table: LoadTable, frequencies: Floats) -> Complex:
+    """Return the dynamic stiffness (n,) in N/m between the points of a table."""
+    from scipy.interpolate import PchipInterpolator
+
+    at = np.log(np.clip(frequencies, *table.band))
+    both = np.stack([table.impedance.real, table.impedance.imag])
+    real, imaginary = PchipInterpolator(np.log(table.frequencies), both, axis=1)(at)
+    return np.asarray(2j * np.pi * frequencies * (real + 1j * imaginary))
+
+
+def disturbed(ends: Ends) -> tuple[Ends, ...]:
+    """Return the same with its table off by its error, in phase and a quarter turn later.
+
+    None for other loads.  What is analytic in the load moves by as much either way, and what is
+    a magnitude by no more than both together.
+    """
+    law = ends.tip
+    if not isinstance(law, MeasuredLaw):
+        return ()
+
+    def off(turn: complex) -> Ends:
+        return Ends(ends.base, lambda f: np.asarray(law(f) + turn * law.error(f)))
+
+    return off(1.0), off(1j)
