@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
 
-from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.store import kept, recalled
 from tactgen.validation.checks.case import Case
 from tactgen.validation.checks.row import Check, Outcome, judged
 
@@ -140,6 +140,21 @@ def verify(
     return found
 
 
+def recalled_rows(groups: Sequence[str]) -> list[Verified]:
+    """Return the groups' checks as far as this very code has run and kept them; others skipped."""
+    found = []
+    for group in groups:
+        for case in group_cases(group):
+            for check in case.rows:
+                kept_row: tuple[float, float] | None = recalled(*_entry(group, "row", check.id))
+                outcome, seconds = None, None
+                if kept_row is not None:
+                    measured, seconds = kept_row
+                    outcome = judged(check, measured)
+                found.append(Verified(group, case, check, outcome, seconds))
+    return found
+
+
 def _holds(check: Check, measured: float) -> bool:
     return judged(check, measured).status != "fail"
 
@@ -161,9 +176,12 @@ def remembered(
         started = time.perf_counter()
         return float(measure()), time.perf_counter() - started
 
+    value, seconds = kept(*_entry(group, kind, name), work, serves=lambda both: serves(both[0]))
+    return value, seconds
+
+
+def _entry(group: str, kind: str, name: str) -> tuple[str, tuple[str, str], tuple[str, ...]]:
+    """Return kind, inputs and code that a measured value goes by in the store."""
     module = GROUPS[group][0]
     code = (module,) if ".known." in module else (module, *_ENGINE)
-    value, seconds = kept(
-        f"check.{kind}", (group, name), code, work, serves=lambda both: serves(both[0])
-    )
-    return value, seconds
+    return f"check.{kind}", (group, name), code

@@ -78,7 +78,12 @@ def templates() -> Environment:
 
 def _page(study: Study, started: float) -> str:
     environment = templates()
-    shown = [(s, found) for s in sections(study) if (found := s.context(study)) is not None]
+    shown = []
+    for section in sections(study):
+        found = section.context(study)
+        if found is not None:
+            study.shown[section.id] = found
+            shown.append((section, found))
     numbers = {section.id: number for number, (section, _) in enumerate(shown, start=1)}
     common: dict[str, Any] = {
         "scene": study.scene,

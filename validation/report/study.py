@@ -85,6 +85,13 @@ class Study:
         self.scene = _prepared(scene, quick)
         self.origins, self.announce, self.quick = origins, announce, quick
         self.solution = solve(self.scene, announce=announce)
+        #: What the sections before show, by their ids.
+        self.shown: dict[str, dict[str, Any]] = {}
+
+    @property
+    def as_it_stands(self) -> bool:
+        """Whether nothing of a built-in scene was changed."""
+        return set(self.origins.values()) == {f"scene {self.scene.name}"}
 
     @property
     def lateral(self) -> bool:
@@ -127,7 +134,7 @@ class Study:
     @cached_property
     def outcomes(self) -> list[Outcome]:
         """The suite's checks that are about this very scene, if nothing of it was changed."""
-        if set(self.origins.values()) != {f"scene {self.scene.name}"}:
+        if not self.as_it_stands:
             return []
         groups = [
             g for g, asked in (("bimorph", self.lateral), ("reluctance", self.normal)) if asked

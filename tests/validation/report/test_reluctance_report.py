@@ -56,7 +56,7 @@ def actuator(*overrides, models=None, quantities=None):
 def test_report_is_complete_and_self_contained(reluctance):
     """Sections of the normal actuator only, its checks, pictures inside the page."""
     html, _ = reluctance
-    assert ids(html) == ["what", *NORMAL, "checks", "parameters", "plan"]
+    assert ids(html) == ["what", *NORMAL, "checks", "credibility", "parameters", "plan"]
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert html.count('<img src="data:image/png;base64,') == 1  # rod, coil and sleeve
     assert html.count("<figure><svg") == 5  # bridge, field, forces, fluxes, switching
@@ -114,6 +114,7 @@ def test_network_alone(tmp_path):
         "magnetic_models",
         "characteristics",
         "checks",
+        "credibility",
         "parameters",
         "plan",
     ]
@@ -241,7 +242,7 @@ def test_report_of_both_actuators(tmp_path):
     html, _ = make(tmp_path, "paper", "models=lumped,tmm,network,axisymmetric", BOTH)
     assert ids(html) == [
         "what", "models", "modes", "bridge", "response", "drive_limits", "length", "voltage",
-        "uncertainty", "stress", *NORMAL, "checks", "audit", "parameters", "plan",
+        "uncertainty", "stress", *NORMAL, "checks", "audit", "credibility", "parameters", "plan",
     ]  # fmt: skip
     text = words(html)
     assert "For the lateral actuator, in the table of section 2" in text

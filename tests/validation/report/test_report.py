@@ -27,7 +27,7 @@ def test_report_is_complete_and_self_contained(tmp_path, run_elsewhere):
     html, steps = make(tmp_path, "j1", "mesh.level=1")
     assert re.findall(r'<h2 id="(\w+)">', html) == [
         "what", "models", "modes", "bridge", "response", "drive_limits", "length",
-        "uncertainty", "stress", "checks", "parameters", "plan",
+        "uncertainty", "stress", "checks", "credibility", "parameters", "plan",
     ]  # fmt: skip
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert "@import" not in html
@@ -54,7 +54,7 @@ def test_report_without_the_solid_says_so(tmp_path, run_elsewhere):
     html, steps = make(tmp_path, "prototype", "models=lumped,tmm")
     assert re.findall(r'<h2 id="(\w+)">', html) == [
         "what", "models", "modes", "bridge", "response", "drive_limits", "length", "voltage",
-        "uncertainty", "stress", "checks", "audit", "parameters", "plan",
+        "uncertainty", "stress", "checks", "audit", "credibility", "parameters", "plan",
     ]  # fmt: skip
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert "The solid model was not asked for" in html

@@ -31,6 +31,7 @@ def sections(study: Study) -> tuple[Section, ...]:
         *found,
         Section("checks", "Checks of this scene", _checks),
         *after,
+        Section("credibility", "How far this report can be trusted", _credibility),
         Section("parameters", "Parameters and assumptions", _parameters),
         Section("plan", "What ran, what was skipped, what it cost", _plan),
     )
@@ -47,6 +48,15 @@ def _checks(study: Study) -> Context:
         "invariants": study.invariants,
         "invariant_tolerance": INVARIANT_TOLERANCE,
     }
+
+
+def _credibility(study: Study) -> Context:
+    from tactgen.validation.report.credibility.evidence import gathered
+    from tactgen.validation.report.credibility.factor import overall
+    from tactgen.validation.report.credibility.factors import factors
+
+    found = factors(gathered(study))
+    return {"factors": found, "overall": overall(found)}
 
 
 def _parameters(study: Study) -> Context:
