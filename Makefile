@@ -7,7 +7,7 @@ PACKAGES := geometry fem tmm validation
 # as the command line does for itself: small products gain nothing from more threads
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help setup report report-quick test test-heavy lint format lock clean
+.PHONY: help setup report report-quick docs test test-heavy lint format lock clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-13s %s\n", $$1, $$2}' Makefile
@@ -27,6 +27,9 @@ report: $(READY) ## write the full report to report/
 report-quick: $(READY) ## write the reduced report to report-quick/
 	$(BIN)/tactgen report --quick --out report-quick
 
+docs: $(READY) ## write the documentation site to site/
+	@bash .setup/docs/build.sh
+
 # one file's tests stay together: they share solved models
 test: $(READY) ## run the tests, less the heavy ones
 	$(BIN)/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
@@ -44,13 +47,15 @@ format: $(READY) ## put the code in shape
 	$(BIN)/ruff check --fix-only
 	$(BIN)/ruff format
 
-lock: $(READY) ## renew .setup/lock.txt from pyproject.toml (UPGRADE=1: newest versions)
-	$(BIN)/uv pip compile --quiet --no-config --universal --fork-strategy fewest \
-		--python-version 3.11 --group dev --generate-hashes \
-		--custom-compile-command 'make lock' $(if $(UPGRADE),--upgrade) \
-		--output-file .setup/lock.txt pyproject.toml
+COMPILE = $(BIN)/uv pip compile --quiet --no-config --universal --fork-strategy fewest \
+	--python-version 3.11 --generate-hashes --custom-compile-command 'make lock' \
+	$(if $(UPGRADE),--upgrade)
+
+lock: $(READY) ## renew the locks in .setup from pyproject.toml (UPGRADE=1: newest versions)
+	$(COMPILE) --group dev --output-file .setup/lock.txt pyproject.toml
+	$(COMPILE) --group docs --constraints .setup/lock.txt --output-file .setup/docs-lock.txt
 
 clean: ## remove reports and caches (not .venv)
-	rm -rf report report-quick dist .hypothesis .import_linter_cache .mypy_cache .pytest_cache \
-		.ruff_cache
+	rm -rf report report-quick site .sphinx dist .hypothesis .import_linter_cache .mypy_cache \
+		.pytest_cache .ruff_cache
 	find $(PACKAGES) tests -name __pycache__ -prune -exec rm -rf {} +

@@ -54,8 +54,7 @@ def view(
     """
     for kind, path in files.items():
         check_place(f"--{kind}", path, SUFFIXES[kind])
-    models = look.models or _models(scene)
-    results = gather(scene, models, Request(look.frequencies, "edges"), announce)
+    results = looked_at(scene, look, announce)
     pictured = results[0], _state(results[0], look), _shade(results[0], look)
     _check_films(files, pictured[1])
     for kind, path in files.items():
@@ -65,6 +64,13 @@ def view(
         else:
             _write_picture(kind, path, *pictured, announce)
     return list(files.values())
+
+
+def looked_at(scene: Scene, look: Look, announce: Callable[[str], None]) -> list[FieldResult]:
+    """Return what a look shows: the fields of a scene by the models that it names, or the usual."""
+    return gather(
+        scene, look.models or _models(scene), Request(look.frequencies, "edges"), announce
+    )
 
 
 def _models(scene: Scene) -> tuple[str, ...]:
@@ -120,12 +126,17 @@ def _write_picture(
 
 def write_page(path: Path, results: Sequence[FieldResult], announce: Callable[[str], None]) -> Path:
     """Write the page in which the results move."""
+    return write_text(path, page_of(results, announce))
+
+
+def page_of(results: Sequence[FieldResult], announce: Callable[[str], None]) -> str:
+    """Return the page in which the results move: HTML that holds all it needs."""
     from tactgen.validation.view.page.html import page
     from tactgen.validation.view.page.shown import payload
 
     stills = page_stills(results[0], announce)
     title = f"{results[0].scene}: modes and fields"
-    return write_text(path, page(title, payload(results), stills))
+    return page(title, payload(results), stills)
 
 
 def page_stills(result: FieldResult, announce: Callable[[str], None]) -> list[Still]:

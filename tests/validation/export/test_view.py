@@ -1,9 +1,12 @@
 """``tactgen view``: files as asked for, and one sentence for what cannot be shown."""
 
+import html
+
 import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.export.inline_view import show
 from tactgen.validation.export.view import Look, harmonic_frequencies, view
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.view import browser
@@ -21,6 +24,16 @@ def test_page_and_still_are_written(tmp_path, capsys):
     assert '"name":"500 Hz"' in text
     assert "transfer matrix" in text
     assert png.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_notebook_holds_the_page():
+    """In a frame that asks for no other file."""
+    scene, _ = load_scene("j1", ["modes=2"])
+    shown = show(scene, ["tmm"], [500.0])
+    frame = shown._repr_html_()
+    assert '"name":"500 Hz"' in shown.page
+    assert html.unescape(frame.partition('srcdoc="')[2].partition('"')[0]) == shown.page
+    assert ' src="' not in frame
 
 
 @pytest.mark.parametrize(

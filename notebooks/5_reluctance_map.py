@@ -1,21 +1,40 @@
 # %% [markdown]
-# # How the normal actuator switches
+# # 5 The reluctance actuator's map
 #
 # The rod is drawn down by the coil and pushed up by a spring. From one co-energy map follow
 # the pull, the flux linkage and the currents at which the rod moves. Here the map comes from
 # the reluctance network, which takes a moment; the field gives the same kind of map.
 
 # %%
+import matplotlib.pyplot as plt
+import numpy as np
+
+import tactgen
 from tactgen.tmm.reluctance.coenergy.fit import fit
 from tactgen.tmm.reluctance.coenergy.map import closed_loop_work
 from tactgen.tmm.reluctance.coil_heat import thermal_statement
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.network import network_bridge, network_samples
 from tactgen.tmm.reluctance.switching import finger_force, switching
-from tactgen.validation.scene.scene import load_scene
 
-device = load_scene("reluctance")[0].device
+scene, _ = tactgen.load_scene("reluctance")
+device = scene.device
 pull = fit(network_samples(device, *map_grid(device)))
+
+# %% [markdown]
+# The pull is the map's slope along the gap. Where the spring's line lies above a curve the rod goes
+# up, below it down; a current whose curve touches the line is one at which the rod leaps.
+
+# %%
+gaps = np.linspace(20e-6, device.gap, 200)
+figure, axis = plt.subplots(figsize=(7.0, 3.8))
+for current in (0.03, 0.05, 0.09, 0.13):
+    force = np.array([float(pull.force(current, g)) for g in gaps])
+    axis.semilogy(1e6 * gaps, 1e3 * force, label=f"{1e3 * current:.0f} mA")
+spring = device.spring.preload + device.spring.stiffness * (device.gap - gaps)
+axis.semilogy(1e6 * gaps, 1e3 * spring, "k--", label="spring")
+axis.set(xlabel="gap (µm)", ylabel="force (mN)")
+_ = axis.legend(fontsize=8)
 
 # %% [markdown]
 # What each refinement of the textbook formula is worth at the upper stop:
@@ -30,6 +49,21 @@ currents = switching(device, pull)
 print(f"pulls in at {currents.pull_in * 1e3:.0f} mA, holds down to {currents.holding * 1e3:.0f} mA")
 print(f"finger force at rest: {float(finger_force(device, pull, 0.0, device.gap)) * 1e3:.0f} mN")
 print(thermal_statement(device, device.coil.current))
+
+# %% [markdown]
+# ## The field behind it
+#
+# The half section, revolved and opened by a quarter: |B| in the parts, and lines between which the
+# same flux runs. The shaft is the bottleneck; what leaks along the coil never reaches the gap.
+
+# %%
+tactgen.show(scene)
+
+# %%
+(field,) = tactgen.solve(scene, ["axisymmetric"], ["magnetic_force"]).quantities
+network = float(pull.force(device.coil.current, device.gap))
+print(f"pull by the network {1e3 * network:.1f} mN, by the field {1e3 * float(field.value):.1f} mN")
+assert 0.7 < network / float(field.value) < 1.3
 
 # %%
 assert currents.holding < 0.5 * currents.pull_in

@@ -1,13 +1,15 @@
 # %% [markdown]
-# # What if the bimorph were longer?
+# # 3 Choosing a length under a finger
 #
-# The paper chose 20 mm: long enough to move the finger, short enough to keep the minimum of
-# the response at the end of the band. The transfer-matrix model answers in milliseconds, so
-# we can simply ask for every length.
+# What if the bimorph were longer? The paper chose 20 mm: long enough to move the finger, short
+# enough to keep the minimum of the response at the end of the band. The transfer-matrix model
+# answers in milliseconds, so we can simply ask for every length.
 
 # %%
+import matplotlib.pyplot as plt
 import numpy as np
 
+import tactgen
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.design.aim import Aim
 from tactgen.validation.studies.design.length_design import design
@@ -25,6 +27,22 @@ for length, displacement, minimum in zip(
 ):
     at = f"minimum at {minimum.frequency:5.0f} Hz" if minimum else "no minimum in the band"
     print(f"{length * 1e3:3.0f} mm: {displacement[0] * 1e6:6.1f} µm at 10 Hz, {at}")
+
+# %% [markdown]
+# Three of them against what a finger just feels:
+
+# %%
+figure, axis = plt.subplots(figsize=(7.0, 3.8))
+for millimetres in (14, 20, 30):
+    wanted = [f"bimorph.length={millimetres}mm", "frequency=10:1000:200:log"]
+    one, _ = tactgen.load_scene("paper", wanted)
+    solved = tactgen.solve(one, ["tmm"], ["tip_displacement", "threshold_voltage"])
+    moved = np.abs(solved.get("tip_displacement", "tmm").value)
+    axis.loglog(one.frequency, 1e6 * moved, label=f"{millimetres} mm")
+    felt = moved / one.drive.voltage * solved.get("threshold_voltage", "tmm").value
+axis.loglog(one.frequency, 1e6 * felt, "k:", label="just felt")
+axis.set(xlabel="frequency (Hz)", ylabel="tip displacement at 50 V (µm)")
+_ = axis.legend()
 
 # %% [markdown]
 # Which lengths stay above the detection threshold from 10 to 1000 Hz? Those whose minimum

@@ -1,5 +1,5 @@
 # %% [markdown]
-# # The printed formulas of the paper
+# # 2 The paper's formulas audited
 #
 # The paper prints its model as 50 numbered formulas: springs below, finger above, the 25 entries
 # of a transfer matrix A between them, and what these are made of. Which of them follow from the
@@ -7,6 +7,7 @@
 # actuator under the finger?
 
 # %%
+import matplotlib.pyplot as plt
 import numpy as np
 
 from tactgen.tmm.beam.printed_formulas import MISPRINTS, from_dynamic_stiffness, matrix_a
@@ -53,6 +54,15 @@ for row in wrong:
     current = f"{100 * row.current.max():8.2g} %"
     print(f"eq {row.formula.equation:2} {row.formula.symbol:7}       {changes} {current}")
 print("all together        ", " ".join(f"{100 * v:10.3g} %" for v in result.velocity))
+
+# %%
+figure, axis = plt.subplots(figsize=(7.0, 3.6))
+for row in wrong:
+    if row.velocity.min() > 0.0:
+        axis.loglog(AT, 100.0 * row.velocity, "o-", label=f"eq {row.formula.equation}")
+axis.axhline(10.0, color="grey", linewidth=0.8)
+axis.set(xlabel="frequency (Hz)", ylabel="change of tip velocity (%)")
+_ = axis.legend(fontsize=8)
 
 # %%
 effect = {row.formula.equation: row for row in wrong}
