@@ -154,7 +154,10 @@ def _flux_density(ladder: Ladder, flux: Floats) -> Floats:
 
 def _across_rungs(flux: Floats) -> Floats:
     """Return the flux through each rung (c, m, n + 1) (Wb)."""
-    return np.diff(flux, axis=-1, prepend=0.0, append=0.0)
+    through = np.empty((*flux.shape[:-1], flux.shape[-1] + 1))
+    through[..., 0], through[..., -1] = flux[..., 0], -flux[..., -1]
+    np.subtract(flux[..., 1:], flux[..., :-1], out=through[..., 1:-1])
+    return through
 
 
 def _energy(ladder: Ladder, flux: Floats, drive: Floats) -> tuple[Floats, Floats]:
@@ -212,14 +215,14 @@ def _to_cells(ladder: Ladder, values: Floats) -> Floats:
 
 
 def _tridiagonal(diagonal: Floats, beside: Floats, right: Floats) -> Floats:
-    """Solve symmetric positive definite tridiagonal systems, all points at once (Thomas)."""
-    n = right.shape[-1]
-    pivot, x = diagonal.copy(), np.array(right)
-    for k in range(1, n):
-        factor = beside[..., k - 1] / pivot[..., k - 1]
-        pivot[..., k] -= factor * beside[..., k - 1]
-        x[..., k] -= factor * x[..., k - 1]
-    x[..., -1] /= pivot[..., -1]
-    for k in range(n - 2, -1, -1):
-        x[..., k] = (x[..., k] - beside[..., k] * x[..., k + 1]) / pivot[..., k]
-    return x
+    """Solve symmetric positive definite tridiagonal systems, all points as one long system."""
+    from scipy.linalg.lapack import dptsv
+
+    joined = np.zeros(right.shape)  # nothing couples the last cell of a point to the next point
+    joined[..., :-1] = beside
+    # of a single unknown LAPACK's wrapper refuses that nothing couples it
+    between = joined.ravel()[: max(1, joined.size - 1)]
+    _, _, x, fault = dptsv(diagonal.ravel(), between, right.ravel())
+    if fault:
+        raise ArithmeticError("the magnetic circuit has no minimum that can be found")
+    return np.asarray(x).reshape(right.shape)

@@ -27,6 +27,9 @@ DIGITS = 80
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
+#: Bits after the point in the exponential: 126 decimals, of which entries may be small by 26.
+_FIXED = 420
+
 #: Wave phase |λ| up to which one matrix exponential is taken.
 _ONE_PIECE = 8
 
@@ -130,14 +133,48 @@ def bimorph_constants(layers: Layers) -> Constants:
 @_exact
 def transfer(beam: Constants, length: Any, omega: Any) -> mp.matrix:
     """Return exp(S l), 6 x 6, over the internal state [w, ψ, M, F, q, U]."""
-    o2 = mp.mpf(omega) ** 2
-    s = mp.zeros(6)
-    s[0, 1], s[0, 3] = -1, 1 / beam.GA
-    s[1, 2], s[1, 5] = 1 / beam.EI, beam.K / beam.EI
-    s[2, 1], s[2, 3] = -beam.rhoI * o2, 1
-    s[3, 0] = -beam.m * o2
-    s[4, 2], s[4, 5] = beam.K / beam.EI, beam.K**2 / beam.EI + beam.C
-    return mp.expm(s * mp.mpf(length), method="taylor")
+    o2, span = mp.mpf(omega) ** 2, mp.mpf(length)
+    return _exponential(
+        [
+            [(1, -span), (3, span / beam.GA)],
+            [(2, span / beam.EI), (5, span * beam.K / beam.EI)],
+            [(1, -span * beam.rhoI * o2), (3, span)],
+            [(0, -span * beam.m * o2)],
+            [(2, span * beam.K / beam.EI), (5, span * (beam.K**2 / beam.EI + beam.C))],
+            [],
+        ]
+    )
+
+
+def _exponential(rows: list[list[tuple[int, Any]]]) -> mp.matrix:
+    """Return exp of a matrix of few entries, given as (column, value) by row.
+
+    Its power series in whole numbers, multiples of 2^-_FIXED, of the real matrix
+    [[A, -B], [B, A]] for A + jB: an entry that is 0 costs nothing.
+    """
+    n = len(rows)
+    real, imaginary = (
+        [[(j, int(mp.ldexp(part(v), _FIXED))) for j, v in row] for row in rows]
+        for part in (mp.re, mp.im)
+    )
+    twice = [[*a, *((j + n, -v) for j, v in b)] for a, b in zip(real, imaginary, strict=True)]
+    twice += [[*b, *((j + n, v) for j, v in a)] for a, b in zip(real, imaginary, strict=True)]
+    entries = [[(j, v) for j, v in row if v] for row in twice]
+    power = [[int(i == j) << _FIXED for j in range(n)] for i in range(2 * n)]
+    total, k, ended = power, 0, 0
+    # any power is made of the n before it (Cayley, Hamilton): n that are rounding end the series
+    while ended < n:
+        k += 1
+        power = [
+            [(sum(v * power[m][j] for m, v in row) >> _FIXED) // k for j in range(n)]
+            for row in entries
+        ]
+        total = [
+            [a + b for a, b in zip(*both, strict=True)] for both in zip(total, power, strict=True)
+        ]
+        ended = ended + 1 if all(abs(v) <= 1 for row in power for v in row) else 0
+    back = [[mp.ldexp(mp.mpf(v), -_FIXED) for v in row] for row in total]
+    return mp.matrix(back[:n]) + mp.j * mp.matrix(back[n:])
 
 
 @_exact
