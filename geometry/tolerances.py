@@ -39,7 +39,7 @@ class Toleranced:
     low, high : float
         Ends of the range, SI units.
     words : str
-        The tolerance as people write it.
+        The tolerance as people write it after the value.
     relative : bool
         Whether it is a share of the value.
     """
@@ -117,7 +117,7 @@ def _range(found: re.Match[str], unit: Unit) -> Toleranced:
             f"has a range from {unit.show(ends[0])} to {unit.show(ends[1])} in which "
             f"{unit.show(value)} does not lie; write the smaller end first, around the value"
         )
-    return _inside(Toleranced(text, *ends, f"{low} to {high}"), value, unit)
+    return _inside(Toleranced(text, *ends, f"({low}..{high})"), value, unit)
 
 
 def _inside(found: Toleranced, value: float, unit: Unit) -> Toleranced:

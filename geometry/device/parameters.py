@@ -13,7 +13,6 @@ from tactgen.geometry.device.groups.declaration import PAPER_5, Parameters, fiel
 from tactgen.geometry.device.groups.holding import Contact, Guide, Spring
 from tactgen.geometry.device.groups.lateral import Bimorph, Glue, Piezo, Shim
 from tactgen.geometry.device.groups.normal import (
-    BUILT_IN_CURVES,
     NOMINAL_GAP,
     Coil,
     Rod,
@@ -23,9 +22,10 @@ from tactgen.geometry.device.groups.normal import (
 from tactgen.geometry.device.groups.operation import Beam, Drive, Limits, Load, Support
 from tactgen.geometry.device.materials import Own, Spread
 from tactgen.geometry.device.piezo_library import CERAMICS, LIBRARY
+from tactgen.geometry.device.shim_library import SHIMS
 
 __all__ = [
-    "BUILT_IN_CURVES", "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Drive",
+    "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Drive",
     "Glue", "Guide", "Limits", "Load", "Parameters", "Piezo", "Rod", "Shim", "Sleeve", "Spring",
     "Steel", "Support", "sources", "spreads",
 ]  # fmt: skip
@@ -63,6 +63,8 @@ def sources(group: Parameters) -> dict[str, str]:
         extra = info.json_schema_extra
         if isinstance(extra, dict):
             found[name] = str(extra["source"])
+    if isinstance(group, Shim) and group.material in SHIMS:
+        found.update(dict.fromkeys(found, SHIMS[group.material].origin))
     if isinstance(group, Piezo):
         found.update(LIBRARY[group.material].sources())
     return found
@@ -84,6 +86,9 @@ def spreads(group: Parameters) -> dict[str, Spread]:
             found[name] = Own(*own).around(value)  # type: ignore[arg-type]
         elif isinstance(spread, list):
             found[name] = Spread(*spread).moved(float(info.default), value)  # type: ignore[arg-type]
+    if isinstance(group, Shim) and group.material in SHIMS:
+        tables = SHIMS[group.material].spreads().items()
+        found.update({n: r for n, r in tables if r.low <= getattr(group, n) <= r.high})
     if isinstance(group, Piezo):
         ceramic = LIBRARY[group.material]
         for name, usual in ceramic.reduced().items():

@@ -8,6 +8,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.materials import EPS0, PRINTED, Own, Piezoceramic, Spread
+from tactgen.geometry.names import folded
 
 #: How far a ceramic of the trade may lie from its data sheet.  APC International states as
 #: standard tolerances: capacitance and d33 20 %, frequency 5 %, of which the compliance is the
@@ -99,6 +100,71 @@ def _pzt_8() -> Piezoceramic:
     )
 
 
+def _pzt_5j() -> Piezoceramic:
+    return Piezoceramic(
+        name="PZT-5J",
+        s=_transversely_isotropic(16.2e-12, -4.54e-12, -5.90e-12, 22.7e-12, 47.0e-12),
+        d=_strain_constants(-220e-12, 500e-12, 670e-12),
+        eps_t=np.diag([2720.0, 2720.0, 2600.0]) * EPS0,
+        density=7400.0,
+        quality_factor=75.0,
+        loss_tangent=0.02,
+        origin="PZT-5J (Navy type V), Morgan's constants as finite-element libraries print them",
+    )
+
+
+def _pic255() -> Piezoceramic:
+    return Piezoceramic(
+        name="PIC255",
+        s=_transversely_isotropic(15.90e-12, -5.675e-12, -7.376e-12, 20.97e-12, 44.92e-12),
+        d=_strain_constants(-174e-12, 393e-12, 535e-12),
+        eps_t=np.diag([1649.0, 1649.0, 1749.0]) * EPS0,
+        density=7800.0,
+        quality_factor=80.0,
+        loss_tangent=0.02,
+        origin="PIC255, PI Ceramic's table of coefficients for simulation",
+    )
+
+
+def _pz26() -> Piezoceramic:
+    return Piezoceramic(
+        name="Pz26",
+        s=_transversely_isotropic(13.0e-12, -4.35e-12, -7.05e-12, 19.6e-12, 33.2e-12),
+        d=_strain_constants(-128e-12, 328e-12, 327e-12),
+        eps_t=np.diag([1190.0, 1190.0, 1300.0]) * EPS0,
+        density=7700.0,
+        quality_factor=1000.0,
+        loss_tangent=0.003,
+        origin="Pz26 (hard), Ferroperm's full matrix data",
+    )
+
+
+def _pz27() -> Piezoceramic:
+    return Piezoceramic(
+        name="Pz27",
+        s=_transversely_isotropic(17.0e-12, -6.60e-12, -8.61e-12, 23.2e-12, 43.5e-12),
+        d=_strain_constants(-170e-12, 425e-12, 506e-12),
+        eps_t=np.diag([1800.0, 1800.0, 1800.0]) * EPS0,
+        density=7700.0,
+        quality_factor=80.0,
+        loss_tangent=0.017,
+        origin="Pz27, Ferroperm's full matrix data",
+    )
+
+
+def _pz29() -> Piezoceramic:
+    return Piezoceramic(
+        name="Pz29",
+        s=_transversely_isotropic(17.0e-12, -5.78e-12, -8.79e-12, 22.9e-12, 54.1e-12),
+        d=_strain_constants(-243e-12, 574e-12, 724e-12),
+        eps_t=np.diag([2440.0, 2440.0, 2870.0]) * EPS0,
+        density=7450.0,
+        quality_factor=90.0,
+        loss_tangent=0.019,
+        origin="Pz29, Ferroperm's full matrix data",
+    )
+
+
 def _m1876() -> Piezoceramic:
     """Return M1876: the paper's three constants, the rest a soft PZT by ratio to PZT-5H."""
     assumed = "assumed: typical of soft PZT with this d31 (no M1876 data sheet is public)"
@@ -138,15 +204,23 @@ def _m1876() -> Piezoceramic:
 
 #: Library of piezoceramics by name.
 LIBRARY: dict[str, Piezoceramic] = {
-    c.name: c for c in (_m1876(), _pzt_5h(), _pzt_5a(), _pzt_4(), _pzt_8())
-}
+    c.name: c
+    for c in (
+        _m1876(), _pzt_5h(), _pzt_5a(), _pzt_5j(), _pzt_4(), _pzt_8(), _pic255(), _pz26(), _pz27(),
+        _pz29(),
+    )
+}  # fmt: skip
+
+#: Types of the US Navy (MIL-STD-1376) that makers translate into these names.
+_NAVY = {"I": "PZT-4", "II": "PZT-5A", "III": "PZT-8", "V": "PZT-5J", "VI": "PZT-5H"}
 
 
 def library_name(text: str) -> str | None:
-    """Return the library's name of a ceramic written in any case, with or without - and space."""
-    names = {_folded(name): name for name in LIBRARY}
-    return names.get(_folded(text))
+    """Return the library's name of a ceramic written in any case, with or without - and space.
 
-
-def _folded(name: str) -> str:
-    return "".join(c for c in name.casefold() if c not in " -_")
+    ``Navy II`` and ``Navy type II`` are names, too.
+    """
+    names = {folded(name): name for name in LIBRARY}
+    for numeral, name in _NAVY.items():
+        names.update({folded(f"Navy{between}{numeral}"): name for between in ("", "type")})
+    return names.get(folded(text))

@@ -12,8 +12,10 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.csv_rows import check_widths, csv_rows, plain_number
 from tactgen.geometry.device.parameters import Steel
-from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve, linear
+from tactgen.geometry.device.steel_library import STEELS, built_in_curve
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted
 
 #: A table may be steeper than vacuum by this much: measured curves are rounded to about 1 %.
@@ -35,10 +37,10 @@ def magnetisation_curve(steel: Steel) -> MagnetisationCurve:
     InputError
         If the file cannot be used.
     """
-    if steel.curve == "team20":
-        return TEAM20
     if steel.curve == "linear":
         return linear(steel.relative_permeability)
+    if steel.curve in STEELS:
+        return built_in_curve(steel.curve)
     return read_curve(steel.curve)
 
 
@@ -54,8 +56,8 @@ def read_curve(path: str | Path) -> MagnetisationCurve:
         a magnetisation curve.
     """
     path = Path(path)
-    remedy = f"use team20, linear, or the path of a CSV file with the header {_HEADER}"
-    rows = csv_rows(path, f"steel.curve = {quoted(str(path))}", remedy)
+    remedy = f"use {', '.join(STEELS)}, or the path of a CSV file with the header {_HEADER}"
+    rows = csv_rows(path, f"steel.curve = {quoted(str(path))}{nearest(path.name, STEELS)}", remedy)
     columns = _columns(rows[0][1], path)
     check_widths(rows, str(path), short=True)
     b, h = (

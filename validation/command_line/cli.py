@@ -89,7 +89,7 @@ class _Parser(argparse.ArgumentParser):
 
     def _nearest(self, message: str) -> str:
         """Return what a misspelt command, choice or option may have meant."""
-        from tactgen.validation.scene.wording import nearest
+        from tactgen.geometry.names import nearest
 
         chosen = re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message)
         if chosen:

@@ -10,8 +10,8 @@ from typing import Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import read_text
+from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted
-from tactgen.validation.scene.wording import nearest
 
 #: Longest name that a scene may have.
 _LONGEST_NAME = 100

@@ -65,7 +65,7 @@ def scene_warnings(
         because = because or _idle(scene, key)
         if because:
             found.append(f"{key} = {_text(scene, key)} has no effect {because}")
-    return (*found, *_weightless(scene.load))
+    return (*found, *_weightless(scene.load), *_signs(scene))
 
 
 def idle(scene: Scene, key: str) -> str:
@@ -222,6 +222,21 @@ def _weightless(load: p.Load) -> list[str]:
         both = "load.stiffness = 0 N/m and load.damping = 0 N*s/m"
         return [f'load.kind = "spring_damper" with {both} is a free tip; set one of them']
     return []
+
+
+def _signs(scene: Scene) -> list[str]:
+    """Return what looks like a size that was taken for a value."""
+    found = []
+    if scene.piezo.d31 > 0.0:
+        found.append(
+            f"piezo.d31 = {_text(scene, 'piezo.d31')} is positive, and that of poled ceramics is "
+            "negative; if a data sheet prints its size, write it with a minus"
+        )
+    for key in ("shim.poisson_ratio", "rod.poisson_ratio", "glue.poisson_ratio"):
+        group, name = key.split(".")
+        if getattr(getattr(scene, group), name) < 0.0:
+            found.append(f"{key} = {_text(scene, key)} is negative, as hardly any material's is")
+    return found
 
 
 def _text(scene: Scene, key: str) -> str:

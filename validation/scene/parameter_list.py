@@ -56,7 +56,7 @@ def _rows(
             source = origins[key]
         text = show(value, info)
         if key in tolerances:
-            text += f" ({tolerances[key].words})"
+            text += f" {tolerances[key].words}"
         yield ParameterRow(key, text, info.description or "", source)
 
 

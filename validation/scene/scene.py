@@ -7,7 +7,7 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -26,7 +26,9 @@ from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
 from tactgen.geometry.device.load_table import load_table
+from tactgen.geometry.device.steel_library import steel_name
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted
 from tactgen.tmm.ports.terminations import ends_of
 from tactgen.validation.catalogue.models import MODELS, gives, models_of
@@ -42,7 +44,7 @@ from tactgen.validation.scene.files import (
 )
 from tactgen.validation.scene.frequencies import parse_frequencies
 from tactgen.validation.scene.tolerances import Tolerance, split_tolerances
-from tactgen.validation.scene.wording import choices, nearest, sentence
+from tactgen.validation.scene.wording import choices, sentence
 
 if TYPE_CHECKING:
     from tactgen.tmm.generator.positions import RestingPlace
@@ -76,10 +78,10 @@ class WholeNumber:
         return number
 
 
-#: Keys that name a file, each with the values that do not.
-FILE_KEYS: dict[str, tuple[str, ...]] = {
-    "steel.curve": tuple(p.BUILT_IN_CURVES),
-    "load.file": ("",),
+#: Keys that name a file, each with what tells values that do not.
+FILE_KEYS: dict[str, Callable[[str], bool]] = {
+    "steel.curve": lambda text: steel_name(text) is not None,
+    "load.file": lambda text: not text,
 }
 #: Origin of what ``--set`` and its shorthands say.
 ON_COMMAND_LINE = "set on the command line"
@@ -278,7 +280,7 @@ def _point_from_scene(values: dict[str, Any], name: str) -> None:
         group, _, field = key.partition(".")
         inside = values.get(group)
         file = inside.get(field) if isinstance(inside, dict) else None
-        if isinstance(inside, dict) and isinstance(file, str) and file not in named:
+        if isinstance(inside, dict) and isinstance(file, str) and not named(file):
             inside[field] = beside_scene(name, file)
 
 

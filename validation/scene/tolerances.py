@@ -80,7 +80,7 @@ def _read(key: str, text: str, unit: Unit) -> tuple[str, Tolerance]:
         found = read_tolerance(text, unit)
     except ValueError as error:
         raise InputError(f"{key} = {quoted(text)} {error}") from None
-    spread = Spread(found.low, found.high, f"stated: {found.words}", not found.relative)
+    spread = Spread(found.low, found.high, f"stated: {found.words.strip('()')}", not found.relative)
     return found.value, Tolerance(unit.parse(found.value), spread, found.words)
 
 

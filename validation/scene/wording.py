@@ -2,34 +2,18 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable
 from typing import Any
 
 from pydantic import ValidationError
 
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted
-
-#: Longest name (characters) for which the nearest known one is looked for.
-_LONGEST = 100
 
 
 def one_line(text: str) -> str:
     """Return text without line breaks or other characters that do not print."""
     return "".join(c if c.isprintable() else " " for c in " ".join(text.split()))
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Return `` (did you mean "…"?)`` for a misspelt name, or nothing."""
-    known = tuple(known)
-    if len(name) > _LONGEST:  # no slip of the pen; comparing takes its square in time
-        return ""
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    if not close and "." in name:
-        tails = {k.rsplit(".", 1)[-1]: k for k in known}
-        close = [tails[t] for t in difflib.get_close_matches(name.rsplit(".", 1)[-1], tails, n=1)]
-    return f' (did you mean "{close[0]}"?)' if close else ""
 
 
 def choices(value: Any, known: tuple[str, ...], kind: str, key: str) -> tuple[str, ...]:

@@ -11,7 +11,9 @@ from tactgen.geometry.device.groups.declaration import PAPER_2, PAPER_4, Paramet
 from tactgen.geometry.device.materials import Own, Piezoceramic, Spread
 from tactgen.geometry.device.piezo_library import LIBRARY, library_name
 from tactgen.geometry.device.profile import UNIFORM, LengthProfile, Profile
+from tactgen.geometry.device.shim_library import PAPERS, SHIMS, isotropic_shear, shim_name
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.names import nearest
 
 #: How far layers of somebody else's bimorph may lie from what is said of them.
 _LAYER = Own("layer thickness", 0.05)
@@ -108,8 +110,9 @@ class Piezo(Parameters):
         name = library_name(asked) if isinstance(asked, str) else None
         if name is None:
             raise InputError(
-                f"piezo.material = {u.quoted(asked)} is not in the library; "
-                f"use one of {', '.join(LIBRARY)} and replace single values, such as piezo.s11"
+                f"piezo.material = {u.quoted(asked)} is not in the library"
+                f"{nearest(str(asked), LIBRARY)}; use one of {', '.join(LIBRARY)} and replace "
+                "single values, such as piezo.s11"
             )
         library = {key: u.SI(value) for key, value in LIBRARY[name].reduced().items()}
         return {**library, **given, "material": name}
@@ -121,8 +124,16 @@ class Piezo(Parameters):
 
 
 class Shim(Parameters):
-    """The middle layer: elastic, electrically conducting, fibres along z."""
+    """The middle layer: elastic, electrically conducting, fibres along z.
 
+    A library material, any of whose values may be replaced; a metal stays isotropic.
+    """
+
+    material: str = field(
+        PAPERS,
+        "assumed: the paper says composite",
+        f"{PAPERS}: the paper's composite; or {', '.join(SHIMS)}",
+    )
     youngs_modulus: u.Modulus = printed(
         140e9, PAPER_2, "modulus along the actuator E_s", 5e9, own=Own("modulus", 0.05)
     )
@@ -146,6 +157,41 @@ class Shim(Parameters):
         own=Own("Poisson ratio", 0.1),
     )
     density: u.Density = printed(1500.0, PAPER_2, "mass density", 50.0, own=Own("density", 0.02))
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_from_library(cls, given: Any) -> Any:
+        if not isinstance(given, dict) or "material" not in given:
+            return given
+        asked = given["material"]
+        name = shim_name(asked) if isinstance(asked, str) else None
+        if name is None:
+            raise InputError(
+                f"shim.material = {u.quoted(asked)} is not in the library"
+                f"{nearest(str(asked), (PAPERS, *SHIMS))}; use one of "
+                f"{', '.join((PAPERS, *SHIMS))} and replace single values, such as "
+                "shim.youngs_modulus"
+            )
+        if name == PAPERS:
+            return {**given, "material": name}
+        library = {key: u.SI(value) for key, value in SHIMS[name].values().items()}
+        values = {**library, **given, "material": name}
+        if "shear_modulus" not in values:
+            values["shear_modulus"] = cls._isotropic_shear(values)
+        return values
+
+    @classmethod
+    def _isotropic_shear(cls, values: dict[str, Any]) -> float:
+        """Return a metal's shear modulus; where a constant cannot be read it says so itself."""
+        read = []
+        for name in ("youngs_modulus", "poisson_ratio"):
+            unit = next(m for m in cls.model_fields[name].metadata if isinstance(m, u.Unit))
+            value = values[name]
+            try:
+                read.append(unit.parse(value) if isinstance(value, str) else float(value))
+            except (TypeError, ValueError):
+                return u.SI(1.0e9)
+        return u.SI(isotropic_shear(*read))
 
 
 class Glue(Parameters):

@@ -7,7 +7,9 @@ total height.  The other sizes are those that meet these with the least heat in 
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator
 
 from tactgen.geometry import units as u
 from tactgen.geometry.device.groups.declaration import (
@@ -18,9 +20,7 @@ from tactgen.geometry.device.groups.declaration import (
     printed,
 )
 from tactgen.geometry.device.materials import Own
-
-#: Magnetisation curves that are known by name; other names are files.
-BUILT_IN_CURVES = ("team20", "linear")
+from tactgen.geometry.device.steel_library import STEELS, steel_name
 
 #: Gap at which the reconstructed normal actuator's axial positions are stated (m).
 NOMINAL_GAP = 0.2e-3
@@ -139,13 +139,18 @@ class Sleeve(Parameters):
     collar_thickness: u.SmallLength = field(0.2e-3, RECONSTRUCTED, "axial length of the collar")
 
 
+def _known_curve(text: str) -> str:
+    """Return the name of a built-in curve as it is spelt, or the text, which is a path."""
+    return steel_name(text) or text
+
+
 class Steel(Parameters):
     """The magnetic behaviour of rod and sleeve, one material."""
 
-    curve: str = field(
+    curve: Annotated[str, AfterValidator(_known_curve)] = field(
         "team20",
         "assumed: steel of TEAM Workshop problem 20",
-        "team20, linear, or the path of a CSV file with the columns B (T) and H (A/m)",
+        f"{', '.join(STEELS)}, or the path of a CSV file with the columns B (T) and H (A/m)",
     )
     relative_permeability: u.RelativePermeability = field(
         1000.0,

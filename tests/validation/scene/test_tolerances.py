@@ -27,11 +27,12 @@ def test_a_file_and_an_override_state_them(tmp_path):
         assert stage_key(stage, scene) == stage_key(stage, plain)
     found = ranges(scene)
     assert found["bimorph.width"][:2] == pytest.approx((1.9e-3, 2.1e-3))
-    assert found["piezo.quality_factor"][:3] == (50.0, 80.0, "stated: 50 to 80")
+    assert found["piezo.quality_factor"][:3] == (50.0, 80.0, "stated: 50..80")
     assert found["bimorph.length"][:2] == pytest.approx((17.82e-3, 18.18e-3))
     assert found["bimorph.shim_thickness"].whose == "printed"
     text = {row.key: row.text for row in parameter_rows(scene, origins)}
-    assert text["bimorph.width"] == "2 mm (± 0.1 mm)"
+    assert text["piezo.quality_factor"] == "60 (50..80)"
+    assert text["bimorph.width"] == "2 mm ± 0.1 mm"
 
 
 def test_they_follow_a_value_that_changes():

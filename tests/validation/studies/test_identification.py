@@ -10,7 +10,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import measurable
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.keys import with_values
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.scene import FILE_KEYS, load_scene
 from tactgen.validation.studies.identification.curve_fit import Misfit
 from tactgen.validation.studies.identification.curve_model import curve_model, sensitivities
 from tactgen.validation.studies.identification.fit_parameters import fit_parameter
@@ -426,8 +426,8 @@ def test_requests_that_make_no_sense():
 
 def test_a_fitted_scene_elsewhere_names_the_same_curve(tmp_path):
     """The path of a steel's table is written from where the new scene stands."""
-    assert file_from(Path("fits"), "data/steel.csv", ("team20",)) == str(
+    assert file_from(Path("fits"), "data/steel.csv", FILE_KEYS["steel.curve"]) == str(
         Path("..") / "data" / "steel.csv"
     )
     for as_it_is in ("team20", "linear", str(tmp_path / "steel.csv")):
-        assert file_from(Path("fits"), as_it_is, ("team20", "linear")) == as_it_is
+        assert file_from(Path("fits"), as_it_is, FILE_KEYS["steel.curve"]) == as_it_is

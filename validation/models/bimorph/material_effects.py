@@ -34,8 +34,8 @@ class MaterialRow:
     refused: str = ""
 
 
-#: Mechanical quality factor from which on a ceramic is hard, of another kind than those here.
-_HARD = 200.0
+#: Soft ceramics that differ most in what the reduced constants do not fix.
+_REST = ("PZT-5H", "PZT-5A")
 
 
 def choices(ceramic: Piezoceramic) -> Iterator[tuple[str, str, Piezoceramic]]:
@@ -44,8 +44,9 @@ def choices(ceramic: Piezoceramic) -> Iterator[tuple[str, str, Piezoceramic]]:
     reduced = ceramic.reduced()
     # M1876 is PZT-5H by ratio already
     same = {ceramic.name, "M1876", *(("PZT-5H",) if ceramic.name == "M1876" else ())}
-    for name, other in LIBRARY.items():
-        if name not in same and other.quality_factor < _HARD:
+    for name in _REST:
+        other = LIBRARY[name]
+        if name not in same:
             yield (
                 f"rest by ratio to {name}",
                 "all that the reduced constants do not fix",

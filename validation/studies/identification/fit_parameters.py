@@ -13,11 +13,12 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, TypeAdapter, ValidationError
 
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.names import nearest
 from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.beam.parametric import check_length_free
 from tactgen.validation.scene.keys import SYMBOLS, value_of
 from tactgen.validation.scene.scene import Scene, scene_keys
-from tactgen.validation.scene.wording import nearest, one_line
+from tactgen.validation.scene.wording import one_line
 
 #: What a velocity curve over the first resonance determines.
 DEFAULT_FIT = ("c_s", "d_s")

@@ -16,9 +16,9 @@ from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.csv_columns import Column, check_ascending, heading, numbers, scale_to_si
 from tactgen.geometry.csv_rows import Row, check_widths, csv_rows, plain_number
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.names import nearest
 from tactgen.geometry.units import FREQUENCY, PHASE, Unit, quoted
 from tactgen.validation.catalogue.quantities import measurable
-from tactgen.validation.scene.wording import nearest
 from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
 
 _WEIGHT = Unit("", "weight", "1", limits=(1e-12, 1e12))

@@ -6,7 +6,7 @@ import io
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -278,9 +278,9 @@ def scene_text(found: Identification, origins: Mapping[str, str], folder: Path) 
     return "\n".join(lines) + "\n"
 
 
-def file_from(folder: Path, file: str, named: tuple[str, ...]) -> str:
-    """Return a file as a scene in `folder` names it, relative to that; `named` are no files."""
-    if file in named or Path(file).is_absolute():
+def file_from(folder: Path, file: str, named: Callable[[str], bool]) -> str:
+    """Return a file as a scene in `folder` names it, relative to that; `named` tells no files."""
+    if named(file) or Path(file).is_absolute():
         return file
     return os.path.relpath(file, folder)
 

@@ -6,12 +6,12 @@ from collections.abc import Iterable
 
 from tactgen.geometry.device.profile import Profile
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted
 from tactgen.tmm.beam.parametric import Actuator, check_keys, parameter_keys
 from tactgen.validation.scene.idle_keys import idle
 from tactgen.validation.scene.keys import SYMBOLS, value_of
 from tactgen.validation.scene.scene import Scene, scene_keys
-from tactgen.validation.scene.wording import nearest
 
 #: Groups that no one-dimensional model of the lateral actuator reads.
 _ELSEWHERE = ("coil", "sleeve", "spring", "steel", "mesh", "limits")

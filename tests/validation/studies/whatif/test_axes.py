@@ -88,7 +88,7 @@ def test_tolerances_are_axes():
     values, _ = scene_values("paper", ["bimorph.width=2.1 ± 0.1 mm", "gap=0.2 mm (0.19..0.22)"])
     every, notes = with_tolerances(values, (), sampled=True)
     assert {axis.key for axis in parse_axes(every, sampled=True)} == {"bimorph.width", "gap"}
-    assert "gap is drawn from 0.19 mm to 0.22 mm (stated: 0.19 mm to 0.22 mm)" in notes
+    assert "gap is drawn from 0.19 mm to 0.22 mm (stated: 0.19 mm..0.22 mm)" in notes
     mixed, notes = with_tolerances(values, ("gap=0.1mm,0.2mm", "shim.density"), sampled=True)
     steps, drawn = parse_axes(mixed, sampled=True)
     assert (steps.values, drawn.drawn.first, drawn.drawn.second) == ((1e-4, 2e-4), 1450.0, 1550.0)

@@ -19,11 +19,11 @@ from typing import Any, Literal
 import numpy as np
 
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted, unit_registry
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Quantity
-from tactgen.validation.scene.wording import nearest
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+)|(?P<name>[A-Za-z_]\w*)"
