@@ -145,7 +145,11 @@ def test_no_half_a_document(refused, command):
             ["design", "reluctance"],
             ["models = network", "design is about the lateral", "models=tmm"],
         ),
-        (["sensitivity", "reluctance"], ["sensitivity is about the lateral one"]),
+        (["sensitivity", "reluctance", "--sobol"], ["--sobol is of the lateral", "leave it out"]),
+        (
+            ["sensitivity", "--model", "network", "--quantity", "capacitance_free"],
+            ["capacitance_free", "is computed by"],
+        ),
         (["init", ""], ["--file is empty"]),
         (["export", "--step", ""], ["--step is empty"]),
         (["export", "--state-space", " "], ["--state-space is empty"]),

@@ -51,6 +51,9 @@ class ModelRow:
     families : str
         Module that answers many scenes of one family together, if there is one: see
         :mod:`validation.engine.families`.
+    derivatives : str
+        Module that gives exact derivatives of its answers, if there is one: see
+        :mod:`validation.engine.derivatives`.
     finest : float
         Relative error that its finest mesh is known to come down to; 0 if that is not known.
     """
@@ -70,6 +73,7 @@ class ModelRow:
     kept: tuple[str, ...] = ()
     loads: tuple[str, ...] = ()
     families: str = ""
+    derivatives: str = ""
     finest: float = 0.0
 
     @property
@@ -176,7 +180,8 @@ _ROWS = (
         "tactgen.validation.models.bimorph.solid", "SolidModel", theory="solid", rank=5,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
         remedy="raise mesh.level (at most 5) or accept the bar", kept=_SOLID_KEPT,
-        families="tactgen.validation.models.bimorph.family_answers", finest=6e-5,
+        families="tactgen.validation.models.bimorph.family.answers",
+        derivatives="tactgen.validation.models.bimorph.family.derivatives", finest=6e-5,
     ),
     ModelRow(
         "cad", "3D piezoelectric solid on the CAD solids: fTetWild's tetrahedra in scikit-fem",

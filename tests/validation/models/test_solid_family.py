@@ -12,8 +12,9 @@ from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.stretching import dividing, stretched
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.bimorph import solid, solid_family
-from tactgen.validation.models.bimorph.family_values import family_values
+from tactgen.validation.models.bimorph import solid
+from tactgen.validation.models.bimorph.family import solid_family
+from tactgen.validation.models.bimorph.family.values import family_values
 from tactgen.validation.scene.scene import load_scene
 
 QUANTITIES = (
@@ -38,7 +39,7 @@ def quick_levels():
 
 @pytest.fixture(scope="module")
 def family():
-    return solid_family.solid_family(scene(), RANGE)
+    return solid_family.solid_family(scene(), RANGE, QUANTITIES)
 
 
 def scene(*more):
@@ -68,13 +69,39 @@ def test_values_agree_with_single_answers(family):
     assert max(apart.values()) <= 1.0, apart
 
 
+def test_responses_agree_with_single_answers_below_and_at_resonance():
+    """Losses included; at the resonance what the basis misses is magnified, and its bar with it."""
+    sets = ["frequency=100,780"]
+    names = ("tip_displacement", "input_current")
+    own = scene(*sets)
+    family = solid_family.solid_family(own, {"bimorph.length": (13e-3, 15e-3)}, names)
+    assert set(family.fine.motions) == {"bending_x"}
+    found = family_values(own, family, {"bimorph.length": np.array([14e-3])}, names)
+    single = solve(scene(*sets), ["solid"], names)
+    for name in names:
+        quantity = single.get(name, "solid")
+        assert found[name].value.shape == (1, 2)
+        apart = np.abs(found[name].value[0] - quantity.value)
+        assert (apart <= found[name].bar[0] + quantity.uncertainty).all(), name
+        assert (found[name].basis[0] <= 0.02 * np.abs(quantity.value)).all(), name
+
+
+def test_a_frequency_beyond_the_basis_is_refused():
+    own = scene("frequency=1e6")
+    family = solid_family.solid_family(own, {"bimorph.length": (13e-3, 15e-3)}, ["tip_velocity"])
+    with pytest.raises(InputError, match=r"1e\+06 Hz is beyond the 4 modes"):
+        family_values(own, family, {"bimorph.length": np.array([14e-3])}, ["tip_velocity"])
+
+
 def test_what_is_kept_serves_within_its_range_and_grows_beyond(family):
     said = []
     narrow = {"bimorph.length": (13e-3, 15e-3)}
-    again = solid_family.solid_family(scene(), narrow, said.append)
+    again = solid_family.solid_family(scene(), narrow, QUANTITIES, said.append)
     assert again.ranges == family.ranges
     assert not said
-    wider = solid_family.solid_family(scene(), {"bimorph.length": (15e-3, 17e-3)}, said.append)
+    wider = solid_family.solid_family(
+        scene(), {"bimorph.length": (15e-3, 17e-3)}, QUANTITIES, said.append
+    )
     assert wider.ranges == {"bimorph.length": (12e-3, 17e-3)}
     assert any("grows" in text for text in said)
 
@@ -89,7 +116,7 @@ def test_what_is_kept_serves_within_its_range_and_grows_beyond(family):
 )
 def test_refusals_name_the_key(ranges, words):
     with pytest.raises(InputError, match=words):
-        solid_family.solid_family(scene(), ranges)
+        solid_family.solid_family(scene(), ranges, QUANTITIES)
 
 
 def test_a_point_outside_is_refused(family):
@@ -107,7 +134,7 @@ def test_bars_of_the_bases_cover_what_they_miss(monkeypatch):
     for module in (solid, solid_family):
         monkeypatch.setattr(module, "LEVELS", LEVELS)
     own = load_scene("j1", ["accuracy=5e-3"])[0]
-    family = solid_family.solid_family(own, ranges)
+    family = solid_family.solid_family(own, ranges, QUANTITIES)
     extremes = [{k: v[0] for k, v in ranges.items()}, {k: v[1] for k, v in ranges.items()}]
     bricks = dividing([with_values(own.device, e) for e in extremes], LEVELS[0])
     rng = np.random.default_rng(11)

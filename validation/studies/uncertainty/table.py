@@ -1,4 +1,4 @@
-"""Sensitivities of a scene's quantities, one column per quantity and frequency."""
+"""Sensitivities of a scene's quantities by tmm, one column per quantity and frequency."""
 
 from __future__ import annotations
 
@@ -21,6 +21,10 @@ from tactgen.validation.view.formats import engineering
 
 #: Columns that a table for people has at most, if a quantity's frequencies can be thinned.
 _SHOWN = 8
+#: Relative error of the transfer-matrix model's derivatives, of the largest of a column:
+#: rounding where an entry of the ports' matrix is next to a pole or zero.
+_ERROR = 2e-9
+_METHOD = "exact derivatives by Cauchy's integral; the bar is the rounding next to a pole"
 
 
 @dataclass(frozen=True)
@@ -35,6 +39,12 @@ class SensitivityColumn:
         dq/dp in SI units by scene key.
     logarithmic : dict of str to float
         d ln q / d ln p by scene key.
+    model : str
+        By which it is.
+    bars : dict of str to float
+        Error bars of `logarithmic`.
+    method : str
+        How derivatives and bars come about.
     """
 
     quantity: str
@@ -43,6 +53,9 @@ class SensitivityColumn:
     value: float
     derivatives: dict[str, float]
     logarithmic: dict[str, float]
+    model: str
+    bars: dict[str, float]
+    method: str
 
     @property
     def label(self) -> str:
@@ -86,19 +99,15 @@ def sensitivity_columns(scene: Scene, keys: Sequence[str] | None = None) -> list
 
 
 def _check_differentiable(row: QuantityRow) -> None:
-    if _is_differentiable(row):
+    if is_differentiable(row):
         return
-    why = (
-        "is a matrix and has no sensitivities here"
-        if row.actuator == "bimorph"
-        else "belongs to the normal actuator, but sensitivities are those of the transfer-matrix "
-        "model of the lateral one"
-    )
-    able = ", ".join(name for name, other in QUANTITIES.items() if _is_differentiable(other))
-    raise InputError(f"quantity {row.name} {why}; use one of {able}")
+    able = ", ".join(name for name, other in QUANTITIES.items() if is_differentiable(other))
+    raise InputError(f"quantity {row.name} is a matrix and has no sensitivities here; use one of "
+                     f"{able}")  # fmt: skip
 
 
-def _is_differentiable(row: QuantityRow) -> bool:
+def is_differentiable(row: QuantityRow) -> bool:
+    """Return whether the transfer-matrix model has exact derivatives of a quantity."""
     return isinstance(row.read, Readout | ModalReadout)
 
 
@@ -125,6 +134,8 @@ def _columns(
     for i in np.flatnonzero(np.isfinite(value)):
         size = float(abs(value[i]))
         slope = {k: float((np.conj(value[i]) * s[i]).real / size) for k, s in slopes.items()}
+        logarithmic = {key: device.value(key) * s / size for key, s in slope.items()}
+        error = _ERROR * max((abs(s) for s in logarithmic.values()), default=0.0)
         columns.append(
             SensitivityColumn(
                 row.name,
@@ -132,7 +143,10 @@ def _columns(
                 float(frequencies[i]) if row.by_frequency else None,
                 size,
                 slope,
-                {key: device.value(key) * s / size for key, s in slope.items()},
+                logarithmic,
+                "tmm",
+                dict.fromkeys(logarithmic, error),
+                _METHOD,
             )
         )
     return columns

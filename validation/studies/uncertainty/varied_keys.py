@@ -63,8 +63,8 @@ def _omission(scene: Scene, device: Actuator, key: str) -> str:
     return ""
 
 
-def _refusal(scene: Scene, device: Actuator, key: str) -> str:
-    """Return why a key has no sensitivity, and the remedy, or nothing if it has one."""
+def not_a_number(scene: Scene, key: str) -> str:
+    """Return why no model has a sensitivity to a key, and the remedy: it is no number."""
     if key not in scene_keys():
         symbol = f' (did you mean "{SYMBOLS[key]}"?)' if key in SYMBOLS else ""
         close = symbol or nearest(key, scene_keys())
@@ -72,15 +72,26 @@ def _refusal(scene: Scene, device: Actuator, key: str) -> str:
     value, out = value_of(scene, key), "leave the key out"
     if isinstance(value, Profile):
         return f"is a profile, whose points are not varied; {out}, or compare two tactgen solve"
-    if "." not in key or key.partition(".")[0] in _ELSEWHERE:
-        return f"is no parameter of the transfer-matrix model; {out}"
-    if isinstance(value, str):
-        return f"is a choice, not a number, and has no sensitivity; {out}"
+    if isinstance(value, int):
+        return f"is a whole number, which is not varied; {out}"
     if value is None:
         return f"has no value of its own in this scene, but follows from others; {out}"
+    if not isinstance(value, float):
+        return f"is a choice, not a number, and has no sensitivity; {out}"
+    return ""
+
+
+def _refusal(scene: Scene, device: Actuator, key: str) -> str:
+    """Return why a key has no sensitivity by tmm, and the remedy, or nothing if it has one."""
+    out = "leave the key out"
+    if key in scene_keys() and ("." not in key or key.partition(".")[0] in _ELSEWHERE):
+        return f"is no parameter of the transfer-matrix model; {out}"
+    reason = not_a_number(scene, key)
+    if reason:
+        return reason
     if idle(scene, key):
         return "has no sensitivity: " + idle(scene, key)
-    if value == 0.0:
+    if value_of(scene, key) == 0.0:
         return f"is 0, and there is no percentage of 0; set another value, or {out}"
     if _has_kink(device, key):
         return f"cannot be varied: {_kink(scene, key)}; {out}"

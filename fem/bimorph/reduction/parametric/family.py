@@ -9,7 +9,7 @@ search).  How much was really missing there, once it is known, sets the bound's 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -23,11 +23,13 @@ from tactgen.fem.bimorph.reduction.parametric.expansion import (
     with_values,
 )
 from tactgen.fem.bimorph.reduction.parametric.growing import GrowingBasis
+from tactgen.fem.bimorph.reduction.parametric.harmonic import family_harmonic
 from tactgen.fem.bimorph.reduction.parametric.products import TermProducts
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members, ReducedMotion
 from tactgen.fem.bimorph.system import SolidSystem, materials
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.stretching import dividing, stretched
 from tactgen.geometry.device.parameters import Device
@@ -42,6 +44,8 @@ _SAFETY = 2.0
 #: How much less is left out of the basis where a point that was asked is the worst again, and
 #: where what is left out is rounding.
 _CLOSER, _ROUNDING = 0.2, 1e-7
+#: Tolerance of what is reduced at one point only: below, new shapes are rounding of others.
+_AT_ONE_POINT = 1e-10
 #: Energy left out of the basis counts by its root, and this share of the tolerance's.
 _LEFT_OUT = 0.1
 
@@ -74,9 +78,12 @@ class ReducedFamily:
     asked: int
     unknowns: int
 
-    def members(self, motion: Motion, device: Device, values: Mapping[str, Floats]) -> Members:
+    def members(
+        self, motion: Motion, device: Device, values: Mapping[str, Floats], *, lossy: bool = False
+    ) -> Members:
         """Return the small systems of bimorphs that differ from `device` in `values` (n,)."""
-        return self.motions[motion].members(self.terms, self.terms.coefficients(device, values))
+        c = self.terms.coefficients(device, values, lossy=lossy)
+        return self.motions[motion].members(self.terms, c)
 
 
 def build_family(
@@ -86,6 +93,7 @@ def build_family(
     modes: Mapping[Motion, int],
     *,
     tolerance: float,
+    frequencies: Sequence[float] = (),
     announce: Callable[[str], None] = lambda _: None,
 ) -> ReducedFamily:
     """Reduce the bimorphs of a range of scene keys to small systems.
@@ -102,8 +110,13 @@ def build_family(
         Classes of motion, and how many modes of each are wanted.
     tolerance : float
         Relative error bound to reach for frequencies, deflection, compliance and capacitance.
+    frequencies : sequence of float
+        Frequencies (Hz) at which responses with losses are wanted, if any are; what a resonance
+        magnifies is left to the responses' bars.
     """
-    builder = _Builder.of(device, dict(ranges), meshing, dict(modes), tolerance)
+    builder = _Builder.of(
+        device, dict(ranges), meshing, dict(modes), tolerance, _looked_at_too(frequencies)
+    )
     for point in builder.corners():
         builder.ask(point, list(modes))
     while True:
@@ -120,6 +133,38 @@ def build_family(
         builder.ask(builder.points[at], poor)
 
 
+def tangent_family(
+    device: Device,
+    meshing: BrickMeshing,
+    modes: Mapping[Motion, int],
+    *,
+    frequencies: Sequence[float] = (),
+) -> ReducedFamily:
+    """Reduce the neighbourhood of one bimorph, for derivatives in all of its numbers at once.
+
+    The basis holds what the bimorph itself has to say, to rounding.  A frequency, or what a
+    load does at a load, is stationary in its state: what the basis misses next to the bimorph
+    is of second order in the distance, so the derivatives of the small system are those of the
+    large one, φᵀ (K' − λ M') φ and −xᵀ K' x, for whichever number K and M depend on.
+
+    Parameters
+    ----------
+    device : Device
+        The bimorph, on a division of its own.
+    meshing : BrickMeshing
+        How finely it is divided.
+    modes : mapping of Motion to int
+        Classes of motion, and how many modes of each are wanted.
+    frequencies : sequence of float
+        As of :func:`build_family`.
+    """
+    builder = _Builder.of(
+        device, {}, meshing, dict(modes), _AT_ONE_POINT, _looked_at_too(frequencies)
+    )
+    builder.margins = dict.fromkeys(modes, _SAFETY)
+    return builder.family(0.0)
+
+
 @dataclass
 class _Builder:
     """A family that grows."""
@@ -128,6 +173,7 @@ class _Builder:
     ranges: dict[str, tuple[float, float]]
     modes: dict[Motion, int]
     tolerance: float
+    frequencies: Floats
     products: TermProducts
     bases: dict[Motion, GrowingBasis]
     margins: dict[Motion, float]
@@ -144,6 +190,7 @@ class _Builder:
         meshing: BrickMeshing,
         modes: dict[Motion, int],
         tolerance: float,
+        frequencies: Floats,
     ) -> _Builder:
         middle = with_values(device, {key: 0.5 * sum(ends) for key, ends in ranges.items()})
         corners = [
@@ -160,12 +207,17 @@ class _Builder:
         }
         least = float(_LEFT_OUT * np.sqrt(tolerance))
         for motion, basis in bases.items():
-            basis.learn(_in_motion(system, motion), np.ones(3), least)
-        low, high = np.array(list(ranges.values())).T
+            basis.learn(
+                _in_motion(system, motion), np.ones(3), least,
+                _with_losses(middle, bricks, basis, frequencies),
+            )  # fmt: skip
+        low, high = np.array(list(ranges.values())).reshape(-1, 2).T
         share = np.random.default_rng(2).uniform(size=(_LOOKED_AT * len(ranges), len(ranges)))
         points = low + share * (high - low)
         margins = dict.fromkeys(modes, 1.0)
-        return cls(device, ranges, modes, tolerance, products, bases, margins, points, least)
+        return cls(
+            device, ranges, modes, tolerance, frequencies, products, bases, margins, points, least
+        )
 
     def corners(self) -> list[Floats]:
         """Return the corners of the range."""
@@ -180,7 +232,8 @@ class _Builder:
         for motion in motions:
             basis = self.bases[motion]
             before = self._answers(motion, point[None])
-            basis.learn(_in_motion(system, motion), scale, self.least)
+            lossy = _with_losses(member, bricks, basis, self.frequencies)
+            basis.learn(_in_motion(system, motion), scale, self.least, lossy)
             self._observe(motion, before, self._answers(motion, point[None]))
         self.asked += 1
 
@@ -208,9 +261,17 @@ class _Builder:
 
     def _answers(self, motion: Motion, points: Floats) -> _Answers:
         values = dict(zip(self.ranges, points.T, strict=True))
-        c = self.products.terms.coefficients(self.device, values)
-        members = self.bases[motion].frozen(self.margins[motion]).members(self.products.terms, c)
-        return _looked_at(members, self.modes[motion])
+        terms, basis = self.products.terms, self.bases[motion].frozen(self.margins[motion])
+        members = basis.members(terms, terms.coefficients(self.device, values))
+        found = _looked_at(members, self.modes[motion])
+        if self.frequencies.size and basis.has_ports:
+            lossy = terms.coefficients(self.device, values, lossy=True)
+            response = _response(basis.members(terms, lossy), found, self.frequencies)
+            found = _Answers(
+                np.concatenate([found.values, response.values], axis=1),
+                np.concatenate([found.bars, response.bars], axis=1),
+            )
+        return found
 
     def _observe(self, motion: Motion, before: _Answers, after: _Answers) -> None:
         """Widen the margin if more was missing than the bound said, without its margin."""
@@ -220,6 +281,21 @@ class _Builder:
         if worth.any():
             ratio = float((missing[worth] / said[worth]).max())
             self.margins[motion] = max(self.margins[motion], _SAFETY * ratio)
+
+
+def _looked_at_too(frequencies: Sequence[float]) -> Floats:
+    """Return where a response is looked at: in the middle, and where inertia counts most."""
+    found = np.sort(np.asarray(frequencies, dtype=float))
+    return np.unique(found[[found.size // 2, -1]]) if found.size else found
+
+
+def _with_losses(
+    member: Device, bricks: Bricks, basis: GrowingBasis, frequencies: Floats
+) -> SolidSystem | None:
+    """Return a member with losses, if responses of this class of motion are wanted."""
+    if not (frequencies.size and basis.has_ports):
+        return None
+    return assemble_bricks(member, bricks, lossy=True)
 
 
 def _in_motion(system: SolidSystem, motion: Motion) -> SolidSystem:
@@ -258,3 +334,21 @@ def _looked_at(members: Members, modes: int) -> _Answers:
         missing = np.column_stack([force**2, force * volt, volt**2])
         bars += [opened.bars / opened.frequencies, missing / np.abs(values[-1])]
     return _Answers(np.concatenate(values, axis=1), np.concatenate(bars, axis=1))
+
+
+def _response(members: Members, rest: _Answers, frequencies: Floats) -> _Answers:
+    """Return compliance, deflection and charge at frequencies, with bars in shares of `rest`.
+
+    What is magnified by a resonance is magnified in the answer, too, and left out here.
+    """
+    found = family_harmonic(members, frequencies)
+    at_rest = np.abs(rest.values[:, None, -3:])
+    volt, force = found.missing[:, :, 2], found.missing[:, :, 3]
+    missing = np.stack([force**2, force * volt, volt**2], axis=2)
+    served = np.where(np.isfinite(found.magnified), found.magnified, 1.0)
+    missing = np.where(np.isfinite(missing), missing, 0.0) / served[:, :, None]
+    moved = np.stack(
+        [found.compliance[:, :, 0, 0], found.follows[:, :, 0, 2], found.held[:, :, 2, 2]], axis=2
+    )
+    count = missing.shape[0]
+    return _Answers(np.abs(moved).reshape(count, -1), (missing / at_rest).reshape(count, -1))

@@ -34,6 +34,11 @@ class GrowingBasis:
         The undivided member's materials.
     modes : int
         Modes of each member that the basis is to contain.
+
+    Attributes
+    ----------
+    has_ports : bool
+        Whether base, tip and electrodes take part in the motion.
     """
 
     def __init__(
@@ -41,25 +46,25 @@ class GrowingBasis:
     ) -> None:
         bricks = products.bricks
         self._products, self._motion = products, system.motion
-        self._has_ports = system.has_ports
+        self.has_ports = system.has_ports
         # a load and an open circuit each lift a mode past one other
-        self._modes = modes + 2 * self._has_ports
+        self._modes = modes + 2 * self.has_ports
         self._grid = Grid.of(bricks, system)
         self._energy = _Energy.of(self._grid, system)
         self._random = self._energy.compliance(
             self._grid, random_loads(bricks, known, system.volts_per_unit)
         )
         none = Shapes.none(bricks.shape)
-        rigid = rigid_shapes(bricks) if self._has_ports else none
+        rigid = rigid_shapes(bricks) if self.has_ports else none
         self._rigid = int(rigid.moved.shape[-1])
-        self._tip = tip_shapes(bricks) if self._has_ports else none
+        self._tip = tip_shapes(bricks) if self.has_ports else none
         self._shapes = none
         self._factor: Factor | None = None
         # displacements and potentials of the basis as states of the unknowns
         self._moving = self._field = np.zeros((self._grid.index.size, 0))
         self._own = _own(products, none, none, self._tip)
         self._seen = _seen(products, self._random, none, self._tip)
-        lift = self._grid.lift[..., None] if self._has_ports else none.charged
+        lift = self._grid.lift[..., None] if self.has_ports else none.charged
         self._add(Shapes(rigid.moved, lift))
 
     @property
@@ -72,7 +77,9 @@ class GrowingBasis:
         """Number of unknowns of a member."""
         return int(self._grid.index.size)
 
-    def learn(self, system: SolidSystem, scale: Floats, least: float) -> None:
+    def learn(
+        self, system: SolidSystem, scale: Floats, least: float, lossy: SolidSystem | None = None
+    ) -> None:
         """Take in what a member has to say.
 
         Parameters
@@ -83,13 +90,15 @@ class GrowingBasis:
             Its stretches g.
         least : float
             Root of the share of energy below which what is new is left out.
+        lossy : SolidSystem, optional
+            The member with losses, if these are to be served.
         """
         # the next mode tells how far the last one may be off
         if self._factor is None:
             self._factor = system.held_factor
         else:
             system.take_factor(self._factor)
-        states = answers(system, self._modes + 1)
+        states = answers(system, self._modes + 1, lossy)
         found = self._grid.spread(states)
         moved = found.moved * scale[:, None, None, None, None]
         charged = found.charged * system.volts_per_unit / self._products.terms.unit
@@ -112,7 +121,7 @@ class GrowingBasis:
         bricks = self._products.bricks
         return ReducedMotion(
             motion=self._motion,
-            has_ports=self._has_ports,
+            has_ports=self.has_ports,
             modes=self._modes,
             rigid=self._rigid,
             basis=self._own,

@@ -58,10 +58,15 @@ class Grid:
         return np.asarray(flat[self.index])
 
 
-def answers(system: SolidSystem, count: int) -> Floats:
+def answers(system: SolidSystem, count: int, lossy: SolidSystem | None = None) -> Floats:
     """Return the lowest `count` modes and, of a body with ports, its answers to their loads.
 
     Held at the base; (n, k) states of the unknowns but the ports.
+
+    Parameters
+    ----------
+    lossy : SolidSystem, optional
+        The same with losses: then also what they add to the states.
     """
     factor, mass, n = system.held_factor, system.mass.inner, system.inner
     _, modes = eigenpairs(system, Ends(), count)
@@ -72,7 +77,25 @@ def answers(system: SolidSystem, count: int) -> Floats:
         block = factor.solve(
             np.column_stack([carried, system.tip[:n], system.stiffness.border[:, 2]])
         )
+        lost = None if lossy is None else _of_losses(system, lossy, block)
         for _ in range(_BLOCKS):
             states += [column for column in block.T if column.any()]
+            if lossy is not None and lost is not None:
+                # what losses add to first order, to second order, and with inertia
+                states += [*lost.T, *_of_losses(system, lossy, lost, volt=False).T]
+                lost = factor.solve(mass @ lost)
             block = factor.solve(mass @ block)
     return np.column_stack(states)
+
+
+def _of_losses(
+    system: SolidSystem, lossy: SolidSystem, block: Floats, *, volt: bool = True
+) -> Floats:
+    """Return −K⁻¹ K'' x of states x, K'' the stiffness's loss.
+
+    The last of them may be that of minus a volt, on the electrode of which losses act, too.
+    """
+    force = lossy.stiffness.inner.imag @ block
+    if volt:
+        force[:, -1] -= lossy.stiffness.border[:, 2].imag
+    return np.asarray(-system.held_factor.solve(force))

@@ -8,9 +8,10 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import (
     Commands,
-    lateral_scene,
+    asked_overrides,
     scene_options,
     warn,
 )
@@ -28,19 +29,31 @@ if TYPE_CHECKING:
     KnownRange = tuple[float, Spread | None]
 
 
+#: Of responses, unless --frequency says otherwise (Hz).
+_FREQUENCIES = "10,100,250"
+#: What is smaller is not shown in a table of three digits.
+_SHOWN = 5e-4
+
+
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
-        "sensitivity", help="what each parameter does to a quantity, by exact derivatives"
+        "sensitivity",
+        help="what each parameter does to a quantity, by exact derivatives where a model has them",
     )
     scene_options(parser)
+    parser.add_argument(
+        "--model",
+        action="append",
+        metavar="NAME",
+        help="may be repeated (default tmm, of the normal actuator network)",
+    )
     parser.add_argument(
         "--quantity", action="append", metavar="NAME", help="may be repeated; of modes, the first"
     )
     parser.add_argument(
         "--frequency",
         metavar="LIST|START:STOP:N[:log]",
-        default="10,100,250",
         help="in Hz (default 10,100,250)",
     )
     parser.add_argument(
@@ -57,30 +70,47 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    from tactgen.validation.catalogue.models import models_of
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.drive_warnings import field_warnings, slenderness_warnings
     from tactgen.validation.engine.warnings import level_warnings, load_warnings
     from tactgen.validation.scene.idle_keys import scene_warnings
+    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.studies.uncertainty.by_model import all_columns, changed_scenes
     from tactgen.validation.studies.uncertainty.headline_numbers import actuator
     from tactgen.validation.studies.uncertainty.propagation import parameter_uncertainty
-    from tactgen.validation.studies.uncertainty.table import sensitivity_columns, thinned
+    from tactgen.validation.studies.uncertainty.table import thinned
     from tactgen.validation.studies.uncertainty.varied_keys import left_out
 
-    names = ",".join(options.quantity or _default())
-    wanted = (f"frequency={options.frequency}", f"quantities={names}")
-    scene, origins = lateral_scene(options.scene, [*options.overrides, *wanted], "sensitivity")
+    overrides = [*options.overrides, *asked_overrides(options)]
+    scene, origins = load_scene(options.scene, overrides)
+    names = _quantities(options, scene)
+    models = _models(options, scene, names)
+    overrides += ["quantities=" + ",".join(names), "models=" + ",".join(models)]
+    if options.frequency is None and set(models) & set(models_of("bimorph")):
+        overrides.append(f"frequency={_FREQUENCIES}")
+    scene, _ = load_scene(options.scene, overrides)
+    lateral = set(scene.models) & set(models_of("bimorph"))
+    if options.sobol and not lateral:
+        raise InputError(
+            "--sobol is of the lateral actuator's headline numbers; leave it out, or add a --model "
+            "of that actuator"
+        )
     warn(scene_warnings(scene, origins))
-    columns = sensitivity_columns(scene, options.key)
+    uncertain: list[Uncertainty] = []
+    with announcer() as announce:
+        columns, omitted = all_columns(
+            scene, changed_scenes(options.scene, overrides), options.key, announce
+        )
+        if options.sobol:
+            uncertain = parameter_uncertainty(scene, announce=announce)
     warn(load_warnings(scene, scene.quantities) + level_warnings(scene, scene.quantities))
     warn(field_warnings(scene, scene.quantities) + slenderness_warnings(scene, scene.models))
-    omitted = left_out(scene, actuator(scene)) if options.sobol or not options.key else ""
-    if omitted:
-        say(f"note: {omitted}")
-    uncertain: list[Uncertainty] = []
-    if options.sobol:
-        with announcer() as announce:
-            uncertain = parameter_uncertainty(scene, announce=announce)
-    known = _ranges(scene, columns[0].logarithmic if columns else ())
+    if options.sobol or ("tmm" in scene.models and not options.key):
+        omitted = [left_out(scene, actuator(scene)), *omitted]
+    for sentence in filter(None, omitted):
+        say(f"note: {sentence}")
+    known = _ranges(scene, dict.fromkeys(key for column in columns for key in column.logarithmic))
     if options.json:
         json.dump(_as_json(scene.name, columns, uncertain, known), sys.stdout)
         print()
@@ -114,10 +144,24 @@ def _may_lie(known: KnownRange) -> str:
     return f"{percent} {spread.whose}"
 
 
-def _default() -> tuple[str, ...]:
-    """Return what is asked for unless --quantity says otherwise."""
-    from tactgen.validation.catalogue import bimorph
+def _models(options: argparse.Namespace, scene: Scene, names: Sequence[str]) -> tuple[str, ...]:
+    """Return the models asked for: without --model the quick exact one of each actuator."""
+    from tactgen.validation.catalogue.quantities import QUANTITIES
 
+    if options.model:
+        return scene.models
+    usual = {"bimorph": "tmm", "reluctance": "network"}
+    return tuple(dict.fromkeys(usual.get(QUANTITIES[name].actuator, "tmm") for name in names))
+
+
+def _quantities(options: argparse.Namespace, scene: Scene) -> tuple[str, ...]:
+    """Return what is asked for: without --quantity the headline numbers of the models."""
+    from tactgen.validation.catalogue import bimorph
+    from tactgen.validation.catalogue.models import gives, models_of
+    from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
+
+    if options.quantity:
+        return scene.quantities
     rows = (
         bimorph.STATIC_TIP_DISPLACEMENT,
         bimorph.SHORT_CIRCUIT_FREQUENCIES,
@@ -125,7 +169,14 @@ def _default() -> tuple[str, ...]:
         bimorph.CAPACITANCE_FREE,
         bimorph.TIP_DISPLACEMENT,
     )
-    return tuple(row.name for row in rows)
+    lateral = tuple(row.name for row in rows)
+    normal = tuple(
+        name for name in quantities_of("reluctance")
+        if QUANTITIES[name].headline and "magnetic_point" in QUANTITIES[name].needs
+    )  # fmt: skip
+    if not options.model:
+        return lateral if set(scene.models) & set(models_of("bimorph")) else normal
+    return tuple(q for q in (*lateral, *normal) if any(gives(m, q) for m in options.model))
 
 
 def _as_json(
@@ -144,11 +195,14 @@ def _as_json(
         "sensitivities": [
             {
                 "quantity": column.quantity,
+                "model": column.model,
                 "unit": column.unit,
                 "frequency": column.frequency,
                 "value": column.value,
                 "derivatives": column.derivatives,
                 "logarithmic": column.logarithmic,
+                "uncertainty": column.bars,
+                "uncertainty_method": column.method,
             }
             for column in columns
         ],
@@ -190,17 +244,28 @@ def _print_sensitivities(
     table = Table()
     table.add_column("parameter", no_wrap=True)
     table.add_column("may lie\nin percent", justify="right", no_wrap=True)
+    several = len({column.model for column in columns}) > 1
     for column in columns:
-        table.add_column(column.label, justify="right")
+        label = f"{column.label}\n{column.model}" if several else column.label
+        table.add_column(label, justify="right")
     table.add_row("value", "", *(column.text for column in columns), end_section=True)
-    for key in columns[0].logarithmic:
-        changes = (_signed(column.logarithmic[key]) for column in columns)
-        table.add_row(key, _may_lie(known[key]), *changes)
+    for key in dict.fromkeys(key for column in columns for key in column.logarithmic):
+        table.add_row(key, _may_lie(known[key]), *(_entry(column, key) for column in columns))
     _print("change in percent per percent of parameter", table)
+    for model, method in {column.model: column.method for column in columns}.items():
+        print(f"{model}: {method}")
+
+
+def _entry(column: SensitivityColumn, key: str) -> str:
+    """Return a sensitivity, with its error bar where it shows; nothing if the key is not read."""
+    if key not in column.logarithmic:
+        return ""
+    value, bar = column.logarithmic[key], column.bars[key]
+    return f"{value:+.3f} ± {bar:.1g}" if bar >= _SHOWN else _signed(value)
 
 
 def _signed(value: float) -> str:
-    return f"{value:+.3f}" if abs(value) >= 5e-4 else "0"
+    return f"{value:+.3f}" if abs(value) >= _SHOWN else "0"
 
 
 def _print_uncertainty(uncertain: Sequence[Uncertainty]) -> None:

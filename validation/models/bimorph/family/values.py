@@ -9,22 +9,17 @@ from typing import Any
 import numpy as np
 
 from tactgen.fem.bimorph.motions import Motion
-from tactgen.fem.bimorph.ports import ports_from_blocks
-from tactgen.fem.bimorph.reduction.parametric.answers import (
-    FamilyStatics,
-    family_modes,
-    family_statics,
-)
+from tactgen.fem.bimorph.reduction.parametric.answers import family_modes
 from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.multiport import Multiport, in_series, round_off
-from tactgen.tmm.ports.port import BIMORPH
+from tactgen.tmm.ports.multiport import in_series, round_off
 from tactgen.tmm.ports.readout import ModalReadout, Readout
 from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.refinement import BRICK_FACTOR, least_difference
-from tactgen.validation.models.bimorph.solid_family import SolidFamily
+from tactgen.validation.models.bimorph.family.mixed_form import MixedForm
+from tactgen.validation.models.bimorph.family.solid_family import SolidFamily
 from tactgen.validation.scene.scene import Scene
 
 #: Members worked out at once: what lies between inputs and results stays small.
@@ -40,24 +35,23 @@ class FamilyValues:
 
     Attributes
     ----------
-    value, bar : (n,) or (n, modes) array
+    value, bar : (n,), (n, modes) or (n, frequencies) array
         In the quantity's SI unit; the bar is that of the bricks and that of the bases together.
-    basis : (n,) or (n, modes) array
+    basis : array
         The bar's part that the bases are to blame for.
     classes : (n, modes) array of str or None
         Class of each mode.
     """
 
-    value: Floats
+    value: Numbers
     bar: Floats
     basis: Floats
     classes: Any = None
 
 
 def gives_family(quantity: str) -> bool:
-    """Return whether a quantity is read off a family: statics and natural frequencies."""
-    read = QUANTITIES[quantity].read
-    return isinstance(read, ModalReadout) or (isinstance(read, Readout) and read.static)
+    """Return whether a quantity is read off a family: its ports, and natural frequencies."""
+    return isinstance(QUANTITIES[quantity].read, ModalReadout | Readout)
 
 
 def family_values(
@@ -87,10 +81,11 @@ def family_values(
         _Chunk(scene, family, {key: at[i : i + _AT_ONCE] for key, at in points.items()})
         for i in range(0, count, _AT_ONCE)
     ]
-    return {name: _joined([part.read(name) for part in parts]) for name in quantities}
+    return {name: joined([part.read(name) for part in parts]) for name in quantities}
 
 
-def _joined(parts: list[FamilyValues]) -> FamilyValues:
+def joined(parts: list[FamilyValues]) -> FamilyValues:
+    """Return the values of several groups of members as those of one."""
     classes = None
     if parts[0].classes is not None:
         classes = np.concatenate([part.classes for part in parts])
@@ -115,7 +110,7 @@ class _Chunk:
 
     def __init__(self, scene: Scene, family: SolidFamily, values: dict[str, Floats]) -> None:
         self._scene, self._family, self._values = scene, family, values
-        self._static: tuple[FamilyStatics, FamilyStatics] | None = None
+        self._forms: dict[bool, tuple[MixedForm, MixedForm]] = {}
         self._modes: dict[bool, tuple[_Level, _Level]] = {}
 
     def read(self, name: str) -> FamilyValues:
@@ -129,28 +124,48 @@ class _Chunk:
         return self._combination(read)
 
     def _of_ports(self, readout: Readout) -> FamilyValues:
-        if self._static is None:
+        static = readout.static
+        fine, coarse = self._ports(static=static)
+        ends = self._scene.ends.lossless if static else self._scene.ends
+        series = self._scene.bimorph.wiring == "series"
+
+        def of(form: MixedForm) -> Any:
+            wired = in_series(form.port) if series else form.port
+            found = readout.read(attach(wired, ends), self._scene.drive.voltage)
+            return np.asarray(found.real if static else found)
+
+        value, other = of(fine), of(coarse)
+        basis = np.zeros(value.shape)
+        for form, at, factor in ((fine, value, 1.0), (coarse, other, BRICK_FACTOR)):
+            for changed in form.changed:
+                basis += factor * np.abs(of(changed) - at)
+        rounding = np.abs(value) * round_off(attach(fine.port, ends))
+        bar = BRICK_FACTOR * np.abs(value - other) + basis + rounding
+        shape = (-1,) if static else (-1, len(self._scene.frequency))
+        return FamilyValues(value.reshape(shape), bar.reshape(shape), basis.reshape(shape))
+
+    def _ports(self, *, static: bool) -> tuple[MixedForm, MixedForm]:
+        """Return D of both levels; InputError where a frequency is beyond what a basis serves."""
+        if static not in self._forms:
             fine, coarse = (
-                family_statics(level.members("bending_x", self._scene.device, self._values))
+                self._form(level, static=static)
                 for level in (self._family.fine, self._family.coarse)
             )
-            self._static = fine, coarse
-        ends, wiring = self._scene.ends.lossless, self._scene.bimorph.wiring
+            self._forms[static] = fine, coarse
+        return self._forms[static]
 
-        def of(statics: FamilyStatics, change: _Change | None = None) -> Floats:
-            port = _multiport(statics, change)
-            wired = in_series(port) if wiring == "series" else port
-            found = readout.read(attach(wired, ends), self._scene.drive.voltage)
-            return np.asarray(found.real)
-
-        fine, coarse = self._static
-        value, other = of(fine), of(coarse)
-        basis = np.zeros_like(value)
-        for statics, at, factor in ((fine, value, 1.0), (coarse, other, BRICK_FACTOR)):
-            for change in _CHANGES:
-                basis += factor * np.abs(of(statics, change) - at)
-        rounding = np.abs(value) * round_off(attach(_multiport(fine), ends))
-        return FamilyValues(value, BRICK_FACTOR * np.abs(value - other) + basis + rounding, basis)
+    def _form(self, level: ReducedFamily, *, static: bool) -> MixedForm:
+        members = level.members("bending_x", self._scene.device, self._values, lossy=not static)
+        if static:
+            return MixedForm.static(members)
+        form = MixedForm.harmonic(members, np.asarray(self._scene.frequency, dtype=float))
+        beyond = form.frequencies[~np.isfinite(form.missing).all(axis=1)]
+        if beyond.size:
+            raise InputError(
+                f"{beyond.min():g} Hz is beyond the {members.reduced.modes} modes that the reduced "
+                "basis is made of; ask for more modes or a lower frequency"
+            )
+        return form
 
     def _levels(self, *, open_circuit: bool) -> tuple[_Level, _Level]:
         if open_circuit not in self._modes:
@@ -223,31 +238,6 @@ class _Chunk:
         gain = np.array([read.rounding_gain(float(v)) for v in value])
         rounding = len(fine) * _ROUNDING * gain * np.abs(value)
         return FamilyValues(value, BRICK_FACTOR * np.abs(value - other) + basis + rounding, basis)
-
-
-#: An entry of the mixed form of D(0), by the loads (volt, tip force, tip moment) of its bound.
-_Change = tuple[int, int]
-_CHANGES: tuple[_Change, ...] = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-
-
-def _multiport(statics: FamilyStatics, change: _Change | None = None) -> Multiport:
-    """Return D(0) of n members, one entry of its mixed form moved by its bound."""
-    held, through = statics.held.copy(), statics.through.copy()
-    follows, compliance = statics.follows.copy(), statics.compliance.copy()
-    if change is not None:
-        i, j = change
-        size = statics.missing[:, i] * statics.missing[:, j]
-        if j == 0:
-            held[:, 2, 2] -= size
-        elif i == 0:
-            follows[:, j - 1, 2] += size
-            through[:, 2, j - 1] -= size
-        else:
-            compliance[:, i - 1, j - 1] += size
-            if i != j:
-                compliance[:, j - 1, i - 1] += size
-    stiffness = ports_from_blocks(held, through, follows, compliance)
-    return Multiport(np.zeros(held.shape[0]), stiffness, BIMORPH)
 
 
 def _apart(fine: _Level, coarse: _Level) -> dict[Motion, Floats]:

@@ -7,7 +7,7 @@ bases may miss on both.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,12 +17,14 @@ from tactgen.fem.bimorph.reduction.parametric.answers import FamilyModes, family
 from tactgen.fem.bimorph.reduction.parametric.expansion import GROUPS
 from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily, build_family
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.brick_family import LEVELS
+from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.stretching import piece_lengths
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept
 from tactgen.geometry.store.values import storable
+from tactgen.tmm.ports.readout import ModalReadout
+from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.models.bimorph.solid import SolidModel, level_for
 from tactgen.validation.scene.scene import Scene
 
@@ -30,7 +32,8 @@ from tactgen.validation.scene.scene import Scene
 _SHARE = 0.02
 #: A mode of the coarser level this close above the last one wanted may come below it.
 _CLOSE = 1.03
-_MOTIONS: tuple[Motion, ...] = ("bending_x", "bending_y", "torsion", "axial")
+#: Classes of motion, that with ports first.
+MOTIONS: tuple[Motion, ...] = ("bending_x", "bending_y", "torsion", "axial")
 #: What makes a family.
 _MADE_OF = ("tactgen.fem.bimorph.reduction.parametric.family",)
 
@@ -74,7 +77,10 @@ class SolidFamily:
 
 
 def solid_family(
-    scene: Scene, ranges: Ranges, announce: Callable[[str], None] = lambda _: None
+    scene: Scene,
+    ranges: Ranges,
+    quantities: Sequence[str],
+    announce: Callable[[str], None] = lambda _: None,
 ) -> SolidFamily:
     """Return the family of bimorphs of a range of scene keys, from the store if it is there.
 
@@ -84,6 +90,9 @@ def solid_family(
     ----------
     ranges : mapping of str to (float, float)
         Lowest and highest value of keys such as ``bimorph.length`` or ``piezo.s11`` (SI).
+    quantities : sequence of str
+        What is to be read off it: without natural frequencies bending in x alone is reduced,
+        with responses also at the scene's frequencies.
 
     Raises
     ------
@@ -121,26 +130,36 @@ def solid_family(
 
     tolerance = _SHARE * scene.accuracy
 
+    modal, frequencies = reading(scene, quantities)
+
+    def built(meshing: BrickMeshing, modes: Mapping[Motion, int]) -> ReducedFamily:
+        return build_family(
+            scene.device, wanted, meshing, modes,
+            tolerance=tolerance, frequencies=frequencies, announce=announce,
+        )  # fmt: skip
+
     def work() -> SolidFamily:
-        device = scene.device
-        every = dict.fromkeys(_MOTIONS, scene.modes)
-        coarse = build_family(
-            device, wanted, LEVELS[level - 1], every, tolerance=tolerance, announce=announce
-        )
-        counts = _needed(coarse, scene, scene.modes)
-        fine = build_family(
-            device, wanted, LEVELS[level], counts, tolerance=tolerance, announce=announce
-        )
-        return SolidFamily(fine, coarse)
+        if not modal:
+            modes: dict[Motion, int] = {"bending_x": scene.modes}
+            return SolidFamily(built(LEVELS[level], modes), built(LEVELS[level - 1], modes))
+        coarse = built(LEVELS[level - 1], dict.fromkeys(MOTIONS, scene.modes))
+        return SolidFamily(built(LEVELS[level], needed(coarse, scene, scene.modes)), coarse)
 
     return kept(
         "solid.family",
-        (rest, sorted(wanted), level, scene.modes, tolerance),
+        (rest, sorted(wanted), level, scene.modes, tolerance, modal, frequencies),
         _MADE_OF,
         work,
         serves=serves,
         announce=announce,
     )
+
+
+def reading(scene: Scene, quantities: Sequence[str]) -> tuple[bool, tuple[float, ...]]:
+    """Return whether natural frequencies of all classes are read, and where responses are (Hz)."""
+    rows = [QUANTITIES[name] for name in quantities]
+    modal = any(isinstance(row.read, ModalReadout) and row.read.combine is None for row in rows)
+    return modal, scene.frequency if any(row.by_frequency for row in rows) else ()
 
 
 def is_family_key(scene: Scene, key: str) -> bool:
@@ -153,7 +172,7 @@ def is_family_key(scene: Scene, key: str) -> bool:
     return isinstance(value, float) and key != "glue.thickness"
 
 
-def _needed(coarse: ReducedFamily, scene: Scene, count: int) -> dict[Motion, int]:
+def needed(coarse: ReducedFamily, scene: Scene, count: int) -> dict[Motion, int]:
     """Return the classes of motion, and how many modes of each, that any member needs.
 
     A load and an open circuit raise a mode of bending in x past one other at most each.
@@ -164,7 +183,7 @@ def _needed(coarse: ReducedFamily, scene: Scene, count: int) -> dict[Motion, int
         motion: family_modes(
             coarse.members(motion, scene.device, values), Ends(), count + 2, open_circuit=False
         )
-        for motion in _MOTIONS
+        for motion in MOTIONS
     }
     bending = found["bending_x"].frequencies[:, 2 : count + 2]
     others = {motion: modes.frequencies[:, :count] for motion, modes in found.items()}

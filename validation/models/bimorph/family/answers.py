@@ -10,8 +10,8 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Quantity
-from tactgen.validation.models.bimorph.family_values import family_values, gives_family
-from tactgen.validation.models.bimorph.solid_family import is_family_key, solid_family
+from tactgen.validation.models.bimorph.family.solid_family import is_family_key, solid_family
+from tactgen.validation.models.bimorph.family.values import family_values, gives_family
 from tactgen.validation.scene.scene import Scene
 
 __all__ = ["answer_family", "gives_family", "is_family_key"]
@@ -32,7 +32,7 @@ def answer_family(
     """
     start = time.perf_counter()
     ranges = {key: (float(at.min()), float(at.max())) for key, at in values.items()}
-    family = solid_family(scene, ranges, announce)
+    family = solid_family(scene, ranges, quantities, announce)
     found = family_values(scene, family, values, quantities)
     count = next(iter(values.values())).size
     seconds = (time.perf_counter() - start) / count
@@ -52,7 +52,7 @@ def answer_family(
                     uncertainty=np.asarray(all_values.bar[number]),
                     uncertainty_method=family.method,
                     seconds=seconds,
-                    frequency=None,
+                    frequency=scene.frequency if QUANTITIES[name].by_frequency else None,
                     classes=classes,
                 )
             )

@@ -1,0 +1,102 @@
+"""Derivatives by models other than tmm: exact ones against differences, and physics' identities."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.validation.command_line import cli
+from tactgen.validation.engine.derivatives import derivatives, extrapolated
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.bimorph import solid
+from tactgen.validation.models.bimorph.family import derivatives as of_solid
+from tactgen.validation.scene.keys import value_of
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.uncertainty.by_model import changed_scenes
+
+QUICK = (
+    BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+    BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+)
+PROTOTYPE = ["mesh.level=2", "accuracy=1e-4", "modes=1", "frequency=300"]
+
+
+def asked(name, sets, model, quantities, keys):
+    scene, _ = load_scene(name, sets)
+    return derivatives(scene, changed_scenes(name, sets), model, quantities, keys)
+
+
+KEYS = ("bimorph.piezo_thickness", "support.lateral_stiffness", "bimorph.length", "piezo.eps33")
+HELD = ["models=solid", *PROTOTYPE, "support.lateral_stiffness=30 N/mm"]
+NAMES = ("short_circuit_frequencies", "coupling_factor", "static_tip_displacement",
+         "capacitance_free", "tip_displacement")  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def by_solid():
+    """Return exact derivatives of the solid on coarse bricks, and keep the bricks coarse."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (solid, of_solid):
+            patch.setattr(module, "LEVELS", QUICK)
+        yield asked("prototype", HELD, "solid", NAMES, KEYS)
+
+
+@pytest.mark.parametrize(
+    "key", [*KEYS[:2], *(pytest.param(key, marks=pytest.mark.heavy) for key in KEYS[2:])]
+)
+def test_the_solids_derivatives_are_those_of_whole_solutions(key, by_solid):
+    """On bricks that only stretch, single answers next to the scene differ by nothing else."""
+    scene, _ = load_scene("prototype", HELD)
+    value, changed = value_of(scene, key), changed_scenes("prototype", HELD)
+    ends = [
+        solve(changed(key, value * (1.0 + share)), ("solid",), NAMES) for share in (1e-3, -1e-3)
+    ]
+    for derivative in by_solid:
+        name = derivative.quantity.name
+        high, low = (end.get(name, "solid").value for end in ends)
+        slope = (high - low) / (2e-3 * value)
+        size = np.abs(derivative.quantity.value) / value
+        # differences at a thousandth: truncation 1e-6, rounding of frequencies 2e-7 over it
+        assert (np.abs(derivative.slopes[key] - slope) <= 3e-4 * size).all(), name
+
+
+def test_beam_elements_and_transfer_matrices_have_the_same_derivatives(capsys):
+    models = ["--model", "tmm", "--model", "beam"]
+    wanted = ["--quantity", "short_circuit_frequencies", "--key", "bimorph.length", "--json"]
+    assert cli.main(["sensitivity", "prototype", *models, *wanted]) == 0
+    exact, difference = json.loads(capsys.readouterr().out)["sensitivities"]
+    assert (exact["model"], difference["model"]) == ("tmm", "beam")
+    key = "bimorph.length"
+    apart = abs(exact["logarithmic"][key] - difference["logarithmic"][key])
+    assert apart <= exact["uncertainty"][key] + difference["uncertainty"][key]
+    assert difference["uncertainty"][key] < 1e-4
+
+
+def test_one_co_energy_map_gives_force_and_inductance():
+    """∂W'/∂g is minus the pull, ∂²W'/∂i² the incremental inductance."""
+    names = ("coenergy", "flux_linkage", "magnetic_force", "incremental_inductance")
+    found = asked("reluctance", ["models=network"], "network", names, ["gap", "coil.current"])
+    energy, flux, force, inductance = found
+    for slope, bar, exact in (
+        (energy.slopes["gap"], energy.bars["gap"], -force.quantity.value),
+        (energy.slopes["coil.current"], energy.bars["coil.current"], flux.quantity.value),
+        (flux.slopes["coil.current"], flux.bars["coil.current"], inductance.quantity.value),
+    ):
+        # the bars hold the network's own error, which is the same on both sides here
+        assert abs(slope - exact) <= min(bar, 2e-3 * abs(exact))
+
+
+def test_without_a_model_the_scene_says_which_actuator(capsys):
+    assert cli.main(["sensitivity", "reluctance", "--key", "gap"]) == 0
+    out = capsys.readouterr().out
+    assert "magnetic" in out
+    assert "network: central differences" in out
+
+
+def test_an_extrapolated_difference_knows_its_truncation():
+    at = 0.7 + 0.05 * np.array([1.0, -1.0, 0.5, -0.5])
+    slope, truncated = extrapolated(np.exp(3.0 * at), 0.05)
+    off = abs(slope - 3.0 * np.exp(2.1))
+    assert 0.0 < off <= truncated
+    assert truncated < 2e-3 * slope
