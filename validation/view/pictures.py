@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -49,9 +50,23 @@ def mesh_picture(mesh: Mesh, *, close_up: bool = False) -> bytes:
 
 def solids_picture(solids: dict[str, Any]) -> bytes:
     """Return a picture of CAD solids (mm), the front half of coil and sleeve cut away."""
+    return solids_pictures([solids])[0]
+
+
+def solids_pictures(devices: Sequence[dict[str, Any]]) -> list[bytes]:
+    """Return such a picture of each device, all at one scale: as many pixels a millimetre."""
+    height = max(_height(solids) for solids in devices)
+    return [_solids_picture(solids, 1.12 * height) for solids in devices]
+
+
+def _height(solids: dict[str, Any]) -> float:
+    boxes = [solid.BoundingBox() for solid in solids.values()]
+    return float(max(box.zmax for box in boxes) - min(box.zmin for box in boxes))
+
+
+def _solids_picture(solids: dict[str, Any], height: float) -> bytes:
     pv = off_screen()
     plotter = _plotter(pv, 420, 900)
-    everything = []
     for name, solid in solids.items():
         vertices, triangles = solid.tessellate(0.01, 0.2)
         points = np.array([v.toTuple() for v in vertices])
@@ -60,8 +75,7 @@ def solids_picture(solids: dict[str, Any]) -> bytes:
         if name in ("coil", "sleeve"):
             surface = surface.clip(normal=(_VIEW[0], _VIEW[1], 0.0), origin=(0.0, 0.0, 0.0))
         plotter.add_mesh(surface, color=COLOURS[name], smooth_shading=False)
-        everything.append(points)
-    return _shoot(plotter, 1.12 * float(np.ptp(np.concatenate(everything)[:, 2])))
+    return _shoot(plotter, height)
 
 
 def _grid(pv: Any, mesh: Mesh) -> Any:

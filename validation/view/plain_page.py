@@ -15,7 +15,7 @@ table { border-collapse: collapse; font-size: 13.5px; font-variant-numeric: tabu
 th { text-align: left; border-bottom: 2px solid #1d2733; padding: 4px 8px; }
 td { border-bottom: 1px solid #d8dfe6; padding: 4px 8px; }
 figcaption { color: #5b6b7b; font-size: 13px; }
-.pair { display: flex; gap: 32px; justify-content: space-around; } .pair img { max-height: 430px; }
+.pair { display: flex; gap: 32px; justify-content: space-around; align-items: end; }
 .wide { overflow-x: auto; } input[type=range] { width: 60%; vertical-align: middle; }
 @media print { body { background: white; } main { margin: 0; padding: 0; max-width: none; } }
 """

@@ -75,6 +75,8 @@ def test_two_scenes(capsys, tmp_path):
     assert static["change"] == pytest.approx(1 / 50 - 1)
     page = (tmp_path / "compare.html").read_text(encoding="utf-8")
     assert "<svg" in page
+    assert page.count("frequency (Hz)") == 1
+    assert "tip displacement (µm)" in page
     assert not re.findall(r"""(?:src|href)=["'](?!#|data:)|<link|<script|url\((?!#)""", page)
     code, out, _ = compared(capsys, "paper", "paper", *asked)
     assert "the input is the same" in out
@@ -115,3 +117,17 @@ def test_what_cannot_be_compared_is_refused(tmp_path, capsys):
         read_sides(("paper", str(study)), (), None, None, lambda _: None)
     with pytest.raises(InputError, match="compared as they were written"):
         read_sides((str(study), str(study)), (), ["tmm"], None, lambda _: None)
+
+
+@pytest.mark.heavy
+def test_devices_have_one_scale(capsys, tmp_path):
+    """A bimorph of half the length is drawn half as high."""
+    code, _, _ = compared(
+        capsys, "paper", "prototype", "--set", "bimorph.width=0.4mm", "--quantity",
+        "capacitance_free", "--model", "tmm", "--out", tmp_path,
+    )  # fmt: skip
+    assert code == 0
+    page = (tmp_path / "compare.html").read_text(encoding="utf-8")
+    first, second = (float(v) for v in re.findall(r"height:([\d.]+)rem", page))
+    # the margin of the picture, and the top face seen slightly from above: some percent
+    assert second / first == pytest.approx(14 / 20, rel=0.05)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import html
 from collections.abc import Callable
 from pathlib import Path
@@ -17,13 +16,16 @@ from tactgen.validation.studies.whatif.compare.differences import AnswerDifferen
 from tactgen.validation.studies.whatif.compare.sides import Key, Side
 from tactgen.validation.studies.whatif.compare.wording import place, shown
 from tactgen.validation.view.figures import BLUE, ORANGE, panels, plain_numbers, svg
-from tactgen.validation.view.formats import percent
+from tactgen.validation.view.formats import percent, prefixed
+from tactgen.validation.view.page.html import inline
 from tactgen.validation.view.plain_page import plain_page, table
 
 #: File of the page.
 FILE = "compare.html"
 #: Most curves of one quantity that are drawn.
 _CURVES = 6
+#: Height of the taller of two devices on the page (rem).
+_TALLEST = 26.0
 
 
 def write_page(
@@ -62,11 +64,13 @@ def write_page(
 def _curves(sides: tuple[Side, ...]) -> str:
     """Return curves over frequency, or over the first numeric axis; nothing if there are none."""
     found: dict[str, dict[tuple[str, ...], list[list[tuple[float, float]]]]] = {}
+    units: dict[str, str] = {}
     for number, side in enumerate(sides):
         for key, value in side.numbers.items():
             abscissa = _abscissa(key)
             if abscissa is None or (np.isnan(value.value) and not key.frequency):
                 continue
+            units[key.quantity] = value.unit
             lines = found.setdefault(key.quantity, {}).setdefault(_curve(key), [[], []])
             lines[number].append((abscissa, abs(value.value)))
     found = {q: {c: v for c, v in by.items() if max(map(len, v)) > 1} for q, by in found.items()}
@@ -75,20 +79,33 @@ def _curves(sides: tuple[Side, ...]) -> str:
         return ""
     figure, grid = panels(8.0, 3.0 * len(found), nrows=len(found), squeeze=False)
     for axis, (quantity, curves) in zip(grid[:, 0], found.items(), strict=True):
+        sizes = np.array([y for both in curves.values() for line in both for _, y in line])
+        scale, unit = prefixed(float(sizes.max()), units[quantity])
         for label, both in list(curves.items())[:_CURVES]:
             for points, colour, name, style in zip(
                 both, (BLUE, ORANGE), "AB", ("-", "--"), strict=True
             ):
                 line = np.array(sorted(points)).reshape(-1, 2)
-                axis.plot(line[:, 0], line[:, 1], style, color=colour, linewidth=1.2,
+                axis.plot(line[:, 0], scale * line[:, 1], style, color=colour, linewidth=1.2,
                           label=" ".join((name, *label)))  # fmt: skip
-        axis.set_ylabel(quantity.replace("_", " "))
-        sizes = np.array([y for both in curves.values() for line in both for _, y in line])
+        axis.set_ylabel(f"{quantity.replace('_', ' ')} ({unit})")
+        axis.set_xlabel(_along(sides))
         if sizes.min() > 0.0 and sizes.max() > 30.0 * sizes.min():
             axis.set_yscale("log")
             plain_numbers(axis.yaxis)
         axis.legend(fontsize=8)
     return svg(figure)
+
+
+def _along(sides: tuple[Side, ...]) -> str:
+    """Return what the curves run along: frequency, or the first numeric axis of the studies."""
+    for key in sides[0].numbers:
+        if key.frequency:
+            return "frequency (Hz)"
+        for name, value in key.point:
+            if _is_number(value):
+                return name
+    return ""
 
 
 def _abscissa(key: Key) -> float | None:
@@ -125,19 +142,29 @@ def _devices(
     inputs: list[InputDifference],
     solids: Callable[[Scene], dict[str, Any]],
 ) -> list[str]:
-    """Return pictures of both devices, if a dimension of them differs and they can be drawn."""
-    from tactgen.validation.view.pictures import solids_picture
+    """Return pictures of both devices, if a dimension of them differs and they can be drawn.
+
+    They have one scale: what is longer looks longer.
+    """
+    from tactgen.validation.view.pictures import solids_pictures
 
     shapes = ("bimorph.", "rod.", "coil.", "sleeve.", "support.kind", "gap", "glue.")
     if not any(i.key.startswith(shapes) for i in inputs):
         return []
     try:
-        pictures = [base64.b64encode(solids_picture(solids(s.scene))).decode() for s in sides]
+        pictures = solids_pictures([solids(side.scene) for side in sides])
     except InputError as error:  # profiles have no CAD solids; a library may be missing
         return [f"<p>No picture of the devices: {html.escape(str(error))}</p>"]
+    heights = [_pixels_high(png) for png in pictures]
     figures = "".join(
-        f'<figure><img alt="device {name}" src="data:image/png;base64,{data}">'
+        f'<figure><img alt="device {name}" src="{inline(png)}" '
+        f'style="height:{_TALLEST * height / max(heights):.2f}rem">'
         f"<figcaption>{name}: {html.escape(side.name)}</figcaption></figure>"
-        for data, name, side in zip(pictures, "AB", sides, strict=True)
+        for png, height, name, side in zip(pictures, heights, "AB", sides, strict=True)
     )
-    return ["<h2>Devices</h2>", f'<div class="pair">{figures}</div>']
+    return ["<h2>Devices, at one scale</h2>", f'<div class="pair">{figures}</div>']
+
+
+def _pixels_high(png: bytes) -> int:
+    """Return a picture's height, which a PNG states in bytes 20 to 23."""
+    return int.from_bytes(png[20:24], "big")
