@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import datetime as dt
-import importlib.metadata
-import platform
-import subprocess
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -20,6 +17,7 @@ from tactgen.validation.book.sketch import sketched
 from tactgen.validation.book.statistics import Scatter, scatter
 from tactgen.validation.checks.case import Case, Refinement
 from tactgen.validation.checks.verification import Verified, remembered
+from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.view.formats import filters
 
 #: What each group is about, for the reader who was not there.
@@ -154,25 +152,12 @@ def _environment() -> Callable[..., str]:
 
 def _provenance() -> dict[str, str]:
     """Return what made the book: program, commit where there is one, libraries, machine."""
-    versions = {name: importlib.metadata.version(name) for name in ("numpy", "scipy", "scikit-fem")}
+    origin = this_origin()
     return {
-        "program": f"tactgen {importlib.metadata.version('tactgen')}",
-        "commit": _commit(),
-        "libraries": ", ".join(f"{name} {version}" for name, version in versions.items()),
-        "Python": platform.python_version(),
-        "machine": f"{platform.system()} {platform.machine()}",
+        "program": f"{origin.program} {origin.version}",
+        "commit": origin.commit,
+        "libraries": ", ".join(f"{name} {version}" for name, version in origin.libraries.items()),
+        "Python": origin.python,
+        "machine": origin.machine,
         "date": dt.datetime.now(dt.UTC).strftime("%Y-%m-%d"),
     }
-
-
-def _commit() -> str:
-    """Return the commit of the sources, or that there is none."""
-    here = Path(__file__).resolve().parent
-    try:
-        found = subprocess.run(
-            ["git", "-C", str(here), "describe", "--always", "--dirty"],
-            capture_output=True, text=True, timeout=10, check=True,
-        )  # fmt: skip
-    except (OSError, subprocess.SubprocessError):
-        return "installed without its repository"
-    return found.stdout.strip()

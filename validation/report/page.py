@@ -14,6 +14,8 @@ from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.models.bimorph.beam_theory_error import Band, expected_differences
 from tactgen.validation.models.comparison import ComparedRow
+from tactgen.validation.report.provenance.record import FILE, read_record, recorded
+from tactgen.validation.report.provenance.seal import seal, unseal
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.study import Study, check_report
 from tactgen.validation.scene.scene import Scene
@@ -24,6 +26,9 @@ from tactgen.validation.view.page.html import assets
 if TYPE_CHECKING:
     from jinja2 import Environment
 
+#: Name of the report's page.
+PAGE = "index.html"
+
 
 def write_report(
     scene: Scene,
@@ -32,7 +37,7 @@ def write_report(
     quick: bool,
     announce: Callable[[str], None],
 ) -> Path:
-    """Write ``index.html`` into `out` and return its path.
+    """Write ``index.html`` into `out`, with what makes it checkable beside it; return its path.
 
     Raises
     ------
@@ -42,8 +47,12 @@ def write_report(
     check_report(scene, quick=quick)
     writable_folder(out)
     started = time.perf_counter()
-    page = _page(Study(scene, origins, announce, quick=quick), started)
-    return write_text(out / "index.html", page)
+    study = Study(scene, origins, announce, quick=quick)
+    page = _page(study, started)
+    unseal(out)
+    written = write_text(out / PAGE, page)
+    seal(out, recorded(study.solution), (PAGE,))
+    return written
 
 
 def print_report(browser: str, page: Path) -> Path:
@@ -57,6 +66,8 @@ def print_report(browser: str, page: Path) -> Path:
     target = page.with_name("report.pdf")
     with written_whole(target) as temporary:
         print_pdf(browser, page, temporary)
+    if page.name == PAGE and (page.parent / FILE).is_file():
+        seal(page.parent, read_record(page.parent), (PAGE, target.name))
     return target
 
 

@@ -11,19 +11,23 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
+from tactgen.validation.command_line.streams import say
+
+#: What is meant where nothing is said.
+_SCENE, _OUT = "paper", "report"
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("report", help="write the verification report (HTML)")
-    scene_options(parser)
+    scene_options(parser, _SCENE)
     parser.add_argument(
         "--model",
         action="append",
         metavar="NAME",
         help="may be repeated; see tactgen solve --help",
     )
-    parser.add_argument("--out", default="report", metavar="DIR", help="folder (default report)")
+    parser.add_argument("--out", default=_OUT, metavar="DIR", help="folder (default report)")
     parser.add_argument(
         "--quick",
         action="store_true",
@@ -32,11 +36,19 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--pdf", action="store_true", help="also print it to report.pdf (needs Chromium or Chrome)"
     )
+    parser.add_argument(
+        "--reproduce",
+        metavar="FOLDER",
+        help="compute the numbers of a written report again and compare them; exit code 1 if any "
+        "differs beyond its bars",
+    )
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    if options.reproduce is not None:
+        return _reproduce(options)
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.report.page import print_report, write_report
     from tactgen.validation.scene.idle_keys import scene_warnings
@@ -54,3 +66,32 @@ def run(options: argparse.Namespace) -> int:
             announce("printing")
             print(print_report(browser, page))
     return 0
+
+
+def _reproduce(options: argparse.Namespace) -> int:
+    """Compute a report again; its own scene and models, whatever else is asked is refused."""
+    from tactgen.geometry.errors import InputError
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.report.provenance.reproduce import reproduce
+
+    others = options.overrides or options.model or options.quick or options.pdf
+    if others or options.scene != _SCENE or options.out != _OUT:
+        raise InputError(
+            "--reproduce takes the scene and the models of the report that it names; leave the "
+            "scene and all other options out"
+        )
+    with announcer() as announce:
+        found = reproduce(Path(options.reproduce), announce)
+    for words in found.elsewhere:
+        say(f"note: {words}")
+    for row in found.rows:
+        shares = "" if row.verdict == "identical" else (
+            f"  off by {row.difference:.1e} of it, {row.over_bars:.1e} of its bars"
+        )  # fmt: skip
+        print(f"{row.name:32} {row.model:14} {row.verdict}{shares}")
+    counts = (
+        f"{sum(row.verdict == verdict for row in found.rows)} {verdict}"
+        for verdict in ("identical", "within bars", "differs")
+    )
+    print(f"{found.scene}: {', '.join(counts)}")
+    return int(not found.holds)

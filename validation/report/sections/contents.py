@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import platform
-from importlib import metadata
-
+from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import INVARIANT_TOLERANCE, Study
@@ -64,25 +62,8 @@ def _parameters(study: Study) -> Context:
 
 
 def _plan(study: Study) -> Context:
-    machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
     return {
         "plan": study.plan,
         "stage_seconds": study.seconds,
-        "versions": _versions(),
-        "machine": machine,
+        "origin": this_origin(),
     }
-
-
-_PACKAGES = ("numpy", "scipy", "scikit-fem", "cadquery", "pytetwild", "pyvista", "mkl")
-
-
-def _versions() -> dict[str, str]:
-    from tactgen.fem.solvers.linear_solver import available_solver
-
-    found = {"tactgen": metadata.version("tactgen"), "linear solver": available_solver()}
-    for package in _PACKAGES:
-        try:
-            found[package] = metadata.version(package)
-        except metadata.PackageNotFoundError:
-            found[package] = "not installed"
-    return found

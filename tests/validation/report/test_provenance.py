@@ -1,0 +1,250 @@
+"""What lies beside a report is whole and true, and the report can be computed again."""
+
+import json
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.store import store_folder
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.origin import this_origin
+from tactgen.validation.engine.results import Quantity, quantity_json
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.report.provenance import record as files
+from tactgen.validation.report.provenance import reproduce as again
+from tactgen.validation.report.provenance.checksums import FILE as SUMS
+from tactgen.validation.report.provenance.crate import FILE as CRATE
+from tactgen.validation.report.provenance.seal import seal, unseal
+from tactgen.validation.scene.scene import load_scene
+
+ASKED = (
+    "models=lumped", "frequency=10 Hz,20 Hz",
+    "quantities=tip_displacement,short_circuit_frequencies,capacitance_free",
+)  # fmt: skip
+PAGE = "index.html"
+
+
+def made(*overrides):
+    scene, _ = load_scene("prototype", [*ASKED, *overrides])
+    return files.recorded(solve(scene))
+
+
+@pytest.fixture(scope="module")
+def record():
+    return made()
+
+
+@pytest.fixture
+def sealed(tmp_path, record):
+    """A report of one line, with all that lies beside one."""
+    (tmp_path / PAGE).write_text("<p>report</p>", encoding="utf-8")
+    seal(tmp_path, record, (PAGE,))
+    return tmp_path
+
+
+def reproduced(folder):
+    return again.reproduce(folder, lambda _: None)
+
+
+def changed(record, quantity, value=None, **entries):
+    """Return the record with other entries in one of its quantities."""
+
+    def other(q):
+        values = {**q, **entries} if value is None else {**q, **entries, "value": value}
+        return values if q["name"] == quantity else q
+
+    return replace(record, quantities=tuple(other(q) for q in record.quantities))
+
+
+@pytest.mark.parametrize("named", ["", PAGE, files.FILE, CRATE])
+def test_a_report_is_computed_again_to_the_last_digit(sealed, named):
+    """By its folder or any file in it; the same code on the same machine gives the same bits."""
+    found = reproduced(sealed / named if named else sealed)
+    assert found.holds
+    assert {(row.name, row.verdict) for row in found.rows} == {
+        (name, "identical")
+        for name in ("tip_displacement", "short_circuit_frequencies", "capacitance_free")
+    }
+
+
+def test_nothing_kept_answers_for_it(sealed, monkeypatch):
+    """The second run has an empty store of its own, and leaves the user's alone."""
+    seen = []
+    before = store_folder()
+    monkeypatch.setattr(
+        again, "solve", lambda scene, announce: seen.append(store_folder()) or solve(scene)
+    )
+    assert reproduced(sealed).holds
+    assert seen[0] != before
+    assert not seen[0].exists()
+    assert store_folder() == before
+
+
+def test_what_differs_is_told_from_what_its_bar_covers(sealed, record):
+    """Half a bar, two bars, another list of modes, a quantity that is gone."""
+    capacitance = next(q for q in record.quantities if q["name"] == "capacitance_free")
+    value, bar = capacitance["value"], 1e-12
+    for value_then, verdict in ((value + 0.5 * bar, "within bars"), (value + 3 * bar, "differs")):
+        seal(sealed, changed(record, "capacitance_free", value_then, uncertainty=bar), (PAGE,))
+        found = reproduced(sealed)
+        rows = {row.name: row for row in found.rows}
+        assert rows["capacitance_free"].verdict == verdict
+        assert rows["capacitance_free"].difference == pytest.approx(
+            abs(value_then - value) / value_then, rel=1e-3
+        )
+        assert found.holds is (verdict == "within bars")
+        assert rows["tip_displacement"].verdict == "identical"
+    modes = changed(record, "short_circuit_frequencies", classes=["torsion"] * 4)
+    gone = replace(record, quantities=record.quantities[:-1])
+    for other in (modes, gone):
+        seal(sealed, other, (PAGE,))
+        assert [row.verdict for row in reproduced(sealed).rows].count("differs") == 1
+
+
+def test_no_number_is_not_a_number(record):
+    """A recorded nan is null, comes back as nan, and equals no number."""
+    q = Quantity(
+        "x", "tmm", np.array([1.0 + 2.0j, 3.0 - 1.0j]), "m", np.array([0.1, np.inf]), "", 0.0
+    )
+    back = files.quantity_of(files._finite(quantity_json(q)))
+    assert np.array_equal(back.value, q.value)
+    assert np.isnan(back.uncertainty[1])
+    nothing = replace(q, value=np.array([np.nan, 3.0]), uncertainty=np.zeros(2))
+    something = replace(nothing, value=np.array([1.0, 3.0]))
+    verdicts = [
+        again.compared([a], [b])[0].verdict
+        for a, b in ((nothing, nothing), (nothing, something), (something, nothing))
+    ]
+    assert verdicts == ["identical", "differs", "differs"]
+    # beyond a bar that is not known there is nothing
+    moved = replace(back, value=back.value + np.array([0.0, 1e-9]))
+    assert again.compared([back], [moved])[0].verdict == "differs"
+    assert "NaN" not in files.record_text(record)
+
+
+@pytest.mark.parametrize("name", [PAGE, files.FILE, CRATE])
+def test_altered_files_are_refused(sealed, name):
+    """One byte, or the whole file gone."""
+    content = (sealed / name).read_bytes()
+    (sealed / name).write_bytes(content[:-2] + b" \n")
+    with pytest.raises(InputError, match=f"{name} was altered after the report was written"):
+        reproduced(sealed)
+    (sealed / name).unlink()
+    with pytest.raises(InputError, match=f"{name} is missing"):
+        reproduced(sealed)
+
+
+def test_half_a_report_is_refused(sealed):
+    """The list comes last, and goes first when a report is written over another."""
+    unseal(sealed)
+    unseal(sealed)  # a folder without one is as good
+    with pytest.raises(InputError, match="has no list of checksums"):
+        reproduced(sealed)
+    (sealed / SUMS).write_text("not a list\n", encoding="utf-8")
+    with pytest.raises(InputError, match="is no list of checksums"):
+        reproduced(sealed)
+    with pytest.raises(InputError, match="does not exist"):
+        reproduced(sealed / "elsewhere")
+
+
+@pytest.mark.parametrize("what", ["version", "code"])
+def test_another_versions_report_is_refused(sealed, record, what):
+    """In one sentence that names both."""
+    seal(sealed, replace(record, made_by=replace(record.made_by, **{what: "0.0.7"})), (PAGE,))
+    with pytest.raises(InputError, match=r"0\.0\.7.*reproduce it with the version that wrote it"):
+        reproduced(sealed)
+    text = (sealed / files.FILE).read_text("utf-8").replace(files.FORMAT, "tactgen report 0")
+    (sealed / files.FILE).write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="written by another version"):
+        files.read_record(sealed)
+
+
+def test_another_machine_is_said(sealed, record):
+    """It is no reason to refuse, and one for a difference."""
+    libraries = {**record.made_by.libraries, "numpy": "1.0"}
+    there = replace(record.made_by, libraries=libraries, machine="VAX")
+    seal(sealed, replace(record, made_by=there), (PAGE,))
+    found = reproduced(sealed)
+    assert found.holds
+    assert [words.partition(" then")[0] for words in found.elsewhere] == [
+        "numpy: 1.0", "machine: VAX",
+    ]  # fmt: skip
+
+
+def test_files_that_the_scene_reads_count(tmp_path, sealed):
+    """A steel's table: gone or changed since, the report is not computed with another."""
+    table = tmp_path / "steel.csv"
+    table.write_text("H (A/m),B (T)\n0,0\n100,0.8\n1000,1.5\n50000,2.1\n", encoding="utf-8")
+    stated = made(f"steel.curve={table}")
+    assert list(stated.inputs) == [str(table)]
+    seal(sealed, stated, (PAGE,))
+    assert reproduced(sealed).holds
+    table.write_text(table.read_text("utf-8").replace("0.8", "0.7"), encoding="utf-8")
+    with pytest.raises(InputError, match="has changed since"):
+        reproduced(sealed)
+    table.unlink()
+    with pytest.raises(InputError, match="is gone"):
+        reproduced(sealed)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ("bimorph.width_profile=0 mm: 2.1 mm, 14 mm: 1 mm",),
+        ("bimorph.length=14.0 ± 0.1 mm", "load.kind=finger"),
+        ("support.kind=contact", "coil.current=0mA"),
+    ],
+)
+def test_every_scene_comes_back_from_its_record(changes):
+    """Profiles, tolerances, contacts: the scene that is solved again is the one that was."""
+    scene, _ = load_scene("prototype", [*ASKED, *changes])
+    content = json.loads(files.record_text(files.recorded(solve(scene))))
+    content.pop("format")
+    assert type(scene).model_validate(content["scene"]).model_dump() == scene.model_dump()
+    assert list(content["tolerances"]) == list(scene.tolerances)
+
+
+def test_the_metadata_name_what_is_there(sealed, record):
+    """Every reference has an entity, every file its size and checksum, and sha256sum agrees."""
+    entities = {
+        e["@id"]: e for e in json.loads((sealed / CRATE).read_text(encoding="utf-8"))["@graph"]
+    }
+
+    def references(value):
+        if isinstance(value, dict):
+            if set(value) == {"@id"}:
+                yield value["@id"]
+            for inner in value.values():
+                yield from references(inner)
+        elif isinstance(value, list):
+            for inner in value:
+                yield from references(inner)
+
+    named = {name for entity in entities.values() for name in references(entity)}
+    assert named - set(entities) == {"https://w3id.org/ro/crate/1.1"}
+    assert entities["ro-crate-metadata.json"]["about"] == {"@id": "./"}
+    assert entities["#program"]["sha256"] == this_origin().code
+    for part in entities["./"]["hasPart"]:
+        found = entities[part["@id"]]
+        assert found["contentSize"] == str((sealed / part["@id"]).stat().st_size)
+    check = subprocess.run(
+        ["sha256sum", "--check", "--strict", SUMS], cwd=sealed, capture_output=True, check=False
+    )
+    assert check.returncode == 0
+    assert check.stdout.count(b": OK") == 3
+
+
+def test_the_command_prints_every_quantity(sealed, record, capsys):
+    """Exit code 1 if one differs; options that would change the report are refused."""
+    assert main(["report", "--reproduce", str(sealed)]) == 0
+    out = capsys.readouterr().out.splitlines()
+    assert out[-1] == "prototype: 3 identical, 0 within bars, 0 differs"
+    seal(sealed, changed(record, "capacitance_free", 1.0), (PAGE,))
+    assert main(["report", "--reproduce", str(sealed)]) == 1
+    assert "differs  off by" in capsys.readouterr().out
+    assert main(["report", "j1", "--reproduce", str(sealed)]) == 2
+    assert main(["report", "--quick", "--reproduce", str(sealed)]) == 2
+    assert "leave the scene and all other options out" in capsys.readouterr().err

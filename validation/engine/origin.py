@@ -1,0 +1,83 @@
+"""What made a number: the program, its code, the libraries, the machine."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import platform
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from tactgen.geometry.store.sources import source_digest
+from tactgen.geometry.store.store import store_folder
+
+#: Libraries that numbers, meshes and pictures come from.
+LIBRARIES = ("numpy", "scipy", "scikit-fem", "cadquery", "pytetwild", "pyvista", "mkl")
+#: The code that computes numbers; what writes them down is not among it.
+_CODE = (
+    "tactgen.validation.engine.solve", "tactgen.validation.models", "tactgen.validation.catalogue",
+    "tactgen.fem", "tactgen.tmm",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Who computed something.
+
+    Attributes
+    ----------
+    program, version : str
+        Name and version of this package.
+    code : str
+        Hash of all code that computes numbers.
+    commit : str
+        The commit of the sources, or that there is none.
+    libraries : dict of str to str
+        Versions by library.
+    solver, python, machine : str
+        The sparse solver that ``auto`` takes, the interpreter, system and processor.
+    """
+
+    program: str
+    version: str
+    code: str
+    commit: str
+    libraries: dict[str, str]
+    solver: str
+    python: str
+    machine: str
+
+
+def this_origin() -> Origin:
+    """Return what computes here and now."""
+    from tactgen.fem.solvers.linear_solver import available_solver
+
+    return Origin(
+        program="tactgen",
+        version=_version("tactgen"),
+        code=source_digest(_CODE, store_folder()),
+        commit=_commit(),
+        libraries={name: _version(name) for name in LIBRARIES},
+        solver=available_solver(),
+        python=platform.python_version(),
+        machine=f"{platform.system()} {platform.machine()}",
+    )
+
+
+def _version(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def _commit() -> str:
+    here = Path(__file__).resolve().parent
+    try:
+        found = subprocess.run(
+            ["git", "-C", str(here), "describe", "--always", "--dirty"],
+            capture_output=True, text=True, timeout=10, check=True,
+        )  # fmt: skip
+    except (OSError, subprocess.SubprocessError):
+        return "installed without its repository"
+    return found.stdout.strip()
