@@ -329,6 +329,9 @@ QualityFactor = _quantity(Unit("", "quality factor", "60", above=0.0, limits=(0.
 LossTangent = _quantity(Unit("", "loss tangent", "0.03", at_least=0.0, limits=(1e-12, 10.0)))
 PoissonRatio = _quantity(Unit("", "Poisson ratio", "0.3", above=-1.0, below=0.5))
 PositiveNumber = _quantity(Unit("", "number", "0.8333", above=0.0, limits=(1e-3, 1e3)))
+RelativeScatter = _quantity(
+    Unit("", "relative scatter", "0.02", at_least=0.0, below=0.3, limits=(1e-9, 0.3))
+)
 RelativeError = _quantity(
     Unit("", "relative accuracy", "1e-3", above=0.0, below=1.0, limits=(1e-9, 1.0))
 )

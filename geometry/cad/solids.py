@@ -36,7 +36,10 @@ __all__ = [
     "export_step",
     "fuse",
     "quartered",
+    "solid_of",
     "thinnest_feature",
+    "write_glb",
+    "write_step",
 ]
 
 #: Colour of each region (red, green, blue; 0 to 1), for models and pictures.
@@ -84,10 +87,11 @@ def build_solids(
         system library is missing.
     """
     require_library("libGL.so.1", "CAD solids")
-    return {name: _solid(part) for name, part in layout(device, standing, names).items()}
+    return {name: solid_of(part) for name, part in layout(device, standing, names).items()}
 
 
-def _solid(part: Part) -> cq.Solid:
+def solid_of(part: Part) -> cq.Solid:
+    """Return the solid of a part (mm)."""
     body = _box(part.body) if isinstance(part.body, Box) else _turned(part.body)
     if part.cut is None:
         return body
@@ -190,10 +194,21 @@ def export_step(solids: dict[str, cq.Solid], path: str | Path) -> None:
     InputError
         If the file cannot be written.
     """
+    write_step(_assembly(solids), path)
+
+
+def write_step(assembly: cq.Assembly, path: str | Path) -> None:
+    """Write an assembly to a STEP file; what stands at several places is in it once.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
     from cadquery.occ_impl.exporters.assembly import exportAssembly
 
     with written_whole(path) as temporary:
-        if not exportAssembly(_assembly(solids), str(temporary)):
+        if not exportAssembly(assembly, str(temporary)):
             raise InputError(f"the CAD kernel could not write {path}; choose another place")
 
 
@@ -214,6 +229,14 @@ def export_glb(solids: dict[str, cq.Solid], path: str | Path, deflection: float 
     InputError
         If the file cannot be written.
     """
+    write_glb(_assembly(solids), path, deflection)
+
+
+def write_glb(assembly: cq.Assembly, path: str | Path, deflection: float = 2e-3) -> None:
+    """Write an assembly (mm) to a binary glTF file; copies of a part share its triangles.
+
+    Parameters and errors as in :func:`export_glb`.
+    """
     from cadquery.occ_impl.assembly import toCAF
     from OCP.Message import Message_ProgressRange
     from OCP.RWGltf import RWGltf_CafWriter
@@ -221,7 +244,7 @@ def export_glb(solids: dict[str, cq.Solid], path: str | Path, deflection: float 
     from OCP.TCollection import TCollection_AsciiString
     from OCP.TColStd import TColStd_IndexedDataMapOfStringString
 
-    _, document = toCAF(_assembly(solids), True, True, deflection, 0.2)
+    _, document = toCAF(assembly, True, True, deflection, 0.2)
     with written_whole(path) as temporary:
         # cadquery's own writer would call our millimetres metres
         writer = RWGltf_CafWriter(TCollection_AsciiString(str(temporary)), True)

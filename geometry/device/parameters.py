@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from tactgen.geometry import units as u
 from tactgen.geometry.device.groups.declaration import PAPER_5, Parameters, field
+from tactgen.geometry.device.groups.display import Display, Scatter, Skin
 from tactgen.geometry.device.groups.holding import Contact, Guide, Spring
 from tactgen.geometry.device.groups.lateral import Bimorph, Glue, Piezo, Shim
 from tactgen.geometry.device.groups.normal import (
@@ -25,9 +26,9 @@ from tactgen.geometry.device.piezo_library import CERAMICS, LIBRARY
 from tactgen.geometry.device.shim_library import SHIMS
 
 __all__ = [
-    "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Drive",
-    "Glue", "Guide", "Limits", "Load", "Parameters", "Piezo", "Rod", "Shim", "Sleeve", "Spring",
-    "Steel", "Support", "sources", "spreads",
+    "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Display", "Drive",
+    "Glue", "Guide", "Limits", "Load", "Parameters", "Piezo", "Rod", "Scatter", "Shim", "Skin",
+    "Sleeve", "Spring", "Steel", "Support", "sources", "spreads",
 ]  # fmt: skip
 
 

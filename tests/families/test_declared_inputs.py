@@ -73,6 +73,18 @@ CASES = [
     ("bimorph_on_rod", ("modes=2",), "tmm", "tip_displacement"),
     ("paper", ("support.kind=contact", "coil.current=0mA"), "tmm", "short_circuit_frequencies"),
     ("paper", ("support.kind=contact", "coil.current=0mA"), "tmm", "axial_tip_per_current"),
+    (
+        "display",
+        ("display.rows=2", "display.columns=1", "bimorph.tab_length=2mm"),
+        "tmm",
+        "crosstalk_largest",
+    ),
+    (
+        "display",
+        ("display.rows=2", "display.columns=1", "bimorph.tab_length=2mm"),
+        "lumped",
+        "tuned_spread",
+    ),
     ("j1", ("mesh.level=2", "modes=2"), "solid", "static_tip_displacement"),
     ("j1", ("mesh.level=2", "modes=2"), "solid", "coupling_factor"),
     ("j1", ("mesh.level=2", "modes=2"), "solid", "tip_displacement"),

@@ -110,6 +110,10 @@ _MACHINE = (
     "bimorph", "piezo", "shim", "glue", "beam", "rod", "coil", "sleeve", "steel.curve", "gap",
     "spring", "contact", "guide", "load.normal_force",
 )  # fmt: skip
+#: One unit beside the others: its board and its skin; and units that differ.
+_CROSSTALK = (*_MACHINE, "support.kind", "load", "coil.current", "coil.history", "frequency",
+              "display", "skin")  # fmt: skip
+_SPREAD = (*_MACHINE, "support", "load", "display", "scatter", "modes")
 _SLOT = (
     "support.kind", "rod.slot_depth", "bimorph.width", "bimorph.shim_thickness", "glue.thickness",
 )  # fmt: skip
@@ -117,6 +121,7 @@ _SLOT = (
 _ROW_GIVES: Mapping[Need, tuple[str, ...]] = {
     "static": ("static",), "modes_short": ("modes",), "modes_open": ("modes",),
     "harmonic": ("ports",), "small_signal": ("ports", "machine"), "machine_poles": ("machine",),
+    "crosstalk": ("ports", "crosstalk"), "spread": ("spread",),
 }  # fmt: skip
 _MAGNETIC_GIVES: Mapping[Need, tuple[str, ...]] = {
     "magnetic_point": ("point",), "magnetic_map": ("map", "switching"),
@@ -137,6 +142,7 @@ _SOLID_STAGES: Mapping[str, tuple[str, ...]] = {
     "modes_open": (*_SOLID, *_FIXED, "modes"),
     "ports": (*_SOLID, "frequency"),
     "machine": _MACHINE,
+    "crosstalk": _CROSSTALK,
 }
 _SOLID_GIVES: Mapping[Need, tuple[str, ...]] = {
     "static": ("mesh", "assembly", "static"),
@@ -145,6 +151,7 @@ _SOLID_GIVES: Mapping[Need, tuple[str, ...]] = {
     "harmonic": ("mesh", "assembly", "ports"),
     "small_signal": ("mesh", "assembly", "ports", "machine"),
     "machine_poles": ("machine",),
+    "crosstalk": ("mesh", "assembly", "ports", "crosstalk"),
 }
 
 
@@ -154,6 +161,8 @@ def _row_stages(*modes: str) -> dict[str, tuple[str, ...]]:
         "static": _PIECES,
         "modes": (*_PIECES, *_FIXED, *modes),
         "machine": _MACHINE,
+        "crosstalk": _CROSSTALK,
+        "spread": _SPREAD,
     }
 
 

@@ -6,10 +6,10 @@ from typing import Literal, NamedTuple
 
 Need = Literal[
     "static", "modes_short", "modes_open", "harmonic", "magnetic_point", "magnetic_map", "rest",
-    "small_signal", "machine_poles",
+    "small_signal", "machine_poles", "crosstalk", "spread",
 ]  # fmt: skip
-#: The two, and the machine that both make.
-Actuator = Literal["bimorph", "reluctance", "generator"]
+#: The two, the machine that both make, and many of these side by side.
+Actuator = Literal["bimorph", "reluctance", "generator", "display"]
 
 
 class NeedRow(NamedTuple):
@@ -29,4 +29,6 @@ NEEDS: dict[Need, NeedRow] = {
     "rest": NeedRow("reluctance", "where the rod rests"),
     "small_signal": NeedRow("generator", "the machine's response at given frequencies"),
     "machine_poles": NeedRow("generator", "the poles of the rod and its coil"),
+    "crosstalk": NeedRow("display", "what one unit moves at the others"),
+    "spread": NeedRow("display", "how far the units differ"),
 }

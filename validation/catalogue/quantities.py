@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from tactgen.validation.catalogue import bimorph, generator, reluctance
+from tactgen.validation.catalogue import bimorph, display, generator, reluctance
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.row import QuantityRow
 
 QUANTITIES: dict[str, QuantityRow] = {
-    q.name: q for q in (*bimorph.ROWS, *reluctance.ROWS, *generator.ROWS)
+    q.name: q for q in (*bimorph.ROWS, *reluctance.ROWS, *generator.ROWS, *display.ROWS)
 }
 
 

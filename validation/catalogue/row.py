@@ -104,7 +104,7 @@ class QuantityRow:
     @property
     def by_frequency(self) -> bool:
         """Whether it is an array over the frequencies asked for."""
-        return bool({"harmonic", "small_signal"} & set(self.needs))
+        return bool({"harmonic", "small_signal", "crosstalk"} & set(self.needs))
 
     @property
     def static(self) -> bool:
@@ -114,7 +114,7 @@ class QuantityRow:
     @property
     def loaded(self) -> bool:
         """Whether the tip's load enters with its losses."""
-        if self._is_driven or "small_signal" in self.needs:
+        if self._is_driven or {"small_signal", "crosstalk"} & set(self.needs):
             return True
         return isinstance(self.read, Readout) and self.read.is_loaded
 

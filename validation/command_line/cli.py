@@ -20,6 +20,7 @@ from tactgen.fem.solvers.threads import thread_count
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import size_limit
 from tactgen.validation.command_line.commands import (
+    bill,
     cache,
     completion,
     export,
@@ -224,7 +225,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
         report, solve, view, whatif, compare, design, sensitivity, identify, backbone,
-        simulate, plan,
+        simulate, plan, bill,
         export, verify, coverage, stress, bench, scenes, cache, init, completion,
     ):  # fmt: skip
         command.add(commands)

@@ -20,6 +20,7 @@ _FINE = 1e-5
 #: What each part of the screen is about.
 _TITLES: dict[Actuator, str] = {
     "bimorph": "bimorph", "reluctance": "normal actuator", "generator": "machine, small motions",
+    "display": "display",
 }  # fmt: skip
 #: Classes of listed entries that go without saying.
 _USUAL = ("bending_x", "decays")

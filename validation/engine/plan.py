@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from tactgen.geometry.display.clearances import check_display
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.needs import NEEDS
@@ -42,6 +43,15 @@ class Plan:
     def keys(self) -> dict[str, str]:
         """Stages that run, with the key of each."""
         return {step.stage: step.key for step in self.run}
+
+
+#: Quantities of what stands on its rod's contact: one generator, or many.
+_OF_MACHINES = ("generator", "display")
+
+
+def asks_display(quantities: Iterable[str]) -> bool:
+    """Return whether one of the quantities is of the display."""
+    return any(QUANTITIES[name].actuator == "display" for name in quantities)
 
 
 def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> Plan:
@@ -90,19 +100,23 @@ def check_models(models: Sequence[str], quantities: Sequence[str]) -> None:
 
 
 def check_on_contact(scene: Scene, quantities: Sequence[str]) -> None:
-    """Refuse a quantity of the machine of a bimorph that does not stand on the rod's contact.
+    """Refuse the machine, or the display, of a bimorph that does not stand on its rod's contact.
+
+    And a display whose parts run into each other.
 
     Raises
     ------
     InputError
         With the remedy.
     """
-    asked = [name for name in quantities if QUANTITIES[name].actuator == "generator"]
+    asked = [name for name in quantities if QUANTITIES[name].actuator in _OF_MACHINES]
     if asked and scene.support.kind != "contact":
         raise InputError(
             f'{asked[0]} is of the machine on its rod, of which support.kind = "'
             f'{scene.support.kind}" says nothing; set support.kind=contact'
         )
+    if asks_display(quantities):
+        check_display(scene.device, scene.display)
 
 
 def _list(names: list[str]) -> str:

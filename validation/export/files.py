@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.display.clearances import check_display
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.plan import asks_display
 from tactgen.validation.export.ports import check_state_space, write_port_files
 from tactgen.validation.export.targets import check_place
 from tactgen.validation.scene.scene import Scene
@@ -44,6 +46,8 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
         take the scene.
     """
     _check_targets(targets)
+    if asks_display(scene.quantities):
+        check_display(scene.device, scene.display)
     if "map" in targets and _magnetic_model(scene) == "magnetic3d":
         from tactgen.validation.models.reluctance.field import check_solid_map
 
@@ -207,6 +211,14 @@ def normal_actuator_solids(device: Device) -> dict[str, Any]:
 
 
 def _export_solids(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> None:
+    if asks_display(scene.quantities):
+        from tactgen.geometry.cad.display import export_display
+
+        announce("CAD solids of the display")
+        export_display(
+            scene.device, scene.display, step=targets.get("step"), glb=targets.get("glb")
+        )
+        return
     from tactgen.geometry.cad.solids import export_glb, export_step
 
     announce("CAD solids")

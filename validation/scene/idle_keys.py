@@ -20,6 +20,8 @@ _MAGNETIC = (
     "steel", "spring", "coil.turns", "coil.current", "coil.fill_factor", "coil.resistivity",
     "coil.temperature",
 )  # fmt: skip
+#: Groups that only the display reads.
+_DISPLAY = ("display", "skin", "scatter")
 #: Of those, what only the report shows: the coil's resistance and heat.
 _HEAT = ("coil.fill_factor", "coil.resistivity", "coil.temperature")
 #: What is read where the lateral actuator stands on its contact, besides contact and guide: what
@@ -76,6 +78,8 @@ def idle(scene: Scene, key: str) -> str:
 
 def _not_asked(scene: Scene, key: str) -> str:
     """Return why a key has no effect on the models asked for."""
+    if key.split(".", 1)[0] in _DISPLAY:
+        return _not_of_display(scene, key)
     group, models = key.split(".", 1)[0], f"with models = {', '.join(scene.models)}"
     if key == "mesh.level" and not any(MODELS[name].reads(key) for name in scene.models):
         return f"{models}; use it with --set models=solid"
@@ -89,6 +93,19 @@ def _not_asked(scene: Scene, key: str) -> str:
         return (
             f"{models}; ask for one of the normal actuator, such as --set models=network, to use it"
         )
+    return ""
+
+
+def _not_of_display(scene: Scene, key: str) -> str:
+    """Return why a key of the display has no effect on the quantities asked for."""
+    of_display = {name: row for name, row in QUANTITIES.items() if row.actuator == "display"}
+    if not set(scene.quantities) & of_display.keys():
+        return (
+            f"with quantities = {', '.join(scene.quantities)}; ask for one of the display, such "
+            f"as {next(iter(of_display))}, to use it"
+        )
+    if key.startswith("skin.") and scene.load.kind == "none":
+        return 'with load.kind = "none", on whose tips nothing lies; set load.kind = "finger"'
     return ""
 
 

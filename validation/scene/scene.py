@@ -6,9 +6,7 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -30,6 +28,7 @@ from tactgen.geometry.device.steel_library import steel_name
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted
+from tactgen.geometry.whole_number import WholeNumber
 from tactgen.tmm.ports.terminations import ends_of
 from tactgen.validation.catalogue.models import MODELS, gives, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
@@ -48,34 +47,6 @@ from tactgen.validation.scene.wording import choices, sentence
 
 if TYPE_CHECKING:
     from tactgen.tmm.generator.positions import RestingPlace
-
-
-@dataclass(frozen=True)
-class WholeNumber:
-    """A validator of whole numbers in a range, with a remedy in its refusal."""
-
-    least: int
-    most: int
-    example: str
-
-    def __call__(self, value: Any) -> int:
-        """Return `value` as an integer.
-
-        Raises
-        ------
-        ValueError
-            With a sentence that names the range.
-        """
-        text = str(value).strip() if isinstance(value, str | int | float) else ""
-        # 3.0 is what some programs write for 3
-        found = re.fullmatch(r"([+-]?[0-9]{1,9})(\.0*)?", text)
-        number = int(found[1]) if found else self.least - 1
-        if not self.least <= number <= self.most:
-            raise ValueError(
-                f"is not a whole number from {self.least} to {self.most}; "
-                f"write for example {self.example}"
-            )
-        return number
 
 
 #: Keys that name a file, each with what tells values that do not.
@@ -113,6 +84,9 @@ class Scene(p.Device):
     drive: p.Drive = p.Drive()
     beam: p.Beam = p.Beam()
     limits: p.Limits = p.Limits()
+    display: p.Display = p.Display()
+    skin: p.Skin = p.Skin()
+    scatter: p.Scatter = p.Scatter()
     mesh: MeshSettings = MeshSettings()
     accuracy: u.RelativeError = Field(
         default=1e-3, description="relative numerical error wanted of the field models"
@@ -196,13 +170,13 @@ class Scene(p.Device):
         named = choices(value, tuple(QUANTITIES), "quantity", "quantities")
         if set(named) != set(QUANTITIES):
             return named
-        # "all" is what the models can give; of the machine only what is named, since it wants a
-        # bimorph on the rod's contact
+        # "all" is what the models can give; of machine and display only what is named, since
+        # they want a bimorph on the rod's contact
         models = info.data.get("models", ())
         return tuple(
             name
             for name in named
-            if QUANTITIES[name].actuator != "generator"
+            if QUANTITIES[name].actuator not in ("generator", "display")
             and any(gives(model, name) for model in models)
         )
 

@@ -12,6 +12,7 @@ from tactgen.geometry.device.materials import PRINTED, Own, Spread
 PAPER_2 = "paper table 2"
 PAPER_4 = "paper section 4"
 PAPER_5 = "paper section 5.1"
+PAPER_52 = "paper section 5.2"
 RECONSTRUCTED = (
     "assumed: normal actuator reconstructed by search (the paper gives 2.3 mm, the gap, 41 mm "
     "total height, force and currents)"

@@ -10,7 +10,7 @@ from tactgen.geometry.errors import InputError
 
 GROUPS = (
     p.Bimorph, p.Piezo, p.Shim, p.Glue, p.Rod, p.Coil, p.Sleeve, p.Spring, p.Contact, p.Guide,
-    p.Steel, p.Support, p.Load, p.Drive, p.Beam,
+    p.Steel, p.Support, p.Load, p.Drive, p.Beam, p.Display, p.Skin, p.Scatter,
 )  # fmt: skip
 
 

@@ -64,6 +64,7 @@ def test_built_in_scenes():
     """All load, and are what they say."""
     assert set(built_in_scenes()) == {
         "paper", "prototype", "j1", "bimorph_on_rod", "generator", "reluctance",
+        "display",
     }  # fmt: skip
     prototype, _ = load_scene("prototype")
     assert (prototype.bimorph.length, prototype.load.kind, prototype.drive.voltage) == (

@@ -13,6 +13,7 @@ from tactgen.geometry.bimorph.row_shape import CentreLine
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.engine.model import Model, Modes, Refined
+from tactgen.validation.engine.results import Measured
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.bimorph.beam_theory_error import check_beam, stubby_warning
 from tactgen.validation.scene.scene import Scene
@@ -29,6 +30,8 @@ class BimorphModel(Model):
         """Return what quantities with this need are read from."""
         if need in ("small_signal", "machine_poles"):
             return self._machine(need)
+        if need == "crosstalk":
+            return self._crosstalk()
         if need == "static":
             return self.static()
         if need == "harmonic":
@@ -47,6 +50,12 @@ class BimorphModel(Model):
         if need == "machine_poles":
             return measured_poles(self.scene, linear)
         return SmallSignal(self.scene, self.ports(), linear)
+
+    def _crosstalk(self) -> Any:
+        """Return what one unit moves at the others, all of them on this bimorph."""
+        from tactgen.validation.models.display.crosstalk import crosstalk
+
+        return self.run("crosstalk", lambda: crosstalk(self.scene, self.ports()))
 
     @abstractmethod
     def ports(self) -> Refined[Multiport]:
@@ -73,6 +82,19 @@ class BeamTheoryModel(BimorphModel):
         """Say of a stubby bimorph how far beam theory may be off."""
         sentence = stubby_warning(self.scene)
         return (sentence,) if sentence else ()
+
+    def answer(self, need: Need) -> Any:
+        """Return what quantities with this need are read from; of many units, each its own beam."""
+        return self._spread() if need == "spread" else super().answer(need)
+
+    def _spread(self) -> Any:
+        from tactgen.validation.models.display.spread import first_frequency, spread
+
+        def first(scene: Scene) -> Measured:
+            return first_frequency(type(self)(scene, self.stages)._modes(open_circuit=False))
+
+        alone = self.scene.model_copy(update={"modes": 1})
+        return self.run("spread", lambda: spread(alone, first))
 
     def ports(self) -> Refined[Multiport]:
         """Return D(Ω) with losses over the scene's frequencies."""

@@ -1,0 +1,122 @@
+"""The bill of parts: each distinct part with count, material, volume and mass, in closed form.
+
+Springs and windings are weighed by what is in their envelope: wire, and copper by its share.
+Enamel, solder, traces and the threads' profile are left out.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from tactgen.geometry.device.layout import MM, Box, Part, Turned, closed_form_volumes
+from tactgen.geometry.device.parameters import Device, Display
+from tactgen.geometry.display.clearances import spring_turns
+from tactgen.geometry.display.layout import Plate, as_built, display_parts
+
+#: Unworked end turns of a compression spring with closed ends.
+_END_TURNS = 2.0
+#: Steel of screws and springs (kg/m³).
+_STEEL = 7850.0
+#: What part of an adjusting spring's envelope is wire: stock springs, a wire of the envelope's
+#: thickness wound with twice its pitch fills pi / 8 of it.
+_WIRE_SHARE = math.pi / 8.0
+
+
+@dataclass(frozen=True)
+class Line:
+    """One part in the bill: volume (m³) and mass (kg) are of one piece."""
+
+    name: str
+    count: int
+    material: str
+    volume: float
+    mass: float
+
+    @property
+    def total_mass(self) -> float:
+        """Of all pieces (kg)."""
+        return self.count * self.mass
+
+
+def bill_of_parts(device: Device, display: Display) -> tuple[Line, ...]:
+    """Return the bill, the generators' own parts first.
+
+    Raises
+    ------
+    InputError
+        If the parts of a generator cannot be put together.
+    """
+    materials = _materials(device, display)
+    volumes = closed_form_volumes(as_built(device, display), "rod")
+    lines = []
+    for placed in display_parts(device, display):
+        name = placed.name
+        material, density, share = materials[name]
+        volume = volumes[name] if name in volumes else _volume(placed.body)
+        if name == "return_spring":
+            volume, share = _wire_volume(device, display), 1.0
+        lines.append(Line(name, len(placed.places), material, volume, density * share * volume))
+    return tuple(lines)
+
+
+def total_mass(lines: tuple[Line, ...]) -> float:
+    """Return the mass of all parts (kg)."""
+    return sum(line.total_mass for line in lines)
+
+
+def _materials(device: Device, display: Display) -> dict[str, tuple[str, float, float]]:
+    """Return material, density (kg/m³) and the share of the volume that it fills, by part."""
+    ceramic = (device.piezo.material, device.piezo.ceramic().density, 1.0)
+    steel = ("steel", device.rod.density, 1.0)
+    hard = ("spring steel", _STEEL, 1.0)
+    plate = ("polyoxymethylene", display.plate_density, 1.0)
+    board = ("glass-fibre epoxy", display.board_density, 1.0)
+    brass = ("brass", display.spacer_density, 1.0)
+    return {
+        "piezo_top": ceramic,
+        "piezo_bottom": ceramic,
+        "shim": (device.shim.material, device.shim.density, 1.0),
+        "glue": ("glue", device.glue.density, 1.0),
+        "rod": steel,
+        "coil": ("copper wire", device.coil.copper_density, device.coil.fill_factor),
+        "sleeve": steel,
+        "return_spring": hard,
+        "grub_screw": ("steel", _STEEL, 1.0),
+        "ground_plate": plate,
+        "lower_board": board,
+        "upper_board": board,
+        "support_plate": plate,
+        "board_spacer": brass,
+        "adjusting_spring": ("spring steel", _STEEL, _WIRE_SHARE),
+        "support_spacer": brass,
+    }
+
+
+def _wire_volume(device: Device, display: Display) -> float:
+    turns = spring_turns(device, display) + _END_TURNS
+    section = 0.25 * math.pi * display.spring_wire**2
+    return float(section * turns * math.pi * display.spring_diameter)
+
+
+def _volume(body: Part | Plate) -> float:
+    """Return the volume (m³) of a plate, or of a turned part without a cut."""
+    if isinstance(body, Plate):
+        area, height = _area(body.body)
+        area -= sum(math.pi * radius**2 for _, _, radius in body.holes)
+        area -= sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in body.windows)
+        return area * height / MM**3
+    assert isinstance(body.body, Turned)
+    assert body.cut is None
+    corners = body.body.outline
+    # Pappus by the shoelace: V = pi/3 sum (r1² + r1 r2 + r2²)(z2 - z1) round the outline
+    volume = sum(
+        (r1 * r1 + r1 * r2 + r2 * r2) * (z2 - z1)
+        for (r1, z1), (r2, z2) in zip(corners, (*corners[1:], corners[0]), strict=True)
+    )
+    return math.pi / 3.0 * volume / MM**3
+
+
+def _area(box: Box) -> tuple[float, float]:
+    dx, dy, dz = (high - low for low, high in zip(box.low, box.high, strict=True))
+    return dx * dy, dz

@@ -1,0 +1,112 @@
+"""The display by models of its generators: crosstalk, units that differ, screws that tune them."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.quantities import quantities_of
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.idle_keys import scene_warnings
+from tactgen.validation.scene.scene import load_scene
+
+CROSSTALK = tuple(q for q in quantities_of("display") if q.startswith("crosstalk"))
+SPREAD = ("unit_frequencies", "frequency_spread", "screw_turns", "tuned_spread", "tuning_range")
+SMALL = ("display.rows=2", "display.columns=3", "frequency=10,100,430,1000")
+
+
+def answers(quantities, *overrides, model="tmm"):
+    scene, _ = load_scene("display", [*SMALL, *overrides])
+    return {q.name: q for q in solve(scene, (model,), quantities).quantities}
+
+
+@pytest.fixture(scope="module")
+def tuned():
+    return answers(SPREAD)
+
+
+def test_models_agree_on_what_passes():
+    """Exact beams and beam elements: the same display within the elements' bar and rounding."""
+    exact, elements = answers(CROSSTALK), answers(CROSSTALK, model="beam")
+    for name, q in exact.items():
+        bar = q.uncertainty + elements[name].uncertainty + 1e-12
+        assert (np.abs(q.value - elements[name].value) <= bar).all(), name
+
+
+def test_without_neighbours_there_is_none():
+    """Of a display of one row there is no unit behind, of one unit none at all."""
+    row = answers(CROSSTALK, "display.rows=1")
+    assert np.isnan(row["crosstalk_behind"].value).all()
+    assert np.isfinite(row["crosstalk_beside"].value).all()
+    alone = answers(CROSSTALK, "display.rows=1", "display.columns=1")
+    assert not alone["crosstalk_largest"].value.any()
+
+
+def test_without_skin_the_board_passes_all():
+    """Skin of no thickness leaves what the board passes on."""
+    bare = answers(CROSSTALK, "skin.thickness=0mm")
+    np.testing.assert_array_equal(bare["crosstalk_largest"].value, bare["crosstalk_by_board"].value)
+    covered = answers(CROSSTALK)
+    # at 10 Hz nothing is near a resonance
+    assert covered["crosstalk_largest"].value[0] > 2.0 * bare["crosstalk_largest"].value[0]
+
+
+def test_screws_bring_units_together(tuned):
+    """To 1e-6 of the frequency, which is where the search ends."""
+    found = tuned["unit_frequencies"].value
+    assert tuned["frequency_spread"].value == pytest.approx(np.ptp(found))
+    assert tuned["tuned_spread"].value < 3e-6 * np.median(found)
+    # who is below the median is tightened, which stiffens the contact
+    turns = tuned["screw_turns"].value
+    assert (turns[found < 0.999 * np.median(found)] > 0.0).all()
+    assert (turns[found > 1.001 * np.median(found)] < 0.0).all()
+    # a turn is 0.35 mm on 100 N/m; a screw goes 1 mm either way, of 110 mN less a loose head
+    assert np.abs(turns).max() < 1e-3 / 0.35e-3
+
+
+def test_the_papers_tuning_range_is_within_reach(tuned):
+    """Some 300 Hz (section 6); and the scatter needs no more."""
+    assert tuned["tuning_range"].value > 300.0
+    assert tuned["frequency_spread"].value < tuned["tuning_range"].value
+
+
+def test_a_screw_that_hardly_moves_tunes_hardly():
+    """Units that its travel does not reach stay apart, and the turns end at the travel."""
+    short = answers(SPREAD, "display.screw_length=3.9mm")
+    assert short["tuned_spread"].value > 10.0
+    assert np.abs(short["screw_turns"].value).max() == pytest.approx(0.1 / 0.35)
+    assert short["tuning_range"].value < 60.0
+
+
+def test_equal_units_need_no_screw():
+    """Without scatter all have one frequency and no screw turns."""
+    none = [f"scatter.{key}=0" for key in ("length", "thickness", "roughness", "preload")]
+    equal = answers(SPREAD, *none)
+    assert equal["frequency_spread"].value == 0.0
+    assert not equal["screw_turns"].value.any()
+    other_seed = answers(("frequency_spread",), "scatter.seed=2")
+    assert other_seed["frequency_spread"].value > 1.0
+
+
+def test_a_scene_of_one_bimorph_touches_no_display():
+    """No stage of the display runs for it, and its keys are said to be idle."""
+    scene, _ = load_scene("paper")
+    stages = [step.stage for step in make_plan(scene, scene.models, scene.quantities).run]
+    assert not [stage for stage in stages if stage.endswith(("crosstalk", "spread"))]
+    (sentence,) = scene_warnings(scene, {"display.pitch": "set on the command line"})
+    assert "ask for one of the display" in sentence
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("support.kind=spring", ["support.kind", "contact"]),
+        ("display.pitch=2.2mm", ["display.pitch = 2.2 mm", "footprint of 2.3 mm"]),
+    ],
+)
+def test_refusals(override, words):
+    """Before anything is computed."""
+    scene, _ = load_scene("display", [override])
+    with pytest.raises(InputError) as refused:
+        make_plan(scene, ("tmm",), scene.quantities)
+    assert all(word in str(refused.value) for word in words)

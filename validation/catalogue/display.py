@@ -1,0 +1,66 @@
+"""The quantities of the display, one row each.
+
+Read off MechanicalCrosstalk and Spread, on any model of the lateral actuator.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from tactgen.validation.catalogue.row import AnswerReadout, QuantityRow
+
+
+def _moved(of: Callable[[Any], Any]) -> AnswerReadout:
+    return AnswerReadout("crosstalk", of)
+
+
+def _drawn(of: Callable[[Any], Any]) -> AnswerReadout:
+    return AnswerReadout("spread", of)
+
+
+ROWS = (
+    QuantityRow(
+        "crosstalk_beside", "",
+        "lateral motion of the next tip along x over the driven one's, through board and skin",
+        _moved(lambda display: display.beside()),
+    ),
+    QuantityRow(
+        "crosstalk_behind", "",
+        "lateral motion of the next tip along y over the driven one's, through board and skin",
+        _moved(lambda display: display.behind()),
+    ),
+    QuantityRow(
+        "crosstalk_largest", "",
+        "largest lateral motion of another tip over the driven one's, through board and skin",
+        _moved(lambda display: display.largest()),
+    ),
+    QuantityRow(
+        "crosstalk_by_board", "",
+        "the same with no skin on the tips: what the upper board alone passes on",
+        _moved(lambda display: display.by_board()),
+    ),
+    QuantityRow(
+        "unit_frequencies", "Hz",
+        "first natural frequency of each unit as drawn from the scatter, row by row",
+        _drawn(lambda units: units.as_drawn()),
+    ),
+    QuantityRow(
+        "frequency_spread", "Hz", "highest less lowest of the units' first natural frequencies",
+        _drawn(lambda units: units.apart()),
+    ),
+    QuantityRow(
+        "screw_turns", "",
+        "turns of each unit's grub screw that bring it to the units' median, positive tightens",
+        _drawn(lambda units: units.screws()),
+    ),
+    QuantityRow(
+        "tuned_spread", "Hz", "highest less lowest after the screws were turned",
+        _drawn(lambda units: units.left_apart()),
+    ),
+    QuantityRow(
+        "tuning_range", "Hz",
+        "what a grub screw can do to the nominal unit's first natural frequency, from end to end",
+        _drawn(lambda units: units.reach()),
+    ),
+)  # fmt: skip

@@ -1,0 +1,1 @@
+"""The display on any model of its generators."""
