@@ -8,9 +8,11 @@ from pydantic import BeforeValidator
 
 from tactgen.geometry import units as u
 from tactgen.geometry.device.groups.declaration import PAPER_52, Parameters, field, printed
+from tactgen.geometry.device.materials import Own
 from tactgen.geometry.whole_number import WholeNumber
 
 _COUNT = Annotated[int, BeforeValidator(WholeNumber(1, 32, "4"))]
+_SIZE = Own("machined size", 0.01)
 _SEED = Annotated[int, BeforeValidator(WholeNumber(0, 999_999_999, "1"))]
 
 
@@ -22,9 +24,11 @@ class Display(Parameters):
 
     rows: _COUNT = field(4, PAPER_52, "generators along y")
     columns: _COUNT = field(4, PAPER_52, "generators along x")
-    pitch: u.SmallLength = printed(2.4e-3, PAPER_52, "distance of neighbouring axes", 0.05e-3)
-    width: u.SmallLength = printed(50e-3, PAPER_52, "outer size along x", 0.5e-3)
-    length: u.SmallLength = printed(70e-3, PAPER_52, "outer size along y", 0.5e-3)
+    pitch: u.SmallLength = printed(
+        2.4e-3, PAPER_52, "distance of neighbouring axes", 0.05e-3, own=_SIZE
+    )
+    width: u.SmallLength = printed(50e-3, PAPER_52, "outer size along x", 0.5e-3, own=_SIZE)
+    length: u.SmallLength = printed(70e-3, PAPER_52, "outer size along y", 0.5e-3, own=_SIZE)
     tab_length: u.SmallLength = field(
         2e-3,
         "assumed: gives the paper's 41 mm (section 5.1)",
