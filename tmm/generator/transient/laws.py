@@ -1,21 +1,20 @@
 """Laws of springs and stops, over one step: forces that do exactly the work of their energy.
 
 What a step takes for the force of a law is the change of its energy over the change of the
-deformation, a discrete gradient, and a damping part whose work is never negative.  Parameters and
-deformations are numbers, or arrays over many springs of one kind.
+deformation, a discrete gradient, and a damping part whose work is never negative.  That is asked
+several times a step, of one spring at a time and in plain numbers, which costs less than arrays of
+a few; energies and forces of a whole run are asked in arrays.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-
-#: A number, or an array of them for many springs at once.
-Value = Any
 
 #: Below this change over a step, in decay lengths, a slope is its limit for small steps: what is
 #: left out is of the same size, and the difference would be made of rounding.
@@ -23,35 +22,30 @@ _SMALL_CHANGE = 1e-6
 #: Exponents beyond which rough surfaces are taken to be apart (1e-26 of the load), and at which a
 #: stray guess of an iteration is cut off.
 _APART, _LARGEST = -60.0, 500.0
-
-
-class Mean(NamedTuple):
-    """Force over a step, its slope by the deformation after it, its elastic part (N, N/m, N)."""
-
-    force: Floats
-    slope: Floats
-    elastic: Floats
+#: Force over a step, its slope by the deformation after it, its elastic part (N, N/m, N).
+Mean: TypeAlias = tuple[float, float, float]
 
 
 class Law(Protocol):
     """A spring's law over its deformation δ (m)."""
 
-    def energy(self, deformation: Value) -> Floats:
+    @property
+    def apart(self) -> float:
+        """Deformation (m) up to which nothing acts and nothing is stored; −inf if there is none."""
+        ...
+
+    def energy(self, deformation: Floats) -> Floats:
         """Return the stored energy (J)."""
         ...
 
-    def force(self, deformation: Value, rate: Value) -> Floats:
+    def force(self, deformation: Floats, rate: Floats) -> Floats:
         """Return the force (N) at a deformation (m) and its rate (m/s)."""
         ...
 
-    def apart(self, before: Floats, after: Floats) -> bool:
-        """Return whether nothing acts and nothing is stored before and after a step."""
-        ...
+    def mean(self, before: float, moved: float, step: float) -> Mean:
+        """Return what acts over a step of so many seconds that changes the deformation by `moved`.
 
-    def mean(self, before: Value, after: Value, step: float) -> Mean:
-        """Return what acts over a step of so many seconds.
-
-        The elastic part times after − before is the change of the energy, to rounding.
+        The elastic part times `moved` is the change of the energy, to rounding.
         """
         ...
 
@@ -68,37 +62,44 @@ class Stop:
         N/m and N s/m.
     """
 
-    stiffness: Value
-    damping: Value = 0.0
+    stiffness: float
+    damping: float = 0.0
 
-    def energy(self, deformation: Value) -> Floats:
+    @property
+    def apart(self) -> float:
+        """Deformation (m) up to which nothing acts."""
+        return 0.0
+
+    def energy(self, deformation: Floats) -> Floats:
         """Return k δ²/2 in contact (J)."""
         return np.asarray(0.5 * self.stiffness * np.maximum(deformation, 0.0) ** 2)
 
-    def force(self, deformation: Value, rate: Value) -> Floats:
+    def force(self, deformation: Floats, rate: Floats) -> Floats:
         """Return the force (N) at a deformation (m) and its rate (m/s)."""
         pressed = np.maximum(deformation, 0.0)
         force = self.stiffness * pressed + self.damping * rate * (pressed > 0.0)
         return np.asarray(np.maximum(force, 0.0))
 
-    def apart(self, before: Floats, after: Floats) -> bool:
-        """Return whether nothing acts and nothing is stored before and after a step."""
-        return bool(max(before.max(), after.max()) <= 0.0)
-
-    def mean(self, before: Value, after: Value, step: float) -> Mean:
+    def mean(self, before: float, moved: float, step: float) -> Mean:
         """Return what acts over a step."""
-        p0, p1 = np.maximum(before, 0.0), np.maximum(after, 0.0)
-        now, change = (p1 > 0.0).astype(float), after - before
-        mixed = (p0 > 0.0) != (p1 > 0.0)
-        # share of the way that is gone in contact; `change` is no 0 where it is not 0 or 1
-        way = np.where(mixed, change, 1.0)
-        touching = np.where(mixed, (p1 - p0) / way, now)
-        half = 0.5 * self.stiffness * (p0 + p1)
+        after = before + moved
+        if before <= 0.0 and after <= 0.0:
+            return (0.0, 0.0, 0.0)
+        p0, p1 = max(before, 0.0), max(after, 0.0)
+        half, rate = 0.5 * self.stiffness * (p0 + p1), self.damping / step
+        now = 1.0 if p1 > 0.0 else 0.0
+        touching, bend = now, 0.0
+        if (p0 > 0.0) != (p1 > 0.0):
+            # share of the way that is gone in contact; `moved` is not 0 here
+            touching = (p1 - p0) / moved
+            bend = half * (now - touching) / moved
         elastic = half * touching
-        force = elastic + self.damping * (p1 - p0) / step
-        slope = 0.5 * self.stiffness * now * touching + self.damping * now / step
-        slope = slope + np.where(mixed, half * (now - touching) / way, 0.0)
-        return Mean(np.maximum(force, 0.0), np.where(force > 0.0, slope, 0.0), elastic)
+        # the way gone in contact without the difference of two deep places
+        gone = moved if p0 > 0.0 and p1 > 0.0 else p1 - p0
+        force = elastic + rate * gone
+        if force <= 0.0:
+            return (0.0, 0.0, elastic)
+        return (force, 0.5 * self.stiffness * now * touching + rate * now + bend, elastic)
 
 
 @dataclass(frozen=True)
@@ -118,40 +119,47 @@ class RoughPoint:
         s.
     """
 
-    load: Value
-    decay_length: Value
-    relaxation_time: Value = 0.0
+    load: float
+    decay_length: float
+    relaxation_time: float = 0.0
 
-    def energy(self, deformation: Value) -> Floats:
+    @property
+    def apart(self) -> float:
+        """Deformation (m) up to which nothing acts."""
+        return _APART * self.decay_length
+
+    def energy(self, deformation: Floats) -> Floats:
         """Return P u₀ e^{δ/u₀} (J), 0 far apart."""
         return np.asarray(self.decay_length * self._force(deformation / self.decay_length))
 
-    def force(self, deformation: Value, rate: Value) -> Floats:
+    def force(self, deformation: Floats, rate: Floats) -> Floats:
         """Return the force (N) at a deformation (m) and its rate (m/s)."""
         growth = 1.0 + self.relaxation_time * rate / self.decay_length
         return np.asarray(self._force(deformation / self.decay_length) * np.maximum(growth, 0.0))
 
-    def apart(self, before: Floats, after: Floats) -> bool:
-        """Return whether nothing acts and nothing is stored before and after a step."""
-        return bool(max(before.max(), after.max()) < _APART * self.decay_length)
-
-    def mean(self, before: Value, after: Value, step: float) -> Mean:
+    def mean(self, before: float, moved: float, step: float) -> Mean:
         """Return what acts over a step."""
-        u0 = self.decay_length
-        begin, end = self._force(before / u0), self._force(after / u0)
-        change = (after - before) / u0
-        way = np.where(change == 0.0, 1.0, change)
-        # begin (e^z − 1)/z needs no difference of two large forces; a begin of 0 was cut off
-        grown = np.where(begin > 0.0, begin * np.expm1(np.minimum(change, _LARGEST)), end)
-        elastic = np.where(change == 0.0, end, grown / way)
-        steep = np.abs(change) > _SMALL_CHANGE
-        slope = np.where(steep, (end - elastic) / way, 0.5 * end) / u0
+        u0, load = self.decay_length, self.load
+        at, change = before / u0, moved / u0
+        after = at + change
+        begin = load * math.exp(min(at, _LARGEST)) if at > _APART else 0.0
+        if after <= _APART:
+            rise = -begin
+        elif begin == 0.0:
+            rise = load * math.exp(min(after, _LARGEST))
+        else:
+            # needs no difference of two large forces
+            rise = begin * math.expm1(min(change, _LARGEST))
+        end = begin + rise
+        elastic = end if change == 0.0 else rise / change
+        slope = (end - elastic) / change if abs(change) > _SMALL_CHANGE else 0.5 * end
         rate = self.relaxation_time / step
-        force = elastic + rate * (end - begin)
-        slope = np.where(force > 0.0, slope + rate * end / u0, 0.0)
-        return Mean(np.maximum(force, 0.0), slope, elastic)
+        force = elastic + rate * rise
+        if force <= 0.0:
+            return (0.0, 0.0, elastic)
+        return (force, (slope + rate * end) / u0, elastic)
 
-    def _force(self, exponent: Value) -> Floats:
+    def _force(self, exponent: Floats) -> Floats:
         near = self.load * np.exp(np.minimum(exponent, _LARGEST))
         return np.asarray(np.where(exponent > _APART, near, 0.0))
 
@@ -160,25 +168,27 @@ class RoughPoint:
 class CubicSpring:
     """f = k δ + k₃ δ³ (N), in both directions."""
 
-    linear: Value
-    cubic: Value = 0.0
+    linear: float
+    cubic: float = 0.0
 
-    def energy(self, deformation: Value) -> Floats:
+    @property
+    def apart(self) -> float:
+        """It always acts."""
+        return -math.inf
+
+    def energy(self, deformation: Floats) -> Floats:
         """Return k δ²/2 + k₃ δ⁴/4 (J)."""
-        square = deformation * deformation
+        square = np.square(deformation)
         return np.asarray(0.5 * self.linear * square + 0.25 * self.cubic * square * square)
 
-    def force(self, deformation: Value, rate: Value) -> Floats:
+    def force(self, deformation: Floats, rate: Floats) -> Floats:
         """Return the force (N) at a deformation (m)."""
-        return np.asarray(self.linear * deformation + self.cubic * deformation**3)
+        return np.asarray(self.linear * deformation + self.cubic * np.power(deformation, 3))
 
-    def apart(self, before: Floats, after: Floats) -> bool:
-        """Return whether nothing acts and nothing is stored before and after a step."""
-        return False
-
-    def mean(self, before: Value, after: Value, step: float) -> Mean:
+    def mean(self, before: float, moved: float, step: float) -> Mean:
         """Return what acts over a step."""
+        after = before + moved
         squares, total = before * before + after * after, before + after
         force = 0.5 * self.linear * total + 0.25 * self.cubic * total * squares
         slope = 0.5 * self.linear + 0.25 * self.cubic * (squares + 2.0 * total * after)
-        return Mean(force, slope, force)
+        return (force, slope, force)

@@ -35,6 +35,8 @@ from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 _POINTS = 16
 #: How far beyond its stops the rod may be pressed, in decay lengths: e²⁵ of the reference load.
 _BEYOND = 25.0
+#: How much more closely a step follows the head's tilt than the motion that it gives the tip.
+_TURNED = 3.0
 
 LOWER, UPPER = "lower_stop", "upper_stop"
 
@@ -123,6 +125,7 @@ def machine(
     beyond = _BEYOND * contact.decay_length
     lateral, axial = np.eye(n)[1], np.eye(n)[0]
     static = drive_scale * float(modes.tip[2:] @ (modes.coupling / modes.omega**2))
+    bent = max(abs(static), 1e-9)
     system = System(
         mass=mass,
         damping=damping,
@@ -144,10 +147,11 @@ def machine(
         ),
         outputs={
             "rod_lift": Output(axial, "m", stops.stroke, "lift of the rod, 0 on top"),
-            "lateral_tip": Output(tip, "m", max(abs(static), 1e-9), "lateral motion of the tip"),
+            "lateral_tip": Output(tip, "m", bent, "lateral motion of the tip"),
             "head_tilt": Output(
-                np.eye(n)[2], "rad", np.inf,
-                "tilt of the rod's head",
+                np.eye(n)[2], "rad", np.inf, "tilt of the rod's head",
+                # a rocking head turns the tip by its height; what it does to the contact counts too
+                step_scale=bent / (_TURNED * abs(float(tip[2]))),
             ),
         },
     )  # fmt: skip

@@ -6,7 +6,8 @@ second pass goes over the same steps in halves and is the result.  The rule is o
 the motion is smooth, and the distance between the passes then three times the error of the second;
 at impacts it is of first order, and the distance equal to that error or, where an impact is passed
 in a few steps, somewhat below it.  So three times the distance is given as the error bar.  If it
-exceeds what was asked, both passes are repeated with shorter steps.
+exceeds what was asked, both passes are repeated with shorter steps; unless it has grown as large as
+the motion: then the answer says up to which time it is certain.
 """
 
 from __future__ import annotations
@@ -18,9 +19,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from tactgen.geometry.arrays import Bools, Floats
+from tactgen.geometry.arrays import Bools, Floats, Ints
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient.step import Energies, Flow, State, Stepper, StepTooLongError
+from tactgen.tmm.generator.transient.newton import StepTooLongError
+from tactgen.tmm.generator.transient.record import Record, Run
+from tactgen.tmm.generator.transient.step import Flow, State, Stepper
 from tactgen.tmm.generator.transient.system import System
 from tactgen.tmm.generator.transient.waveform import Constant, Waveform
 
@@ -38,9 +41,13 @@ _EASY = 0.06
 #: Error bar over the distance between the two passes.
 _BAR = 3.0
 #: Local tolerance of the first round over the accuracy asked for.
-_LOCAL = 0.02
-#: Rounds of both passes, and the share of the accuracy that the next round aims at.
-_ROUNDS, _AIM = 4, 0.5
+_LOCAL = 0.01
+#: Rounds of both passes, the share of the accuracy that the next round aims at, and the most by
+#: which it lowers the local tolerance: an impact's first error says little about the next.
+_ROUNDS, _AIM, _LOWERED = 4, 0.5, 0.1
+#: Error of a round, over the outputs' scales, beyond which no other is made: bounces amplify small
+#: differences until they are as large as the motion, and shorter steps only move the time of that.
+_HOPELESS = 1.0
 #: Steps after which a run is given up.
 _MOST_STEPS = 3_000_000
 
@@ -54,75 +61,6 @@ class Sources:
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
-    """What a run gave at its times (k,).
-
-    Attributes
-    ----------
-    time : (k,) float
-        s; a time at which a source jumps appears twice.
-    position, velocity : (k, n) float
-        Coordinates of the system.
-    voltage, coil_source : (k,) float
-        V; A or V.
-    current, flux_linkage, gap, pull, charge : (k,) float
-        A, Wb, m, N, C.
-    kinetic, strain, springs, load, magnetic, electric : (k,) float
-        Energies: of motion, of the structure, of springs and stops, of constant forces, of the
-        magnetic field, of the bimorph's capacitance (J).
-    bimorph_work, coil_work : (k,) float
-        Given by the sources since the start (J).
-    structure_loss, element_loss, wire_loss : (k,) float
-        Taken by dampers, by springs and stops, by the circuit's resistance since the start (J).
-    throughput : (k,) float
-        Sum since the start of the sizes of all works, losses and changes of one kind of energy
-        (J): what the balance is judged by.
-    """
-
-    time: Floats
-    position: Floats
-    velocity: Floats
-    voltage: Floats
-    coil_source: Floats
-    current: Floats
-    flux_linkage: Floats
-    gap: Floats
-    pull: Floats
-    charge: Floats
-    kinetic: Floats
-    strain: Floats
-    springs: Floats
-    load: Floats
-    magnetic: Floats
-    electric: Floats
-    bimorph_work: Floats
-    coil_work: Floats
-    structure_loss: Floats
-    element_loss: Floats
-    wire_loss: Floats
-    throughput: Floats
-
-    @property
-    def energy(self) -> Floats:
-        """All that is stored (k,), in J."""
-        mechanical = self.kinetic + self.strain + self.springs + self.load
-        return mechanical + self.magnetic + self.electric
-
-    @property
-    def imbalance(self) -> Floats:
-        """Stored energy less start, works and losses (k,), in J: rounding only."""
-        lost = self.structure_loss + self.element_loss + self.wire_loss
-        given = self.bimorph_work + self.coil_work
-        return np.asarray(self.energy - self.energy[0] - given + lost)
-
-    @property
-    def worst_imbalance(self) -> float:
-        """The largest imbalance over the throughput of the run; 0 for one at rest."""
-        whole = float(self.throughput[-1])
-        return float(np.abs(self.imbalance).max()) / whole if whole > 0.0 else 0.0
-
-
-@dataclass(frozen=True, eq=False)
 class Answer:
     """A run with what it is worth.
 
@@ -132,11 +70,13 @@ class Answer:
         With every chosen step halved.
     outputs : dict of str to (k,) float
         The system's outputs over time.
-    errors : dict of str to float
-        Bar of each output, in its unit: three times the largest distance from the run with whole
-        steps.
+    bars : dict of str to (k,) float
+        Error bar of each output up to each time, in its unit: three times the largest distance from
+        the run with whole steps until then.
     error : float
-        The largest of them over its output's scale.
+        The largest of all bars over its output's scale.
+    certain_until : float
+        Time (s) up to which no bar exceeds the accuracy.
     accuracy : float
         What was asked for.
     rounds : int
@@ -145,10 +85,16 @@ class Answer:
 
     run: Run
     outputs: dict[str, Floats]
-    errors: dict[str, float]
+    bars: dict[str, Floats]
     error: float
+    certain_until: float
     accuracy: float
     rounds: int
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Bar of each output over the whole run, in its unit."""
+        return {name: float(bar[-1]) for name, bar in self.bars.items()}
 
 
 #: Steps between two breaks: a time inside the piece, the start, and each step's end (s).
@@ -200,12 +146,14 @@ def simulate(
         marcher = _Marcher(system, sources, until, announce)
         chosen, coarse = marcher.choose(first, longest, local)
         fine, shared = marcher.follow(first, chosen, parts=2)
-        outputs, errors, error = _compared(system, coarse, fine, shared)
-        if error <= accuracy or rounds == _ROUNDS:
+        outputs, bars, relative = _compared(system, coarse, fine, shared)
+        error = float(relative[-1])
+        if error <= accuracy or error > _HOPELESS or rounds == _ROUNDS:
             break
         # the error of a run goes as the square of its steps, that of a step as the cube
-        local *= max((_AIM * accuracy / error) ** 1.5, 1e-3)
-    return Answer(fine, outputs, errors, error, accuracy, rounds)
+        local *= max((_AIM * accuracy / error) ** 1.5, _LOWERED)
+    certain = fine.time[max(int(np.searchsorted(relative, accuracy, "right")) - 1, 0)]
+    return Answer(fine, outputs, bars, error, float(certain), accuracy, rounds)
 
 
 def simulate_steps(
@@ -246,21 +194,28 @@ def _between_breaks(sources: Sources, until: float) -> Iterator[tuple[float, flo
 
 def _compared(
     system: System, coarse: Run, fine: Run, shared: Bools
-) -> tuple[dict[str, Floats], dict[str, float], float]:
-    """Return the outputs, and how far apart they are at the times that both runs have."""
+) -> tuple[dict[str, Floats], dict[str, Floats], Floats]:
+    """Return the outputs, their bars up to each time, and the largest of these over its scale."""
+    # a time that only the finer run has takes the bar of the step in which it lies
+    after: Ints = np.cumsum(shared) - shared
+
+    def bar(values: Floats, others: Floats) -> Floats:
+        grown = np.maximum.accumulate(np.abs(values[shared] - others))
+        return np.asarray(_BAR * grown[after])
+
     outputs: dict[str, Floats] = {}
-    errors: dict[str, float] = {}
-    error = 0.0
+    bars: dict[str, Floats] = {}
+    relative = np.zeros(fine.time.size)
     for name, output in system.outputs.items():
         outputs[name] = fine.position @ output.row
-        off = outputs[name][shared] - coarse.position @ output.row
-        errors[name] = _BAR * float(np.abs(off).max())
-        error = max(error, errors[name] / output.scale)
+        bars[name] = bar(outputs[name], coarse.position @ output.row)
+        relative = np.maximum(relative, bars[name] / output.scale)
     if system.coil is not None and system.coil.source == "voltage":
-        off, largest = fine.current[shared] - coarse.current, float(np.abs(fine.current).max())
-        outputs["current"], errors["current"] = fine.current, _BAR * float(np.abs(off).max())
-        error = max(error, errors["current"] / largest) if largest else error
-    return outputs, errors, error
+        outputs["current"] = fine.current
+        bars["current"] = bar(fine.current, coarse.current)
+        largest = float(np.abs(fine.current).max())
+        relative = np.maximum(relative, bars["current"] / largest) if largest else relative
+    return outputs, bars, relative
 
 
 class _Marcher:
@@ -273,11 +228,12 @@ class _Marcher:
         self._announce = announce
         self._stepper = Stepper(system)
         outputs = system.outputs.values()
-        self._rows = np.array([o.row / o.scale for o in outputs]).reshape(-1, system.mass.shape[0])
+        rows = [o.row / (o.step_scale or o.scale) for o in outputs]
+        self._rows = np.array([row for row in rows if row.any()]).reshape(-1, system.mass.shape[0])
 
     def choose(self, first: State, longest: float, local: float) -> tuple[list[_Piece], Run]:
         """Return the steps whose local errors are below `local`, and the run with them."""
-        record, state, chosen = _Record(self._stepper), first, []
+        record, state, chosen = Record(self._system), first, []
         for start, end in _between_breaks(self._sources, self._until):
             inside = 0.5 * (start + end)
             state = self._jumped(state, start, inside, record)
@@ -315,7 +271,7 @@ class _Marcher:
 
     def follow(self, first: State, pieces: Sequence[_Piece], parts: int) -> tuple[Run, Bools]:
         """Return the run with each given step cut in parts, and which times end a given step."""
-        record, state, shared = _Record(self._stepper), first, []
+        record, state, shared = Record(self._system), first, []
         for inside, start, ends in pieces:
             state = self._jumped(state, start, inside, record)
             shared.append(True)
@@ -373,7 +329,7 @@ class _Marcher:
         source = coil.value(time - h, inside), coil.value(time, inside)
         return self._stepper.step(state, h, self._sources.bimorph.value(time, inside), source)
 
-    def _jumped(self, state: State, time: float, inside: float, record: _Record) -> State:
+    def _jumped(self, state: State, time: float, inside: float, record: Record) -> State:
         """Return the state after the sources' jumps at `time`, recorded."""
         source = self._sources.coil.value(time, inside)
         voltage = self._sources.bimorph.value(time, inside)
@@ -395,7 +351,7 @@ class _Marcher:
             off = max(off, abs(_bend(earlier, state, new, h)) / scale)
         return off / _PREDICTOR
 
-    def _keep(self, record: _Record, time: float, new: State, flow: Flow, inside: float) -> None:
+    def _keep(self, record: Record, time: float, new: State, flow: Flow, inside: float) -> None:
         """Record a step, if the coil is still where it is known."""
         coil = self._system.coil
         if coil is not None and abs(new.current) > coil.largest_current:
@@ -435,42 +391,3 @@ def _too_many(time: float) -> str:
         f"more than {_MOST_STEPS} steps are needed, and {time * 1e3:.6g} ms were reached; ask for "
         "a shorter time or a larger accuracy, or make stops and circuit less stiff"
     )
-
-
-class _Record:
-    """Collects a run, state by state."""
-
-    def __init__(self, stepper: Stepper) -> None:
-        self._stepper = stepper
-        self._positions: list[Floats] = []
-        self._velocities: list[Floats] = []
-        self._rows: list[tuple[float, ...]] = []
-        self._sums = [0.0] * 6
-        self._last: Energies | None = None
-
-    def __len__(self) -> int:
-        return len(self._rows)
-
-    def add(self, time: float, state: State, flow: Flow, source: float) -> None:
-        """Add a state, and what was exchanged on the way to it."""
-        energies = self._stepper.energies(state)
-        sums = self._sums
-        for k, exchanged in enumerate(flow):
-            sums[k] += exchanged
-        if self._last is not None:
-            changes = (abs(a - b) for a, b in zip(energies, self._last, strict=True))
-            sums[5] += sum(changes) + sum(map(abs, flow))
-        self._last = energies
-        self._positions.append(state.position)
-        self._velocities.append(state.velocity)
-        self._rows.append(
-            (
-                time, state.voltage, source, state.current, state.field.flux_linkage, state.gap,
-                state.field.force, self._stepper.charge(state), *energies, *sums,
-            )
-        )  # fmt: skip
-
-    def run(self) -> Run:
-        """Return what was collected."""
-        time, *columns = np.array(self._rows).T
-        return Run(time, np.array(self._positions), np.array(self._velocities), *columns)

@@ -98,12 +98,17 @@ class Coil:
 
 @dataclass(frozen=True, eq=False)
 class Output:
-    """A linear output `row` · x in `unit`, and the size at which its error is judged."""
+    """A linear output `row` · x in `unit`.
+
+    `scale` is the size at which its error is judged, `step_scale` the size at which each step's is:
+    what is not judged itself may carry errors into what is.
+    """
 
     row: Floats
     unit: str
     scale: float
     meaning: str = ""
+    step_scale: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

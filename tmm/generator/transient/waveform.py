@@ -62,6 +62,22 @@ class Constant:
 
 
 @dataclass(frozen=True)
+class Step(Constant):
+    """0 before `start`, then `level`, after `stop` 0 again."""
+
+    start: float = 0.0
+    stop: float = math.inf
+
+    def breaks(self, until: float) -> tuple[float, ...]:
+        """Return start and stop."""
+        return tuple(t for t in (self.start, self.stop) if 0.0 < t < until)
+
+    def value(self, time: float, inside: float) -> float:
+        """Return the level between start and stop."""
+        return self.level if self.start <= inside < self.stop else 0.0
+
+
+@dataclass(frozen=True)
 class Sine:
     """amplitude · sin(2π f (t − start) + phase) from `start` on, 0 before (s, Hz, rad)."""
 
@@ -123,33 +139,6 @@ class Square:
     @property
     def shortest(self) -> float:
         """Infinite: it is constant between its switching times."""
-        return math.inf
-
-
-@dataclass(frozen=True)
-class Step:
-    """0 before `start`, then `level`, after `stop` 0 again."""
-
-    level: float
-    start: float = 0.0
-    stop: float = math.inf
-
-    def breaks(self, until: float) -> tuple[float, ...]:
-        """Return start and stop."""
-        return tuple(t for t in (self.start, self.stop) if 0.0 < t < until)
-
-    def value(self, time: float, inside: float) -> float:
-        """Return the level between start and stop."""
-        return self.level if self.start <= inside < self.stop else 0.0
-
-    @property
-    def peak(self) -> float:
-        """The level's size."""
-        return abs(self.level)
-
-    @property
-    def shortest(self) -> float:
-        """Infinite."""
         return math.inf
 
 

@@ -84,9 +84,13 @@ def write_run(path: str | Path, found: Simulation, drives: dict[str, str]) -> No
         # plain floats would be stored in single precision
         file.accuracy = np.float64(answer.accuracy)
         file.error = np.float64(answer.error)
+        file.certain_until_s = np.float64(answer.certain_until)
         file.energy_imbalance = np.float64(answer.run.worst_imbalance)
         file.createDimension("time", answer.run.time.size)
         rows = {"time": (answer.run.time, "s", "since the start"), **series(found)}
+        for name, bar in answer.bars.items():
+            unit = rows[name][1] if name in rows else "A"
+            rows[f"{name}_error"] = (bar, unit, f"error bar of {name} up to each time")
         for name, (values, unit, meaning) in rows.items():
             variable = file.createVariable(name, "f8", ("time",))
             variable[:] = values

@@ -7,6 +7,7 @@ import pytest
 from scipy.special import ellipk
 
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient import march
 from tactgen.tmm.generator.transient.laws import CubicSpring, RoughPoint, Stop
 from tactgen.tmm.generator.transient.march import Sources, simulate, simulate_steps
 from tactgen.tmm.generator.transient.system import Coil, Element, Friction, Output, System
@@ -187,13 +188,13 @@ def test_laws_balance_whatever_the_step(law):
     """The elastic force does what the energy changes by; the rest takes, and nothing pulls."""
     pushes_only = not isinstance(law, CubicSpring)
     for before, after in ((-1.0, 0.7), (0.7, -1.0), (0.2, 0.9), (0.9, 0.2), (0.4, 0.4 + 1e-9)):
-        force, slope, elastic = law.mean(before, after, 0.1)
+        force, slope, elastic = law.mean(before, after - before, 0.1)
         change = law.energy(after) - law.energy(before)
         assert elastic * (after - before) == pytest.approx(change, rel=1e-7, abs=1e-16)
         assert (force - elastic) * (after - before) >= 0.0
         assert force >= 0.0 or not pushes_only
         if abs(after - before) > 1e-6:
-            moved = [law.mean(before, after + d, 0.1)[0] for d in (-1e-6, 1e-6)]
+            moved = [law.mean(before, after - before + d, 0.1)[0] for d in (-1e-6, 1e-6)]
             assert slope == pytest.approx((moved[1] - moved[0]) / 2e-6, rel=1e-5, abs=1e-9)
 
 
@@ -308,3 +309,19 @@ def test_waveforms_start_jump_and_end_where_they_say():
     rate = (chirp.value(1.0 + 1e-7, 1.0) - chirp.value(1.0 - 1e-7, 1.0)) / 2e-7
     # half way the frequency is the mean of both, and 15 turns are done
     assert rate == pytest.approx(2.0 * math.pi * 20.0, rel=1e-6)
+
+
+def test_a_run_says_until_when_it_is_certain(monkeypatch):
+    """Bars grow with time, and cross the accuracy where the answer says, if no round is left."""
+    monkeypatch.setattr(march, "_ROUNDS", 1)
+    system = oscillator(Stop(1e5), mass=1e-3, load=-9.81e-3, sign=-1.0, scale=1e-3)
+    found = simulate(system, Sources(), 0.1, position=1e-3 * ONE, accuracy=1e-5)
+    bar = found.bars["x"] / 1e-3
+    assert (np.diff(bar) >= 0.0).all()
+    assert found.error == pytest.approx(bar[-1])
+    assert found.error > found.accuracy
+    before = found.run.time <= found.certain_until
+    assert 0 < before.sum() < before.size
+    assert bar[before].max() <= found.accuracy < bar[~before].min()
+    easy = simulate(system, Sources(), 0.02, position=1e-3 * ONE, accuracy=0.3)
+    assert easy.certain_until == easy.run.time[-1]

@@ -1,0 +1,204 @@
+"""The iteration of one step: the few changes that laws and coil read, and a circuit's current.
+
+With y the change of the m coordinates read, y_free what it would be without laws and coil, and D
+the stiffness with which the structure answers forces on them over the step, the residuals are
+D (y − y_free) − f(y) and, of a circuit, Δλ − h (v̄ − R ī).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from tactgen.tmm.generator.transient.answers import Answer, Answers
+from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
+
+#: A correction is halved when the residual has grown by more than this.
+_WORSE = 4.0
+#: Newton's corrections before a time step is called too long, and halvings of one of them.
+_ITERATIONS, _HALVINGS = 30, 8
+#: Relative correction at which the iterated coordinates stand: it leaves less than this share of
+#: the energy that a step moves.
+_STANDS = 1e-13
+#: Relative correction after which the next would be below that, and is not tried.
+_LAST = 1e-9
+#: The same after so many corrections, when what is left goes to and fro with the rounding.
+_ROUNDED, _PATIENCE = 1e-11, 6
+#: Roundings of the terms that the coordinates are the sum of; corrections below are noise.
+_NOISE = 8.0 * 2.0**-52
+
+Lists = list[list[float]]
+
+
+class StepTooLongError(ArithmeticError):
+    """The iteration of a step did not settle."""
+
+
+class Before(NamedTuple):
+    """What a step starts from, of what laws and coil read.
+
+    Attributes
+    ----------
+    near : (m,) list
+        Coordinates (m or rad).
+    deformations : tuple of lists
+        Of each element (m).
+    current, gap : float
+        A, m.
+    field : CoenergyPoint
+        At that current and gap.
+    """
+
+    near: list[float]
+    deformations: tuple[list[float], ...]
+    current: float
+    gap: float
+    field: CoenergyPoint
+
+
+def settled(
+    answers: Answers,
+    before: Before,
+    h: float,
+    free: list[float],
+    structure: tuple[Lists, Lists],
+    first: list[float],
+    source: tuple[float, float],
+) -> tuple[Answer, float]:
+    """Return what acts over a step of `h` seconds, and the current after it.
+
+    Parameters
+    ----------
+    free : (m,) list
+        Changes without laws and coil.
+    structure : pair of (m, m) lists
+        D, force per change over the step, symmetric and positive definite; and its inverse.
+    first : (m,) list
+        A first guess of the changes.
+    source : (float, float)
+        What the coil's waveform says at both ends of the step (A, or V).
+
+    Raises
+    ------
+    StepTooLongError
+        If the iteration does not settle.
+    """
+    count, by_voltage = len(free), answers.by_voltage
+    stiffness, compliance = structure
+    start = (before.current if by_voltage else source[0], before.gap, before.field)
+    deformed = before.deformations
+    unknown = [*first, before.current] if by_voltage else first
+    current = before.current if by_voltage else source[1]
+    found = answers.over(deformed, start, first, current, h)
+    terms = [abs(a) + abs(b) + abs(c) for a, b, c in zip(free, first, before.near, strict=True)]
+    size = [
+        sum([abs(d) * t for d, t in zip(row, terms, strict=True)]) + f
+        for row, f in zip(stiffness, found.sizes, strict=True)
+    ]
+    still = [abs(change) for change in first]
+    noise = [
+        _NOISE * sum([abs(c) * s for c, s in zip(row, size, strict=True)]) for row in compliance
+    ]
+    if by_voltage:
+        linked = abs(before.field.flux_linkage) + h * max(abs(source[0]), abs(source[1]))
+        size.append(linked)
+        still.append(linked / before.field.inductance)
+        noise.append(_NOISE * linked / before.field.inductance)
+    known = all(size)
+    worst, halvings = math.inf, 0
+    last = [0.0] * len(unknown)
+    for turn in range(_ITERATIONS):
+        done = False
+        residual = _residual(answers, before, found, stiffness, unknown, free, h, source)
+        off = max([abs(r) / s for r, s in zip(residual, size, strict=True) if s], default=0.0)
+        if off <= _NOISE and known:
+            return found, current
+        if off > _WORSE * worst and halvings < _HALVINGS:
+            halvings += 1
+            last = [0.5 * step for step in last]
+            unknown = [u + step for u, step in zip(unknown, last, strict=True)]
+        else:
+            worst, halvings = off, 0
+            matrix = _slopes(answers, found, stiffness, h)
+            last = _solved(matrix, residual)
+            share = _STANDS if turn < _PATIENCE else _ROUNDED
+            ample = [max(abs(u), s) for u, s in zip(unknown, still, strict=True)]
+            sizes = [abs(step) for step in last]
+            if all(c <= max(share * a, n) for c, a, n in zip(sizes, ample, noise, strict=True)):
+                return found, current
+            unknown = [u - step for u, step in zip(unknown, last, strict=True)]
+            done = all(
+                c <= _LAST * max(abs(u), s) for c, u, s in zip(sizes, unknown, still, strict=True)
+            )
+        current = unknown[-1] if by_voltage else current
+        found = answers.over(deformed, start, unknown[:count], current, h)
+        if done:
+            return found, current
+    raise StepTooLongError(f"a step of {h:.3g} s does not settle")
+
+
+def _residual(
+    answers: Answers,
+    before: Before,
+    found: Answer,
+    stiffness: Lists,
+    unknown: list[float],
+    free: list[float],
+    h: float,
+    source: tuple[float, float],
+) -> list[float]:
+    """Return the residuals (N or N m, and Wb of a circuit)."""
+    extra = [u - without for u, without in zip(unknown, free, strict=False)]
+    residual = [
+        sum([d * e for d, e in zip(row, extra, strict=True)]) - force
+        for row, force in zip(stiffness, found.forces, strict=True)
+    ]
+    coil = answers.coil
+    if coil is not None and answers.by_voltage:
+        drop = 0.5 * (source[0] + source[1]) - coil.resistance * found.means.current
+        residual.append(found.field.flux_linkage - before.field.flux_linkage - h * drop)
+    return residual
+
+
+def _slopes(answers: Answers, found: Answer, stiffness: Lists, h: float) -> Lists:
+    """Return the residuals' derivatives by the changes, and by the current of a circuit."""
+    matrix = [
+        [d + s for d, s in zip(row, steep, strict=True)]
+        for row, steep in zip(stiffness, found.slope, strict=True)
+    ]
+    coil = answers.coil
+    if coil is None or not answers.by_voltage:
+        return matrix
+    field = found.field
+    for row, opened in zip(matrix, answers.opens, strict=True):
+        row.append(-0.5 * field.motional * opened)
+    matrix.append(
+        [field.motional * b for b in answers.opens] + [field.inductance + 0.5 * h * coil.resistance]
+    )
+    return matrix
+
+
+def _solved(rows: Lists, right: list[float]) -> list[float]:
+    """Return the solution of a small system by elimination, which changes `rows`.
+
+    Without pivots: the structure's stiffness and pushing springs make them positive.
+    """
+    n = len(rows)
+    found = list(right)
+    for k in range(n):
+        pivot, own = rows[k], found[k]
+        if pivot[k] <= 0.0:
+            raise StepTooLongError("pulls beat the structure's inertia over the step")
+        for i in range(k + 1, n):
+            row = rows[i]
+            factor = row[k] / pivot[k]
+            if factor:
+                for j in range(k + 1, n):
+                    row[j] -= factor * pivot[j]
+                found[i] -= factor * own
+    for k in range(n - 1, -1, -1):
+        row, rest = rows[k], found[k]
+        for j in range(k + 1, n):
+            rest -= row[j] * found[j]
+        found[k] = rest / row[k]
+    return found
