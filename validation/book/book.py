@@ -52,11 +52,6 @@ class Page:
         return f"{self.group}-{self.case.id}.html".lower()
 
     @property
-    def title(self) -> str:
-        """The case's title, or the requirement of its first row."""
-        return self.case.title or self.rows[0].check.requirement
-
-    @property
     def verdict(self) -> str:
         """The worst verdict of its rows."""
         verdicts = {row.verdict for row in self.rows}

@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 from tactgen.geometry.store.store import kept, recalled
 from tactgen.validation.checks.case import Case
+from tactgen.validation.checks.problems import PROBLEMS, Problem
 from tactgen.validation.checks.row import Check, Outcome, judged
 
 Verdict = Literal["pass", "fail", "explained", "calibrated", "skipped"]
@@ -101,7 +102,7 @@ def group_cases(group: str) -> tuple[Case, ...]:
     declared: tuple[Case | Check, ...] = getattr(importlib.import_module(module), name)
     gathered: dict[str, Case] = {}
     for entry in declared:
-        found = entry if isinstance(entry, Case) else _alone(entry)
+        found = entry if isinstance(entry, Case) else _alone(group, entry)
         known = gathered.get(found.id)
         if known is not None:
             found = replace(known, rows=known.rows + found.rows)
@@ -109,9 +110,11 @@ def group_cases(group: str) -> tuple[Case, ...]:
     return tuple(gathered.values())
 
 
-def _alone(row: Check) -> Case:
-    """Return a case of one row that was declared without a problem of its own."""
-    return Case(row.id.rpartition("-")[0], "", "", "", (row,))
+def _alone(group: str, row: Check) -> Case:
+    """Return a case of one row that was declared without one: its family's problem."""
+    family = row.id.rpartition("-")[0]
+    problem = PROBLEMS.get((group, family), Problem(row.requirement, "", ""))
+    return Case(family, *problem, (row,))
 
 
 def group_rows(group: str) -> tuple[Check, ...]:

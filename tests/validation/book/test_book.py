@@ -10,6 +10,7 @@ from tactgen.validation.book.book import SUBJECTS
 from tactgen.validation.book.statistics import scatter
 from tactgen.validation.checks import verification
 from tactgen.validation.checks.known import beams, laminates
+from tactgen.validation.checks.problems import PROBLEMS
 from tactgen.validation.checks.row import judged
 from tactgen.validation.checks.verification import GROUPS, Verified, verify
 from tactgen.validation.command_line.cli import main
@@ -27,6 +28,18 @@ def few(monkeypatch):
 def test_every_group_has_a_subject():
     """A group without a word on what it is about could not be read."""
     assert list(SUBJECTS) == list(GROUPS)
+
+
+def test_every_case_says_its_problem():
+    """And what solves it, so that a reader can solve it elsewhere; no family without rows."""
+    families = set()
+    for group in GROUPS:
+        for case in verification.group_cases(group):
+            assert case.title, case.id
+            assert case.problem.endswith((".", "?")), case.id
+            assert case.model, case.id
+            families.add((group, case.id))
+    assert set(PROBLEMS) <= families
 
 
 def test_book_is_complete(few, tmp_path, capsys):
