@@ -315,6 +315,8 @@ Resistance = _quantity(
 IMPEDANCE = Unit("N*s/m", "mechanical impedance", "0.5 N s/m", limits=(0.0, 1e9))
 #: Force per displacement, of either sign: a mass pulls.
 DYNAMIC_STIFFNESS = Unit("N/m", "dynamic stiffness", "300 N/m", limits=(0.0, 1e15))
+#: Of a motion that is felt: from below what anyone feels to what hurts.
+AMPLITUDE = Unit("m", "displacement", "2 um", above=0.0, limits=(1e-12, 1.0))
 PHASE = Unit("rad", "phase", "30 deg", limits=(0.0, 1e4))
 #: Up to where waves in the device are shorter than 0.1 mm.
 FREQUENCY = Unit("Hz", "frequency", "500 Hz", at_least=0.0, limits=(1e-6, 1e7))

@@ -20,7 +20,14 @@ from tactgen.geometry.device.groups.normal import (
     Sleeve,
     Steel,
 )
-from tactgen.geometry.device.groups.operation import Beam, Drive, Limits, Load, Support
+from tactgen.geometry.device.groups.operation import (
+    Beam,
+    Drive,
+    Limits,
+    Load,
+    Support,
+    Threshold,
+)
 from tactgen.geometry.device.materials import Own, Spread
 from tactgen.geometry.device.piezo_library import CERAMICS, LIBRARY
 from tactgen.geometry.device.shim_library import SHIMS
@@ -28,7 +35,7 @@ from tactgen.geometry.device.shim_library import SHIMS
 __all__ = [
     "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Display", "Drive",
     "Glue", "Guide", "Limits", "Load", "Parameters", "Piezo", "Rod", "Scatter", "Shim", "Skin",
-    "Sleeve", "Spring", "Steel", "Support", "sources", "spreads",
+    "Sleeve", "Spring", "Steel", "Support", "Threshold", "sources", "spreads",
 ]  # fmt: skip
 
 

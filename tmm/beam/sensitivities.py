@@ -213,8 +213,9 @@ def _scaled_change(
     if read.level is None:
         return read.scaled(change, voltage, at)
     # the level stays, so that the voltage that reaches it falls as the variable's size rises
+    sign = -1.0 if read.unit_voltage else 1.0
     with np.errstate(invalid="ignore", divide="ignore"):  # what does not respond has no voltage
-        return np.asarray(-read.scaled(variable, voltage, at) * (change / variable).real)
+        return np.asarray(sign * read.scaled(variable, voltage, at) * (change / variable).real)
 
 
 def _frequencies(actuator: Actuator, modes: int, circuit: Circuit) -> Floats:

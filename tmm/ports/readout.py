@@ -42,8 +42,8 @@ class Readout:
     held : tuple of str
         Ports held at rest besides a clamped base.
     level : callable, optional
-        Of frequencies (n,) in Hz.  If given, the quantity is the voltage at which the
-        variable's magnitude reaches that level (n,); `unit_voltage` is then set, too.
+        Of frequencies (n,) in Hz.  If given, the quantity is the variable's magnitude over that
+        level (n,); with `unit_voltage` the voltage at which it is reached.
     """
 
     port: str
@@ -76,7 +76,7 @@ class Readout:
         return self.port != ELECTRICAL
 
     def read(self, port: Multiport, voltage: Any) -> Complex:
-        """Return the quantity (n,); a level's voltage is real, nan where nothing moves.
+        """Return the quantity (n,), real with a level; its voltage is nan where nothing moves.
 
         Parameters
         ----------
@@ -103,7 +103,10 @@ class Readout:
             found = 2j * np.pi * frequencies * found
         if self.level is None:
             return np.asarray(found)
-        size = np.abs(found)  # no voltage moves what does not respond
+        size = np.abs(found)
+        if not self.unit_voltage:
+            return np.asarray(size / self.level(frequencies))
+        # no voltage moves what does not respond
         return np.asarray(self.level(frequencies) / np.where(size > 0.0, size, np.nan))
 
 

@@ -9,7 +9,12 @@ import numpy as np
 from tactgen.geometry.units import Unit
 from tactgen.tmm.ports.readout import ELECTRICAL, MECHANICAL, ModalReadout, PortMatrix, Readout
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
-from tactgen.validation.catalogue.row import DrivenReadout, QuantityRow
+from tactgen.validation.catalogue.row import (
+    AnswerReadout,
+    DrivenReadout,
+    LoadReadout,
+    QuantityRow,
+)
 from tactgen.validation.catalogue.safe_drive import voltage_limits
 
 #: Largest plausible magnitude of any measured curve (SI).
@@ -51,6 +56,10 @@ BLOCKED_FORCE = QuantityRow(
 THRESHOLD_VOLTAGE = QuantityRow(
     "threshold_voltage", "V", "drive voltage at which the tip reaches the detection threshold",
     Readout("w_tip", "motion", unit_voltage=True, level=DISPLAY_THRESHOLD.at),
+)  # fmt: skip
+DETECTION_RATIO = QuantityRow(
+    "detection_ratio", "1", "tip displacement at the drive voltage over the detection threshold",
+    Readout("w_tip", "motion", level=DISPLAY_THRESHOLD.at),
 )  # fmt: skip
 STATIC_TIP_DISPLACEMENT = QuantityRow(
     "static_tip_displacement", "m", "tip displacement at 0 Hz, lossless, no finger",
@@ -95,9 +104,22 @@ VOLTAGE_LIMIT = QuantityRow(
     DrivenReadout(lambda driven, limits, _: np.min(voltage_limits(driven, limits), axis=0)),
 )  # fmt: skip
 
+LOAD_IMPEDANCE = QuantityRow(
+    "load_impedance", "N*s/m", "force per velocity of what the tip touches, laterally",
+    AnswerReadout("load", lambda load: load.impedance),
+)  # fmt: skip
+LOAD_FORCE = QuantityRow(
+    "load_force", "N", "force of the tip on what it touches, at the drive voltage",
+    LoadReadout(lambda stiffness, tip, _: stiffness * tip),
+)  # fmt: skip
+LOAD_POWER = QuantityRow(
+    "load_power", "W", "mean power that what the tip touches takes, at the drive voltage",
+    LoadReadout(lambda stiffness, tip, omega: 0.5 * omega * stiffness.imag * np.abs(tip) ** 2),
+)  # fmt: skip
+
 ROWS = (
     TIP_DISPLACEMENT, TIP_VELOCITY, TIP_ROTATION, INPUT_CURRENT, ADMITTANCE, BLOCKED_FORCE,
-    THRESHOLD_VOLTAGE, STATIC_TIP_DISPLACEMENT, SHORT_CIRCUIT_FREQUENCIES,
+    THRESHOLD_VOLTAGE, DETECTION_RATIO, STATIC_TIP_DISPLACEMENT, SHORT_CIRCUIT_FREQUENCIES,
     OPEN_CIRCUIT_FREQUENCIES, COUPLING_FACTOR, CAPACITANCE_FREE, CAPACITANCE_BLOCKED,
-    DYNAMIC_STIFFNESS, CERAMIC_STRESS, VOLTAGE_LIMIT,
+    DYNAMIC_STIFFNESS, CERAMIC_STRESS, VOLTAGE_LIMIT, LOAD_IMPEDANCE, LOAD_FORCE, LOAD_POWER,
 )  # fmt: skip

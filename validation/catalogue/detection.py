@@ -5,15 +5,21 @@ subjects, 2.5 g preload): its mean is the black line of Figs 9, 15 and 17, of wh
 gives no value.  And on the display (section 2.2: 10 other subjects, 50 g preload): its mean
 is given at three frequencies, with the excitation voltages that were needed.  Everything here
 is the second; between the three points it is interpolated, outside nothing is known.
+A scene may name a table of its own in its place.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from tactgen.geometry.arrays import Bools, Floats
+from tactgen.geometry.csv_columns import read_table
+from tactgen.geometry.device.parameters import Threshold
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import AMPLITUDE, FREQUENCY, quoted
 
 _FIG_17 = "paper sections 6 and 7, Fig 17: mean of 10 subjects on the display, 50 g preload"
 
@@ -88,6 +94,46 @@ DISPLAY_THRESHOLD = ThresholdCurve(
         ThresholdPoint(1000.0, 1e-6, _FIG_17),
     )
 )
+
+_EXAMPLE = "frequency (Hz), threshold (um)"
+
+
+def threshold_of(threshold: Threshold) -> ThresholdCurve:
+    """Return the threshold that a scene names.
+
+    Raises
+    ------
+    InputError
+        If it is a table without file, or one that cannot be used.
+    """
+    if threshold.kind == "paper":
+        return DISPLAY_THRESHOLD
+    if not threshold.file:
+        raise InputError(
+            'threshold.kind = "table" needs threshold.file, the path of a CSV file with the '
+            f"columns {_EXAMPLE}"
+        )
+    name = f"threshold.file = {quoted(threshold.file)}"
+    known = {"frequency": FREQUENCY, "threshold": AMPLITUDE}
+    table = read_table(Path(threshold.file), name, known, _EXAMPLE)
+    if "threshold" not in table.columns:
+        raise InputError(f"{name} has no threshold column; name the columns like {_EXAMPLE}")
+    frequencies, amplitudes = table.columns["frequency"], table.columns["threshold"]
+    for line, amplitude in zip(table.lines, amplitudes, strict=True):
+        if amplitude <= 0.0:
+            raise InputError(
+                f"{name} line {line}: threshold {amplitude:g} m is not above 0; give the peak "
+                "amplitude that is just felt"
+            )
+    if frequencies.size < 2:
+        raise InputError(f"{name} holds {frequencies.size} frequencies; a curve needs at least 2")
+    return ThresholdCurve(
+        tuple(
+            ThresholdPoint(float(f), float(a), f"{Path(threshold.file).name} line {line}")
+            for f, a, line in zip(frequencies, amplitudes, table.lines, strict=True)
+        )
+    )
+
 
 #: Above this frequency (Hz) the threshold is below this amplitude (m): a bound, not a value.
 LITERATURE_BOUND = ThresholdPoint(

@@ -122,6 +122,7 @@ _ROW_GIVES: Mapping[Need, tuple[str, ...]] = {
     "static": ("static",), "modes_short": ("modes",), "modes_open": ("modes",),
     "harmonic": ("ports",), "small_signal": ("ports", "machine"), "machine_poles": ("machine",),
     "crosstalk": ("ports", "crosstalk"), "spread": ("spread",),
+    "load": (),
 }  # fmt: skip
 _MAGNETIC_GIVES: Mapping[Need, tuple[str, ...]] = {
     "magnetic_point": ("point",), "magnetic_map": ("map", "switching"),
@@ -152,6 +153,7 @@ _SOLID_GIVES: Mapping[Need, tuple[str, ...]] = {
     "small_signal": ("mesh", "assembly", "ports", "machine"),
     "machine_poles": ("machine",),
     "crosstalk": ("mesh", "assembly", "ports", "crosstalk"),
+    "load": (),
 }
 
 
@@ -235,7 +237,7 @@ _ROWS = (
 #: mind of them, beside those that the stages read.
 _READING: Mapping[Actuator, tuple[str, ...]] = {
     "bimorph": (
-        "drive", "support", "load", "frequency", "modes", "accuracy", "bimorph.length",
+        "drive", "support", "load", "threshold", "frequency", "modes", "accuracy", "bimorph.length",
         "bimorph.wiring",
     ),
     "reluctance": ("accuracy",),

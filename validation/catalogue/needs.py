@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 Need = Literal[
     "static", "modes_short", "modes_open", "harmonic", "magnetic_point", "magnetic_map", "rest",
-    "small_signal", "machine_poles", "crosstalk", "spread",
+    "small_signal", "machine_poles", "crosstalk", "spread", "load",
 ]  # fmt: skip
 #: The two, the machine that both make, and many of these side by side.
 Actuator = Literal["bimorph", "reluctance", "generator", "display"]
@@ -24,6 +24,7 @@ NEEDS: dict[Need, NeedRow] = {
     "modes_short": NeedRow("bimorph", "short-circuit modes"),
     "modes_open": NeedRow("bimorph", "open-circuit modes"),
     "harmonic": NeedRow("bimorph", "the response at given frequencies"),
+    "load": NeedRow("bimorph", "what the tip touches"),
     "magnetic_point": NeedRow("reluctance", "the magnetic circuit at one current and gap"),
     "magnetic_map": NeedRow("reluctance", "the magnetic circuit over the stroke"),
     "rest": NeedRow("reluctance", "where the rod rests"),

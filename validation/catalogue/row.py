@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.device.parameters import Limits
 from tactgen.geometry.units import Unit
 from tactgen.tmm.ports.readout import ModalReadout, PortMatrix, Readout
+from tactgen.validation.catalogue.detection import ThresholdCurve
 from tactgen.validation.catalogue.needs import NEEDS, Actuator, Need
 
 
@@ -43,6 +45,20 @@ class DrivenReadout:
 
 
 @dataclass(frozen=True)
+class LoadReadout:
+    """A value of what the tip touches, moved by the tip.
+
+    Attributes
+    ----------
+    of : callable
+        Takes the load's dynamic stiffness (n,) in N/m, the tip's displacement (n,) in m at the
+        drive voltage and the angular frequency (n,) in rad/s, gives an array (n,).
+    """
+
+    of: Callable[[Complex, Complex, Floats], Any]
+
+
+@dataclass(frozen=True)
 class QuantityRow:
     """One quantity that can be asked for.
 
@@ -50,7 +66,7 @@ class QuantityRow:
     ----------
     name, unit, meaning : str
         Name in the interface, SI unit, one line of explanation.
-    read : Readout, ModalReadout, PortMatrix, AnswerReadout or DrivenReadout
+    read : Readout, ModalReadout, PortMatrix, AnswerReadout, DrivenReadout or LoadReadout
         How it is read off a model; all that follows from it are properties.
     label : str
         What people call it; the name in words if left out.
@@ -67,7 +83,7 @@ class QuantityRow:
     name: str
     unit: str
     meaning: str
-    read: Readout | ModalReadout | PortMatrix | AnswerReadout | DrivenReadout
+    read: Readout | ModalReadout | PortMatrix | AnswerReadout | DrivenReadout | LoadReadout
     label: str = ""
     headline: bool = False
     varied: bool = False
@@ -75,6 +91,12 @@ class QuantityRow:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "label", self.label or self.name.replace("_", " "))
+
+    def at_threshold(self, threshold: ThresholdCurve) -> QuantityRow:
+        """Return the row with a level, if it has one, that is this detection threshold."""
+        if not (isinstance(self.read, Readout) and self.read.level is not None):
+            return self
+        return replace(self, read=replace(self.read, level=threshold.at))
 
     @property
     def needs(self) -> tuple[Need, ...]:
@@ -104,7 +126,7 @@ class QuantityRow:
     @property
     def by_frequency(self) -> bool:
         """Whether it is an array over the frequencies asked for."""
-        return bool({"harmonic", "small_signal", "crosstalk"} & set(self.needs))
+        return bool({"harmonic", "small_signal", "crosstalk", "load"} & set(self.needs))
 
     @property
     def static(self) -> bool:
@@ -114,7 +136,7 @@ class QuantityRow:
     @property
     def loaded(self) -> bool:
         """Whether the tip's load enters with its losses."""
-        if self._is_driven or {"small_signal", "crosstalk"} & set(self.needs):
+        if self._is_driven or {"small_signal", "crosstalk", "load"} & set(self.needs):
             return True
         return isinstance(self.read, Readout) and self.read.is_loaded
 
@@ -125,11 +147,11 @@ class QuantityRow:
 
     @property
     def _is_driven(self) -> bool:
-        return isinstance(self.read, DrivenReadout)
+        return isinstance(self.read, DrivenReadout | LoadReadout)
 
     @property
     def has_level(self) -> bool:
-        """Whether it is the voltage that reaches a level, which is stated in a range only."""
+        """Whether it is held against a level, which is stated in a range only."""
         return isinstance(self.read, Readout) and self.read.level is not None
 
     @property

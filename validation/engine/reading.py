@@ -17,8 +17,13 @@ from tactgen.tmm.beam.ceramic import driven_ceramic
 from tactgen.tmm.ports.loads.tabulated import OF_THE_TABLE, disturbed
 from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond, round_off
 from tactgen.tmm.ports.readout import ELECTRICAL, ModalReadout, PortMatrix, Readout
-from tactgen.tmm.ports.terminations import attach
-from tactgen.validation.catalogue.row import AnswerReadout, DrivenReadout, QuantityRow
+from tactgen.tmm.ports.terminations import attach, tip_stiffness
+from tactgen.validation.catalogue.row import (
+    AnswerReadout,
+    DrivenReadout,
+    LoadReadout,
+    QuantityRow,
+)
 from tactgen.validation.engine.model import Model, Modes, Refined
 from tactgen.validation.engine.results import MeasuredList
 from tactgen.validation.scene.scene import Scene
@@ -69,6 +74,8 @@ def _read(row: QuantityRow, model: Model, ends: Ends) -> Judged:
             return _combination(row.read, answers)
         case DrivenReadout():
             return _of_ceramic(row.read, model, answers[0], ends)
+        case LoadReadout():
+            return _of_load(row.read, model, answers[0], ends)
         case PortMatrix() | Readout():
             return _at_ports(row.read, model, answers[0], ends)
 
@@ -119,7 +126,7 @@ def _of_tip(readout: Readout, scene: Scene, refined: Refined[Response]) -> Judge
 def _of_ceramic(
     readout: DrivenReadout, model: Model, refined: Refined[Multiport], ends: Ends
 ) -> Judged:
-    """Read what the ceramic carries off the tip's motion and the charge, whoever gives them."""
+    """Read what the ceramic carries off the tip's motion and the charge."""
     scene = model.scene
     frequencies = np.asarray(scene.frequency, dtype=float)
 
@@ -127,17 +134,42 @@ def _of_ceramic(
         driven = driven_ceramic(scene.device, scene.beam, ends, frequencies, response)
         return np.asarray(readout.of(driven, scene.limits, scene.drive.voltage))
 
+    return _of_response(of, model, refined, ends, _OF_A_MOMENT)
+
+
+def _of_load(readout: LoadReadout, model: Model, refined: Refined[Multiport], ends: Ends) -> Judged:
+    """Read what the load takes off the tip's motion."""
+    frequencies = np.asarray(model.scene.frequency, dtype=float)
+    stiffness, omega = tip_stiffness(ends.tip, frequencies), 2.0 * np.pi * frequencies
+    voltage = model.scene.drive.voltage
+
+    def of(response: Response) -> Array:
+        return np.asarray(readout.of(stiffness, voltage * response.motion["w_tip"], omega))
+
+    # the power goes with the square of the motion
+    return _of_response(of, model, refined, ends, 0.0, gain=2.0)
+
+
+def _of_response(
+    of: Callable[[Response], Array],
+    model: Model,
+    refined: Refined[Multiport],
+    ends: Ends,
+    rounding: float,
+    gain: float = 1.0,
+) -> Judged:
+    """Read something off tip and charge at 1 V, by closed form or ports, whoever gives them."""
     closed = model.closed_form(ends)
     if closed is not None:
-        return _judge(closed, of, _OF_A_MOMENT)
-    series = scene.bimorph.wiring == "series"
+        return _judge(replace(closed, rounding=gain * closed.rounding), of, rounding)
+    series = model.scene.bimorph.wiring == "series"
 
     def of_port(port: Multiport) -> Array:
         attached = attach(in_series(port) if series else port, ends)
         return of(respond(attached, {ELECTRICAL: 1.0}))
 
-    rounding = round_off(attach(refined.fine, ends)) * (1.0 + refined.elimination)
-    return _judge(refined, of_port, rounding + _OF_A_MOMENT)
+    by_ports = round_off(attach(refined.fine, ends)) * (1.0 + refined.elimination)
+    return _judge(refined, of_port, gain * by_ports + rounding)
 
 
 def _frequencies(refined: Refined[Modes], count: int) -> Judged:

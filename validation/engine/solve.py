@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES
@@ -112,7 +113,7 @@ def check_request(
 
 def evaluate(name: str, model: Model) -> Quantity:
     """Return a quantity by a model, with its numerical error bar."""
-    row = QUANTITIES[name]
+    row = QUANTITIES[name].at_threshold(threshold_of(model.scene.threshold))
     judged = read(row, model)
     return Quantity(
         name=name,

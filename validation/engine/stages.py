@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.store.store import kept
+from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import stage_code, stage_reads
 from tactgen.validation.scene.scene import Scene
 
@@ -103,6 +104,9 @@ def values_read(scene: Scene, keys: Iterable[str]) -> dict[str, Any]:
             table = load_table(scene.load)
             content = [table.frequencies.tolist(), table.impedance.real.tolist()]
             value = {**value, "file": [*content, table.impedance.imag.tolist()]}
+        if path == "threshold" and scene.threshold.kind == "table":
+            points = threshold_of(scene.threshold).points
+            value = [[point.frequency, point.amplitude] for point in points]
         if path == "support":  # of a contact what counts is how its load holds the base
             value = scene.held.model_dump(mode="json")
         read[path] = value

@@ -11,7 +11,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.loads.tabulated import MeasuredLaw
 from tactgen.tmm.ports.readout import Readout
 from tactgen.tmm.ports.terminations import FINGER_RANGE, outside_known_range
-from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
+from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Quantity
@@ -64,7 +64,7 @@ def deflection_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, .
 def _is_deflection(read: object) -> bool:
     """Return whether something is the tip's displacement at the drive voltage."""
     match read:
-        case Readout(port=port, of="motion", rate=0, unit_voltage=False):
+        case Readout(port=port, of="motion", rate=0, unit_voltage=False, level=None):
             return port == "w_tip"
     return False
 
@@ -191,10 +191,13 @@ def level_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
         If all of them do and nothing else was asked for.
     """
     asked = [name for name in quantities if QUANTITIES[name].has_level]
-    outside = DISPLAY_THRESHOLD.outside(np.asarray(scene.frequency))
-    if not asked or not outside.any():
+    if not asked:
         return ()
-    low, high = DISPLAY_THRESHOLD.range
+    threshold = threshold_of(scene.threshold)
+    outside = threshold.outside(np.asarray(scene.frequency))
+    if not outside.any():
+        return ()
+    low, high = threshold.range
     if outside.all() and set(quantities) == set(asked):
         raise InputError(
             f"frequency = {scene.frequency[0]:g} Hz is outside the range of the detection "
@@ -202,7 +205,7 @@ def level_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
         )
     warning = (
         f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which the "
-        f"detection threshold is stated ({low:g} to {high:g} Hz); {' and '.join(asked)} has no "
-        "value there"
+        f"detection threshold is stated ({low:g} to {high:g} Hz); {' and '.join(asked)} "
+        f"{'has' if len(asked) == 1 else 'have'} no value there"
     )
     return (warning,)

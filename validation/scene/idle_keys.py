@@ -13,7 +13,8 @@ from tactgen.validation.scene.scene import ON_COMMAND_LINE, Scene
 
 #: Groups that only the models of the lateral actuator read.
 _LATERAL = (
-    "bimorph", "piezo", "shim", "glue", "support", "load", "drive", "beam", "frequency", "modes",
+    "bimorph", "piezo", "shim", "glue", "support", "load", "threshold", "drive", "beam",
+    "frequency", "modes",
 )  # fmt: skip
 #: Groups and keys that only the models of the normal actuator read.
 _MAGNETIC = (
@@ -177,6 +178,9 @@ def _idle(scene: Scene, key: str) -> str:
     }.get(key)
     if needed and scene.load.kind != needed:
         return f'with load.kind = "{scene.load.kind}"; set load.kind = "{needed}" to use it'
+    if key == "threshold.file" and scene.threshold.kind != "table":
+        kind = scene.threshold.kind
+        return f'with threshold.kind = "{kind}"; set threshold.kind = "table" to use it'
     profile = f"{key}_profile"
     if profile.removeprefix("bimorph.") in scene.bimorph.profiles and not _has_tab(scene, key):
         return f"with {profile}, which gives it along the ceramic; leave one of the two out"

@@ -30,6 +30,7 @@ from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted
 from tactgen.geometry.whole_number import WholeNumber
 from tactgen.tmm.ports.terminations import ends_of
+from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.scene.files import (
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
 FILE_KEYS: dict[str, Callable[[str], bool]] = {
     "steel.curve": lambda text: steel_name(text) is not None,
     "load.file": lambda text: not text,
+    "threshold.file": lambda text: not text,
 }
 #: Origin of what ``--set`` and its shorthands say.
 ON_COMMAND_LINE = "set on the command line"
@@ -81,6 +83,7 @@ class Scene(p.Device):
     description: str = ""
     support: p.Support = p.Support()
     load: p.Load = p.Load()
+    threshold: p.Threshold = p.Threshold()
     drive: p.Drive = p.Drive()
     beam: p.Beam = p.Beam()
     limits: p.Limits = p.Limits()
@@ -243,6 +246,7 @@ def checked_scene(values: dict[str, Any]) -> Scene:
     check_actuator(scene.device)
     if scene.load.kind == "table":
         load_table(scene.load)
+    threshold_of(scene.threshold)
     if "models" not in values:
         scene = scene.model_copy(update={"models": _able_models(scene)})
     return scene

@@ -59,6 +59,20 @@ class Load(Parameters):
     )
 
 
+class Threshold(Parameters):
+    """From which amplitude on a motion of the tip is felt."""
+
+    kind: Literal["paper", "table"] = field(
+        "paper", "paper section 6, Fig 17", "the paper's, stated at three frequencies, or a table"
+    )
+    file: str = field(
+        "",
+        "not in the paper",
+        "used by kind table: a CSV file with the columns frequency and threshold (peak amplitude "
+        "of the displacement), each with its unit",
+    )
+
+
 class Drive(Parameters):
     """The electrical source."""
 

@@ -16,6 +16,7 @@ from tactgen.validation.engine.model import Model, Modes, Refined
 from tactgen.validation.engine.results import Measured
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.bimorph.beam_theory_error import check_beam, stubby_warning
+from tactgen.validation.models.tip_load import MeasuredLoad
 from tactgen.validation.scene.scene import Scene
 
 
@@ -32,6 +33,8 @@ class BimorphModel(Model):
             return self._machine(need)
         if need == "crosstalk":
             return self._crosstalk()
+        if need == "load":  # of whichever model: the load is the same
+            return MeasuredLoad(self.scene.ends, self.frequencies)
         if need == "static":
             return self.static()
         if need == "harmonic":

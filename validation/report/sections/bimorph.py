@@ -20,6 +20,7 @@ from tactgen.validation.report.sections.bridge import (
     material_section,
 )
 from tactgen.validation.report.sections.drive_limits import drive_limits_section
+from tactgen.validation.report.sections.load import load_section
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.papers_device import is_papers_bimorph
@@ -82,7 +83,8 @@ def _length(study: Study) -> Context | None:
 
 
 def _voltage(study: Study) -> Context | None:
-    if not is_papers_bimorph(study.scene):  # the voltages stated were felt on the paper's display
+    # the voltages stated were felt on the paper's display, from its threshold on
+    if study.scene.threshold.kind != "paper" or not is_papers_bimorph(study.scene):
         return None
     return voltage_section.section(study.scene, study.announce)
 
@@ -104,6 +106,7 @@ LATERAL: tuple[Section, ...] = (
     Section("bridge", "From the beam to the solid", bridge_section),
     Section("holding", "What holds the bimorph", holding_section),
     Section("material", "What the assumed constants are worth", material_section),
+    Section("load", "What the tip touches", load_section),
     Section("response", "Frequency response", _response),
     Section("drive_limits", "What it may be driven with", drive_limits_section),
     Section("length", "Length design", _length),

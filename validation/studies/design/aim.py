@@ -14,6 +14,14 @@ from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdC
 AimKind = Literal["shortest", "margin"]
 #: The paper's lengths (m): 20 mm (red) to 40 mm (blue line of Fig 9).
 PAPER_LENGTHS = (20e-3, 40e-3)
+#: The paper's frequencies (Hz).
+PAPER_BAND = (10.0, 1000.0)
+
+
+def stated_band(threshold: ThresholdCurve) -> tuple[float, float]:
+    """Return the paper's band as far as a threshold is stated; all of it if nowhere (Hz)."""
+    low, high = max(PAPER_BAND[0], threshold.range[0]), min(PAPER_BAND[1], threshold.range[1])
+    return (low, high) if low < high else threshold.range
 
 
 @dataclass(frozen=True)
@@ -36,7 +44,7 @@ class Aim:
 
     kind: AimKind = "shortest"
     margin: float = 1.0
-    band: tuple[float, float] = (10.0, 1000.0)
+    band: tuple[float, float] = PAPER_BAND
     lengths: tuple[float, float] = PAPER_LENGTHS
     threshold: ThresholdCurve = DISPLAY_THRESHOLD
 

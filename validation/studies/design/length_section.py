@@ -11,10 +11,11 @@ from tactgen.geometry.device.parameters import Drive
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.sensitivities import logarithmic_sensitivities
 from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
+from tactgen.validation.catalogue.detection import ThresholdCurve, threshold_of
 from tactgen.validation.scene.papers_device import is_papers_bimorph
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.design import wording
-from tactgen.validation.studies.design.aim import Aim
+from tactgen.validation.studies.design.aim import Aim, AimKind, stated_band
 from tactgen.validation.studies.design.length_dependence import decided_lengths, dependences
 from tactgen.validation.studies.design.length_design import Design, design
 from tactgen.validation.studies.design.length_map import LengthMap, actuator, length_map
@@ -26,7 +27,10 @@ CURVES = 9
 _SHORTER = (10e-3, 40e-3)
 #: Lengths asked about for another device, in terms of its own.
 _AROUND = (0.5, 2.0)
-_SOUGHT = {"shortest": "shortest that keeps margin 1", "margin": "largest margin"}
+_SOUGHT: dict[AimKind, str] = {
+    "shortest": "shortest that keeps margin 1",
+    "margin": "largest margin",
+}
 #: Parameters with smaller slopes are named without their number: 10 % of one then moves the
 #: length by less than 0.005 %.
 NEGLIGIBLE = 5e-4
@@ -60,6 +64,7 @@ def _found(scene: Scene, origins: dict[str, str]) -> dict[str, Any]:
     rows = dependences(found, origins)
     return {
         "papers": papers,
+        "own_threshold": scene.threshold.kind == "table",
         "plot": length_plot(study, found),
         "rows": table_rows(asked, study, found.aim),
         "law": study.minimum_law,
@@ -106,9 +111,10 @@ def _papers_question(scene: Scene) -> tuple[Scene, list[Aim]]:
             "drive": scene.drive.model_copy(update={"voltage": Drive().voltage}),
         }
     )
-    aims = [Aim(), Aim(kind="margin")]
+    band, threshold = _band(scene)
+    aims = [Aim(kind, band=band, threshold=threshold) for kind in _SOUGHT]
     if scene.bimorph.bare_below + scene.bimorph.bare_above < _SHORTER[0]:
-        aims.append(Aim(kind="margin", lengths=_SHORTER))
+        aims.append(Aim("margin", band=band, lengths=_SHORTER, threshold=threshold))
     return asked, aims
 
 
@@ -118,7 +124,14 @@ def _own_question(scene: Scene) -> tuple[Scene, list[Aim]]:
     bare = 1.5 * (bimorph.bare_below + bimorph.bare_above)
     shortest = max(_AROUND[0] * bimorph.length, bimorph.thickness, bare)
     lengths = shortest, _AROUND[1] * bimorph.length
-    return scene, [Aim(kind, lengths=lengths) for kind in ("shortest", "margin")]
+    band, threshold = _band(scene)
+    return scene, [Aim(kind, 1.0, band, lengths, threshold) for kind in _SOUGHT]
+
+
+def _band(scene: Scene) -> tuple[tuple[float, float], ThresholdCurve]:
+    """Return the frequencies (Hz) over which the tip shall be felt, and from where on it is."""
+    threshold = threshold_of(scene.threshold)
+    return stated_band(threshold), threshold
 
 
 def _cases(scene: Scene, aims: Sequence[Aim]) -> list[tuple[str, str, Design]]:
@@ -133,7 +146,7 @@ def _cases(scene: Scene, aims: Sequence[Aim]) -> list[tuple[str, str, Design]]:
 
 def _at_band_end(scene: Scene) -> dict[str, Any]:
     """Return how ill-conditioned the deflection is at the band's end, for the scene's length."""
-    at = Aim().band[1]
+    at = _band(scene)[0][1]
     slopes = logarithmic_sensitivities(
         actuator(scene), TIP_DISPLACEMENT.port_readout, None, np.array([at])
     )

@@ -5,6 +5,8 @@ from __future__ import annotations
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.design.length_design import Design
 
+#: Most frequencies of a threshold that are named one by one.
+_LISTED = 5
 #: What the tip pushes against, by the scene's ``load.kind``.
 LOADS = {
     "none": "with a free tip",
@@ -97,7 +99,10 @@ def present(found: Design) -> str:
 def caveat(found: Design) -> str:
     """Return where the threshold is known."""
     points = [p.frequency for p in found.aim.threshold.points]
-    listed = ", ".join(f"{f:g}" for f in points[:-1]) + f" and {points[-1]:g} Hz"
+    if len(points) > _LISTED:
+        listed = f"{len(points)} frequencies from {points[0]:g} to {points[-1]:g} Hz"
+    else:
+        listed = ", ".join(f"{f:g}" for f in points[:-1]) + f" and {points[-1]:g} Hz"
     between = "" if found.frequency in points else f", as at {found.frequency:.4g} Hz"
     return (
         f"The detection threshold is stated at {listed}; between them it is interpolated, a "

@@ -11,6 +11,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.beam.sensitivities import derivatives, values
 from tactgen.tmm.ports.readout import ModalReadout, Readout
+from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import QuantityRow
 from tactgen.validation.engine.warnings import check_held
@@ -89,7 +90,8 @@ def sensitivity_columns(scene: Scene, keys: Sequence[str] | None = None) -> list
     -----
     The threshold voltage has columns only where the threshold is stated.
     """
-    asked = [QUANTITIES[name] for name in scene.quantities]
+    threshold = threshold_of(scene.threshold)
+    asked = [QUANTITIES[name].at_threshold(threshold) for name in scene.quantities]
     for row in asked:
         _check_differentiable(row)
     check_held(scene, scene.quantities)

@@ -40,8 +40,9 @@ def add(commands: Commands) -> None:
         help="deflection over detection threshold to keep (default 1)",
     )  # fmt: skip
     parser.add_argument(
-        "--band", default="10:1000", metavar="LOW:HIGH", help="in Hz (default 10:1000)"
-    )
+        "--band", metavar="LOW:HIGH",
+        help="in Hz (default 10:1000, as far as the threshold is stated)",
+    )  # fmt: skip
     parser.add_argument(
         "--lengths", default="20mm:40mm", metavar="LOW:HIGH",
         help="search these (default 20mm:40mm, the paper's)",
@@ -65,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.studies.design.length_section import CURVES
 
     scene, origins = lateral_scene(options.scene, options.overrides, "design")
-    aim = _aim(options)
+    aim = _aim(scene, options)
     if options.plot and not options.plot.endswith(".svg"):
         raise InputError(
             f'--plot "{options.plot}" is not an SVG file; write for example --plot length.svg'
@@ -88,9 +89,10 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _aim(options: argparse.Namespace) -> Aim:
+def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
+    from tactgen.validation.catalogue.detection import threshold_of
     from tactgen.validation.scene.frequencies import parse_frequencies
-    from tactgen.validation.studies.design.aim import Aim
+    from tactgen.validation.studies.design.aim import Aim, stated_band
 
     try:
         margin = float(options.margin)
@@ -100,10 +102,14 @@ def _aim(options: argparse.Namespace) -> Aim:
         raise InputError(
             f'--margin "{options.margin}" is not a number; write for example --margin 1.5'
         )
-    low, high = _two(options.band, "--band", "10:1000")
-    first, last = parse_frequencies([low, high], f'--band = "{options.band}"')
+    threshold = threshold_of(scene.threshold)
+    band = stated_band(threshold)
+    if options.band is not None:
+        low, high = _two(options.band, "--band", "10:1000")
+        first, last = parse_frequencies([low, high], f'--band = "{options.band}"')
+        band = first, last
     short, long = _two(options.lengths, "--lengths", "20mm:40mm")
-    return Aim(options.aim, margin, (first, last), (_length(short), _length(long)))
+    return Aim(options.aim, margin, band, (_length(short), _length(long)), threshold)
 
 
 def _two(text: str, option: str, example: str) -> tuple[str, str]:

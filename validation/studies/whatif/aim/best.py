@@ -7,9 +7,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from tactgen.geometry.device.parameters import Threshold
 from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.detection import ThresholdCurve, threshold_of
 from tactgen.validation.catalogue.models import ranked
-from tactgen.validation.studies.whatif.aim.expression import Aim, parse_aim
+from tactgen.validation.studies.whatif.aim.expression import (
+    THRESHOLD,
+    Aim,
+    at_threshold,
+    parse_aim,
+)
 from tactgen.validation.studies.whatif.run import Study
 
 #: 97.5 % quantile of the normal distribution.
@@ -73,7 +80,7 @@ def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
         if not choices and wanted <= set(together):
             choices = {" with ".join(known): together}
         for models, found in choices.items():
-            needed = {name: found[name] for name in wanted}
+            needed = at_threshold({name: found[name] for name in wanted}, _felt(study, number))
             margins = tuple(aim.margin_with_bar(needed) for aim in aims)
             if all(math.isfinite(margin) for margin, _ in margins):
                 judged.append(Judged(number, models, margins))
@@ -84,6 +91,16 @@ def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
     ]
     goals = [n for n, aim in enumerate(aims) if aim.kind == "goal"]
     return Verdict(aims, tuple(judged), tuple(met), tuple(undecided), _best(met, goals, conditions))
+
+
+def _felt(study: Study, number: int) -> ThresholdCurve:
+    """Return the detection threshold of a point's scene."""
+    group = f"{THRESHOLD}."
+    stated = dict(study.statement.values.get(THRESHOLD, {}))
+    for key, value in study.points[number].items():
+        if key.startswith(group):
+            stated[key.removeprefix(group)] = value
+    return threshold_of(Threshold(**stated))
 
 
 def _best(

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import operator
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -21,7 +21,7 @@ import numpy as np
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted, unit_registry
-from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Quantity
 
@@ -32,6 +32,8 @@ _TOKEN = re.compile(
 _COMPARISONS: dict[str, float] = {">=": 1.0, ">": 1.0, "<=": -1.0, "<": -1.0}
 _GOALS = {"maximise": 1.0, "maximize": 1.0, "minimise": -1.0, "minimize": -1.0}
 _EXAMPLE = 'write for example "min_over(tip_displacement / threshold) >= 1"'
+#: The name of the detection threshold.
+THRESHOLD = "threshold"
 #: Deepest nesting of parentheses and signs.
 _DEEPEST = 50
 
@@ -259,10 +261,10 @@ class _Parser:
             inner = self._sum()
             self._close()
             return _applied(_FUNCTIONS[name], inner)
-        if name == "threshold":
+        if name == THRESHOLD:
             return _threshold
         if name not in QUANTITIES:
-            known_names = (*QUANTITIES, "threshold")
+            known_names = (*QUANTITIES, THRESHOLD)
             raise self._refused(f"names {quoted(name)}{nearest(name, known_names)}",
                                 "name a quantity of tactgen solve, or threshold")  # fmt: skip
         if QUANTITIES[name].unit == "SI":
@@ -286,9 +288,18 @@ def _value(q: Quantity) -> Any:
     return np.asarray(size, dtype=float) * unit
 
 
-def _threshold(known: dict[str, Quantity]) -> Any:
-    """Return the detection threshold at the quantities' frequencies; nan outside its range."""
-    frequencies: Sequence[float] = next(
+def at_threshold(known: dict[str, Quantity], curve: ThresholdCurve) -> dict[str, Quantity]:
+    """Return the quantities with the detection threshold at their frequencies among them."""
+    frequencies: tuple[float, ...] = next(
         (q.frequency for q in known.values() if q.frequency is not None), ()
     )
-    return DISPLAY_THRESHOLD.at(np.array(frequencies)) * unit_registry().meter
+    level = curve.at(np.array(frequencies))
+    here = Quantity(THRESHOLD, "", level, "m", np.zeros(level.shape), "", 0.0, frequencies)
+    return {**known, THRESHOLD: here}
+
+
+def _threshold(known: dict[str, Quantity]) -> Any:
+    """Return the detection threshold, the paper's unless another is known; nan where unknown."""
+    if THRESHOLD not in known:
+        known = at_threshold(known, DISPLAY_THRESHOLD)
+    return _value(known[THRESHOLD])

@@ -1,0 +1,63 @@
+"""What the tip touches: its impedance alone, and the force and power that it takes."""
+
+import numpy as np
+import pytest
+
+from tactgen.tmm.ports.terminations import finger_impedance
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
+
+F = np.array([10.0, 300.0, 900.0])
+
+
+def solved(*overrides, models=("tmm",), quantities=("load_impedance",)):
+    scene, _ = load_scene("paper", ("frequency=10,300,900", *overrides))
+    return solve(scene, models, quantities)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "impedance"),
+    [
+        ((), finger_impedance(F)),
+        (("load.kind=none",), 0.0 * F),
+        (("load.kind=mass", "load.mass=2mg"), 2j * np.pi * F * 2e-6),
+        (
+            ("load.kind=spring_damper", "load.stiffness=300N/m", "load.damping=0.5N*s/m"),
+            0.5 + 300.0 / (2j * np.pi * F),
+        ),
+    ],
+)
+def test_the_impedance_is_that_of_what_is_stated(overrides, impedance):
+    """By the formulas of a finger (eqs 1-3), a mass, a spring and a damper, to rounding."""
+    found = solved(*overrides).get("load_impedance", "tmm")
+    np.testing.assert_allclose(found.value, impedance, rtol=1e-13)
+    assert found.frequency == tuple(F)
+
+
+def test_the_impedance_needs_no_model():
+    """It is of the load alone: no stage runs for it."""
+    scene, _ = load_scene("paper", ("frequency=10,300,900",))
+    assert make_plan(scene, ("tmm",), ("load_impedance",)).run == ()
+
+
+@pytest.mark.parametrize("overrides", [(), ("bimorph.wiring=series",)])
+def test_force_and_power_follow_from_the_velocity(overrides):
+    """F = Z v and P = Re(F v*)/2, by a model with a closed form and by one with ports only."""
+    names = ("load_impedance", "tip_velocity", "load_force", "load_power")
+    found = solved(*overrides, models=("lumped", "tmm", "beam"), quantities=names)
+    z = found.get("load_impedance", "tmm").value
+    for model in ("lumped", "tmm", "beam"):
+        v, force, power = (found.get(name, model) for name in names[1:])
+        np.testing.assert_allclose(force.value, z * v.value, rtol=1e-9)
+        expected = 0.5 * (force.value * v.value.conj()).real
+        np.testing.assert_allclose(power.value, expected, rtol=1e-9)
+        assert (power.value > 0.0).all()
+        # the power goes with the square of the motion
+        relative = power.uncertainty / power.value, v.uncertainty / np.abs(v.value)
+        assert (relative[0] >= 1.5 * relative[1]).all()
+
+
+def test_a_spring_takes_no_power():
+    found = solved("load.kind=spring_damper", "load.stiffness=300N/m", quantities=("load_power",))
+    np.testing.assert_array_equal(found.get("load_power", "tmm").value, 0.0)

@@ -1,0 +1,123 @@
+"""An own detection threshold: where it counts, what its key is, and what is refused."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.stages import values_read
+from tactgen.validation.scene.idle_keys import scene_warnings
+from tactgen.validation.scene.scene import load_scene, scene_values
+from tactgen.validation.studies.uncertainty.table import sensitivity_columns
+from tactgen.validation.studies.whatif.aim.best import parse_aims, verdict
+from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.run import run_study
+
+BOTH = ("detection_ratio", "threshold_voltage")
+
+
+@pytest.fixture
+def felt(tmp_path):
+    """Twice the paper's threshold as a table, and what a scene says to use it."""
+    path = tmp_path / "felt.csv"
+    rows = [f"{p.frequency}, {2e6 * p.amplitude}" for p in DISPLAY_THRESHOLD.points]
+    path.write_text("\n".join(["frequency (Hz), threshold (um)", *rows]) + "\n")
+    return ("threshold.kind=table", f"threshold.file={path}")
+
+
+def solved(*overrides):
+    scene, _ = load_scene("paper", ("frequency=10,40,300", "models=tmm", *overrides))
+    found = solve(scene, None, ("tip_displacement", *BOTH))
+    return [found.get(name, "tmm") for name in ("tip_displacement", *BOTH)]
+
+
+def test_ratio_and_voltage_say_the_same(felt):
+    """Ratio is |w| over the threshold, voltage is drive over ratio; twice the threshold, half."""
+    tip, ratio, voltage = solved()
+    level = DISPLAY_THRESHOLD.at(np.array(tip.frequency))
+    np.testing.assert_allclose(ratio.value, np.abs(tip.value) / level, rtol=1e-12)
+    np.testing.assert_allclose(voltage.value * ratio.value, 50.0, rtol=1e-12)
+    _, half, twice = solved(*felt)
+    np.testing.assert_allclose(half.value, 0.5 * ratio.value, rtol=1e-12)
+    np.testing.assert_allclose(twice.value, 2.0 * voltage.value, rtol=1e-12)
+
+
+def test_where_it_is_not_stated_there_is_no_value(felt):
+    _, ratio, _ = solved("frequency=5,40", *felt)
+    assert np.isnan(ratio.value).tolist() == [True, False]
+    scene, _ = load_scene("paper", ("frequency=5", "models=tmm", "load.kind=none", *felt))
+    with pytest.raises(InputError, match="outside the range of the detection threshold"):
+        solve(scene, None, BOTH)
+
+
+def test_its_sensitivities_are_those_of_the_motion(felt):
+    """A ratio rises with the displacement by the same percentage, a voltage falls by it."""
+    asked = f"quantities=tip_displacement,{','.join(BOTH)}"
+    overrides = ("frequency=100", "models=tmm", asked, *felt)
+    columns = sensitivity_columns(load_scene("paper", overrides)[0], ["bimorph.length"])
+    tip, ratio, voltage = (column.logarithmic["bimorph.length"] for column in columns)
+    assert ratio == pytest.approx(tip, rel=1e-9)
+    assert voltage == pytest.approx(-tip, rel=1e-9)
+
+
+def test_design_asks_for_it(felt, capsys):
+    """As much margin about twice the threshold as twice the margin about the paper's."""
+    asked = ["design", "paper", "--json", "--lengths", "14mm:28mm"]
+    assert main([*asked, "--margin", "2"]) == 0
+    paper = json.loads(capsys.readouterr().out)
+    overrides = [word for text in felt for word in ("--set", text)]
+    assert main([*asked, *overrides]) == 0
+    own = json.loads(capsys.readouterr().out)
+    assert own["length"] == pytest.approx(paper["length"], rel=1e-6)
+    assert own["margin"] == pytest.approx(paper["margin"] / 2.0, rel=1e-6)
+    assert "felt.csv" in own["aim"]["threshold"][0]["source"]
+
+
+def test_aims_ask_for_it(felt):
+    """The aims' threshold is that of each point's scene."""
+    values, _ = scene_values("paper", ("frequency=40", *felt[1:]))
+    statement = Statement("paper", values, ("threshold.kind=paper,table",), ("tmm",),
+                          ("tip_displacement",))  # fmt: skip
+    found = verdict(run_study(statement), parse_aims(["first(tip_displacement / threshold) >= 0"]))
+    paper, own = (judged.margins[0][0] for judged in found.judged)
+    assert own == pytest.approx(paper / 2.0, rel=1e-9)
+
+
+def test_its_key_is_what_is_in_the_file(felt, tmp_path):
+    shutil.copy(tmp_path / "felt.csv", tmp_path / "copy.csv")
+    scene, _ = load_scene("paper", felt)
+    copy, _ = load_scene("paper", (felt[0], f"threshold.file={tmp_path / 'copy.csv'}"))
+    first = values_read(scene, ("threshold",))
+    assert values_read(copy, ("threshold",)) == first
+    (tmp_path / "copy.csv").write_text("frequency (Hz), threshold (um)\n10, 1\n20, 1\n")
+    assert values_read(copy, ("threshold",)) != first
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("frequency (Hz), threshold (um)\n10, 2", "a curve needs at least 2"),
+        ("frequency (Hz), threshold (um)\n20, 2\n10, 1", "line 3: frequency 10 Hz follows"),
+        ("frequency (Hz), threshold (um)\n10, 2\n20, -1", "line 3: threshold -1e-06 m is not"),
+        ("frequency (Hz), threshold (V)\n10, 2\n20, 1", "which is not that of a displacement"),
+        ("frequency (Hz)\n10\n20", "has no threshold column"),
+    ],
+)
+def test_what_cannot_be_used_is_refused(tmp_path, capsys, text, words):
+    path = tmp_path / "felt.csv"
+    path.write_text(text + "\n")
+    sets = ["--set", "threshold.kind=table", "--set", f"threshold.file={path}"]
+    assert main(["solve", "paper", *sets]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_what_is_missing_or_idle_is_said(capsys):
+    assert main(["solve", "paper", "--set", "threshold.kind=table"]) == 2
+    assert "needs threshold.file" in capsys.readouterr().err
+    scene, origins = load_scene("paper", ["threshold.file=nowhere.csv"])
+    assert any('set threshold.kind = "table"' in text for text in scene_warnings(scene, origins))

@@ -1,0 +1,93 @@
+"""The report's section on what the tip touches (the paper's Figs 4 and 6)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.device.load_table import LoadTable
+from tactgen.tmm.ports.loads.finger_form import finger_form
+from tactgen.tmm.ports.loads.tabulated import MeasuredLaw, continued
+from tactgen.tmm.ports.terminations import FINGER_RANGE, finger_impedance, tip_stiffness
+from tactgen.validation.catalogue.bimorph import LOAD_FORCE, LOAD_POWER
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.report.sections.section import Context
+from tactgen.validation.report.study import Study
+
+#: Points at which a load is drawn, and rows of its table.
+_POINTS, _ROWS = 300, 7
+
+
+def load_section(study: Study) -> Context | None:
+    """Return the load over frequency, and what it takes; None for a free tip."""
+    from tactgen.validation.report.figures.load import load_plot
+
+    scene = study.scene
+    tip = scene.ends.tip
+    if scene.load.kind == "none":
+        return None
+    asked = [f for f in scene.frequency if f > 0.0]
+    if not asked or min(asked) == max(asked):
+        return None
+    study.announce("what the tip touches")
+    frequencies = np.geomspace(min(asked), max(asked), _POINTS)
+    stiffness = tip_stiffness(tip, frequencies)
+    moved = scene.model_copy(update={"frequency": tuple(frequencies.tolist())})
+    taken = solve(moved, ("tmm",), (LOAD_FORCE.name, LOAD_POWER.name))
+    force, power = (taken.get(row.name, "tmm").value for row in (LOAD_FORCE, LOAD_POWER))
+    table = tip.table if isinstance(tip, MeasuredLaw) else None
+    return {
+        "kind": scene.load.kind,
+        "rows": _rows(frequencies, stiffness, force, power),
+        "picture": load_plot(frequencies, stiffness, np.abs(force), power, table),
+        "measured": _measured(tip),
+        "passive": _passive(scene.load.kind),
+    }
+
+
+def _rows(
+    frequencies: Floats, stiffness: Complex, force: Complex, power: Floats
+) -> list[dict[str, Any]]:
+    picked = np.linspace(0, frequencies.size - 1, _ROWS).round().astype(int)
+    omega = 2.0 * np.pi * frequencies
+    return [
+        {
+            "frequency": float(frequencies[i]),
+            "impedance": float(abs(stiffness[i]) / omega[i]),
+            "phase": float(np.degrees(np.angle(stiffness[i] / (1j * omega[i])))),
+            "stiffness": float(stiffness[i].real),
+            "damping": float(stiffness[i].imag / omega[i]),
+            "force": float(abs(force[i])),
+            "power": float(power[i]),
+        }
+        for i in picked
+    ]
+
+
+def _measured(tip: object) -> Context | None:
+    """Return what is fitted to a table: the paper's form, and springs, dampers and masses."""
+    if not isinstance(tip, MeasuredLaw):
+        return None
+    form = finger_form(tip.table)
+    apart = np.abs(form.impedance(tip.table.frequencies) / tip.table.impedance - 1.0)
+    largest, usual = continued(tip.table).misfit
+    return {
+        "band": tip.table.band,
+        "points": tip.table.frequencies.size,
+        "p": form.p.tolist(),
+        "q": form.q.tolist(),
+        "form_largest": float(apart.max()),
+        "fit_largest": largest,
+        "fit_usual": usual,
+        "stands_for_it": bool(tip.fits),
+    }
+
+
+def _passive(kind: str) -> float | None:
+    """Return how far the paper's finger is from any passive load (root mean square)."""
+    if kind != "finger":
+        return None
+    at = np.geomspace(*FINGER_RANGE, _POINTS)
+    return continued(LoadTable("the finger", at, finger_impedance(at))).misfit[1]
