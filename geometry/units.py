@@ -295,7 +295,8 @@ Mass = _quantity(
 )
 VOLTAGE = Unit("V", "voltage", "50 V", limits=(1e-12, 1e6))
 Voltage = _quantity(VOLTAGE)
-Current = _quantity(Unit("A", "current", "130 mA", limits=(1e-12, 1e4), shown="mA", per_si=1e3))
+CURRENT = Unit("A", "current", "130 mA", limits=(1e-12, 1e4), shown="mA", per_si=1e3)
+Current = _quantity(CURRENT)
 Force = _quantity(
     Unit("N", "force", "110 mN", at_least=0.0, limits=(1e-9, 1e4), shown="mN", per_si=1e3)
 )

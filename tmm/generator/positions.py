@@ -184,19 +184,48 @@ def resting_place(forces: AxialForces, current: float, history: History) -> Rest
     return stable[0] if history == "rising" else stable[-1]
 
 
-def position_loop(forces: AxialForces, currents: Floats) -> tuple[Floats, Floats]:
-    """Return the lifts (c,), (c,) in m while the current rises through (c,) A, and falls again.
+@dataclass(frozen=True)
+class PositionLoop:
+    """All resting places over the coil's current, and the way there and back.
+
+    Attributes
+    ----------
+    currents : (c,) array
+        A, ascending.
+    places : tuple of tuple of RestingPlace
+        At each current, from the top down.
+    """
+
+    currents: Floats
+    places: tuple[tuple[RestingPlace, ...], ...]
+
+    @property
+    def rising(self) -> tuple[RestingPlace, ...]:
+        """Where the rod is at each current that rose slowly from 0."""
+        return tuple(next(p for p in at if p.stable) for at in self.places)
+
+    @property
+    def falling(self) -> tuple[RestingPlace, ...]:
+        """Where it is at each current that fell slowly from far above."""
+        return tuple(next(p for p in reversed(at) if p.stable) for at in self.places)
+
+    @property
+    def unstable(self) -> Floats:
+        """Currents and lifts (k, 2) in A and m of the places between, from which it falls."""
+        pairs = zip(self.currents.tolist(), self.places, strict=True)
+        found = [(i, p.lift) for i, at in pairs for p in at if not p.stable]
+        return np.array(found).reshape(-1, 2)
+
+
+def position_loop(forces: AxialForces, currents: Floats) -> PositionLoop:
+    """Return all resting places while the current rises through (c,) A, and falls again.
 
     Raises
     ------
     InputError
-        If it rests nowhere.
+        If it rests nowhere, or the map of the pull does not reach so high a current.
     """
-    rising, falling = (
-        np.array([resting_place(forces, float(i), history).lift for i in currents])
-        for history in ("rising", "falling")
-    )
-    return rising, falling
+    return PositionLoop(currents, tuple(resting_places(forces, float(i)) for i in currents))
 
 
 def _root(forces: AxialForces, current: float, low: float, high: float) -> float:

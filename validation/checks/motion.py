@@ -31,21 +31,21 @@ MOTION_CHECKS: tuple[Check, ...] = (
         "MOT-4", "solution verification",
         "The generator's energy is what its sources gave less what was lost.",
         (0.0, 1e-10), "1", "first law", 0.0, "rounding; relative to all that was exchanged",
-        m.generator_imbalance, scene="paper",
+        m.generator_imbalance, scene="generator",
     ),
     Check(
         "MOT-5", "validation",
         "The 120 mA of Fig 16 pull the reconstructed rod down against its preload.",
-        (0.0, 0.12), "A", _FIG16, 0.0, "enough is enough", m.pull_in_current, scene="paper",
+        (0.0, 0.12), "A", _FIG16, 0.0, "enough is enough", m.pull_in_current, scene="generator",
     ),
     Check(
         "MOT-6", "validation",
         "Switched off, the rod is on its upper stop about 1 ms later (3 to 4 ms in the text).",
-        (0.5e-3, 1.5e-3), "s", _FIG16, 0.0, _READ, m.rise_time, heavy=True, scene="paper",
+        (0.5e-3, 1.5e-3), "s", _FIG16, 0.0, _READ, m.rise_time, heavy=True, scene="generator",
     ),
     Check(
         "MOT-7", "validation",
         "Switched on, the rod is on its lower stop about 2 ms later (7 to 9 ms in the text).",
-        (1.5e-3, 2.5e-3), "s", _FIG16, 0.0, _READ, m.fall_time, heavy=True, scene="paper",
+        (1.5e-3, 2.5e-3), "s", _FIG16, 0.0, _READ, m.fall_time, heavy=True, scene="generator",
     ),
 )  # fmt: skip

@@ -37,6 +37,7 @@ from tactgen.validation.command_line.commands.studies import (
     compare,
     design,
     identify,
+    positions,
     sensitivity,
     simulate,
     whatif,
@@ -224,7 +225,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.set_defaults(run=lambda _: _help(parser))
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
-        report, solve, view, whatif, compare, design, sensitivity, identify, backbone,
+        report, solve, view, whatif, compare, design, sensitivity, identify, backbone, positions,
         simulate, plan, bill,
         export, verify, coverage, stress, bench, scenes, cache, init, completion,
     ):  # fmt: skip

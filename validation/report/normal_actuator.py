@@ -11,7 +11,6 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
@@ -20,6 +19,7 @@ from tactgen.validation.engine.plan import Plan
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.comparison import ComparedRow, compare
+from tactgen.validation.models.generator.rod_loop import RodLoop, rod_loop
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import MagneticModel, NetworkModel
 from tactgen.validation.models.reluctance.point import MagneticPoint
@@ -80,26 +80,17 @@ class NormalActuator:
     Parameters
     ----------
     solution : Solution
-        With models of the normal actuator.  If it holds no quantity that needs a map, maps come
-        from the network, which costs nothing.
+        With models of the normal actuator, at a current.  If it holds no quantity that needs a
+        map, maps come from the network, which costs nothing.
     announce : callable
         Told what is being done.
 
-    Raises
-    ------
-    InputError
-        If there is no current.
     """
 
     def __init__(self, solution: Solution, announce: Callable[[str], None]) -> None:
         self.solution, self.announce = solution, announce
         self.scene, self.device = solution.scene, solution.scene.device
         self.current, self.gap = self.scene.coil.current, self.scene.gap
-        if self.current == 0.0:
-            raise InputError(
-                "coil.current = 0 mA leaves nothing of the normal actuator to report; set the "
-                "current of interest, such as coil.current=130mA, or leave its models out"
-            )
         self._points: dict[tuple[str, float, float], MagneticPoint] = {}
 
     @property
@@ -152,6 +143,11 @@ class NormalActuator:
         return {
             name: model for name in MODELS if isinstance(model := models.get(name), MagneticModel)
         }
+
+    @cached_property
+    def loops(self) -> tuple[RodLoop, ...]:
+        """Where the rod is while the current rises and falls, by each model that has a map."""
+        return tuple(rod_loop(model) for model in reversed(self._mapped_models.values()))
 
     @property
     def pull(self) -> CoenergyMap:
@@ -250,11 +246,20 @@ class NormalActuator:
 
     def merged_plan(self) -> Plan:
         """Return the plan of all that ran, the map's included."""
-        plan, more = self.solution.plan, self.mapped.plan
-        names = {step.stage for step in plan.run}
-        run = plan.run + tuple(step for step in more.run if step.stage not in names)
-        names = {step.stage for step in run}
-        return Plan(run, tuple(skip for skip in plan.skipped if skip.stage not in names))
+        return merged(self.solution.plan, self.mapped.plan)
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """What each stage of that plan cost."""
+        return self.mapped.stages.seconds | self.solution.stages.seconds
+
+
+def merged(plan: Plan, more: Plan) -> Plan:
+    """Return two plans as one; a stage that runs in one of them is not skipped."""
+    names = {step.stage for step in plan.run}
+    run = plan.run + tuple(step for step in more.run if step.stage not in names)
+    names = {step.stage for step in run}
+    return Plan(run, tuple(skip for skip in plan.skipped if skip.stage not in names))
 
 
 def needs_map(quantity: str) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tactgen.geometry.arrays import Complex
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
 from tactgen.tmm.ports.terminations import outside_known_range
 from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
@@ -21,7 +23,7 @@ from tactgen.validation.engine.plan import Plan, check_models
 from tactgen.validation.engine.solve import Solution, check_request, solve
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.models.comparison import ComparedRow, compare
-from tactgen.validation.report.normal_actuator import NormalActuator, needs_map
+from tactgen.validation.report.normal_actuator import NormalActuator, merged, needs_map
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
 
@@ -98,11 +100,34 @@ class Study:
         """Whether the scene asks for the lateral actuator."""
         return bool(self.solution.models_of("bimorph"))
 
+    @property
+    def machine(self) -> bool:
+        """Whether the scene is about the bimorph on the rod's contact."""
+        return self.lateral and self.scene.support.kind == "contact"
+
     @cached_property
     def normal(self) -> NormalActuator | None:
-        """The normal actuator, if the scene asks for it."""
-        asked = self.solution.models_of("reluctance")
-        return NormalActuator(self.solution, self.announce) if asked else None
+        """The normal actuator, if the scene asks for it; at the paper's current if it has none."""
+        models = self.solution.models_of("reluctance")
+        if not models:
+            return None
+        if self.scene.coil.current:
+            return NormalActuator(self.solution, self.announce)
+        coil = self.scene.coil.model_copy(update={"current": Device().coil.current})
+        driven = self.scene.model_copy(update={"coil": coil})
+        names = [
+            name
+            for name in _quantities(driven.models, {"reluctance"}, quick=self.quick)
+            if not _is_of_rest(name)
+        ]
+        solution = solve(driven, tuple(models), names, self.announce, reuse=self.solution)
+        return NormalActuator(solution, self.announce)
+
+    @cached_property
+    def resting(self) -> list[ComparedRow]:
+        """Where the machine's rod rests, by all models, where the normal actuator has no row."""
+        found = [q for q in self.solution.quantities if _is_of_rest(q.name)]
+        return compare(self.scene, found, "reluctance") if not self.scene.coil.current else []
 
     @property
     def field(self) -> TwoMeshModel | None:
@@ -129,16 +154,19 @@ class Study:
     def compared(self) -> list[ComparedRow]:
         """All scalar quantities that were asked for, of both actuators."""
         lateral = self.comparison if self.lateral else []
-        return lateral + (self.normal.comparison if self.normal else [])
+        return lateral + self.resting + (self.normal.comparison if self.normal else [])
 
     @cached_property
     def outcomes(self) -> list[Outcome]:
         """The suite's checks that are about this very scene, if nothing of it was changed."""
         if not self.as_it_stands:
             return []
-        groups = [
-            g for g, asked in (("bimorph", self.lateral), ("reluctance", self.normal)) if asked
-        ]
+        about = (
+            ("bimorph", self.lateral),
+            ("reluctance", self.normal is not None),
+            ("motion", self.machine),
+        )
+        groups = [group for group, asked in about if asked]
         rows = [c for g in groups for c in group_rows(g) if c.scene == self.scene.name]
         found = []
         for check in rows:
@@ -198,12 +226,13 @@ class Study:
     @property
     def plan(self) -> Plan:
         """The stages of the solution, and of the normal actuator's map if it came apart."""
-        return self.normal.merged_plan() if self.normal else self.solution.plan
+        plan = self.solution.plan
+        return merged(plan, self.normal.merged_plan()) if self.normal else plan
 
     @property
     def seconds(self) -> dict[str, float]:
         """What each stage of the plan cost."""
-        apart = self.normal.mapped.stages.seconds if self.normal else {}
+        apart = self.normal.seconds if self.normal else {}
         return apart | self.solution.stages.seconds
 
 
@@ -216,6 +245,12 @@ def check_report(scene: Scene, *, quick: bool) -> None:
         With the remedy.
     """
     prepared = _prepared(scene, quick)
+    magnetic = any(QUANTITIES[name].actuator == "reluctance" for name in prepared.quantities)
+    if magnetic and not scene.coil.current and scene.support.kind != "contact":
+        raise InputError(
+            "coil.current = 0 mA leaves nothing of the normal actuator to report; set the current "
+            "of interest, such as coil.current=130mA, or leave its models out"
+        )
     check_request(prepared, prepared.models, prepared.quantities)
 
 
@@ -234,18 +269,11 @@ def _prepared(scene: Scene, quick: bool) -> Scene:
     if "generator" in about:
         about.add("bimorph")
     models = tuple(name for name in scene.models if MODELS[name].actuator in about)
-    quantities = tuple(
-        name
-        for name, row in QUANTITIES.items()
-        if row.actuator in about and any(gives(m, name) for m in models)
-    )
-    if quick:
-        slow = any(
-            needs_map(name) and gives(model, name) and not MODELS[model].quick
-            for name in quantities
-            for model in models
-        )
-        quantities = tuple(name for name in quantities if not (slow and needs_map(name)))
+    quantities = _quantities(models, about, quick=quick)
+    if scene.support.kind == "contact" and not scene.coil.current:
+        # without current a pull, an inductance say nothing: see Study.normal
+        own = (n for n in quantities if QUANTITIES[n].actuator != "reluctance" or _is_of_rest(n))
+        quantities = tuple(own)
     changes: dict[str, Any] = {"models": models, "quantities": quantities}
     low, high = min(scene.frequency), max(scene.frequency)
     if low < high and len(scene.frequency) < _PLOT_POINTS:
@@ -254,3 +282,22 @@ def _prepared(scene: Scene, quick: bool) -> Scene:
     if quick:
         changes["accuracy"] = max(scene.accuracy, _QUICK_ACCURACY)
     return scene.model_copy(update=changes)
+
+
+def _quantities(models: Sequence[str], about: Collection[str], *, quick: bool) -> tuple[str, ...]:
+    """Return all quantities of some actuators that models give; if quick, none by slow maps."""
+    found = tuple(
+        name
+        for name, row in QUANTITIES.items()
+        if row.actuator in about and any(gives(m, name) for m in models)
+    )
+    slow = any(
+        needs_map(name) and gives(model, name) and not MODELS[model].quick
+        for name in found
+        for model in models
+    )
+    return tuple(name for name in found if not (quick and slow and needs_map(name)))
+
+
+def _is_of_rest(quantity: str) -> bool:
+    return "rest" in QUANTITIES[quantity].needs

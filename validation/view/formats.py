@@ -39,6 +39,8 @@ def with_bar(value: float, bar: float, unit: str) -> str:
         return engineering(value, unit)
     if not math.isfinite(bar):
         return f"{engineering(value, unit)} (no error bar)"
+    if bar == 0.0:
+        return engineering(value, unit, 7)
     relative = abs(bar / value)
     if relative < 1e-7:
         return f"{engineering(value, unit, 7)} (±{relative:.0e} relative)"

@@ -86,10 +86,14 @@ def test_hysteresis():
     spring_down = 20e-3 + STIFFNESS * (GAP - stop)
     drop_out = math.sqrt(2.0 * spring_down / (MU0 * AREA)) * stop / TURNS
     currents = np.array([0.5 * drop_out, 1.01 * drop_out, 0.99 * lift_off, 1.01 * lift_off])
-    rising, falling = position_loop(forces, currents)
+    loop = position_loop(forces, currents)
     down = -(GAP - stop)
+    rising, falling = ([p.lift for p in way] for way in (loop.rising, loop.falling))
     np.testing.assert_allclose(rising, [0.0, 0.0, 0.0, down], atol=1e-8)
     np.testing.assert_allclose(falling, [0.0, down, down, down], atol=1e-8)
+    # between two stable places there is one from which it falls either way
+    np.testing.assert_array_equal(loop.unstable[:, 0], currents[1:3])
+    assert ((loop.unstable[:, 1] > down) & (loop.unstable[:, 1] < 0.0)).all()
 
 
 def test_forces_at_rest():

@@ -9,6 +9,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Bools, Complex, Floats
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.values import storable
 from tactgen.tmm.generator.rocking import RockingHead
 from tactgen.tmm.harmonic_balance.continuation import Branch, follow
 from tactgen.tmm.harmonic_balance.newton import NoConvergence
@@ -28,6 +29,7 @@ _INSTANTS = 256
 _JUDGED_POINTS, _BEFORE = 40, 2
 
 
+@storable
 @dataclass(frozen=True)
 class Peak:
     """Where the tip's velocity is largest, in its first harmonic.
@@ -52,6 +54,7 @@ class Peak:
     moment_share: float
 
 
+@storable
 @dataclass(frozen=True)
 class Curve:
     """The response at one voltage, in the order in which it was met.

@@ -9,6 +9,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.values import storable
 from tactgen.tmm.generator.rocking import RockingHead
 from tactgen.tmm.harmonic_balance.continuation import follow
 from tactgen.tmm.harmonic_balance.oscillator import Orbit
@@ -21,6 +22,7 @@ RESOLUTION = Resolution(missing=3e-3, least=5, most=60)
 _FITTED = 300
 
 
+@storable
 @dataclass(frozen=True)
 class LoadedDeflection:
     """First harmonic of the tip under load over frequency, in the order in which it was met.

@@ -7,18 +7,30 @@ from typing import Literal
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.tmm.generator.network_pull import network_pull
-from tactgen.tmm.generator.positions import axial_forces, resting_place
+from tactgen.tmm.generator.positions import History, axial_forces, resting_place
 from tactgen.tmm.generator.rocking import RockingHead, rocking_head
 from tactgen.tmm.ports.terminations import ends_of
 from tactgen.validation.models.five_port import five_port
 from tactgen.validation.scene.scene import Scene
 
 State = Literal["not activated", "held"]
-#: What a scene says of the two states in which the paper measured.
-STATES: dict[State, tuple[str, ...]] = {
-    "not activated": ("coil.current=0mA",),
-    "held": ("coil.current=50mA", "coil.history=falling"),
+#: Current (A) and history of the two states in which the paper measured.
+COILS: dict[State, tuple[float, History]] = {
+    "not activated": (0.0, "rising"),
+    "held": (50e-3, "falling"),
 }
+#: What a scene says of them.
+STATES: dict[State, tuple[str, ...]] = {
+    state: (f"coil.current={1e3 * current:g}mA", f"coil.history={history}")
+    for state, (current, history) in COILS.items()
+}
+
+
+def in_state(scene: Scene, state: State) -> Scene:
+    """Return a scene in one of these states."""
+    current, history = COILS[state]
+    coil = scene.coil.model_copy(update={"current": current, "history": history})
+    return scene.model_copy(update={"coil": coil})
 
 
 def held_head(scene: Scene, model: str = "tmm") -> RockingHead:

@@ -13,6 +13,7 @@ from tactgen.geometry.store.values import storable
 from tactgen.tmm.generator.positions import (
     AxialForces,
     History,
+    RestingPlace,
     axial_forces,
     resting_place,
     resting_places,
@@ -112,15 +113,18 @@ def resting_state(
     )
 
 
+def position_bar(
+    forces: AxialForces, pull: CoenergyMap, current: float, place: RestingPlace
+) -> float:
+    """Return how far (m) the map's own error moves a resting place."""
+    error = pull.interpolation_error.force + pull.residual.force
+    return error * abs(float(pull.force(current, forces.gap(place.lift))) / place.stiffness)
+
+
 def _places(forces: AxialForces, pull: CoenergyMap, current: float) -> MeasuredList:
     found = resting_places(forces, current)
-    error = pull.interpolation_error.force + pull.residual.force
-    bars = [
-        error * abs(float(pull.force(current, forces.gap(place.lift))) / place.stiffness)
-        for place in found
-    ]
     return MeasuredList(
         np.array([place.lift for place in found]),
-        np.array(bars),
+        np.array([position_bar(forces, pull, current, place) for place in found]),
         tuple(place.kind for place in found),
     )

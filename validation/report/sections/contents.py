@@ -12,19 +12,19 @@ def sections(study: Study) -> tuple[Section, ...]:
     """Return the sections of a study; what is not asked for is not even imported."""
     found = [Section("what", "What was studied", _what)]
     after: list[Section] = []
+    lateral: tuple[Section, ...] = ()
     if study.lateral:
         from tactgen.validation.report.sections.bimorph import LATERAL, PRINTED_FORMULAS
 
-        found += LATERAL
-        after = [PRINTED_FORMULAS]
+        lateral, after = LATERAL, [PRINTED_FORMULAS]
+    if study.machine:
+        story, lateral = _machine(lateral)
+        found, after = found + story, []
+    found += lateral
     if study.normal:
         from tactgen.validation.report.sections.reluctance import NORMAL
 
         found += NORMAL
-    if study.lateral and study.scene.support.kind == "contact":
-        from tactgen.validation.report.sections.machine import MACHINE
-
-        found.append(MACHINE)
     return (
         *found,
         Section("checks", "Checks of this scene", _checks),
@@ -33,6 +33,24 @@ def sections(study: Study) -> tuple[Section, ...]:
         Section("parameters", "Parameters and assumptions", _parameters),
         Section("plan", "What ran, what was skipped, what it cost", _plan),
     )
+
+
+#: Sections about the lateral actuator that tell of the machine's response, after its support ...
+_RESPONSE = ("response",)
+#: ... what ends the story, and what belongs to the report of the lateral actuator alone.
+_LIMITS, _APART = ("drive_limits",), ("holding", "length", "voltage", "stress")
+
+
+def _machine(lateral: tuple[Section, ...]) -> tuple[list[Section], tuple[Section, ...]]:
+    """Return the machine's story, and the sections about its bimorph that follow it."""
+    from tactgen.validation.report.sections.large_motion import AMPLITUDE, TIME
+    from tactgen.validation.report.sections.machine import MOTIONS, POSITIONS, SUPPORT
+
+    by_id = {section.id: section for section in lateral}
+    response, limits = ([by_id[name] for name in names] for names in (_RESPONSE, _LIMITS))
+    told = {*_RESPONSE, *_LIMITS, *_APART}
+    story = [POSITIONS, SUPPORT, *response, MOTIONS, AMPLITUDE, TIME, *limits]
+    return story, tuple(section for section in lateral if section.id not in told)
 
 
 def _what(study: Study) -> Context:

@@ -1,17 +1,17 @@
-"""The report's section about the whole machine: where the rod rests, what that holds, how it moves.
+"""The report's sections about the machine at rest and in small motions.
 
-By the reluctance network and the transfer-matrix model, which cost next to nothing; shown for a
-bimorph that stands on the rod's contact.
+Where the rod rests by every model of the normal actuator that has a map; what that holds, and how
+it moves, by the reluctance network and the beam models.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.tmm.generator.contact import RoughContact
@@ -22,8 +22,12 @@ from tactgen.tmm.generator.stops import contact_of
 from tactgen.tmm.ports.multiport import in_series, respond
 from tactgen.tmm.ports.terminations import attach, outside_known_range
 from tactgen.validation.catalogue.bimorph import SHORT_CIRCUIT_FREQUENCIES
-from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.catalogue.models import ranked
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.generator.rod_loop import RodLoop, rod_loop
 from tactgen.validation.models.generator.small_signal import machine_of, measured_poles
+from tactgen.validation.models.reluctance.model import NetworkModel
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene
@@ -50,40 +54,74 @@ class SupportRow:
     tipping_moment: float
 
 
-def machine_section(study: Study) -> Context | None:
-    """Return the machine's positions, support and small motions; None off the contact."""
+def _positions(study: Study) -> Context | None:
+    """Return where the rod rests over the current; None where nothing magnetic is asked for."""
     scene = study.scene
-    if scene.support.kind != "contact":
+    loops = _loops(study)
+    if not loops:
         return None
-    from tactgen.validation.report.figures.machine import position_plot, transfer_plot
+    from tactgen.validation.report.figures.machine import position_plot
 
-    magnetic = bool(study.solution.models_of("reluctance")) or scene.coil.current != 0.0
-    context: dict[str, Any] = {
-        "rows": [_support(scene, state, made) for state, made in _states(scene, magnetic)],
+    current = abs(scene.coil.current)
+    forces = axial_forces(scene.device, network_pull(scene.device), scene.load.normal_force)
+    return {
+        "loops": loops,
+        "loop": position_plot(loops, current),
+        "places": [(i, resting_places(forces, i)) for i in sorted({current, _HELD})],
+        "resting": study.resting,
+        "models": ranked({cell.model for row in study.resting for cell in row.cells}),
+    }
+
+
+def _support(study: Study) -> Context:
+    """Return the support that the contact is, in several states, and what it bears."""
+    scene = study.scene
+    return {
+        "rows": [_row(scene, state, made) for state, made in _states(scene, _is_magnetic(study))],
         "moment": _base_moment(scene),
         "law": contact_of(scene.device),
         "rod": moving_rod(scene.device),
-        "magnetic": magnetic,
         "rated": Device().spring.preload,
     }
-    if magnetic:
-        pull = network_pull(scene.device)
-        forces = axial_forces(scene.device, pull, scene.load.normal_force)
-        current = abs(scene.coil.current)
-        linear = machine_of(scene)
-        context |= {
-            "places": resting_places(forces, current),
-            "loop": position_plot(forces, _loop_currents(scene, pull.current_limit), current),
-            "linear": linear,
-            "poles": {
-                supply: measured_poles(_with(scene, supply=supply), linear).listed
-                for supply in ("current", "voltage")
-            },
-            "transfers": transfer_plot(study.solution, TRANSFERS)
-            if _in_motion(study.solution)
-            else "",
-        }
-    return context
+
+
+def _motions(study: Study) -> Context | None:
+    """Return rod and coil in small motions: at the scene's current, or held if it has none."""
+    if not _is_magnetic(study):
+        return None
+    from tactgen.validation.report.figures.machine import transfer_plot
+
+    scene, solution = study.scene, study.solution
+    if not scene.coil.current:
+        scene = _with(scene, current=_HELD, history="falling")
+        names = [name for name, row in QUANTITIES.items() if row.unit in TRANSFERS]
+        solution = solve(scene, ("tmm",), names)
+    linear = machine_of(scene)
+    shown = any(q.unit in TRANSFERS for q in solution.quantities)
+    return {
+        "of": scene,
+        "linear": linear,
+        "poles": {
+            supply: measured_poles(_with(scene, supply=supply), linear).listed
+            for supply in ("current", "voltage")
+        },
+        "transfers": transfer_plot(solution, TRANSFERS) if shown else "",
+    }
+
+
+def _is_magnetic(study: Study) -> bool:
+    return study.normal is not None or study.scene.coil.current != 0.0
+
+
+def _loops(study: Study) -> Sequence[RodLoop]:
+    if study.normal is not None:
+        return study.normal.loops
+    if not study.scene.coil.current:
+        return ()
+    found = solve(study.scene, (NetworkModel.name,), ("pull_in_current",), study.announce)
+    model = found.models[NetworkModel.name]
+    assert isinstance(model, NetworkModel)
+    return (rod_loop(model),)
 
 
 def _states(scene: Scene, magnetic: bool) -> list[tuple[str, Scene]]:
@@ -106,7 +144,7 @@ def _with(scene: Scene, **coil: Any) -> Scene:
     return scene.model_copy(update={"coil": scene.coil.model_copy(update=coil)})
 
 
-def _support(scene: Scene, state: str, made: Scene) -> SupportRow:
+def _row(scene: Scene, state: str, made: Scene) -> SupportRow:
     assert made.rest is not None
     place, springs = made.rest
     law: RoughContact = contact_of(made.device)
@@ -146,14 +184,7 @@ def _base_moment(scene: Scene) -> Context:
     }
 
 
-def _loop_currents(scene: Scene, limit: float) -> Floats:
-    """Return currents (A) over which the loop is drawn."""
-    return np.linspace(0.0, min(limit, max(0.2, 1.2 * abs(scene.coil.current))), 121)
-
-
-def _in_motion(solution: Solution) -> bool:
-    """Return whether some transfer of the machine was asked for."""
-    return any(q.unit in TRANSFERS for q in solution.quantities)
-
-
-MACHINE = Section("machine", "The machine: positions, support, small motions", machine_section)
+#: In the report's order; a section of which there is nothing to say is left out.
+POSITIONS = Section("positions", "Where the rod rests", _positions)
+SUPPORT = Section("support", "The support that follows", _support)
+MOTIONS = Section("motions", "Rod and coil in small motions", _motions)

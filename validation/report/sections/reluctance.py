@@ -234,8 +234,14 @@ def _unstable(places: Sequence[Equilibrium]) -> float | None:
 
 
 def _of(show: Callable[[NormalActuator], Context | None]) -> Callable[[Study], Context | None]:
-    """Return the contents of a section by what it shows of the normal actuator."""
-    return lambda study: show(study.normal) if study.normal else None
+    """Return the contents of a section by what it shows of the normal actuator, at its current."""
+
+    def context(study: Study) -> Context | None:
+        actuator = study.normal
+        found = show(actuator) if actuator else None
+        return {"scene": actuator.scene, **found} if actuator and found is not None else None
+
+    return context
 
 
 NORMAL: tuple[Section, ...] = (
