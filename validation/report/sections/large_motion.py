@@ -11,7 +11,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.terminations import outside_finger_range
+from tactgen.tmm.ports.terminations import outside_known_range
 from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.amplitude.held_head import COILS, in_state
@@ -78,7 +78,7 @@ def _linear(study: Study) -> tuple[Floats, dict[str, Floats]]:
         asked = {"frequency": tuple(frequencies.tolist())}
         made = in_state(scene, state).model_copy(update=asked)
         values = solve(made, ("tmm",), (TIP_DISPLACEMENT.name,)).quantities[0].value
-        outside = outside_finger_range(scene.load, frequencies)
+        outside = outside_known_range(scene.load, frequencies)
         found[state] = np.where(outside, np.nan, np.abs(values))
     return frequencies, found
 
