@@ -24,6 +24,15 @@ def _at_rest(of: Callable[[Any], Any]) -> AnswerReadout:
     return AnswerReadout("rest", of)
 
 
+PULL_IN_CURRENT = QuantityRow(
+    "pull_in_current", "A", "current that draws the rod to its lower stop",
+    _of_stroke(lambda currents: currents.pull_in), label="pull-in current", headline=True,
+)  # fmt: skip
+DROP_OUT_CURRENT = QuantityRow(
+    "drop_out_current", "A", "current below which the rod is back at its upper stop",
+    _of_stroke(lambda currents: currents.drop_out), label="drop-out current",
+)  # fmt: skip
+
 ROWS = (
     QuantityRow(
         "magnetic_force", "N", "pull between rod and sleeve at the coil's current and the gap",
@@ -45,18 +54,12 @@ ROWS = (
         "incremental_inductance", "H", "d flux linkage / d current, gap held",
         _at_point(lambda point: point.incremental_inductance),
     ),
-    QuantityRow(
-        "pull_in_current", "A", "current that draws the rod to its lower stop",
-        _of_stroke(lambda currents: currents.pull_in), label="pull-in current", headline=True,
-    ),
+    PULL_IN_CURRENT,
     QuantityRow(
         "holding_current", "A", "least current that holds the rod at its lower stop",
         _of_stroke(lambda currents: currents.holding),
     ),
-    QuantityRow(
-        "drop_out_current", "A", "current below which the rod is back at its upper stop",
-        _of_stroke(lambda currents: currents.drop_out), label="drop-out current",
-    ),
+    DROP_OUT_CURRENT,
     QuantityRow(
         "rod_position", "m",
         "where the rod rests at the coil's current and history: 0 at the upper stop, negative down",

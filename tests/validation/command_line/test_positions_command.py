@@ -18,7 +18,7 @@ def test_the_loop_by_both_ways(tmp_path, capsys):
     current = np.array(found["current"])
     for way, switch in (("rising", "pull_in"), ("falling", "drop_out")):
         at = found["switching"][switch]["value"]
-        kinds = np.array(found[way]["kind"])
+        kinds = np.array([place["kind"] for place in found[way]["places"]])
         assert set(kinds[current < at]) == {"upper stop"}
         assert set(kinds[current > at]) == {"lower stop"}
         assert len(found[way]["uncertainty"]) == current.size

@@ -24,6 +24,7 @@ from tactgen.tmm.ports.terminations import attach, outside_known_range
 from tactgen.validation.catalogue.bimorph import SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.reluctance import PULL_IN_CURRENT
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.generator.rod_loop import RodLoop, rod_loop
 from tactgen.validation.models.generator.small_signal import machine_of, measured_poles
@@ -118,7 +119,7 @@ def _loops(study: Study) -> Sequence[RodLoop]:
         return study.normal.loops
     if not study.scene.coil.current:
         return ()
-    found = solve(study.scene, (NetworkModel.name,), ("pull_in_current",), study.announce)
+    found = solve(study.scene, (NetworkModel.name,), (PULL_IN_CURRENT.name,), study.announce)
     model = found.models[NetworkModel.name]
     assert isinstance(model, NetworkModel)
     return (rod_loop(model),)

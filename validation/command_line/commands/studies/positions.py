@@ -47,6 +47,7 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    from tactgen.validation.catalogue.reluctance import DROP_OUT_CURRENT, PULL_IN_CURRENT
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.solve import solve
     from tactgen.validation.models.generator.rod_loop import rod_loop
@@ -57,8 +58,9 @@ def run(options: argparse.Namespace) -> int:
     currents = _currents(options.current) if options.current else None
     scene, _ = load_scene(options.scene, options.overrides)
     models = _models(options.model, scene.models)
+    asked = (PULL_IN_CURRENT.name, DROP_OUT_CURRENT.name)
     with announcer() as announce:
-        solution = solve(scene, models, ("pull_in_current", "drop_out_current"), announce)
+        solution = solve(scene, models, asked, announce)
         loops = []
         for name in models:
             model = solution.models[name]
@@ -169,12 +171,7 @@ def _plain(found: RodLoop) -> dict[str, Any]:
     loop = found.loop
 
     def way(places: Any, bars: Floats) -> dict[str, Any]:
-        return {
-            "position": [p.lift for p in places],
-            "uncertainty": bars.tolist(),
-            "kind": [p.kind for p in places],
-            "contact_force": [p.contact_force for p in places],
-        }
+        return {"places": plain(places), "uncertainty": bars.tolist()}
 
     return {
         "model": found.model,
