@@ -72,11 +72,17 @@ class Sources:
         stamp = (state.st_mtime_ns, state.st_size)
         kept = self.known.get(str(file))
         if kept is None or kept[0] != stamp:
-            content = file.read_bytes()
-            names = tuple(sorted(set(_imports(ast.parse(content)))))
-            kept = stamp, (hashlib.sha256(content).hexdigest(), names)
+            kept = stamp, _parsed(file, stamp)
             self.known[str(file)] = kept
         return kept[1]
+
+
+@cache
+def _parsed(file: Path, _: tuple[int, int]) -> tuple[str, tuple[str, ...]]:
+    """Return hash and imports of a file of this time and size, once a process for all stores."""
+    content = file.read_bytes()
+    names = tuple(sorted(set(_imports(ast.parse(content).body))))
+    return hashlib.sha256(content).hexdigest(), names
 
 
 @cache
@@ -121,18 +127,23 @@ def _imported(name: str) -> tuple[Path, ...]:
     return tuple(file for each in above if (file := _source(each)) is not None)
 
 
-def _imports(node: ast.AST) -> Iterator[str]:
-    """Yield the dotted names that a module imports; of `from a import b` both a and a.b."""
-    for child in ast.iter_child_nodes(node):
-        if isinstance(child, ast.Import):
-            yield from (alias.name for alias in child.names)
-        elif isinstance(child, ast.ImportFrom) and child.module:
-            yield from (f"{child.module}.{alias.name}" for alias in child.names)
-        elif isinstance(child, ast.If) and _for_types_only(child.test):
-            for other in child.orelse:
-                yield from _imports(other)
+def _imports(statements: Iterable[Any]) -> Iterator[str]:
+    """Yield the dotted names that statements import; of `from a import b` both a and a.b.
+
+    Expressions, most of a module, hold no imports and are not looked into.
+    """
+    for one in statements:
+        if isinstance(one, ast.Import):
+            yield from (alias.name for alias in one.names)
+        elif isinstance(one, ast.ImportFrom) and one.module:
+            yield from (f"{one.module}.{alias.name}" for alias in one.names)
+        elif isinstance(one, ast.If) and _for_types_only(one.test):
+            yield from _imports(one.orelse)
         else:
-            yield from _imports(child)
+            for block in ("body", "orelse", "finalbody"):
+                yield from _imports(getattr(one, block, ()))
+            for inner in (*getattr(one, "handlers", ()), *getattr(one, "cases", ())):
+                yield from _imports(inner.body)
 
 
 def _for_types_only(test: Any) -> bool:
