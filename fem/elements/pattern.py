@@ -8,6 +8,8 @@ H = −grad φ.  All cells are treated at once, so an assembly is one dense prod
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 from scipy import sparse
 
@@ -48,8 +50,27 @@ class Pattern:
 
     def matrix(self, local: Floats) -> Sparse:
         """Return the sum of the cells' matrices, n_local² entries each."""
-        data = np.bincount(self._slot, local.ravel()[self._kept], minlength=self._columns.size)
-        return sparse.csr_matrix((data, self._columns, self._starts), shape=(self.size, self.size))
+        return self.of_entries(self.entries(local))
+
+    def entries(self, local: Floats) -> Floats:
+        """Return the stored entries of the sum of the cells' matrices."""
+        return np.bincount(self._slot, local.ravel()[self._kept], minlength=self._columns.size)
+
+    def of_entries(self, entries: Floats) -> Sparse:
+        """Return the matrix of these stored entries."""
+        shape = (self.size, self.size)
+        return sparse.csr_matrix((entries, self._columns, self._starts), shape=shape)
+
+    def part(self, cells: Ints) -> Pattern:
+        """Return the same pattern for the matrices of some of the cells alone."""
+        slot = np.full((*self._dofs.shape, self._dofs.shape[1]), -1)
+        slot.ravel()[self._kept] = self._slot
+        chosen = slot[cells].ravel()
+        part = copy(self)
+        part._dofs = self._dofs[cells]
+        part._kept = np.flatnonzero(chosen >= 0)
+        part._slot = chosen[part._kept]
+        return part
 
 
 class FieldKernel:

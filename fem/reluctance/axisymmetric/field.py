@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -150,7 +151,12 @@ class _Energy:
 
     def __init__(self, d: Discretisation, source: Floats) -> None:
         self._d, self._source = d, source[d.free]
-        self._curls = np.concatenate([d.curl_r, d.curl_z], axis=1)
+        # the cells of iron, numbered among themselves
+        ends = np.cumsum([0, *(cells.size for cells, _ in d.iron)])
+        self._iron = [
+            (np.arange(*between), curve)
+            for between, (_, curve) in zip(pairwise(ends), d.iron, strict=True)
+        ]
         self._at: Floats = np.zeros(0)
         self._flux: Floats = np.zeros(0)
         self._energy = 0.0
@@ -176,14 +182,16 @@ class _Energy:
         d = self._d
         h = field_from_flux(d.iron, self._flux_density(x)) * d.volumes[..., None]
         both = np.concatenate([h[..., 0], h[..., 1]], axis=1)
-        return d.pattern.vector((both[:, None, :] @ self._curls)[:, 0, :]) - self._source
+        return d.pattern.vector((both[:, None, :] @ d.curls)[:, 0, :]) - self._source
 
     def hessian(self, x: Floats) -> Sparse:
-        d = self._d
-        t = reluctivity_tensor(d.iron, self._flux_density(x)) * d.volumes[..., None, None]
-        rows = (t[..., i, 0, None] * d.curl_r + t[..., i, 1, None] * d.curl_z for i in (0, 1))
-        weighted = np.concatenate([*rows], axis=1)
-        return d.pattern.matrix(np.matmul(self._curls.transpose(0, 2, 1), weighted))
+        d, cells = self._d, self._d.iron_cells
+        t = reluctivity_tensor(self._iron, self._flux_density(x)[cells])
+        t *= d.volumes[cells][..., None, None]
+        curl_r, curl_z = np.split(d.iron_curls, 2, axis=1)
+        rows = (t[..., i, 0, None] * curl_r + t[..., i, 1, None] * curl_z for i in (0, 1))
+        local = d.iron_curls.transpose(0, 2, 1) @ np.concatenate([*rows], axis=1)
+        return d.pattern.of_entries(d.vacuum_entries + d.iron_pattern.entries(local))
 
 
 def _flux_density(d: Discretisation, local: Floats) -> Floats:

@@ -17,6 +17,7 @@ import numpy as np
 from tactgen.fem.elements.pattern import Pattern
 from tactgen.fem.reluctance.iron import Iron
 from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.reluctance.section_grid import Grid
 
 
@@ -73,6 +74,34 @@ class Discretisation:
         """Cells and curve of each region that is not vacuum."""
         curves = [(i, region.curve) for i, region in enumerate(self.grid.regions)]
         return [(np.flatnonzero(self.cell_labels == i), c) for i, c in curves if c is not None]
+
+    @cached_property
+    def iron_cells(self) -> Ints:
+        """All cells of iron, in the order of `iron`."""
+        return np.concatenate([np.zeros(0, dtype=int), *(cells for cells, _ in self.iron)])
+
+    @cached_property
+    def curls(self) -> Floats:
+        """B_r at all points of a cell, then B_z, (n_e, 2 n_q, n_b)."""
+        return np.concatenate([self.curl_r, self.curl_z], axis=1)
+
+    @cached_property
+    def vacuum_entries(self) -> Floats:
+        """What cells without iron give to the Hessian, whatever the field, as stored entries."""
+        empty = np.setdiff1d(np.arange(self.cell_dofs.shape[0]), self.iron_cells)
+        curls, volumes = self.curls[empty], np.tile(self.volumes[empty], 2)
+        local = curls.transpose(0, 2, 1) @ (volumes[..., None] / MU0 * curls)
+        return self.pattern.part(empty).entries(local)
+
+    @cached_property
+    def iron_curls(self) -> Floats:
+        """Of the cells of iron, `curls`."""
+        return self.curls[self.iron_cells]
+
+    @cached_property
+    def iron_pattern(self) -> Pattern:
+        """Where the matrices of the cells of iron go."""
+        return self.pattern.part(self.iron_cells)
 
     @cached_property
     def linkage(self) -> Floats:
