@@ -32,7 +32,9 @@ docs: $(READY) ## write the documentation site to site/
 
 # one file's tests stay together: they share solved models
 test: $(READY) ## run the tests, less the heavy ones
-	$(BIN)/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
+	@# each worker compiles the tests anew, some ten seconds, where Python is told to keep no bytecode
+	env -u PYTHONDONTWRITEBYTECODE $(BIN)/pytest --numprocesses auto --dist loadfile \
+		--no-loadscope-reorder
 
 test-heavy: $(READY) ## run the heavy tests
 	$(BIN)/pytest -m heavy

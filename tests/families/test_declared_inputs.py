@@ -86,13 +86,17 @@ CASES = [
         "tuned_spread",
     ),
     ("j1", ("mesh.level=2", "modes=2"), "solid", "static_tip_displacement"),
-    ("j1", ("mesh.level=2", "modes=2"), "solid", "coupling_factor"),
+    pytest.param(
+        "j1", ("mesh.level=2", "modes=2"), "solid", "coupling_factor", marks=pytest.mark.heavy
+    ),
     ("j1", ("mesh.level=2", "modes=2"), "solid", "tip_displacement"),
     ("reluctance", (), "network", "magnetic_force"),
     ("reluctance", (), "network", "pull_in_current"),
     ("reluctance", ("coil.current=50mA",), "network", "rod_position"),
     ("reluctance", ("accuracy=1%",), "axisymmetric", "magnetic_force"),
-    ("reluctance", ("accuracy=10%",), "magnetic3d", "magnetic_force"),
+    pytest.param(
+        "reluctance", ("accuracy=10%",), "magnetic3d", "magnetic_force", marks=pytest.mark.heavy
+    ),
 ]
 
 

@@ -122,12 +122,12 @@ def test_moved_grid_gives_what_a_fresh_one_gives():
     The gaps include one at which the coil's top is level with the collar's lower face and
     one on each side.
     """
-    gaps, currents = (0.25e-3, 0.31e-3, 0.3e-3, 0.29e-3), (0.1, 0.0, -0.1)
-    rows = solve_map(DEVICE, gaps, currents, order=3, refinement=0.75)
+    gaps, currents = (0.31e-3, 0.3e-3, 0.29e-3), (0.1, 0.0, -0.1)
+    rows = solve_map(DEVICE, gaps, currents, order=3, refinement=0.5)
     for gap, row in zip(gaps, rows, strict=True):
         assert [p.gap for p in row] == [gap] * 3
         assert [p.current for p in row] == list(currents)
-        fresh = solve_point(DEVICE, 0.1, gap, order=3, refinement=0.75)
+        fresh = solve_point(DEVICE, 0.1, gap, order=3, refinement=0.5)
         for name in NAMES:
             bar = getattr(fresh.errors, name) + getattr(row[0].errors, name)
             assert abs(getattr(fresh, name) - getattr(row[0], name)) <= bar
@@ -143,10 +143,10 @@ def test_moved_grid_gives_what_a_fresh_one_gives():
 def test_warm_starts_save_iterations():
     """A map needs fewer Newton steps per point than separate points do."""
     gaps, currents = (0.18e-3, 0.2e-3), (0.11, 0.12, 0.13)
-    rows = solve_map(DEVICE, gaps, currents, order=2, any_grid=True)
+    rows = solve_map(DEVICE, gaps, currents, order=2, refinement=0.5, any_grid=True)
     warm = sum(point.iterations for row in rows for point in row)
     cold = sum(
-        solve_point(DEVICE, current, gap, order=2, any_grid=True).iterations
+        solve_point(DEVICE, current, gap, order=2, refinement=0.5, any_grid=True).iterations
         for gap, current in itertools.product(gaps, currents)
     )
     assert warm < cold
@@ -194,7 +194,7 @@ STEELS = (
 @pytest.mark.parametrize(
     "steel", STEELS, ids=lambda s: str(s.get("relative_permeability", "team20"))
 )
-@pytest.mark.parametrize("gap", [1e-6, 0.3e-3, 5e-3])
+@pytest.mark.parametrize("gap", [1e-6, pytest.param(0.3e-3, marks=pytest.mark.heavy), 5e-3])
 def test_stress(steel, gap):
     """µr 1 to 1e6 and steel, gaps 1 µm to 5 mm, 1 µA to 1 kA (8e5 ampere-turns): it converges.
 

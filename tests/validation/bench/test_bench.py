@@ -67,7 +67,7 @@ def test_point_of_the_normal_actuator():
     assert min(coarse["seconds"], magnetics.map_seconds(2, 2)) > 0.0
 
 
-@pytest.mark.parametrize("potential", ["A", "φ"])
+@pytest.mark.parametrize("potential", ["A", pytest.param("φ", marks=pytest.mark.heavy)])
 def test_team20_in_a_process_of_its_own(potential):
     """A coarse mesh is within a quarter of the 80.1 N that were measured."""
     found = on_one_core(magnetics.__name__, "solid_of", potential, 3.0)
@@ -173,8 +173,15 @@ def test_unknown_part_is_refused():
         command.run(options(only=["tm"]))
 
 
-@pytest.mark.parametrize("lossy", [False, True])
-@pytest.mark.parametrize("library", ["auto", "superlu"])
+@pytest.mark.parametrize(
+    ("library", "lossy"),
+    [
+        ("auto", True),
+        ("superlu", False),
+        pytest.param("auto", False, marks=pytest.mark.heavy),
+        pytest.param("superlu", True, marks=pytest.mark.heavy),
+    ],
+)
 def test_solver_on_a_small_matrix(tmp_path, lossy, library):
     """The size asked for is met, the answer is right, every step took time and memory."""
     path = str(tmp_path / "matrix.npz")

@@ -3,6 +3,7 @@
 import argparse
 import json
 import math
+from functools import cache
 
 import pytest
 
@@ -115,12 +116,17 @@ def test_worst_is_one_that_failed():
     assert answered("family", "what", [allowed, synthetic(1e-3)]).worst.where == "somewhere"
 
 
+@cache
+def quick(name):
+    return magnetics._FAMILIES[name](True)
+
+
 @pytest.mark.parametrize(
     "name", ["narrow gap", "long core", "3D slivers", "3D ball", "network", "no answer exists"]
 )
 def test_magnetic_families(name):
     """The normal actuator's models converge, or say why not."""
-    rows = magnetics._FAMILIES[name](True)
+    rows = quick(name)
     for row in rows if isinstance(rows, list) else [rows]:
         assert row.verdict != "fails", row
         if name in ("network", "no answer exists"):
@@ -129,7 +135,7 @@ def test_magnetic_families(name):
 
 def test_nothing_impossible_is_answered():
     """Each of them ends in a sentence of its own."""
-    row = magnetics._FAMILIES["no answer exists"](True)
+    row = quick("no answer exists")
     assert row.points == 0
     assert len(set(row.refusals)) == len(row.refusals) == 12
 

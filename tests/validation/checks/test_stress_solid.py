@@ -1,5 +1,7 @@
 """The stress run of the solid: each family holds its bounds, or says why it has no answer."""
 
+from functools import cache
+
 import pytest
 
 from tactgen.validation.checks.stress import solid, solid_answers, solid_exact
@@ -14,17 +16,22 @@ EXACT = (
 )
 
 
+@cache
+def quick(family):
+    return family(True)
+
+
 @pytest.mark.parametrize("family", EXACT, ids=lambda f: f.__name__)
 def test_exact_families_hold(family):
     """Scaling laws, patch tests and the slender limit, far beyond the device."""
-    row = family(True)
+    row = quick(family)
     assert row.verdict in ("holds", "holds or says why not"), (row.worst, row.refusals)
     assert row.points > 0
 
 
 def test_too_slender_is_refused_and_not_wrong():
     """At L/h = 1e4 rounding hides the stiffness of bending: a sentence, no number."""
-    row = solid_exact.slender_row(True)
+    row = quick(solid_exact.slender_row)
     assert len(row.refusals) == 1
     assert "L/h 100" in row.worst.where
 

@@ -96,7 +96,7 @@ def test_plot_is_a_whole_svg(capsys, tmp_path):
     """One SVG element, the same bytes every time."""
     files = [tmp_path / "a.svg", tmp_path / "b.svg"]
     for file in files:
-        assert run(capsys, "--plot", str(file))[0] == 0
+        assert run(capsys, "--lengths", "22mm:24mm", "--plot", str(file))[0] == 0
     text = files[0].read_text(encoding="utf-8")
     assert text.startswith("<svg")
     assert text.rstrip().endswith("</svg>")

@@ -111,6 +111,7 @@ def test_level_2_of_job_j1_is_within_a_thousandth():
         assert abs(value / known - 1.0) < 1e-3 + own
 
 
+@pytest.mark.heavy
 def test_error_bars_cover_varied_bimorphs():
     """The smallest of the varied cases: of its numbers one at most lies outside its bar."""
     few = [replace(c, all_motions=False, harmonic=False) for c in varied_cases(2026, 12, finer=0)]

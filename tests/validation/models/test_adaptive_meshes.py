@@ -181,7 +181,7 @@ def test_flat_tetrahedron_on_a_face_is_cured(box_in_a_box, side):
 
 @pytest.fixture(scope="module")
 def pair():
-    return adapted_pair(load_scene("j1")[0], 1e-2)
+    return adapted_pair(load_scene("j1")[0], 2e-2)
 
 
 def bars(pair):
@@ -199,7 +199,7 @@ def test_loop_meets_its_accuracy_and_the_bars_hold(pair):
     """On job J1 the bars end within the accuracy, and cover the known answer."""
     relative = [bar / abs(value) for _, value, bar in bars(pair)]
     assert max(relative) == pytest.approx(pair.largest_bar, rel=1e-12)
-    assert pair.largest_bar <= 1e-2
+    assert pair.largest_bar <= 2e-2
     assert pair.coarse.system.size < pair.fine.system.size < 60_000
     # four public codes agree on these: to 1e-5, and frequencies to 3e-5
     known = {"tip_displacement": -6.7582e-7, "bending_1": 1065.96, "bending_2": 6642.85}
@@ -211,7 +211,7 @@ def test_loop_meets_its_accuracy_and_the_bars_hold(pair):
 def test_stopped_study_goes_on_from_the_cache(pair, monkeypatch):
     """The same study again needs no mesher and ends on the identical meshes."""
     monkeypatch.setattr(ftetwild, "_WORKER", "no mesher here")
-    again = adapted_pair(load_scene("j1")[0], 1e-2)
+    again = adapted_pair(load_scene("j1")[0], 2e-2)
     assert isinstance(again.fine.mesh, Mesh)
     assert np.array_equal(again.fine.mesh.points, pair.fine.mesh.points)
     assert np.array_equal(again.fine.mesh.cells, pair.fine.mesh.cells)

@@ -13,7 +13,7 @@ from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
 from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import load_scene
 
-SHORT = ("bimorph.length=6mm", "support.kind=clamped", "load.kind=none", "accuracy=1e-2")
+SHORT = ("bimorph.length=6mm", "support.kind=clamped", "load.kind=none", "accuracy=2e-2")
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def test_cad_agrees_with_bricks_within_both_bars(both):
         bricks, cad = (both.get(name, model) for model in ("solid", "cad"))
         apart = np.abs(bricks.value - cad.value)
         assert (apart <= bricks.uncertainty + cad.uncertainty).all(), name
-        assert (cad.uncertainty <= 3e-2 * np.abs(cad.value)).all(), name
+        assert (cad.uncertainty <= 6e-2 * np.abs(cad.value)).all(), name
         assert bricks.classes == cad.classes
 
 

@@ -46,7 +46,8 @@ def test_report_is_complete_and_self_contained(tmp_path, run_elsewhere):
     assert not re.search(r"\bnan\b|\bNone\b|Undefined", text)
 
 
-def test_report_without_the_solid_says_so(tmp_path, run_elsewhere):
+@pytest.mark.usefixtures("run_elsewhere", "undrawn")
+def test_report_without_the_solid_says_so(tmp_path):
     """A scene that asks for one-dimensional models gets a report about those.
 
     Where its drive and load are not those that a length is designed for, that is said.

@@ -152,7 +152,12 @@ def test_lowest_margin_is_the_lowest(paper):
 
 @pytest.mark.parametrize(
     ("name", "overrides", "margin"),
-    [(*kind, margin) for kind in KINDS[:4] for margin in (0.5, 1.0, 2.0)]
+    [
+        # all margins for the first kind, one each for the others
+        pytest.param(*kind, margin, marks=[pytest.mark.heavy] if n and n - 1 != m else [])
+        for n, kind in enumerate(KINDS[:4])
+        for m, margin in enumerate((0.5, 1.0, 2.0))
+    ]
     + [("bimorph_on_rod", [], 0.2)],
 )
 def test_intervals_are_exactly_the_feasible_lengths(name, overrides, margin):
@@ -186,7 +191,15 @@ def brute_force(paper):
     )
 
 
-@pytest.mark.parametrize(("margin", "number"), [(1.0, 3), (0.69, 3), (1.12, 4), (3.52, 2)])
+@pytest.mark.parametrize(
+    ("margin", "number"),
+    [
+        (1.0, 3),
+        (1.12, 4),
+        pytest.param(0.69, 3, marks=pytest.mark.heavy),
+        pytest.param(3.52, 2, marks=pytest.mark.heavy),
+    ],
+)
 def test_no_gap_is_missed_over_a_wide_range(paper, brute_force, margin, number):
     """Against brute force: every interval of feasible lengths, and every gap, however narrow.
 
@@ -205,7 +218,14 @@ def test_no_gap_is_missed_over_a_wide_range(paper, brute_force, margin, number):
         assert lengths[after - 1] <= interval.longest <= lengths[after - 1] * step
 
 
-@pytest.mark.parametrize("lengths", [(18.0e-3, 22e-3), (19.9999e-3, 20.0001e-3), (1e-3, 270e-3)])
+@pytest.mark.parametrize(
+    "lengths",
+    [
+        (18.0e-3, 22e-3),
+        (19.9999e-3, 20.0001e-3),
+        pytest.param((1e-3, 270e-3), marks=pytest.mark.heavy),
+    ],
+)
 def test_the_scenes_own_length_is_judged_once(paper, lengths):
     """Sentence on the scene's 20 mm (margin below 1) and list of intervals never disagree."""
     found = design(paper[0], Aim(lengths=lengths))
@@ -365,9 +385,16 @@ def test_series_is_parallel_with_twice_the_margin(paper):
 
 @pytest.mark.parametrize(
     "key",
-    ["piezo.density", "piezo.quality_factor", "support.rotational_stiffness", "bimorph.width",
-     "piezo.d31", "drive.voltage", "shim.youngs_modulus"],
-)  # fmt: skip
+    [
+        "piezo.density",
+        "support.rotational_stiffness",
+        "bimorph.width",
+        *(
+            pytest.param(key, marks=pytest.mark.heavy)
+            for key in ("piezo.quality_factor", "piezo.d31", "drive.voltage", "shim.youngs_modulus")
+        ),
+    ],
+)
 def test_implicit_sensitivity_is_that_of_designing_again(paper, key):
     """Implicit function theorem against the limits found anew with the parameter ±1 %.
 
@@ -424,9 +451,13 @@ def test_threshold_sensitivity(paper):
 
 @pytest.mark.parametrize(
     ("name", "key"),
-    [("paper", "piezo.density"), ("paper", "support.rotational_stiffness"),
-     ("prototype", "piezo.density"), ("prototype", "bimorph.piezo_thickness")],
-)  # fmt: skip
+    [
+        pytest.param("paper", "piezo.density", marks=pytest.mark.heavy),
+        ("paper", "support.rotational_stiffness"),
+        ("prototype", "piezo.density"),
+        pytest.param("prototype", "bimorph.piezo_thickness", marks=pytest.mark.heavy),
+    ],
+)
 def test_sensitivity_of_the_largest_margin(name, key):
     """A smooth maximum (paper) and one where the deciding frequency jumps (prototype).
 
@@ -510,11 +541,12 @@ def test_an_actuator_that_does_nothing_is_refused(paper):
     assert section(dead, origins, lambda _: None) is None
 
 
-@pytest.mark.parametrize("name", ["paper", pytest.param("bimorph_on_rod", marks=pytest.mark.heavy)])
+@pytest.mark.heavy
+@pytest.mark.parametrize("name", ["paper", "bimorph_on_rod"])
 def test_partials_render(name):
     """Both sections: no undefined name, no nan, pictures inside; no other setting is spoken of.
 
-    The other scenes' are in the tests of whole reports.
+    The other scenes' are in the tests of whole reports, one of which is not heavy.
     """
     scene, origins = load_scene(name)
     steps = []

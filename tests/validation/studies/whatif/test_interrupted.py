@@ -101,8 +101,8 @@ def killed_study(start, tmp_path, store, count, points, model):
 
 
 def test_a_study_survives_kills(start, tmp_path, own_store):
-    """Two kills: nothing lost or changed, at most the points in flight repeated."""
-    assert killed_study(start, tmp_path, own_store, 2, 20, "tmm") == 2
+    """One kill: nothing lost or changed, at most the point in flight repeated."""
+    assert killed_study(start, tmp_path, own_store, 1, 20, "tmm") == 1
 
 
 @pytest.mark.heavy
