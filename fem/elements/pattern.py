@@ -54,7 +54,8 @@ class Pattern:
 
     def entries(self, local: Floats) -> Floats:
         """Return the stored entries of the sum of the cells' matrices."""
-        return np.bincount(self._slot, local.ravel()[self._kept], minlength=self._columns.size)
+        weights = local.ravel()[self._kept]
+        return np.bincount(self._slot, weights, minlength=self._columns.size).astype(float)
 
     def of_entries(self, entries: Floats) -> Sparse:
         """Return the matrix of these stored entries."""
