@@ -226,3 +226,17 @@ def test_shown_values_read_back(text):
     """A value is shown in the unit people write it in, and that text is valid input."""
     unit = next(m for m in u.Length.__metadata__ if isinstance(m, u.Unit))
     assert unit.show(read(u.Length, text)) == text
+
+
+@pytest.mark.parametrize("name", u.BY_HEART)
+def test_what_is_known_by_heart_is_what_pint_says(name, monkeypatch):
+    """The same double with and without pint, and nothing is taken for another kind of quantity."""
+    si, _ = u.BY_HEART[name]
+    kinds = [u.Unit(si, "value", "1"), u.Unit("kg*m/s", "momentum", "1 kg*m/s")]
+    for text in (f"0.96 {name}", f"-3.21e-5 {name}", f"7 {name}"):
+        known = kinds[0].parse(text)
+        with monkeypatch.context() as patch:
+            patch.setattr(u, "BY_HEART", {})
+            assert kinds[0].parse(text) == known
+        with pytest.raises(ValueError, match="momentum"):
+            kinds[1].parse(text)
