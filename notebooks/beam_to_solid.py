@@ -10,7 +10,7 @@ from tactgen.validation.models.bimorph.bridge.end_effect import end_effect
 from tactgen.validation.scene.scene import load_scene
 
 scene, _ = load_scene("paper", ["support.kind=clamped", "load.kind=none"])
-rungs = bridge(scene, print)
+rungs = bridge(scene, print, level=0)
 
 print(f"{'step (%)':18s}{'measured':>22s}{'closed form':>22s}{'own section':>22s}")
 for rung in rungs[1:]:
@@ -49,7 +49,7 @@ for name in ("d32", "Poisson's effect"):
 # bimorph grows longer; what would be left at any length is unexplained, and nearly nothing.
 
 # %%
-found = end_effect(scene)
+found = end_effect(scene, level=0)
 print("ends:", [f"{100 * v:+.2f} %" for v in found.ends])
 print("left:", [f"{100 * v:+.3f} %" for v in found.rest])
 assert max(abs(v) for v in found.rest) < 5e-4

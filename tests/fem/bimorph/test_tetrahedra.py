@@ -310,13 +310,13 @@ def test_manufactured_solution_converges_with_its_order():
 
     A tenth of an order is what cells of random shape scatter by.
     """
-    coarse, fine = manufactured_errors(cube(4)), manufactured_errors(cube(8))
+    coarse, fine = manufactured_errors(cube(3)), manufactured_errors(cube(6))
     orders = np.log2(np.array(coarse) / np.array(fine))
     assert orders[0] > 2.0 - 0.1
     assert orders[1] > 3.0 - 0.1
-    # an eighth of a wave to an edge: (kh)²/12 and (kh)³/60, with k h = 0.2
-    assert fine[0] < 0.2**2 / 12.0
-    assert fine[1] < 0.2**3 / 60.0
+    # a twentieth of a wave to an edge: (kh)²/12 and (kh)³/60, with k h = 0.8 / 3
+    assert fine[0] < (0.8 / 3.0) ** 2 / 12.0
+    assert fine[1] < (0.8 / 3.0) ** 3 / 60.0
 
 
 def test_manufactured_solution_on_the_mesh_of_cad(tetwild):

@@ -29,6 +29,7 @@ def test_tmm_answer_loads_no_heavy_library():
         "'--frequency', '10:2000:200', '--json']); "
         "heavy = [m for m in ('cadquery', 'OCP', 'vtk', 'vtkmodules', 'pyvista', 'skfem', "
         "'scipy.sparse', 'scipy.linalg', 'scipy.optimize', 'matplotlib', 'meshio', 'pytetwild', "
+        "'pint', "
         "'tactgen.fem.bimorph', 'tactgen.fem.beam', 'tactgen.fem.reluctance') "
         "if m in sys.modules]; "
         "print(heavy, file=sys.stderr); sys.exit(code)"
@@ -116,14 +117,20 @@ def test_help_is_a_result(capsys):
 
 
 @pytest.mark.parametrize(
-    ("redirection", "code", "words"),
+    ("command", "redirection", "code", "words"),
     [
-        (">/dev/full", 2, "standard output cannot be written (no space left on device)"),
-        (">&-", 2, "standard output is closed"),
-        ("2>&-", 0, ""),
+        pytest.param(
+            command, redirection, code, words,
+            marks=[] if (command == "scenes") is (redirection == ">&-") else [pytest.mark.heavy],
+        )
+        for command in ("scenes", "solve --model tmm --json")
+        for redirection, code, words in (
+            (">/dev/full", 2, "standard output cannot be written (no space left on device)"),
+            (">&-", 2, "standard output is closed"),
+            ("2>&-", 0, ""),
+        )
     ],
-)
-@pytest.mark.parametrize("command", ["scenes", "solve --model tmm --json"])
+)  # fmt: skip
 def test_output_that_cannot_be_written(redirection, code, words, command):
     """A full disk or a closed stream is one sentence, no traceback, also at exit."""
     shell = f"{sys.executable} -m tactgen.validation.command_line.cli {command} {redirection}"
