@@ -6,7 +6,6 @@ import datetime as dt
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from importlib import resources
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from tactgen.validation.book.statistics import Scatter, scatter
 from tactgen.validation.checks.case import Case, Refinement
 from tactgen.validation.checks.verification import Verified, remembered
 from tactgen.validation.engine.origin import this_origin
-from tactgen.validation.view.formats import filters
+from tactgen.validation.view.templates import page_templates
 
 #: What each group is about, for the reader who was not there.
 SUBJECTS = {
@@ -127,17 +126,7 @@ def _scatters(rows: Sequence[Verified]) -> dict[str, Scatter]:
 
 
 def _environment() -> Callable[..., str]:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    folder = resources.files("tactgen.validation.book") / "templates"
-    environment = Environment(
-        loader=FileSystemLoader(str(folder)),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters.update(filters())
+    environment = page_templates("tactgen.validation.book")
 
     def render(name: str, **values: Any) -> str:
         return environment.get_template(name).render(**values)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,8 +19,8 @@ from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.study import Study, check_report
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.browser import print_pdf
-from tactgen.validation.view.formats import filters
 from tactgen.validation.view.page.html import assets
+from tactgen.validation.view.templates import page_templates
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -73,18 +72,7 @@ def print_report(browser: str, page: Path) -> Path:
 
 def templates() -> Environment:
     """Return the report's templates, with the filters that write numbers."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    folder = resources.files("tactgen.validation.report") / "templates"
-    environment = Environment(
-        loader=FileSystemLoader(str(folder)),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters.update(filters())
-    return environment
+    return page_templates("tactgen.validation.report")
 
 
 def _page(study: Study, started: float) -> str:

@@ -202,12 +202,10 @@ def test_unknown_part_is_refused():
 
 def test_section_for_the_report(made_up_stress):
     """The report's fragment renders with plots inside."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from tactgen.validation.report.page import templates
 
     made_up_stress([synthetic(1e-13), synthetic(1e-9, 1e9)])
     context = output.section(True, lambda _: None)
-    loader = PackageLoader("tactgen.validation.report", "templates")
-    page = Environment(loader=loader, undefined=StrictUndefined, autoescape=True)
-    text = page.get_template("stress.html").render(context)
+    text = templates().get_template("stress.html").render(context)
     assert text.count("<svg") == 2
     assert "holds up to the condition limit" in text

@@ -1,12 +1,10 @@
 """The report's sections on bridge, support and material, in full."""
 
 import re
-from pathlib import Path
 
 import pytest
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from tactgen import validation
+from tactgen.validation.report.page import templates
 from tactgen.validation.report.sections.bridge import (
     bridge_section,
     holding_section,
@@ -14,7 +12,6 @@ from tactgen.validation.report.sections.bridge import (
 )
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.view.formats import filters
 
 SECTIONS = {"bridge": bridge_section, "holding": holding_section, "material": material_section}
 
@@ -22,9 +19,7 @@ SECTIONS = {"bridge": bridge_section, "holding": holding_section, "material": ma
 def texts(scene, *overrides, quick):
     """Return the text of each section that the scene has."""
     study = Study(*load_scene(scene, overrides), lambda _: None, quick=quick)
-    folder = Path(validation.__file__).parent / "report" / "templates"
-    pages = Environment(loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined)
-    pages.filters.update(filters())
+    pages = templates()
     found = {name: made for name, make in SECTIONS.items() if (made := make(study)) is not None}
     common = {
         "scene": study.scene,

@@ -5,13 +5,11 @@ from html import unescape
 from types import SimpleNamespace
 
 import pytest
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from tactgen.validation.models.bimorph.beam_theory_error import expected_differences
-from tactgen.validation.report.page import write_report
+from tactgen.validation.report.page import templates, write_report
 from tactgen.validation.report.sections import bimorph
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.view.formats import filters
 
 OWN = [
     "models=lumped,tmm", "bimorph.length=18mm", "bimorph.piezo_thickness=0.2mm",
@@ -39,14 +37,10 @@ def words(html):
 def test_what_was_studied_is_ones_own_device():
     """Section 1 names taper, bare ends, glue, tab and load."""
     scene, _ = load_scene("paper", OWN)
-    pages = Environment(
-        loader=PackageLoader("tactgen.validation.report", "templates"), undefined=StrictUndefined
-    )
-    pages.filters.update(filters())
     text = words(
-        pages.get_template("what.html").render(
-            scene=scene, lateral=True, normal=None, number={"parameters": 9}, pictures=[]
-        )
+        templates()
+        .get_template("what.html")
+        .render(scene=scene, lateral=True, normal=None, number={"parameters": 9}, pictures=[])
     )
     assert [said for said in SAID if said not in text] == []
 

@@ -4,13 +4,13 @@ import re
 
 import numpy as np
 import pytest
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from scipy.optimize import minimize_scalar
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports import terminations
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.report.page import templates
 from tactgen.validation.scene.keys import value_of, with_values
 from tactgen.validation.scene.papers_device import is_papers_bimorph
 from tactgen.validation.scene.scene import load_scene
@@ -29,7 +29,6 @@ from tactgen.validation.studies.design.length_section import section
 from tactgen.validation.studies.design.plots import length_plot
 from tactgen.validation.studies.design.wording import sentences, signed
 from tactgen.validation.studies.identification.fit_parameters import fit_parameter
-from tactgen.validation.view.formats import filters
 
 BAND = (10.0, 1000.0)
 #: From well below to above the paper's lengths: m is decided by the band's end, then a minimum.
@@ -47,17 +46,6 @@ KINDS = [
 @pytest.fixture(scope="module")
 def paper():
     return load_scene("paper")
-
-
-def environment():
-    """The report's templates: an undefined name is an error."""
-    found = Environment(
-        loader=PackageLoader("tactgen.validation.report", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-    )
-    found.filters.update(filters())
-    return found
 
 
 def solved(scene, length, frequencies):
@@ -287,7 +275,7 @@ def test_report_says_why_it_asks_for_no_length():
     scene, origins = load_scene("paper", [PROFILE])
     context = section(scene, origins, lambda _: None)
     assert context["found"] is None
-    html = environment().get_template("length.html").render(context | {"scene": scene})
+    html = templates().get_template("length.html").render(context | {"scene": scene})
     assert "not asked of this scene: " in html
     assert "<svg" not in html
 
@@ -322,7 +310,7 @@ def test_what_is_said_of_another_device_is_its_own():
     own = (np.abs(moved.value) / DISPLAY_THRESHOLD.at(at)).min()
     # the points of the sweep are 0.23 % apart: the dip's bottom lies between two of them
     assert found.present[0] == pytest.approx(own, rel=0.01)
-    html = environment().get_template("length.html").render(context | {"scene": scene})
+    html = templates().get_template("length.html").render(context | {"scene": scene})
     text = re.sub(r"<svg.*?</svg>", "", html, flags=re.DOTALL)
     assert "40 V" in text
     assert "with a free tip" in text
@@ -557,7 +545,7 @@ def test_partials_render(name):
     assert steps == ["length design", "excitation voltage"]
     assert contexts["length.html"]["changed"] == ""
     for template, context in contexts.items():
-        html = environment().get_template(template).render(context | {"scene": scene})
+        html = templates().get_template(template).render(context | {"scene": scene})
         assert html.count("<svg") == 1
         text = re.sub(r"<svg.*?</svg>", "", html, flags=re.DOTALL)
         assert not re.search(r"\bnan\b|\bNone\b|\binf\b", re.sub(r"<[^>]+>", " ", text))
