@@ -12,7 +12,11 @@ from hypothesis import settings
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 #: Folders and files that take longest, which begin first: no worker is left alone with one.
-LONGEST = ("report", "test_three_d", "test_checks", "test_length_design", "reluctance", "bimorph")
+LONGEST = (
+    "report", "test_declared_inputs", "test_stages", "test_checks", "test_identification",
+    "test_length_design", "test_three_d", "test_known_rows", "test_notebooks", "test_sensitivities",
+    "test_bridge", "test_cad", "reluctance", "bimorph",
+)  # fmt: skip
 
 settings.register_profile(
     "fixed", derandomize=True, database=None, deadline=None, max_examples=30, print_blob=False
