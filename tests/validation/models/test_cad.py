@@ -28,7 +28,9 @@ def test_cad_agrees_with_bricks_within_both_bars(both):
 
     A bar of three times the accuracy is what a resonance's flank may magnify it to.
     """
-    names = {q.name for q in both.quantities} - {"dynamic_stiffness", "threshold_voltage"}
+    # entries of 0 have no share, and thresholds are known up to 1000 Hz only
+    left_out = {"dynamic_stiffness", "threshold_voltage", "detection_ratio"}
+    names = {q.name for q in both.quantities} - left_out
     for name in names:
         bricks, cad = (both.get(name, model) for model in ("solid", "cad"))
         apart = np.abs(bricks.value - cad.value)
