@@ -346,6 +346,7 @@ RelativePermeability = _quantity(
 Turns = _quantity(Unit("", "number of turns", "560", at_least=1.0, limits=(1.0, 1e6)))
 QualityFactor = _quantity(Unit("", "quality factor", "60", above=0.0, limits=(0.1, 1e9)))
 LossTangent = _quantity(Unit("", "loss tangent", "0.03", at_least=0.0, limits=(1e-12, 10.0)))
+LossFactor = _quantity(Unit("", "loss factor", "0.02", at_least=0.0, limits=(1e-9, 2.0)))
 PoissonRatio = _quantity(Unit("", "Poisson ratio", "0.3", above=-1.0, below=0.5))
 PositiveNumber = _quantity(Unit("", "number", "0.8333", above=0.0, limits=(1e-3, 1e3)))
 RelativeScatter = _quantity(

@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 
 from tactgen.fem.beam.section import gauss, section_constants
-from tactgen.geometry.arrays import Complex, Floats, Ints
+from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
+from tactgen.geometry.device.materials import lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.tmm.ports.port import BIMORPH
@@ -119,7 +120,7 @@ def assemble(
     for node, depth in joints:
         dofs = w_space.nodal_dofs[0][[node, node + 1]]
         ports = np.ix_(*2 * [[*dofs, *(dofs + w_space.N)]])
-        spring = bonded_tab(device, beam, depth)
+        spring = bonded_tab(device, beam, depth, lossy=lossy)
         stiffness[ports] += np.kron(spring, [[1.0, -1.0], [-1.0, 1.0]])
 
     @LinearForm(dtype=complex)  # type: ignore[untyped-decorator]
@@ -196,7 +197,7 @@ def _inertial(m: Any, rho_i: Any) -> Any:
     return form
 
 
-def bonded_tab(device: Device, beam: Beam, depth: float) -> Floats:
+def bonded_tab(device: Device, beam: Beam, depth: float, *, lossy: bool = False) -> Numbers:
     """Return the stiffness (2, 2) of the tab in the slot at the slot's edge, to the head.
 
     Weak form of a beam on its bond lines, its end on the glue below it:
@@ -209,18 +210,23 @@ def bonded_tab(device: Device, beam: Beam, depth: float) -> Floats:
     glue, bimorph = device.glue, device.bimorph
     half, b, t = 0.5 * bimorph.shim_thickness, bimorph.width, glue.thickness
     nu = glue.poisson_ratio
-    lame = glue.youngs_modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
-    shear = glue.youngs_modulus / (2.0 * (1.0 + nu))
+    modulus = lossy_modulus(glue.youngs_modulus, glue.loss_factor, lossy=lossy)
+    lame = modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    shear = modulus / (2.0 * (1.0 + nu))
     squeezed = lame + 2.0 * shear
     across = sum(weight for _, weight in gauss(-half, half))
     turned = sum(weight * x**2 for x, weight in gauss(-half, half))
     lateral = 2.0 * (b * squeezed + across * shear) / t
     rotational = 2.0 * (b * shear * half**2 + turned * shear) / t
-    tab = section_constants(Piece("shim", depth), device, beam, np.zeros(1), lossy=False)[:2]
+    tab = section_constants(Piece("shim", depth), device, beam, np.zeros(1), lossy=lossy)[:2]
     mesh = MeshLine(np.linspace(0.0, depth, _TAB_ELEMENTS + 1))
     space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
-    k = asm(_elastic(*tab), space * space) + asm(_inertial(lateral, rotational), space * space)
-    k = k.toarray().real
+    # what holds the tab along its length has the form of an inertia
+    per_loss = lossy_modulus(1.0, glue.loss_factor, lossy=lossy)
+    springs = asm(_inertial((lateral / per_loss).real, (rotational / per_loss).real), space * space)
+    k = (asm(_elastic(*tab), space * space) + per_loss * springs).toarray()
+    if not lossy:
+        k = k.real
     low, high = space.nodal_dofs[0][[0, -1]]
     k[low, low] += shear * b * across / t
     k[low + space.N, low + space.N] += squeezed * b * turned / t

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.bimorph.pieces import Piece
-from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.materials import EPS0, lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device
 
 
@@ -27,7 +27,8 @@ def section_constants(
     uniform field that leaves it without charge, which adds k²/c to EI.
     """
     if piece.section == "cylinder":
-        return np.repeat(_cylinder_section(piece.radius, device)[:, None], share.size, axis=1)
+        cylinder = _cylinder_section(piece.radius, device, lossy=lossy)
+        return np.repeat(cylinder[:, None], share.size, axis=1)
     out = np.zeros((6, share.size), dtype=complex)
     for layer in _layers(piece, device, share, lossy=lossy):
         part = _layer_integrals(layer, piece.layers(device.bimorph, share).width, beam)
@@ -45,7 +46,7 @@ class _Layer:
     low: Floats
     high: Floats
     modulus: complex
-    shear: float
+    shear: complex
     density: float
     field: Floats
     d31: float = 0.0
@@ -57,12 +58,17 @@ def _layers(piece: Piece, device: Device, share: Floats, *, lossy: bool) -> list
     here = piece.layers(bimorph, share)
     none = np.zeros(share.size)
     half, hp = 0.5 * here.shim_thickness + none, here.piezo_thickness + none
-    found = [_Layer(-half, half, shim.youngs_modulus, shim.shear_modulus, shim.density, none)]
+    fibre, across = (
+        lossy_modulus(modulus, shim.loss_factor, lossy=lossy)
+        for modulus in (shim.youngs_modulus, shim.shear_modulus)
+    )
+    found = [_Layer(-half, half, fibre, across, shim.density, none)]
     if piece.section == "shim":
         return found
     face = half + bimorph.glue_thickness
     if bimorph.glue_thickness:
-        bond = glue.youngs_modulus, 0.5 * glue.youngs_modulus / (1.0 + glue.poisson_ratio)
+        modulus = lossy_modulus(glue.youngs_modulus, glue.loss_factor, lossy=lossy)
+        bond = modulus, 0.5 * modulus / (1.0 + glue.poisson_ratio)
         found += [
             _Layer(half, face, *bond, glue.density, none),
             _Layer(-face, -half, *bond, glue.density, none),
@@ -104,7 +110,7 @@ def _layer_integrals(layer: _Layer, width: Any, beam: Beam) -> Complex:
     return out
 
 
-def _cylinder_section(radius: float, device: Device) -> Floats:
+def _cylinder_section(radius: float, device: Device, *, lossy: bool) -> Numbers:
     """Integrate a solid disc in strips; Cowper's (1966) shear correction."""
     rod = device.rod
     area = inertia = 0.0
@@ -112,9 +118,9 @@ def _cylinder_section(radius: float, device: Device) -> Floats:
         x, strip = radius * math.sin(angle), 2.0 * (radius * math.cos(angle)) ** 2
         area += weight * strip
         inertia += weight * strip * x**2
-    shear = rod.youngs_modulus / (2.0 * (1.0 + rod.poisson_ratio))
+    e, rho = lossy_modulus(rod.youngs_modulus, rod.loss_factor, lossy=lossy), rod.density
+    shear = e / (2.0 * (1.0 + rod.poisson_ratio))
     shear *= 6.0 * (1.0 + rod.poisson_ratio) / (7.0 + 6.0 * rod.poisson_ratio)
-    e, rho = rod.youngs_modulus, rod.density
     return np.array([e * inertia, shear * area, rho * area, rho * inertia, 0.0, 0.0])
 
 

@@ -19,6 +19,7 @@ from tactgen.geometry.device.materials import (
     Piezoceramic,
     PiezoTensors,
     isotropic_stiffness,
+    lossy_modulus,
     orthotropic_stiffness,
 )
 from tactgen.geometry.device.parameters import Device
@@ -164,15 +165,26 @@ def materials(
         "piezo_top": piezo,
         "piezo_bottom": piezo,
         "shim": Material(
-            orthotropic_stiffness(
-                shim.youngs_modulus, across, shim.shear_modulus, shim.poisson_ratio
+            lossy_modulus(
+                orthotropic_stiffness(
+                    shim.youngs_modulus, across, shim.shear_modulus, shim.poisson_ratio
+                ),
+                shim.loss_factor,
+                lossy=lossy,
             ),
             shim.density,
         ),
-        "glue": Material(
-            isotropic_stiffness(glue.youngs_modulus, glue.poisson_ratio), glue.density
-        ),
-        "rod": Material(isotropic_stiffness(rod.youngs_modulus, rod.poisson_ratio), rod.density),
+        **{
+            name: Material(
+                lossy_modulus(
+                    isotropic_stiffness(of.youngs_modulus, of.poisson_ratio),
+                    of.loss_factor,
+                    lossy=lossy,
+                ),
+                of.density,
+            )
+            for name, of in (("glue", glue), ("rod", rod))
+        },
     }
     return {region: known[region] for region in regions}
 

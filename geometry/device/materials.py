@@ -9,7 +9,7 @@ xx, yy, zz, yz, xz, xy.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -80,6 +80,15 @@ class Own(NamedTuple):
         """Return the assumed range of a value; its reason says that it is assumed."""
         low, high = sorted((value * (1.0 - self.share), value * (1.0 + self.share)))
         return Spread(low, high, f"assumed: {self.kind} ± {100.0 * self.share:g} %")
+
+
+def lossy_modulus(modulus: Any, loss_factor: Any, *, lossy: bool) -> Any:
+    """Return a modulus with structural damping, E (1 + jη) for e^{+jΩt}; as it is if lossless.
+
+    η is the energy lost per radian over the largest stored: 1/Q of a body of this material
+    alone (ISO 6721-1).
+    """
+    return modulus * (1.0 + 1j * loss_factor) if lossy and np.any(loss_factor) else modulus
 
 
 @dataclass(frozen=True)

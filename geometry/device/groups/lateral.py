@@ -156,6 +156,12 @@ class Shim(Parameters):
         (0.25, 0.35, "such composites"),
         own=Own("Poisson ratio", 0.1),
     )
+    loss_factor: u.LossFactor = field(
+        0.0,
+        "assumed: none, as in the paper's equations; composites have 0.001 to 0.01 along the "
+        "fibres, in shear up to 0.02",
+        "structural damping: all moduli times (1 + j loss factor)",
+    )
     density: u.Density = printed(1500.0, PAPER_2, "mass density", 50.0, own=Own("density", 0.02))
 
     @model_validator(mode="before")
@@ -211,4 +217,9 @@ class Glue(Parameters):
     )
     density: u.Density = field(
         1200.0, "assumed: epoxy", "mass density", (1100.0, 1400.0, "unfilled to filled epoxies")
+    )
+    loss_factor: u.LossFactor = field(
+        0.0,
+        "assumed: none; epoxies below their glass transition have 0.01 to 0.1",
+        "structural damping of the bond lines: all moduli times (1 + j loss factor)",
     )

@@ -61,6 +61,11 @@ class Rod(Parameters):
     density: u.Density = field(
         7850.0, "assumed: low-carbon steel", "mass density", (7800.0, 7900.0, "low-carbon steels")
     )
+    loss_factor: u.LossFactor = field(
+        0.0,
+        "assumed: none; steels have 0.0001 to 0.001, with what rubs in a bore far more",
+        "structural damping of the rod: all moduli times (1 + j loss factor)",
+    )
 
 
 class Coil(Parameters):

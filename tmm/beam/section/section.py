@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 from tactgen.geometry.bimorph.pieces import Layers, Piece
-from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.materials import EPS0, lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device
 
 #: A number, or an array of them for many beams at once; complex where there are losses.
@@ -27,7 +27,7 @@ class Section:
     ----------
     EI : complex
         Bending stiffness (N m²).
-    GA : float
+    GA : float or complex
         Shear stiffness with the correction factor (N).
     m : float
         Mass per length (kg/m).
@@ -63,15 +63,15 @@ class Joint:
 def section(
     piece: Piece, device: Device, beam: Beam, *, lossy: bool, share: float = 0.5
 ) -> Section:
-    """Return the constants of a beam at a share of its length; `lossy` switches Q and tan δ on."""
+    """Return the constants of a beam at a share of its length; `lossy` switches all losses on."""
     layers = piece.layers(device.bimorph, share)
     if piece.section == "bimorph":
         active = _bimorph(layers, device, beam, lossy=lossy)
         return active if piece.electrode else without_electrode(active)
     if piece.section == "shim":
-        return _bare_shim(layers, device, beam)
+        return _bare_shim(layers, device, beam, lossy=lossy)
     if piece.section == "cylinder":
-        return _cylinder(device, piece.radius)
+        return _cylinder(device, piece.radius, lossy=lossy)
     raise ValueError(f"a {piece.section} is no beam; see bond")
 
 
@@ -100,7 +100,12 @@ def _bimorph(layers: Layers, device: Device, beam: Beam, *, lossy: bool) -> Sect
     permittivity = 1.0 - 1j * piezo.loss_tangent if lossy else 1.0
     modulus = stiffening / piezo.s11
     core = hs + 2.0 * tg
-    glue_shear = glue.youngs_modulus / (2.0 * (1.0 + glue.poisson_ratio))
+    glue_modulus = lossy_modulus(glue.youngs_modulus, glue.loss_factor, lossy=lossy)
+    glue_shear = glue_modulus / (2.0 * (1.0 + glue.poisson_ratio))
+    shim_modulus, shim_shear = (
+        lossy_modulus(modulus, shim.loss_factor, lossy=lossy)
+        for modulus in (shim.youngs_modulus, shim.shear_modulus)
+    )
 
     def stacked(of_shim: Constant, of_glue: Constant, of_piezo: Constant) -> Constant:
         """Return ∫ c x² dA of a constant c that each layer has."""
@@ -110,10 +115,8 @@ def _bimorph(layers: Layers, device: Device, beam: Beam, *, lossy: bool) -> Sect
         )
 
     return Section(
-        EI=stacked(shim.youngs_modulus, glue.youngs_modulus, modulus),
-        GA=beam.shear_correction
-        * b
-        * (shim.shear_modulus * hs + 2.0 * (glue_shear * tg + hp / piezo.s55)),
+        EI=stacked(shim_modulus, glue_modulus, modulus),
+        GA=beam.shear_correction * b * (shim_shear * hs + 2.0 * (glue_shear * tg + hp / piezo.s55)),
         m=b * (shim.density * hs + 2.0 * (glue.density * tg + piezo.density * hp)),
         rhoI=stacked(shim.density, glue.density, piezo.density),
         K=-device.bimorph.poling_sign * b * piezo.d31 * modulus * (core + hp),
@@ -126,24 +129,26 @@ def _cubes(core: Constant, layer: Constant) -> Constant:
     return layer * (0.75 * core**2 + 1.5 * core * layer + layer**2)
 
 
-def _bare_shim(layers: Layers, device: Device, beam: Beam) -> Section:
+def _bare_shim(layers: Layers, device: Device, beam: Beam, *, lossy: bool) -> Section:
     b, h, shim = layers.width, layers.shim_thickness, device.shim
+    loss = lossy_modulus(1.0, shim.loss_factor, lossy=lossy)
     return Section(
-        EI=shim.youngs_modulus * b * h**3 / 12.0,
-        GA=beam.shear_correction * shim.shear_modulus * b * h,
+        EI=loss * shim.youngs_modulus * b * h**3 / 12.0,
+        GA=loss * beam.shear_correction * shim.shear_modulus * b * h,
         m=shim.density * b * h,
         rhoI=shim.density * b * h**3 / 12.0,
     )
 
 
-def _cylinder(device: Device, radius: float) -> Section:
+def _cylinder(device: Device, radius: float, *, lossy: bool) -> Section:
     """Solid circular section; shear correction 6 (1 + ν) / (7 + 6 ν) (Cowper 1966)."""
     rod = device.rod
     area, inertia = math.pi * radius**2, math.pi * radius**4 / 4.0
-    shear_modulus = rod.youngs_modulus / (2.0 * (1.0 + rod.poisson_ratio))
+    modulus = lossy_modulus(rod.youngs_modulus, rod.loss_factor, lossy=lossy)
+    shear_modulus = modulus / (2.0 * (1.0 + rod.poisson_ratio))
     correction = 6.0 * (1.0 + rod.poisson_ratio) / (7.0 + 6.0 * rod.poisson_ratio)
     return Section(
-        EI=rod.youngs_modulus * inertia,
+        EI=modulus * inertia,
         GA=correction * shear_modulus * area,
         m=rod.density * area,
         rhoI=rod.density * inertia,

@@ -21,24 +21,27 @@ from dataclasses import replace
 import numpy as np
 
 from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.materials import lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device
 from tactgen.tmm.beam.section.section import Constant, Joint, section
 from tactgen.tmm.beam.transfer.timoshenko import dynamic_stiffness
 
 
-def bonded_tab(piece: Piece, device: Device, beam: Beam) -> Joint:
+def bonded_tab(piece: Piece, device: Device, beam: Beam, *, lossy: bool = False) -> Joint:
     """Return the joint that a piece of section ``bond`` is to what stands above the slot.
 
-    Analytic in all parameters, which may be arrays (n,).
+    Analytic in all parameters, which may be arrays (n,); `lossy` switches the losses of glue
+    and tab on.
     """
     glue, tab = device.glue, device.bimorph
     b, h, t = tab.width, tab.shim_thickness, glue.thickness
-    shear = glue.youngs_modulus / (2.0 * (1.0 + glue.poisson_ratio))
+    modulus = lossy_modulus(glue.youngs_modulus, glue.loss_factor, lossy=lossy)
+    shear = modulus / (2.0 * (1.0 + glue.poisson_ratio))
     nu = glue.poisson_ratio
-    squeezed = glue.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    squeezed = modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
     lateral = 2.0 * (squeezed * b + shear * h) / t
     rotational = 2.0 * shear * (b * h**2 / 4.0 + h**3 / 12.0) / t
-    shim = section(Piece("shim", piece.length), device, beam, lossy=False)
+    shim = section(Piece("shim", piece.length), device, beam, lossy=lossy)
     # complex: roots of negative numbers are meant
     founded = dynamic_stiffness(
         replace(shim, m=-lateral + 0j, rhoI=-rotational + 0j), piece.length, np.ones(())

@@ -51,7 +51,7 @@ def elements(
 ) -> list[Element]:
     """Return what one piece consists of: a joint, a prismatic beam or the segments of a taper."""
     if piece.section == "bond":
-        return [(bonded_tab(piece, device, beam), 0.0)]
+        return [(bonded_tab(piece, device, beam, lossy=lossy), 0.0)]
     if piece.tapered:
         along = partial(_section_at, piece, device, beam, lossy)
         return [*segmented(along, piece.length, segments)]

@@ -30,6 +30,20 @@ def test_closed_form_equals_beam_elements(modulus):
     np.testing.assert_allclose(by_elements, closed, rtol=1e-8)
 
 
+def test_a_loss_that_all_parts_share_turns_the_joint_by_it():
+    """Tab and glue with one loss factor: stiffness times (1 + jη), by both witnesses."""
+    eta = 0.3
+    lossy = Device(
+        bimorph=Bimorph(tab_length=2e-3), glue=Glue(loss_factor=eta), shim=Shim(loss_factor=eta)
+    )
+    closed = np.linalg.inv(bonded_tab(PIECE, lossy, Beam(), lossy=True).compliance)
+    lossless = np.linalg.inv(bonded_tab(PIECE, lossy, Beam()).compliance)
+    np.testing.assert_allclose(closed, (1.0 + 1j * eta) * lossless, rtol=1e-12)
+    by_elements = elements.bonded_tab(lossy, Beam(), DEPTH, lossy=True)
+    # as above, eight elements of order five
+    np.testing.assert_allclose(by_elements, closed, rtol=1e-8)
+
+
 def test_soft_glue_carries_a_rigid_tab():
     """A tab much stiffer than its glue turns about a point, as springs that add up demand."""
     soft = device(modulus=3e3)
