@@ -1,9 +1,10 @@
 """The generator as a system that moves: bimorph, rigid rod, spring, two stops, coil.
 
 Coordinates: lift u of the rod (m, 0 at the upper stop, positive upwards), lateral motion w and
-tilt ψ of its head, then the bimorph's modes.  The head stands on points around its rim, each of
-which pushes by the law of rough contact that :mod:`tmm.generator.contact` states for the whole
-rim: lift, rocking and tipping follow.  Friction holds the head laterally while it is pressed.
+tilt ψ of its head, then the bimorph's modes and the parts of what the tip touches.  The head stands
+on points around its rim, each of which pushes by the law of rough contact that
+:mod:`tmm.generator.contact` states for the whole rim: lift, rocking and tipping follow.  Friction
+holds the head laterally while it is pressed.
 
 Left out: the bimorph's stretching, tilting about the second axis, the field's moment on a tilted
 head, the head's thickness as a lever.  The weight (2 % of the preload) is in the preload, which is
@@ -17,7 +18,7 @@ from typing import Literal
 
 import numpy as np
 
-from tactgen.geometry.bimorph.ends import TipLoad
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.errors import InputError
@@ -27,6 +28,7 @@ from tactgen.tmm.generator.stops import stops_of
 from tactgen.tmm.generator.transient.bimorph import BimorphModes
 from tactgen.tmm.generator.transient.laws import RoughPoint
 from tactgen.tmm.generator.transient.system import Coil, Element, Friction, Output, System
+from tactgen.tmm.ports.loads.chain import Chain
 from tactgen.tmm.reluctance.coenergy.cells import cells
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 
@@ -61,7 +63,7 @@ def machine(
     modes: BimorphModes,
     pull: CoenergyMap,
     *,
-    load: TipLoad,
+    load: Chain,
     source: Literal["current", "voltage"],
     drive_scale: float = 1.0,
 ) -> Machine:
@@ -73,8 +75,8 @@ def machine(
         Of the bimorph that stands on the rod's head.
     pull : CoenergyMap
         Of the normal actuator, over the stroke.
-    load : TipLoad
-        On the tip, laterally.
+    load : Chain
+        On the tip, laterally; its parts follow the bimorph's modes among the coordinates.
     source : {"current", "voltage"}
         What is prescribed in the coil.
     drive_scale : float
@@ -98,23 +100,27 @@ def machine(
         )
     body, stops = moving_rod(device), stops_of(device)
     k = modes.omega.size
-    n = 3 + k
-    tip = np.concatenate([[0.0], modes.tip])
-    mass = load.mass * np.outer(tip, tip)
-    mass[0, 0] += body.mass + modes.rigid[0, 0] + load.mass
+    parts = load.mass.shape[0] - 1
+    n = 3 + k + parts
+    own = slice(3, 3 + k)
+    # rows that read the load's coordinates: the tip, then its parts
+    tip: Floats = np.concatenate([[0.0], modes.tip, np.zeros(parts)])
+    loaded = np.vstack([tip, np.eye(n)[3 + k :]])
+    mass = loaded.T @ load.mass @ loaded
+    mass[0, 0] += body.mass + modes.rigid[0, 0] + load.carried
     lever = -body.mass * body.centre
     mass[1:3, 1:3] += modes.rigid + np.array([[body.mass, lever], [lever, body.inertia_about(0.0)]])
-    mass[3:, 1:3] += modes.inertia
-    mass[1:3, 3:] += modes.inertia.T
-    mass[3:, 3:] += np.eye(k)
-    damping = load.damping * np.outer(tip, tip)
+    mass[own, 1:3] += modes.inertia
+    mass[1:3, own] += modes.inertia.T
+    mass[own, own] += np.eye(k)
+    damping = loaded.T @ load.damping @ loaded
     damping[0, 0] += guide.axial_damping
-    damping[3:, 3:] += np.diag(modes.damping)
-    stiffness = load.stiffness * np.outer(tip, tip)
+    damping[own, own] += np.diag(modes.damping)
+    stiffness = loaded.T @ load.stiffness @ loaded
     stiffness[:3, :3] += np.diag(
         [spring.stiffness, guide.lateral_stiffness, guide.rotational_stiffness]
     )
-    stiffness[3:, 3:] += np.diag(modes.omega**2)
+    stiffness[own, own] += np.diag(modes.omega**2)
     pushed = np.zeros(n)
     pushed[0] = spring.preload
     elements = (
@@ -131,7 +137,7 @@ def machine(
         damping=damping,
         stiffness=stiffness,
         load=pushed,
-        coupling=np.concatenate([np.zeros(3), modes.coupling]),
+        coupling=np.concatenate([np.zeros(3), modes.coupling, np.zeros(parts)]),
         capacitance=modes.capacitance,
         elements=elements,
         frictions=tuple(Friction(i, lateral, contact.friction) for i in range(2)),

@@ -118,7 +118,7 @@ class System:
     Attributes
     ----------
     mass, damping, stiffness : (n, n) float
-        Symmetric; mass positive definite, the others positive semidefinite.
+        Symmetric and positive semidefinite; what has no mass is held by a damper or a spring.
     load : (n,) float
         Constant forces: preload and weight.
     coupling : (n,) float

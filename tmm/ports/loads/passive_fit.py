@@ -15,11 +15,28 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 
-#: Resonators of the dictionary: how many a decade, their damping ratios, and how far beyond the
-#: band they reach (a factor): what lies further off acts in the band as spring, damper or mass.
-_PER_DECADE = 10
-_RATIOS = (0.05, 0.2, 1.0)
-_REACH = 10.0
+
+@dataclass(frozen=True)
+class Dictionary:
+    """Resonators that a fit may use.
+
+    Attributes
+    ----------
+    per_decade : int
+        How many frequencies a decade.
+    ratios : tuple of float
+        Their damping ratios.
+    reach : float
+        How far beyond the band they reach, a factor: what lies further off acts in the band as
+        spring, damper or mass.
+    """
+
+    per_decade: int = 10
+    ratios: tuple[float, ...] = (0.05, 0.2, 1.0)
+    reach: float = 10.0
+
+
+_RICH = Dictionary()
 
 
 @dataclass(frozen=True)
@@ -51,7 +68,9 @@ class PassiveFit:
         return np.asarray(plain[:, 0] + resonators)
 
 
-def passive_fit(frequencies: Floats, impedance: Complex) -> PassiveFit:
+def passive_fit(
+    frequencies: Floats, impedance: Complex, dictionary: Dictionary = _RICH
+) -> PassiveFit:
     """Return the passive load with the least sum of squared relative errors.
 
     Parameters
@@ -60,10 +79,12 @@ def passive_fit(frequencies: Floats, impedance: Complex) -> PassiveFit:
         Hz, ascending, above 0.
     impedance : (n,) complex array
         N s/m, nowhere 0.
+    dictionary : Dictionary
+        Fewer resonators follow it less closely, and are a smaller system.
     """
     from scipy.optimize import nnls
 
-    omega, ratio = _dictionary(float(frequencies[0]), float(frequencies[-1]))
+    omega, ratio = _resonators(dictionary, float(frequencies[0]), float(frequencies[-1]))
     s = 2j * np.pi * np.asarray(frequencies, dtype=float)[:, None]
     below = s**2 + 2.0 * ratio * omega * s + omega**2
     # with b at its least, and at its most
@@ -91,10 +112,11 @@ def passive_fit(frequencies: Floats, impedance: Complex) -> PassiveFit:
     )
 
 
-def _dictionary(low: float, high: float) -> tuple[Floats, Floats]:
+def _resonators(dictionary: Dictionary, low: float, high: float) -> tuple[Floats, Floats]:
     """Return angular frequency (rad/s) and damping ratio of all resonators."""
-    decades = np.log10(high / low * _REACH**2)
-    count = int(np.ceil(_PER_DECADE * decades)) + 1
-    omega = 2.0 * np.pi * np.geomspace(low / _REACH, high * _REACH, count)
-    grid = np.meshgrid(omega, _RATIOS, indexing="ij")
+    reach = dictionary.reach
+    decades = np.log10(high / low * reach**2)
+    count = int(np.ceil(dictionary.per_decade * decades)) + 1
+    omega = 2.0 * np.pi * np.geomspace(low / reach, high * reach, count)
+    grid = np.meshgrid(omega, dictionary.ratios, indexing="ij")
     return grid[0].ravel(), grid[1].ravel()

@@ -9,12 +9,11 @@ from typing import Literal
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.ends import TipLoad
 from tactgen.geometry.device.parameters import Device, Support
-from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.bimorph import BimorphModes, bimorph_modes
 from tactgen.tmm.generator.transient.machine import LOWER, UPPER, Machine, machine
 from tactgen.tmm.generator.transient.march import Answer, Sources, simulate
+from tactgen.tmm.ports.loads.chain import chain_of
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 from tactgen.validation.scene.scene import Scene
 
@@ -39,6 +38,11 @@ class Simulation:
     machine: Machine
     answer: Answer
     stop_force: dict[str, Floats]
+
+    @property
+    def load_misfit(self) -> float:
+        """How far what stands for the load is from its law of frequency, at most (relative)."""
+        return chain_of(self.scene.ends.tip).misfit
 
     @property
     def stroke(self) -> float:
@@ -101,12 +105,7 @@ def scene_machine(
     pull: CoenergyMap | None = None,
 ) -> Machine:
     """Return the generator of a scene, `volts` being the size of what drives it."""
-    load = scene.ends.tip
-    if not isinstance(load, TipLoad):
-        raise InputError(
-            f'load.kind = "{scene.load.kind}" is a law of frequency, which a time simulation '
-            'cannot take; set load.kind = "none", or "spring_damper" with its constants'
-        )
+    load = chain_of(scene.ends.tip)
     if pull is None:
         from tactgen.tmm.generator.network_pull import network_pull
 

@@ -1,6 +1,7 @@
 """The generator in time: rest, rim, modes, files, refusals."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +11,18 @@ from tactgen.geometry.bimorph.ends import TipLoad
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.generator.network_pull import network_pull
+from tactgen.tmm.generator.positions import axial_forces, resting_place
+from tactgen.tmm.generator.small_signal import linearised
+from tactgen.tmm.generator.small_signal import machine as machine_of_ports
 from tactgen.tmm.generator.stops import contact_of
+from tactgen.tmm.generator.transient.machine import machine
 from tactgen.tmm.generator.transient.march import Sources
+from tactgen.tmm.generator.transient.step import Stepper
+from tactgen.tmm.generator.transient.system import Friction
 from tactgen.tmm.generator.transient.waveform import Sine, Step
-from tactgen.tmm.ports.multiport import respond
+from tactgen.tmm.ports.loads.chain import chain_of
+from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.generator.transient import (
     above_the_head,
@@ -120,7 +129,6 @@ def test_in_a_slot_only_the_free_part_of_the_tab_bends():
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [
-        (["load.kind=finger"], "law of frequency"),
         ([*FREE, "spring.preload=0 mN"], "does not hold the rod up"),
         ([*FREE, "contact.shape=disc"], "has no time simulation"),
         ([*FREE, "spring.stop_gap=0.3 mm"], "no stroke"),
@@ -181,3 +189,50 @@ def test_bad_options_get_one_sentence(capsys, arguments, words):
     assert words in captured.err
     assert captured.err.count("\n") == 1
     assert captured.out == ""
+
+
+def test_small_motions_under_the_finger_are_those_of_the_machine():
+    """Steady motion at 150 Hz over a hundredth of a period, against the small signal's ports, 1e-6.
+
+    Without losses in the bimorph, which time takes mode by mode, and with the lateral contact as
+    time takes it: creeping under friction, in place of a spring.
+    """
+    scene, drive, frequency = load_scene("generator", [])[0], 1e-6, 150.0
+    device, load = scene.device, chain_of(scene.ends.tip)
+    pull = network_pull(device)
+    place = resting_place(axial_forces(device, pull, 0.0), 0.0, "rising")
+    rod = linearised(device, scene.beam, place, 0.0, pull)
+    lateral = np.diag([1.0, 0.0, 0.0])
+    creep = device.contact.friction * place.contact_force / Friction(0, lateral[0], 1.0).speed
+    stiff = device.guide.lateral_stiffness - rod.stiffness[0, 0]
+    rod = replace(
+        rod,
+        stiffness=rod.stiffness + stiff * lateral,
+        damping=rod.damping + (creep - rod.damping[0, 0]) * lateral,
+    )
+    f = np.array([frequency])
+    bimorph = transfer_matrix.multiport(device, Support(), scene.beam, f, lossy=False)
+    port = terminate(machine_of_ports(bimorph, rod), {"w_tip": load.stiffness_at(f)})
+    exact = respond(port, {"voltage": drive, "current": 0.0}).motion["w_tip"][0]
+
+    modes = replace(scene_modes(scene), damping=np.zeros_like(scene_modes(scene).damping))
+    moved = machine(device, modes, pull, load=load, source="current")
+    system, per_period = moved.system, 20_000
+    h = 1.0 / frequency / per_period
+    # the midpoint rule's own frequency: it turns by as much a step as the drive
+    s = 2j / h * np.tan(np.pi / per_period)
+    rim = system.elements[0]
+    each = rim.law.force(rim.direction @ moved.rest + rim.offset, 0.0 * rim.direction[:, 0])
+    near = (rim.direction.T * each / rim.law.decay_length) @ rim.direction
+    stuck = creep * np.outer(np.eye(near.shape[0])[1], np.eye(near.shape[0])[1])
+    whole = system.mass * s**2 + system.stiffness + near
+    whole = whole + (system.damping + rim.law.relaxation_time * near + stuck) * s
+    steady = np.linalg.solve(whole, system.coupling * drive)
+    stepper, period = Stepper(system), np.exp(2j * np.pi * np.arange(201) / per_period)
+    state = stepper.start(moved.rest + steady.real, (s * steady).real, drive, 0.0)
+    row = system.outputs["lateral_tip"].row
+    found = [row @ state.position]
+    for turn in period[1:]:
+        state, _ = stepper.step(state, h, drive * turn.real, (0.0, 0.0))
+        found.append(row @ state.position)
+    assert np.abs(found - (exact * period).real).max() < 1e-6 * abs(exact)

@@ -66,6 +66,12 @@ def run(options: argparse.Namespace) -> int:
             pull=read_map(options.map) if options.map else None,
             announce=announce,
         )
+    if found.load_misfit:
+        text = (
+            "the load is taken as springs, dampers and masses, which only take energy; they are up "
+            f"to {100.0 * found.load_misfit:.2g} % off its law of frequency"
+        )
+        warn([text])
     if found.answer.error > accuracy:
         text = (
             f"the accuracy of {accuracy:g} holds until {1e3 * found.answer.certain_until:.4g} ms; "
@@ -94,6 +100,7 @@ def as_json(found: Simulation) -> dict[str, Any]:
         "steps": int(answer.run.time.size),
         "accuracy": answer.accuracy,
         "error": answer.error,
+        "load_misfit": found.load_misfit,
         "certain_until_s": answer.certain_until,
         "error_bars": answer.errors,
         "energy_imbalance": answer.run.worst_imbalance,
