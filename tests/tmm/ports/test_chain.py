@@ -5,8 +5,8 @@ import pytest
 
 from tactgen.geometry.bimorph.ends import TipLoad
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.loads import chain
-from tactgen.tmm.ports.loads.chain import chain_of, finger_chain
+from tactgen.tmm.ports import chain
+from tactgen.tmm.ports.chain import chain_of, finger_chain
 from tactgen.tmm.ports.loads.passive_fit import PassiveFit
 from tactgen.tmm.ports.terminations import FINGER_RANGE, finger_stiffness, tip_stiffness
 
