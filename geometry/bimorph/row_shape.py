@@ -97,7 +97,7 @@ def row_shape(pieces: Sequence[Piece], bimorph: Bimorph, z: Floats, top: float) 
             n_z, n_x, n_y, _ = plan.shape
             heights = np.broadcast_to((z[inside] + offset)[:, None, None, None], (n_z, n_x, n_y, 1))
             points.append(np.concatenate([plan, heights], axis=-1).reshape(-1, 3))
-            cells.append(count + _block_cells(n_z, n_x, n_y))
+            cells.append(count + block_cells(n_z, n_x, n_y))
             regions.append(np.full(len(cells[-1]), names.index(name)))
             station.append(np.repeat(inside, n_x * n_y))
             active = through if piece.electrode else 0.0 * through
@@ -154,7 +154,7 @@ def _disc(radius: float) -> Floats:
     return np.asarray(radius * across)
 
 
-def _block_cells(n_z: int, n_x: int, n_y: int) -> Ints:
+def block_cells(n_z: int, n_x: int, n_y: int) -> Ints:
     """Return the cells of a block of points, y fastest, in VTK order."""
     k, i, j = (
         a.ravel() for a in np.meshgrid(*(np.arange(n - 1) for n in (n_z, n_x, n_y)), indexing="ij")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -113,17 +114,37 @@ def moving_state(result: FieldResult) -> State:
 
 def _write_pvd(path: Path, result: FieldResult, name: str) -> None:
     state = moving_state(result)
-    folder = writable_folder(path.parent / f"{name}_steps")
-    lines = []
-    for step in range(STEPS):
+
+    def at(step: int) -> tuple[float, dict[str, Array]]:
         phase = 2.0 * np.pi * step / STEPS
-        data = {
+        return step / STEPS / state.frequency, {
             field_name(state.name, field): at_phase(_for_vtk(field, np.asarray(values)), phase)
             for field, values in state.fields.items()
         }
+
+    write_steps(path, name, result.mesh, map(at, range(STEPS)))
+
+
+def write_steps(
+    path: Path, name: str, mesh: Mesh, steps: Iterable[tuple[float, dict[str, Array]]]
+) -> None:
+    """Write time steps as a .pvd, with each step in the folder ``NAME_steps`` beside it.
+
+    Parameters
+    ----------
+    steps : iterable of (float, dict)
+        Time (s), and data at the mesh's points by name.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written.
+    """
+    folder = writable_folder(path.parent / f"{name}_steps")
+    lines = []
+    for step, (time, data) in enumerate(steps):
         piece = folder / f"{step:03d}.vtu"
-        write_mesh(result.mesh, piece, data)
-        time = step / STEPS / state.frequency
+        write_mesh(mesh, piece, data)
         lines.append(
             f'    <DataSet timestep="{time:.9e}" part="0" file="{folder.name}/{piece.name}"/>'
         )

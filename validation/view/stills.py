@@ -105,11 +105,11 @@ class _Stage:
         if picture.shade is None:
             for number, region in enumerate(result.mesh.regions):
                 chosen = surface.triangles[surface.region_of_triangle == number]
-                part = _surface(pv, points, chosen)
+                part = surface_part(pv, points, chosen)
                 self._solid(part, color=COLOURS.get(region, "silver"))
                 self._parts.append(part)
         else:
-            part = _surface(pv, points, surface.triangles)
+            part = surface_part(pv, points, surface.triangles)
             part["shade"] = np.zeros(len(points))
             low = -self.top if picture.shade.signed else 0.0
             self._solid(
@@ -187,7 +187,8 @@ class _Stage:
         self._plotter.close()
 
 
-def _surface(pv: Any, points: Any, triangles: Any) -> Any:
+def surface_part(pv: Any, points: Any, triangles: Any) -> Any:
+    """Return triangles (m, 3) of points (n, 3) as PyVista's surface."""
     faces = np.column_stack([np.full(len(triangles), 3), triangles])
     return pv.PolyData(points.copy(), faces.ravel())
 
@@ -199,7 +200,7 @@ def _words(image: Image, stage: _Stage, phase: float) -> None:
     result, state, picture = stage.result, stage.state, stage.picture
     draw = ImageDraw.Draw(image)
     size = max(13, round(min(picture.height / 38, picture.width / 34)))
-    font, small = (ImageFont.truetype(_typeface(), k * size) for k in (1.0, 0.84))
+    font, small = (ImageFont.truetype(typeface(), k * size) for k in (1.0, 0.84))
     words, left, line = words_of(result, state), size, 1.45 * size
     draw.text((left, 0.8 * size), f"{MODELS.get(result.model, result.model)}: {words.title}",
               fill=_INK, font=font)  # fmt: skip
@@ -219,7 +220,7 @@ def _words(image: Image, stage: _Stage, phase: float) -> None:
     _ruler(draw, stage, (picture.width - size, picture.height - 2.2 * line), small)
 
 
-def _typeface() -> str:
+def typeface() -> str:
     """Return the file of a typeface that has ×, − and µ: matplotlib brings it."""
     import matplotlib as mpl
 

@@ -37,6 +37,8 @@ class BimorphModes:
         Tip displacement (m) of base motions w and ψ, then of the modes.
     capacitance : float
         With all motion held (F).
+    shapes : (n, k + 2) float
+        The unknowns that the modes were made of, of base motions w and ψ, then of the modes.
     """
 
     omega: Floats
@@ -46,6 +48,7 @@ class BimorphModes:
     coupling: Floats
     tip: Floats
     capacitance: float
+    shapes: Floats
 
 
 def bimorph_modes(
@@ -92,6 +95,8 @@ def bimorph_modes(
     omega = np.sqrt(np.concatenate([squares[: kept.shape[1]], values]))
     whole = np.zeros((mass.shape[0], 2))
     whole[inner], whole[base] = follows, np.eye(2)
+    moved = np.zeros((mass.shape[0], basis.shape[1]))
+    moved[inner] = basis
     return BimorphModes(
         omega=omega,
         damping=np.einsum("ij,ik,kj->j", basis, k.imag, basis) / omega,
@@ -100,4 +105,5 @@ def bimorph_modes(
         coupling=basis.T @ coupling.real[inner],
         tip=np.concatenate([tip @ whole, tip[inner] @ basis]),
         capacitance=float(capacitance.real),
+        shapes=np.hstack([whole, moved]),
     )

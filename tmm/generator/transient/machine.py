@@ -52,10 +52,13 @@ class Machine:
     system : System
     rest : (n,) float
         At rest on the upper stop without current and voltage.
+    modes : BimorphModes
+        Those among the coordinates.
     """
 
     system: System
-    rest: np.ndarray
+    rest: Floats
+    modes: BimorphModes
 
 
 def machine(
@@ -167,7 +170,7 @@ def machine(
     for _ in range(20):
         rest[0] = float(stops.upper.approach(force))
         force = spring.preload - spring.stiffness * rest[0]
-    return Machine(system, rest)
+    return Machine(system, rest, modes)
 
 
 def _rim(name: str, law: RoughContact, upwards: float, offset: float, n: int) -> Element:

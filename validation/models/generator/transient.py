@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from tactgen.tmm.generator.transient.march import Answer, Sources, simulate
 from tactgen.tmm.ports.chain import chain_of
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 from tactgen.validation.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from tactgen.fem.beam.beam import BeamMatrices
 
 #: Modes of the bimorph up to this frequency (Hz) move; those above follow statically.
 _HIGHEST = 20e3
@@ -116,12 +119,7 @@ def scene_machine(
 
 def scene_modes(scene: Scene) -> BimorphModes:
     """Return the modes of a scene's bimorph above the rod's head, by beam elements."""
-    from tactgen.fem.beam.beam import assemble, elements_for
-
-    device = above_the_head(scene.device, scene.support)
-    found = assemble(
-        device, Support(), scene.beam, elements=elements_for(device, _HIGHEST), lossy=True
-    )
+    found = scene_beam(scene)[1]
     share = 0.5 if scene.bimorph.wiring == "series" else 1.0
     tip = np.zeros(found.mass.shape[0])
     tip[found.ports[2]] = 1.0
@@ -134,6 +132,15 @@ def scene_modes(scene: Scene) -> BimorphModes:
         tip,
         _HIGHEST,
     )
+
+
+def scene_beam(scene: Scene) -> tuple[Device, BeamMatrices]:
+    """Return a scene's device with its row beginning at the rod's head, and that row's elements."""
+    from tactgen.fem.beam.beam import assemble, elements_for
+
+    device = above_the_head(scene.device, scene.support)
+    elements = elements_for(device, _HIGHEST)
+    return device, assemble(device, Support(), scene.beam, elements=elements, lossy=True)
 
 
 def above_the_head(device: Device, support: Support) -> Device:

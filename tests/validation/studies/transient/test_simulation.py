@@ -178,6 +178,8 @@ def test_the_command_says_what_it_did(capsys, tmp_path):
         (["--accuracy", "0"], "--accuracy"),
         (["--out", "run.txt"], "must end in .nc"),
         (["--plot", "nowhere/run.svg"], "folder does not exist"),
+        (["--gif", "run.mp4"], "must end in .gif"),
+        (["--fields", "run.vtu"], "must end in .pvd"),
         (["--coil", "2 kg"], "--coil"),
         (["--map", "nowhere.nc"], "cannot be read"),
     ],

@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +39,11 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--out", metavar="FILE.nc", help="write everything over time as netCDF")
     parser.add_argument("--plot", metavar="FILE.svg", help="draw it")
+    parser.add_argument("--gif", metavar="FILE.gif", help="film of the generator as it moves")
+    parser.add_argument("--mp4", metavar="FILE.mp4", help="the same where ffmpeg is installed")
+    parser.add_argument(
+        "--fields", metavar="FILE.pvd", help="the same for ParaView, as time steps in s"
+    )
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 
@@ -79,7 +85,8 @@ def run(options: argparse.Namespace) -> int:
             "moves that time a little"
         )
         warn([text])
-    _write(options, found)
+    with announcer() as announce:
+        _write(options, found, announce)
     if options.json:
         json.dump(as_json(found), sys.stdout)
         print()
@@ -148,7 +155,7 @@ def _print(found: Simulation) -> None:
     )
 
 
-def _write(options: argparse.Namespace, found: Simulation) -> None:
+def _write(options: argparse.Namespace, found: Simulation, announce: Callable[[str], None]) -> None:
     if options.out:
         from tactgen.validation.studies.transient.files import write_run
 
@@ -161,11 +168,26 @@ def _write(options: argparse.Namespace, found: Simulation) -> None:
         picture = time_plot(found)
         with written_whole(options.plot) as draft:
             draft.write_text(picture, encoding="utf-8")
+    if options.fields:
+        from tactgen.validation.export.run_motion import write_run_steps
+
+        announce("time steps for ParaView")
+        write_run_steps(Path(options.fields), found)
+    for path in filter(None, (options.gif, options.mp4)):
+        from tactgen.validation.export.run_motion import write_run_film
+
+        write_run_film(Path(path), found, announce)
 
 
 def _check_files(options: argparse.Namespace) -> None:
     """Refuse what would fail only after the run."""
-    for option, path, suffix in (("out", options.out, ".nc"), ("plot", options.plot, ".svg")):
+    for option, path, suffix in (
+        ("out", options.out, ".nc"),
+        ("plot", options.plot, ".svg"),
+        ("gif", options.gif, ".gif"),
+        ("mp4", options.mp4, ".mp4"),
+        ("fields", options.fields, ".pvd"),
+    ):
         if path and not path.endswith(suffix):
             raise InputError(f"--{option} {path} must end in {suffix}; name the file so")
         if path and not Path(path).parent.is_dir():
@@ -173,6 +195,10 @@ def _check_files(options: argparse.Namespace) -> None:
                 f"--{option} {path} cannot be written (its folder does not exist); choose another "
                 "place"
             )
+    if options.mp4:
+        from tactgen.validation.view.films import check_ffmpeg
+
+        check_ffmpeg(Path(options.mp4))
 
 
 def _until(text: str) -> float:
