@@ -19,6 +19,7 @@ from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
 from tactgen.geometry.device.materials import lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.tmm.ports.port import BIMORPH
 
@@ -26,6 +27,10 @@ from tactgen.tmm.ports.port import BIMORPH
 ORDER = 5
 #: Elements of the glued part of the tab: far more than its waves on the glue need.
 _TAB_ELEMENTS = 8
+
+
+#: Most elements along a row: beyond, its dense matrices and their condition take minutes.
+MOST_ELEMENTS = 200
 
 
 @dataclass(frozen=True)
@@ -85,6 +90,11 @@ def elements_for(device: Device, highest: float) -> int:
     """Return a number of elements that resolves waves up to `highest` Hz along the row.
 
     One radian of the slowest wave per element of order five; even, at least 8.
+
+    Raises
+    ------
+    InputError
+        If that is more than dense matrices bear.
     """
     piezo, bimorph = device.piezo, device.bimorph
     ceramic = [p for p in beam_pieces(device, Support()) if p.section == "bimorph"]
@@ -95,6 +105,12 @@ def elements_for(device: Device, highest: float) -> int:
     omega = 2.0 * math.pi * highest
     bending = math.sqrt(omega / math.sqrt(modulus) / thinnest * math.sqrt(12.0))
     radians = (bimorph.length + bimorph.tab_length) * max(bending, omega / slowest)
+    if not radians <= MOST_ELEMENTS:
+        raise InputError(
+            f"frequency = {highest:g} Hz makes waves so short that the model beam would need "
+            f"{radians:.0f} elements along {1e3 * bimorph.length:g} mm, and it takes "
+            f"{MOST_ELEMENTS}; ask for lower frequencies, or take the model tmm, which is exact"
+        )
     return int(2 * max(4, math.ceil(radians / 2.0)))
 
 

@@ -15,6 +15,7 @@ from tactgen.validation.book.figures import convergence, scattered
 from tactgen.validation.book.sketch import sketched
 from tactgen.validation.book.statistics import Scatter, scatter
 from tactgen.validation.checks.case import Case, Refinement
+from tactgen.validation.checks.stress.faults.run import kept_rows
 from tactgen.validation.checks.verification import Verified, remembered
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.view.templates import page_templates
@@ -76,6 +77,7 @@ def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], No
         "scatters": scatters,
         "scatter_plot": scattered(scatters) if scatters else "",
         "provenance": _provenance(),
+        "faults": kept_rows(),
         "counts": {v: sum(r.verdict == v for r in rows) for v in _VERDICTS},
     }
     render = _environment()

@@ -164,7 +164,7 @@ def test_command_writes_tables_and_plots(made_up_stress, tmp_path, capsys):
         "stress-tmm-map-1.csv",
         "stress-tmm-map-1.svg",
         "stress-tmm-resonance.svg",
-        "stress-tmm.csv",
+        "stress.csv",
     ]
     assert (tmp_path / "out" / "stress-tmm-map-1.svg").read_text().startswith("<svg")
 
@@ -172,11 +172,11 @@ def test_command_writes_tables_and_plots(made_up_stress, tmp_path, capsys):
 def test_command_quotes_refusals(monkeypatch, tmp_path, capsys):
     """Each sentence once, with how often it was said; the file has them too."""
     rows = (answered("family", "what", [synthetic(1e-13)], ["come nearer", "come nearer"]),)
-    made = Stress("magnetics", magnetics._COLUMNS, "words", rows, (), (), 0.0)
+    made = Stress("magnetics", "words", rows, (), (), 0.0)
     monkeypatch.setattr(magnetics, "run", lambda *_: made)
     assert command.run(options(only=["magnetics"], out=str(tmp_path))) == 0
     assert "refused 2 x: come nearer" in capsys.readouterr().out
-    assert "come nearer" in (tmp_path / "stress-magnetics.csv").read_text()
+    assert "come nearer" in (tmp_path / "stress.csv").read_text()
 
 
 def test_command_fails_if_a_family_does(made_up_stress):

@@ -13,8 +13,11 @@ from tactgen.validation.checks.stress.result import Stress
 #: Name of each part and the module that runs it.
 PARTS = {
     "tmm": "tactgen.validation.checks.stress.beam",
+    "lateral": "tactgen.validation.checks.stress.driven.lateral",
     "solid": "tactgen.validation.checks.stress.solid",
     "magnetics": "tactgen.validation.checks.stress.magnetics",
+    "machine": "tactgen.validation.checks.stress.driven.machine",
+    "faults": "tactgen.validation.checks.stress.faults.run",
 }
 
 

@@ -40,7 +40,6 @@ from tactgen.validation.view.formats import engineering
 
 _LENGTH = 20e-3
 _PAPER = ends_of(Support(), Load())
-_COLUMNS = ("family", "points", "worst", "condition", "matrix A", "verdict", "worst at")
 _CLAMPED_FREE = Ends()
 
 
@@ -62,7 +61,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Stress:
         approaches.append(line)
         rows.append(row)
     return Stress(
-        "tmm", _COLUMNS, _statement(), tuple(rows), tuple(maps), tuple(approaches),
+        "tmm", _statement(), tuple(rows), tuple(maps), tuple(approaches),
         time.perf_counter() - started,
     )  # fmt: skip
 

@@ -20,7 +20,6 @@ from tactgen.validation.checks.stress.magnetics_device import (
 from tactgen.validation.checks.stress.magnetics_solid import ball_row, sliver_row, team20_rows
 from tactgen.validation.checks.stress.result import Row, Stress
 
-_COLUMNS = ("family", "points", "refused", "worst", "promised", "verdict", "worst at")
 _FAMILIES: dict[str, Callable[[bool], Row | list[Row]]] = {
     "device, permeability, gap and current": device_rows,
     "device, coarse to fine": as_built_row,
@@ -49,6 +48,4 @@ def run(quick: bool, announce: Callable[[str], None]) -> Stress:
         announce(f"magnetics: {name}")
         found = family(quick)
         rows += found if isinstance(found, list) else [found]
-    return Stress(
-        "magnetics", _COLUMNS, _STATEMENT, tuple(rows), (), (), time.perf_counter() - started
-    )
+    return Stress("magnetics", _STATEMENT, tuple(rows), (), (), time.perf_counter() - started)

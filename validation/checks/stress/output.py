@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -29,36 +29,40 @@ def section(
     }
 
 
-def print_stress(parts: Iterable[Stress]) -> None:
-    """Print one table per part, and what was said where there is no answer."""
+def print_stress(parts: Sequence[Stress]) -> None:
+    """Print one table of all parts, what was said where there is no answer, and what is meant."""
     from rich.console import Console
     from rich.table import Table
 
-    console = Console(width=None if sys.stdout.isatty() else 170)
+    console = Console(width=None if sys.stdout.isatty() else 200)
+    table = Table(title="worst errors, against what was promised of each answer")
+    for name in _CELLS:
+        table.add_column(name, justify="right" if name in _NUMBERS else "left")
     for part in parts:
-        table = Table(title=f"{part.part}: worst relative errors ({part.seconds:.0f} s)")
-        for name in part.columns:
-            table.add_column(name, justify="right" if name in _NUMBERS else "left")
         for row in part.rows:
-            table.add_row(*(_CELLS[name](row) for name in part.columns))
-        console.print(table)
+            table.add_row(part.part, *(cell(row) for cell in list(_CELLS.values())[1:]))
+        table.add_section()
+    console.print(table)
+    for part in parts:
         for words, count in Counter(w for row in part.rows for w in row.refusals).items():
-            console.print(f"refused {count} x: {words}", markup=False)
-        console.print(part.statement)
+            console.print(f"{part.part}: refused {count} x: {words}", markup=False)
+    for part in parts:
+        console.print(f"{part.part} ({part.seconds:.0f} s): {part.statement}", markup=False)
 
 
 _CELLS: dict[str, Callable[[Row], str]] = {
+    "part": lambda row: "",
     "family": lambda row: row.family,
+    "range": lambda row: row.what,
     "points": lambda row: str(row.points),
     "refused": lambda row: str(len(row.refusals)),
     "worst": lambda row: short(row.worst.error),
     "promised": lambda row: short(row.worst.bound),
-    "condition": lambda row: f"{row.worst.condition:.1e}",
-    "matrix A": lambda row: short(row.naive),
+    "over bar": lambda row: "-" if math.isnan(row.over) else f"{row.over:.2g}",
     "verdict": lambda row: row.verdict,
     "worst at": lambda row: row.worst.where,
 }
-_NUMBERS = ("points", "refused", "worst", "promised", "condition", "matrix A")
+_NUMBERS = ("points", "refused", "worst", "promised", "over bar")
 
 
 def short(value: float) -> str:
@@ -68,20 +72,21 @@ def short(value: float) -> str:
     return "no digit" if value >= 1.0 else f"{value:.1e}"
 
 
-def write_stress(parts: Iterable[Stress], out: Path) -> list[Path]:
-    """Write a CSV of the rows, and a CSV and an SVG of every map, and return the paths."""
-    written = []
+def write_stress(parts: Sequence[Stress], out: Path) -> list[Path]:
+    """Write one CSV of all rows, and a CSV and an SVG of every map, and return the paths."""
+    rows = [
+        (part.part, r.family, r.what, r.points, r.worst.error, r.worst.bound, r.over,
+         r.worst.condition, r.naive, r.verdict, r.worst.where, len(r.refusals),
+         " | ".join(dict.fromkeys(r.refusals)))
+        for part in parts
+        for r in part.rows
+    ]  # fmt: skip
+    head = (
+        "part", "family", "range", "points", "worst", "promised", "over bar", "condition", "naive",
+        "verdict", "worst at", "refused", "refusals",
+    )  # fmt: skip
+    written = [write_csv(out / "stress.csv", head, rows)]
     for part in parts:
-        rows = (
-            (r.family, r.what, r.points, r.worst.error, r.worst.bound, r.worst.condition, r.naive,
-             r.verdict, r.worst.where, len(r.refusals), " | ".join(dict.fromkeys(r.refusals)))
-            for r in part.rows
-        )  # fmt: skip
-        head = (
-            "family", "what", "points", "worst", "promised", "condition", "naive", "verdict",
-            "worst at", "refused", "refusals",
-        )  # fmt: skip
-        written.append(write_csv(out / f"stress-{part.part}.csv", head, rows))
         for number, table in enumerate(part.maps, start=1):
             stem = f"stress-{part.part}-map-{number}"
             columns = ("length_m", "frequency_hz", "error", "naive", "condition")

@@ -7,11 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.store.values import storable
 
 #: Relative error that is asked for.
 WANTED = 1e-12
 
 
+@storable
 @dataclass(frozen=True)
 class Point:
     """Relative errors at one set of parameters, against the high-precision reference.
@@ -37,6 +39,7 @@ class Point:
     naive: float
 
 
+@storable
 @dataclass(frozen=True)
 class Row:
     """One family of points, judged.
@@ -49,6 +52,8 @@ class Row:
         How many were answered.
     worst : Point
         The answer with the largest error; of those beyond their bound, if there are any.
+    over : float
+        The largest error over its bound.
     naive : float
         Largest error of the naive formulas.
     verdict : str
@@ -61,6 +66,7 @@ class Row:
     what: str
     points: int
     worst: Point
+    over: float
     naive: float
     verdict: str
     refusals: tuple[str, ...] = ()
@@ -90,10 +96,9 @@ class Approach:
 
 @dataclass(frozen=True)
 class Stress:
-    """All that one part found; `columns` are those of the table of its rows."""
+    """All that one part found."""
 
     part: str
-    columns: tuple[str, ...]
     statement: str
     rows: tuple[Row, ...]
     maps: tuple[ErrorMap, ...]
@@ -114,7 +119,21 @@ def judged(family: str, what: str, points: Sequence[Point]) -> Row:
         verdict = "fails"
     else:
         verdict = "holds" if worst.error <= WANTED else "holds up to the condition limit"
-    return Row(family, what, len(points), worst, max(naive, default=math.nan), verdict)
+    naive_worst = max(naive, default=math.nan)
+    return Row(family, what, len(points), worst, _over(points), naive_worst, verdict)
+
+
+def _over(points: Sequence[Point]) -> float:
+    """Return the largest share of its bound that an error takes; an error without one is beyond."""
+
+    def share(point: Point) -> float:
+        if math.isnan(point.error):
+            return math.inf
+        if point.error == 0.0:
+            return 0.0
+        return point.error / point.bound if point.bound > 0.0 else math.inf
+
+    return max(map(share, points), default=math.nan)
 
 
 #: Stands for the worst of no answers.
@@ -131,4 +150,4 @@ def answered(family: str, what: str, points: Sequence[Point], refusals: Sequence
     clear = all(words.strip() and "\n" not in words for words in refusals)
     holds = "holds or says why not" if refusals else "holds"
     verdict = "fails" if beyond or not clear else holds
-    return Row(family, what, len(points), worst, math.nan, verdict, tuple(refusals))
+    return Row(family, what, len(points), worst, _over(points), math.nan, verdict, tuple(refusals))

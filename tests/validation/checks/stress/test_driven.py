@@ -1,0 +1,73 @@
+"""Scenes driven to extremes: second models agree, or a sentence says why there is no answer."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tactgen.fem.beam import beam
+from tactgen.geometry.errors import InputError
+from tactgen.validation.checks.stress.driven import lateral, machine, sweep
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.scene.scene import load_scene
+
+
+@pytest.mark.parametrize(
+    "family", [lateral._LENGTH, lateral._SUPPORT, lateral._MASS], ids=lambda s: s.family
+)
+def test_lumped_and_exact_spans_agree(family):
+    """From a micrometre to ten metres, from jelly to rock, from nothing to a kilogram."""
+    row = lateral._LUMPED.row(family, True)
+    assert row.verdict != "fails", row
+    assert row.points > 3
+
+
+def test_beam_elements_are_right_or_say_how_many_they_would_need():
+    """Waves too short for dense matrices are refused at once, with what answers instead."""
+    row = lateral._BEAM.row(lateral._FREQUENCY, True)
+    assert row.verdict == "holds or says why not"
+    assert row.points
+    (outside,) = row.refusals
+    assert "at most 10 MHz" in outside
+    scene, _ = load_scene("prototype")
+    assert beam.elements_for(scene.device, 2e3) < beam.MOST_ELEMENTS
+    with pytest.raises(InputError, match=r"would need.* elements.* or take the model tmm"):
+        beam.elements_for(scene.device, 1e9)
+
+
+def test_the_machines_edges():
+    """Nine corners and edges of the map, and three places outside it."""
+    row = machine.edge_row(True)
+    assert (row.points, len(row.refusals), row.verdict) == (18, 3, "holds or says why not")
+
+
+@pytest.mark.heavy
+def test_slow_motion_is_the_derivative_of_rest():
+    """Two ways to one number: the linear machine at 1 µHz, differences of where the rod rests."""
+    row = machine.slow_row(True)
+    assert row.verdict == "holds", row
+    assert row.worst.bound < 1e-3  # a bar that could hide the effect would prove nothing
+
+
+def quantity(values, bars):
+    return Quantity("x", "m", np.array(values), "1", np.array(bars), "", 0.0)
+
+
+def test_the_worst_entry_is_that_beyond_its_bar():
+    """Not the largest error; and what is no number is no answer."""
+    one = quantity([1.0, 2.0], [0.5, 1e-9])
+    assert sweep.worst(one, quantity([1.2, 2.01], [0.0, 0.0])) == pytest.approx(
+        (0.01 / 2.01, 1e-9 / 2.01)
+    )
+    error, bound = sweep.worst(quantity([math.nan], [0.1]), quantity([1.0], [0.1]))
+    assert not error <= bound
+    assert sweep.worst(quantity([0.0], [0.0]), quantity([0.0], [0.0]))[0] == 0.0
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("part", [lateral, machine], ids=["lateral", "machine"])
+@pytest.mark.parametrize("quick", [True, False])
+def test_no_family_fails(part, quick):
+    """All models, the reduced basis and the machine, over their whole ranges."""
+    found = part.run(quick, lambda _: None)
+    assert [(row.family, row.worst) for row in found.rows if row.verdict == "fails"] == []

@@ -1,0 +1,84 @@
+"""Commands under bad circumstances: a few by default, all of them and more often when heavy."""
+
+import pytest
+
+from tactgen.validation.book.book import write_book
+from tactgen.validation.checks.stress.faults import run as faults
+from tactgen.validation.checks.stress.faults.commands import LIGHT, Command, Ended, half_written
+from tactgen.validation.checks.stress.result import answered
+
+
+@pytest.fixture(scope="module")
+def trials(tmp_path_factory):
+    """The quickest command that writes; the heavy test has those that keep and compute."""
+    return faults.Trials(LIGHT[:1], tmp_path_factory.mktemp("faults"), seed=1)
+
+
+def test_killed_at_some_moment(trials):
+    """Nothing half-written, and the same command again is right."""
+    row = faults.killed(trials, 1)
+    assert row.verdict == "holds", row.worst
+
+
+def test_no_room_is_one_sentence(trials):
+    """Files that cannot grow: refused, nothing left."""
+    row = faults.no_room(trials)
+    assert row.verdict == "holds or says why not", row.worst
+    assert len(row.refusals) == 2
+    assert all("cannot be written" in words for words in row.refusals)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "whole"),
+    [
+        ("a.json", b'{"a": 1}', True), ("a.json", b'{"a": ', False), ("a.csv", b"1,2\n3", False),
+        ("a.html", b"<html></html>\n", True), ("a.html", b"<html>", False),
+        ("a.svg", b"<svg></svg>", True), ("a.svg", b"<svg>", False), ("a.toml", b"a = ", False),
+        ("a.step", b"ISO-10303-21;", False), ("a.nc", b"", False),
+        ("a.glb", b"glTF\x02\0\0\0\x0c\0\0\0", True), ("a.glb", b"glTF\x02\0\0\0\x0d\0\0\0", False),
+        ("a.npz", b"PK\x03\x04", False), (".tactgen-0-1-x.json", b"{", True),
+    ],
+)  # fmt: skip
+def test_half_files_are_found(tmp_path, name, content, whole):
+    """By how each format ends; drafts have no name of ours yet."""
+    (tmp_path / name).write_bytes(content)
+    assert half_written(tmp_path) == ([] if whole else [name])
+
+
+@pytest.mark.parametrize(
+    ("done", "wrong"),
+    [
+        (Ended(2, "", "tactgen: no room\n"), ""),
+        (Ended(2, "", ""), "said"),
+        (Ended(1, "", "tactgen: no room\n"), "ended with 1"),
+        (Ended(2, "", "Traceback (most recent call last):\n"), "said"),
+        (Ended(124, "", "endless"), "ended with 124"),
+    ],
+)
+def test_what_counts_as_wrong(trials, tmp_path, monkeypatch, done, wrong):
+    """Codes that are not allowed, words that are not ours, hanging, half files."""
+    monkeypatch.setattr(trials, "again", lambda *_: "")
+    command, around = Command("c", ()), trials.place()
+    assert trials.judge(command, around, done, (0, 2))[: len(wrong) or 1] == wrong
+    (around.out / "a.json").write_text("{", encoding="utf-8")
+    if not wrong:
+        assert trials.judge(command, around, done, (0, 2)) == "half-written: a.json"
+
+
+def test_the_book_shows_what_was_found(own_store, tmp_path):
+    """The table of the last run with this code, or that there was none."""
+    page = write_book([], tmp_path, lambda _: None).read_text(encoding="utf-8")
+    assert "Not run with this code" in page
+    row = answered("faults: killed", "60 runs", [], ["no room"])
+    faults.keep_rows((row,), quick=True)
+    page = write_book([], tmp_path, lambda _: None).read_text(encoding="utf-8")
+    assert "60 runs" in page
+    assert "holds or says why not" in page
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("quick", [True, False])
+def test_no_fault_does_harm(quick, own_store):
+    """All faults, on light commands and on all that write."""
+    found = faults.run(quick, lambda _: None)
+    assert [(row.family, row.worst) for row in found.rows if row.verdict == "fails"] == []

@@ -1,0 +1,216 @@
+"""Commands that write, run as processes of their own in surroundings that can be spoilt."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+#: Seconds after which a process is taken for endless.
+ENDLESS = 300.0
+#: How the names of drafts begin, which a killed process leaves and the next one sweeps.
+DRAFT = ".tactgen-"
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command that writes.
+
+    Attributes
+    ----------
+    name : str
+        What it is called in the table.
+    arguments : tuple of str
+        With ``{out}`` for the folder that it writes to.
+    answer : str
+        Key of what must be the same in its JSON on stdout whatever happened before; empty
+        where it prints none.
+    overwrites : bool
+        Whether it writes over what is there; else it is run again for another folder.
+    """
+
+    name: str
+    arguments: tuple[str, ...]
+    answer: str = ""
+    overwrites: bool = True
+
+
+_SOLVED = (
+    "--quantity", "static_tip_displacement", "--quantity", "short_circuit_frequencies", "--json",
+)  # fmt: skip
+#: The light ones take a second each.
+LIGHT = (
+    Command("init", ("init", "{out}/scene.toml"), overwrites=False),
+    Command(
+        "whatif",
+        ("whatif", "prototype", "--model", "tmm", "--vary", "bimorph.length=13mm:15mm:3",
+         "--quantity", "static_tip_displacement", "--out", "{out}/study"),
+        overwrites=False,
+    ),
+    Command("solve, beam", ("solve", "prototype", "--model", "beam", *_SOLVED), "quantities"),
+)  # fmt: skip
+HEAVY = (
+    Command(
+        "solve, solid", ("solve", "j1", "--model", "solid", "--set", "mesh.level=2", *_SOLVED),
+        "quantities",
+    ),
+    Command(
+        "export, CAD", ("export", "paper", "--step", "{out}/a.step", "--glb", "{out}/a.glb")
+    ),
+    Command(
+        "export, ports",
+        ("export", "j1", "--set", "mesh.level=2", "--ports", "{out}/a.npz", "--mesh",
+         "{out}/a.vtu"),
+    ),
+    Command(
+        "export, map",
+        ("export", "reluctance", "--set", "models=network", "--map", "{out}/a.nc"),
+    ),
+    Command("verify", ("verify", "--only", "beams", "--quick", "--out", "{out}/book")),
+    Command(
+        "coverage",
+        ("coverage", "--only", "beam", "--devices", "2", "--seed", "1", "--out", "{out}/c"),
+    ),
+    Command("stress", ("stress", "--only", "tmm", "--quick", "--out", "{out}/s")),
+    Command("design", ("design", "--lengths", "20mm:22mm", "--plot", "{out}/a.svg")),
+    Command(
+        "report",
+        ("report", "prototype", "--quick", "--model", "lumped", "--set", "frequency=10:900:3",
+         "--out", "{out}/report"),
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """Where a command runs.
+
+    Attributes
+    ----------
+    out, store : Path
+        Folder to write to, and of the store.
+    variables : dict of str to (str or None)
+        Of the environment, None to take one away.
+    limit : (int, int), optional
+        A resource (``resource.RLIMIT_...``) and the most of it.
+    """
+
+    out: Path
+    store: Path
+    variables: Mapping[str, str | None] = field(default_factory=dict)
+    limit: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a process ended: its code (negative for a signal), and what it said."""
+
+    code: int
+    out: str
+    err: str
+
+
+def begin(command: Command, around: Surroundings, **streams: Any) -> subprocess.Popen[str]:
+    """Start a command as a process of its own."""
+    words = [word.format(out=around.out) for word in command.arguments]
+    variables = {**os.environ, "TACTGEN_CACHE": str(around.store), **around.variables}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tactgen.validation.command_line.cli", *words],
+        env={name: value for name, value in variables.items() if value is not None},
+        stdin=subprocess.DEVNULL, text=True, encoding="utf-8", start_new_session=True,
+        **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **streams},
+    )  # fmt: skip
+    if around.limit is not None:  # long before Python has read its first module
+        what, most = around.limit
+        resource.prlimit(process.pid, what, (most, most))
+    return process
+
+
+def finish(process: subprocess.Popen[str], *, after: float | None = None, end: int = 0) -> Ended:
+    """Wait for a process; after so many seconds (if it still runs) it gets a signal.
+
+    A process that hangs is killed and has no code of its own: it counts as endless.
+    """
+    try:
+        out, err = process.communicate(timeout=after if after is not None else ENDLESS)
+    except subprocess.TimeoutExpired:
+        _signal(process, end or signal.SIGKILL)
+        try:
+            out, err = process.communicate(timeout=ENDLESS)
+        except subprocess.TimeoutExpired:
+            _signal(process, signal.SIGKILL)
+            process.communicate()
+            return Ended(124, "", "endless")
+        if after is None:
+            return Ended(124, out or "", "endless")
+    return Ended(process.returncode, out or "", err or "")
+
+
+def _signal(process: subprocess.Popen[str], number: int) -> None:
+    """Signal the process and all that it started."""
+    try:
+        os.killpg(process.pid, number)
+    except ProcessLookupError:
+        return
+
+
+def half_written(folder: Path) -> list[str]:
+    """Return the files below a folder that are not whole; drafts have no name of ours yet."""
+    files = (p for p in folder.rglob("*") if p.is_file() and not p.name.startswith(DRAFT))
+    return [str(path.relative_to(folder)) for path in sorted(files) if not _whole(path)]
+
+
+def _whole(path: Path) -> bool:
+    content = path.read_bytes()
+    try:
+        return bool(content) and _ENDS.get(path.suffix, bool)(content)
+    except ValueError:
+        return False
+
+
+def _zip(content: bytes) -> bool:
+    return content[:2] == b"PK" and b"PK\x05\x06" in content[-1000:]
+
+
+def _parses(load: Callable[[str], Any]) -> Callable[[bytes], bool]:
+    return lambda content: load(content.decode()) is not None
+
+
+_ENDS: dict[str, Callable[[bytes], bool]] = {
+    ".json": _parses(json.loads),
+    ".toml": _parses(tomllib.loads),
+    ".html": lambda content: content.rstrip().endswith(b"</html>"),
+    ".svg": lambda content: content.rstrip().endswith(b"</svg>"),
+    ".csv": lambda content: content.endswith(b"\n"),
+    ".step": lambda content: content.rstrip().endswith(b"END-ISO-10303-21;"),
+    ".glb": lambda content: int.from_bytes(content[8:12], "little") == len(content),
+    ".vtu": lambda content: content.rstrip().endswith(b"</VTKFile>"),
+    ".npz": _zip,
+}
+
+
+def answer(command: Command, done: Ended) -> Any:
+    """Return what a command answered, without what its run took."""
+    if not command.answer:
+        return None
+    found = json.loads(done.out)[command.answer]
+    return [{k: v for k, v in entry.items() if k != "seconds"} for entry in found]
+
+
+def said(done: Ended) -> tuple[bool, str]:
+    """Return whether a process speaks as a command should, and its refusal (empty if it has none).
+
+    No traceback; and a refusal (code 2) is a sentence of the program's own.
+    """
+    own = [line for line in done.err.splitlines() if line.startswith("tactgen: ")]
+    refusals = [x for x in own if not x.startswith(("tactgen: warning", "tactgen: note"))]
+    clean = "Traceback" not in done.out + done.err
+    return clean and (done.code != 2 or bool(refusals)), " ".join(refusals)
