@@ -170,6 +170,32 @@ def test_arguments(refused, arguments, words):
     assert all(word in error for word in words), error
 
 
+GOAL = ["--aim", "maximise static_tip_displacement"]
+LENGTH = ["--vary", "bimorph.length=14mm:22mm"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--vary", "bimorph.length=14mm,22mm", *GOAL], "is no range to search"),
+        (["--vary", "bimorph.length=22mm:14mm", *GOAL], "runs backwards"),
+        (["--vary", "load.kind=none,finger", *GOAL], "is no range to search"),
+        (["--vary", "bimorph.lenght=14mm:22mm", *GOAL], 'did you mean "bimorph.length"'),
+        ([*LENGTH, *GOAL, "--band", "10:100"], "--band is of the length"),
+        ([*LENGTH, *GOAL, "--aim", "minimise capacitance_free"], "two goals cannot both be best"),
+        ([*LENGTH, *GOAL, "--model", "tmm", "--model", "beam"], "name one --model"),
+        ([*LENGTH, *GOAL, "--model", "network"], "model network gives none of"),
+        ([*LENGTH, "--aim", "capacitance_free"], "has no comparison"),
+        ([*LENGTH, "--aim", "capacitance_free >= 1 mm"], "compares or adds"),
+    ],
+)
+def test_design_of_any_keys(refused, arguments, message):
+    """What a search over ranges refuses."""
+    error = refused("design", *arguments)
+    assert message in error
+    assert ";" in error or "did you mean" in error  # the remedy
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -186,7 +212,9 @@ def test_arguments(refused, arguments, words):
         (["--lengths", "20mm:40kg"], "which is not a length"),
         (["--lengths", "40mm:20mm"], "do not rise"),
         (["--lengths", "-1mm:20mm"], "must be greater than 0 mm"),
-        (["--aim", "longest"], "--aim"),
+        (["--aim", "longest"], '--aim "longest" is neither shortest nor margin'),
+        (["--model", "solid"], "--model goes with --vary"),
+        (["--vary", "bimorph.length=14mm:22mm"], "--vary needs an aim"),
         (["--plot", "length.png"], "is not an SVG file"),
         (["--plot", "/no/such/folder/length.svg"], "cannot be written"),
         (["--lengths", "1um:40mm"], "no beam; start at 0.77 mm or more"),

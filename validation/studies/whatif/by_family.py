@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.families import Family, answer_family, find_families
+from tactgen.validation.engine.families import Box, Family, answer_family, find_families
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import check_request
 from tactgen.validation.engine.warnings import accuracy_warnings, deflection_warnings
@@ -14,10 +14,13 @@ from tactgen.validation.studies.whatif.answers import Answer
 from tactgen.validation.studies.whatif.workers import Job
 
 
-def answers_by_family(jobs: Sequence[Job], announce: Callable[[str], None]) -> dict[int, Answer]:
+def answers_by_family(
+    jobs: Sequence[Job], announce: Callable[[str], None], box: Box | None = None
+) -> dict[int, Answer]:
     """Return the answers to the jobs that are answered faster together, by their numbers.
 
     They are not kept one by one: the reduced basis is, and gives them again in milliseconds.
+    With a `box`, the range of keys of which more will be asked, few jobs are enough.
     """
     found: dict[int, Answer] = {}
     groups: dict[tuple[str, tuple[str, ...]], list[Job]] = {}
@@ -25,7 +28,7 @@ def answers_by_family(jobs: Sequence[Job], announce: Callable[[str], None]) -> d
         groups.setdefault((job.asked.model, job.asked.quantities), []).append(job)
     for (model, quantities), group in groups.items():
         scenes = [checked_scene(job.values) for job in group]
-        for family in find_families(model, scenes, quantities):
+        for family in find_families(model, scenes, quantities, box):
             found |= _answered(family, group, scenes, quantities, announce)
     return found
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.engine.families import Box
 from tactgen.validation.engine.plan import check_models
 from tactgen.validation.scene.scene import checked_scene
 from tactgen.validation.studies.whatif.answers import Answer, Question, question, reason, recall
@@ -95,6 +96,32 @@ def run_study(
     """
     check_models(statement.models, statement.quantities)
     points = tuple(statement.points())
+    answers, counts = answers_at(statement, points, processes, announce, retry=retry)
+    every = [found for each in answers for found in each.values()]
+    if all(found.status == "refused" for found in every):
+        raise InputError(f"none of the {len(points)} points makes a scene: {every[0].reason}")
+    return Study(statement, points, answers, counts)
+
+
+def answers_at(
+    statement: Statement,
+    points: Sequence[dict[str, Any]],
+    processes: int = 0,
+    announce: Callable[[str], None] = lambda _: None,
+    *,
+    retry: bool = False,
+    box: Box | None = None,
+) -> tuple[tuple[dict[str, Answer], ...], Counts]:
+    """Return the answers by model at any points of a statement's keys, refusals among them.
+
+    Parameters
+    ----------
+    points : sequence of dict
+        Values by key (SI).
+    box : dict of str to (float, float), optional
+        The range of the keys, if many more points of it will be asked; as of
+        :func:`run_study` otherwise.
+    """
     asked = _questions(statement, points, announce)
     # points that differ in what a model does not read ask it the same
     different: dict[int, Question] = {}
@@ -111,7 +138,7 @@ def run_study(
     for (number, model), n in same.items():
         if n not in answers and n not in jobs:
             jobs[n] = Job(n, different[n], _values(statement, points[number], model))
-    together = answers_by_family(list(jobs.values()), announce)
+    together = answers_by_family(list(jobs.values()), announce, box)
     answers.update(together)
     rest = [job for n, job in jobs.items() if n not in together]
     answers.update(_all_answers(rest, processes, announce, retry=retry))
@@ -121,17 +148,15 @@ def run_study(
             given if isinstance(given, Answer) else answers[same[number, model]]
         )
     every = [found for each in by_point for found in each.values()]
-    if all(found.status == "refused" for found in every):
-        raise InputError(f"none of the {len(points)} points makes a scene: {every[0].reason}")
     counts = Counts(
         old, len(jobs), sum(a.status == "failed" for a in every),
         sum(a.status == "refused" for a in every), len(together),
     )  # fmt: skip
-    return Study(statement, points, tuple(by_point), counts)
+    return tuple(by_point), counts
 
 
 def _questions(
-    statement: Statement, points: tuple[dict[str, Any], ...], announce: Callable[[str], None]
+    statement: Statement, points: Sequence[dict[str, Any]], announce: Callable[[str], None]
 ) -> dict[tuple[int, str], Question | Answer]:
     """Return what each model is asked at each point, or why it cannot be asked."""
     found: dict[tuple[int, str], Question | Answer] = {}

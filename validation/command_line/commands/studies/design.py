@@ -1,4 +1,4 @@
-"""``tactgen design``: the length of the lateral actuator for a stated aim."""
+"""``tactgen design``: the length for the paper's aim, or any keys for aims of one's own."""
 
 from __future__ import annotations
 
@@ -28,15 +28,25 @@ if TYPE_CHECKING:
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
-        "design", help="find the actuator's length that keeps it above the detection threshold"
+        "design",
+        help="find the length that keeps the tip above the detection threshold, or the values of "
+        "any keys that meet aims best",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog=_EPILOG,
     )
     scene_options(parser)
     parser.add_argument(
-        "--aim", choices=("shortest", "margin"), default="shortest",
-        help="the shortest length that keeps the margin (default), or that of the largest margin",
+        "--aim", action="append", metavar="AIM",
+        help="shortest (default): the shortest length that keeps the margin; margin: that of the "
+        "largest; with --vary aims as below, may be repeated",
     )  # fmt: skip
     parser.add_argument(
-        "--margin", default="1", metavar="FACTOR",
+        "--vary", action="append", default=[], metavar="KEY=LOW:HIGH[:log]",
+        help="a key to search, may be repeated",
+    )  # fmt: skip
+    parser.add_argument("--model", action="append", metavar="NAME", help="by which, with --vary")
+    parser.add_argument(
+        "--margin", metavar="FACTOR",
         help="deflection over detection threshold to keep (default 1)",
     )  # fmt: skip
     parser.add_argument(
@@ -44,16 +54,83 @@ def add(commands: Commands) -> None:
         help="in Hz (default 10:1000, as far as the threshold is stated)",
     )  # fmt: skip
     parser.add_argument(
-        "--lengths", default="20mm:40mm", metavar="LOW:HIGH",
-        help="search these (default 20mm:40mm, the paper's)",
-    )  # fmt: skip
+        "--lengths", metavar="LOW:HIGH", help="search these (default 20mm:40mm, the paper's)"
+    )
     parser.add_argument("--plot", metavar="FILE.svg", help="draw it")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 
 
+_EPILOG = """\
+with --vary:
+  "first(short_circuit_frequencies) >= 400 Hz"     a condition
+  "maximise static_tip_displacement"               the goal; without one the least change is found
+  known are + - * / ( ), min_over, max_over, mean_over, first, abs, sqrt, numbers with units,
+  quantities (of complex ones the magnitude), and threshold, the detection threshold
+
+example:
+  tactgen design paper --vary bimorph.length=14mm:22mm --vary bimorph.piezo_thickness=0.2mm:0.3mm \\
+      --model solid --aim "maximise static_tip_displacement" \\
+      --aim "first(short_circuit_frequencies) >= 400 Hz"
+"""
+
+
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    if options.vary:
+        return _search(options)
+    return _length_design(options)
+
+
+def _search(options: argparse.Namespace) -> int:
+    """Search the values of any keys."""
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.scene.keys import value_of
+    from tactgen.validation.scene.scene import checked_scene, scene_values
+    from tactgen.validation.studies.whatif.aim.best import parse_aims
+    from tactgen.validation.studies.whatif.asked.choice import chosen
+    from tactgen.validation.studies.whatif.asked.statement import Statement
+    from tactgen.validation.studies.whatif.search.search import (
+        as_values,
+        ranges_of,
+        search,
+        sentences,
+        with_aims,
+    )
+
+    for option in ("margin", "band", "lengths", "plot"):
+        if getattr(options, option):
+            raise InputError(
+                f"--{option} is of the length that --aim shortest or margin finds; leave it out, "
+                "or --vary"
+            )
+    if not options.aim:
+        raise InputError(
+            '--vary needs an aim; write for example --aim "maximise static_tip_displacement"'
+        )
+    aims = parse_aims(options.aim)
+    values, _ = scene_values(options.scene, options.overrides)
+    wanted = with_aims(Statement("", {}, (), (), ()), aims).quantities
+    # without --model the quick one, whichever models the scene lists for tables
+    models, quantities = chosen({}, options.model, wanted, Statement("", {}, (), (), ()))
+    statement = Statement(
+        str(values["name"]), values, tuple(options.vary), models, quantities, samples=1
+    )
+    ranges = ranges_of(statement)
+    scene = checked_scene({**values, "models": list(models), "quantities": ["all"]})
+    present = {r.key: float(value_of(scene, r.key)) for r in ranges}
+    with announcer() as announce:
+        found = search(statement, aims, present, announce)
+    if options.json:
+        json.dump(as_values(found), sys.stdout, allow_nan=False)
+        print()
+    else:
+        print("\n".join(sentences(found)))
+    return 0
+
+
+def _length_design(options: argparse.Namespace) -> int:
+    """Find the length for the paper's aim."""
     import numpy as np
 
     from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
@@ -90,12 +167,22 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
+    """Return the aim of a length."""
     from tactgen.validation.catalogue.detection import threshold_of
     from tactgen.validation.scene.frequencies import parse_frequencies
-    from tactgen.validation.studies.design.aim import Aim, stated_band
+    from tactgen.validation.studies.design.aim import Aim, AimKind, stated_band
 
+    kinds: dict[str, AimKind] = {"shortest": "shortest", "margin": "margin"}
+    asked = options.aim or ["shortest"]
+    if len(asked) > 1 or asked[0] not in kinds:
+        raise InputError(
+            f'--aim "{asked[-1]}" is neither shortest nor margin, which are of the length; for an '
+            "aim of your own name what may change, for example --vary bimorph.length=14mm:22mm"
+        )
+    if options.model:
+        raise InputError("--model goes with --vary; the length for --aim shortest is found by tmm")
     try:
-        margin = float(options.margin)
+        margin = float(options.margin or "1")
     except ValueError:
         margin = math.nan
     if not math.isfinite(margin):
@@ -108,8 +195,8 @@ def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
         low, high = _two(options.band, "--band", "10:1000")
         first, last = parse_frequencies([low, high], f'--band = "{options.band}"')
         band = first, last
-    short, long = _two(options.lengths, "--lengths", "20mm:40mm")
-    return Aim(options.aim, margin, band, (_length(short), _length(long)), threshold)
+    short, long = _two(options.lengths or "20mm:40mm", "--lengths", "20mm:40mm")
+    return Aim(kinds[asked[0]], margin, band, (_length(short), _length(long)), threshold)
 
 
 def _two(text: str, option: str, example: str) -> tuple[str, str]:

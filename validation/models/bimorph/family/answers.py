@@ -10,7 +10,11 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Quantity
-from tactgen.validation.models.bimorph.family.solid_family import is_family_key, solid_family
+from tactgen.validation.models.bimorph.family.solid_family import (
+    Ranges,
+    is_family_key,
+    solid_family,
+)
 from tactgen.validation.models.bimorph.family.values import family_values, gives_family
 from tactgen.validation.scene.scene import Scene
 
@@ -21,9 +25,12 @@ def answer_family(
     scene: Scene,
     values: dict[str, Floats],
     quantities: Sequence[str],
+    ranges: Ranges,
     announce: Callable[[str], None] = lambda _: None,
 ) -> list[tuple[Quantity, ...]]:
     """Return the quantities of each scene that differs from `scene` in `values` (n,) each.
+
+    All of `ranges`, in which the values lie, is reduced.
 
     Raises
     ------
@@ -31,7 +38,6 @@ def answer_family(
         If a piece of the bimorph vanishes in some of them, or the bricks do not know it.
     """
     start = time.perf_counter()
-    ranges = {key: (float(at.min()), float(at.max())) for key, at in values.items()}
     family = solid_family(scene, ranges, quantities, announce)
     found = family_values(scene, family, values, quantities)
     count = next(iter(values.values())).size

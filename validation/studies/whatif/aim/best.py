@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,8 @@ from tactgen.validation.studies.whatif.aim.expression import (
     at_threshold,
     parse_aim,
 )
+from tactgen.validation.studies.whatif.answers import Answer
+from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import Study
 
 #: 97.5 % quantile of the normal distribution.
@@ -64,40 +66,52 @@ def parse_aims(texts: Sequence[str]) -> tuple[Aim, ...]:
     return aims
 
 
-def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
-    """Return what the aims say of every point, by every model that gives what they name.
+def judged(
+    number: int, answers: Mapping[str, Answer], aims: tuple[Aim, ...], felt: ThresholdCurve
+) -> list[Judged]:
+    """Return what the aims say of one point, by every model that gives what they name.
 
     If no single model does, the most detailed of each actuator together.
     """
-    judged = []
-    for number, answers in enumerate(study.answers):
-        known = {m: {q.name: q for q in a.quantities} for m, a in answers.items()}
-        together: dict[str, Any] = {}
-        for model in ranked(known):
-            together |= known[model]
-        wanted = {name for aim in aims for name in aim.quantities}
-        choices = {m: found for m, found in known.items() if wanted <= set(found)}
-        if not choices and wanted <= set(together):
-            choices = {" with ".join(known): together}
-        for models, found in choices.items():
-            needed = at_threshold({name: found[name] for name in wanted}, _felt(study, number))
-            margins = tuple(aim.margin_with_bar(needed) for aim in aims)
-            if all(math.isfinite(margin) for margin, _ in margins):
-                judged.append(Judged(number, models, margins))
+    known = {m: {q.name: q for q in a.quantities} for m, a in answers.items()}
+    together: dict[str, Any] = {}
+    for model in ranked(known):
+        together |= known[model]
+    wanted = {name for aim in aims for name in aim.quantities}
+    choices = {m: found for m, found in known.items() if wanted <= set(found)}
+    if not choices and wanted <= set(together):
+        choices = {" with ".join(known): together}
+    found = []
+    for models, given in choices.items():
+        needed = at_threshold({name: given[name] for name in wanted}, felt)
+        margins = tuple(aim.margin_with_bar(needed) for aim in aims)
+        if all(math.isfinite(margin) for margin, _ in margins):
+            found.append(Judged(number, models, margins))
+    return found
+
+
+def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
+    """Return what the aims say of every point, as :func:`judged`."""
+    every = [
+        one for number, answers in enumerate(study.answers)
+        for one in judged(
+            number, answers, aims, felt_at(study.statement, study.points[number])
+        )
+    ]  # fmt: skip
     conditions = [n for n, aim in enumerate(aims) if aim.kind == "condition"]
-    met = [j for j in judged if all(j.margins[n][0] >= 0.0 for n in conditions)]
+    met = [j for j in every if all(j.margins[n][0] >= 0.0 for n in conditions)]
     undecided = [
-        j for j in judged if any(abs(j.margins[n][0]) <= j.margins[n][1] for n in conditions)
+        j for j in every if any(abs(j.margins[n][0]) <= j.margins[n][1] for n in conditions)
     ]
     goals = [n for n, aim in enumerate(aims) if aim.kind == "goal"]
-    return Verdict(aims, tuple(judged), tuple(met), tuple(undecided), _best(met, goals, conditions))
+    return Verdict(aims, tuple(every), tuple(met), tuple(undecided), _best(met, goals, conditions))
 
 
-def _felt(study: Study, number: int) -> ThresholdCurve:
+def felt_at(statement: Statement, point: Mapping[str, Any]) -> ThresholdCurve:
     """Return the detection threshold of a point's scene."""
     group = f"{THRESHOLD}."
-    stated = dict(study.statement.values.get(THRESHOLD, {}))
-    for key, value in study.points[number].items():
+    stated = dict(statement.values.get(THRESHOLD, {}))
+    for key, value in point.items():
         if key.startswith(group):
             stated[key.removeprefix(group)] = value
     return threshold_of(Threshold(**stated))

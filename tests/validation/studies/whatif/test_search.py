@@ -1,0 +1,101 @@
+"""A bounded search over any keys: optima known otherwise, least changes, ends, a reduced basis."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.validation.command_line import cli
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.bimorph import solid
+from tactgen.validation.models.bimorph.family import solid_family
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.whatif import answers
+from tactgen.validation.studies.whatif.search.search import Range
+
+QUICK = (
+    BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+    BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+)
+LONG = "bimorph.length=10mm:20mm"
+
+
+def design(capsys, *arguments):
+    assert cli.main(["design", "prototype", *arguments, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def by_tmm(*sets, quantity):
+    return solve(load_scene("prototype", list(sets))[0], ("tmm",), (quantity,)).quantities[0].value
+
+
+def test_the_goal_ends_at_the_condition(capsys):
+    """Deflection rises and frequency falls with length, so the condition decides."""
+    found = design(capsys, "--vary", LONG, "--aim", "maximise static_tip_displacement",
+                   "--aim", "first(short_circuit_frequencies) >= 700 Hz")  # fmt: skip
+    assert found["met"]
+    assert found["ends"] == []
+    length = found["best"]["at"]["bimorph.length"]
+    own = by_tmm(f"bimorph.length={length!r} m", quantity="short_circuit_frequencies")[0]
+    # a hundred-thousandth of 10 mm, at 70 Hz/mm
+    assert 700.0 <= own <= 700.02
+
+
+@pytest.mark.heavy
+def test_two_keys_with_an_optimum_inside(capsys):
+    """The shim at which the deflection under an area of cross-section is largest."""
+    found = design(
+        capsys, "--vary", "bimorph.shim_thickness=0.05mm:0.4mm:log",
+        "--vary", "bimorph.piezo_thickness=0.1mm:0.4mm", "--aim", "maximise blocked_force",
+        "--aim", "static_tip_displacement >= 0.4 um", "--set", "frequency=1",
+    )  # fmt: skip
+    assert found["met"]
+    best = found["best"]
+    rng = np.random.default_rng(5)
+    for shim, piezo in rng.uniform([0.05, 0.1], [0.4, 0.4], (25, 2)):
+        sets = [f"bimorph.shim_thickness={shim} mm", f"bimorph.piezo_thickness={piezo} mm"]
+        if by_tmm(*sets, quantity="static_tip_displacement") >= 0.4e-6:
+            force = np.abs(by_tmm(*sets, "frequency=1", quantity="blocked_force"))[0]
+            assert force <= best["margins"][0] * (1.0 + 1e-6)
+
+
+def test_without_a_goal_the_least_change_is_found(capsys):
+    """The prototype has 782 Hz at 14 mm; 700 Hz or less is met from 15 mm on."""
+    found = design(capsys, "--vary", LONG, "--aim", "first(short_circuit_frequencies) <= 700 Hz")
+    assert found["present"]["at"]["bimorph.length"] == pytest.approx(14e-3)
+    assert 0.0 <= found["best"]["margins"][0] <= 0.02
+
+
+def test_what_cannot_be_met_is_said_with_what_comes_nearest(capsys):
+    assert cli.main(["design", "prototype", "--vary", LONG, "--aim",
+                     "first(short_circuit_frequencies) >= 5 kHz"]) == 0  # fmt: skip
+    out = capsys.readouterr().out
+    assert out.startswith("No point of the ranges meets all aims by tmm; this one comes nearest")
+    assert "bimorph.length = 10 mm" in out
+
+
+def test_the_solid_is_searched_on_one_reduced_basis(capsys, own_store, monkeypatch):
+    for module in (solid, solid_family):
+        monkeypatch.setattr(module, "LEVELS", QUICK)
+    monkeypatch.setattr(answers, "solve", lambda *_: pytest.fail("a point was solved alone"))
+    found = design(capsys, "--vary", LONG, "--model", "solid", "--aim", "capacitance_free <= 9 nF",
+                   "--set", "accuracy=0.1", "--set", "modes=1")  # fmt: skip
+    assert found["met"]
+    assert found["from_reduced_basis"] == found["points"]
+    assert found["best"]["margins"][0] <= 1e-13
+
+
+def test_the_normal_actuator_by_its_quick_model(capsys):
+    assert cli.main(["design", "reluctance", "--vary", "gap=0.1mm:0.4mm", "--aim",
+                     "magnetic_force >= 150 mN"]) == 0  # fmt: skip
+    out = capsys.readouterr().out
+    assert "by network:" in out
+    assert "gap = 0.1" in out
+
+
+def test_ends_of_a_range_are_exact():
+    by_ratio = Range("gap", 1e-4, 3e-3, logarithmic=True)
+    assert (by_ratio.at(0.0), by_ratio.at(1.0)) == (1e-4, 3e-3)
+    assert by_ratio.share(by_ratio.at(0.3)) == pytest.approx(0.3, abs=1e-12)
+    assert by_ratio.share(1.0) == 1.0
