@@ -11,7 +11,7 @@ from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.needs import NEEDS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.model import model_class
-from tactgen.validation.engine.stages import stage_key
+from tactgen.validation.engine.stages import stage_keys
 from tactgen.validation.scene.scene import Scene
 
 
@@ -71,11 +71,9 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
         for quantity in (q for q in quantities if gives(model, q)):
             for stage in MODELS[model].stages_for(QUANTITIES[quantity]):
                 reasons.setdefault(stage, []).append(quantity)
-    run = tuple(
-        Step(stage, "for " + _list(reasons[stage]), stage_key(stage, scene))
-        for stage in stage_reads()
-        if stage in reasons
-    )
+    stages = [stage for stage in stage_reads() if stage in reasons]
+    keys = stage_keys(stages, scene)
+    run = tuple(Step(stage, "for " + _list(reasons[stage]), keys[stage]) for stage in stages)
     skipped = tuple(
         Skip(stage, _why_not(stage, models)) for stage in stage_reads() if stage not in reasons
     )

@@ -104,11 +104,25 @@ def check_request(
     InputError
         If it cannot be answered, as :func:`solve`.
     """
+    warnings = request_warnings(scene, models, quantities)
+    return make_plan(scene, models, quantities), warnings
+
+
+def request_warnings(
+    scene: Scene, models: Sequence[str], quantities: Sequence[str]
+) -> tuple[str, ...]:
+    """Return what is to be warned of in a request before anything is computed.
+
+    Raises
+    ------
+    InputError
+        If it cannot be answered, whichever the models.
+    """
     check_held(scene, quantities)
     warnings = load_warnings(scene, quantities) + level_warnings(scene, quantities)
     warnings += held_warnings(scene, models) + field_warnings(scene, quantities)
     warnings += slenderness_warnings(scene, models)
-    return make_plan(scene, models, quantities), warnings
+    return warnings
 
 
 def evaluate(name: str, model: Model) -> Quantity:

@@ -85,13 +85,25 @@ class Stages:
 
 def stage_key(name: str, scene: Scene) -> str:
     """Return the stage's key: a hash of the scene values it reads."""
-    text = json.dumps([name, values_read(scene, stage_reads()[name])], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+    return stage_keys((name,), scene)[name]
+
+
+def stage_keys(names: Iterable[str], scene: Scene) -> dict[str, str]:
+    """Return the keys of stages by name."""
+    reads, values = stage_reads(), scene.model_dump(mode="json")
+    texts = {
+        name: json.dumps([name, _read(scene, values, reads[name])], sort_keys=True)
+        for name in names
+    }
+    return {name: hashlib.sha256(t.encode()).hexdigest()[:16] for name, t in texts.items()}
 
 
 def values_read(scene: Scene, keys: Iterable[str]) -> dict[str, Any]:
     """Return a scene's values by key or group, as plain values that a hash can be made of."""
-    values = scene.model_dump(mode="json")
+    return _read(scene, scene.model_dump(mode="json"), keys)
+
+
+def _read(scene: Scene, values: dict[str, Any], keys: Iterable[str]) -> dict[str, Any]:
     read: dict[str, Any] = {}
     for path in keys:
         value: Any = values

@@ -240,6 +240,14 @@ def checked_scene(values: dict[str, Any]) -> Scene:
     except ValidationError as error:
         raise InputError(sentence(error)) from None
     scene._tolerances = tolerances
+    check_together(scene)
+    if "models" not in values:
+        scene = scene.model_copy(update={"models": _able_models(scene)})
+    return scene
+
+
+def check_together(scene: Scene) -> None:
+    """Refuse values that do not fit together; InputError."""
     scene.piezo.ceramic().check_admissible()
     if set(scene.models) & set(models_of("bimorph")) or scene.support.kind == "rod":
         check_bimorph(scene.device, scene.support)
@@ -247,9 +255,6 @@ def checked_scene(values: dict[str, Any]) -> Scene:
     if scene.load.kind == "table":
         load_table(scene.load)
     threshold_of(scene.threshold)
-    if "models" not in values:
-        scene = scene.model_copy(update={"models": _able_models(scene)})
-    return scene
 
 
 def _point_from_scene(values: dict[str, Any], name: str) -> None:

@@ -12,8 +12,10 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.families import Box
 from tactgen.validation.engine.plan import check_models
-from tactgen.validation.scene.scene import checked_scene
+from tactgen.validation.scene.nearby import ScenesNearby
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.whatif.answers import Answer, Question, question, reason, recall
+from tactgen.validation.studies.whatif.asked.scene_field import as_stated
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.by_family import answers_by_family
 from tactgen.validation.studies.whatif.schedule import schedule
@@ -122,59 +124,55 @@ def answers_at(
         The range of the keys, if many more points of it will be asked; as of
         :func:`run_study` otherwise.
     """
-    asked = _questions(statement, points, announce)
+    nearby = {model: ScenesNearby(_values(statement, model)) for model in statement.models}
+    asked: dict[tuple[int, str], int | Answer] = {}
     # points that differ in what a model does not read ask it the same
     different: dict[int, Question] = {}
     place: dict[str, int] = {}
-    same: dict[tuple[int, str], int] = {}
-    for (number, model), found in asked.items():
-        if isinstance(found, Question):
-            text = repr((found.model, found.inputs))
-            same[number, model] = place.setdefault(text, len(place))
-            different.setdefault(same[number, model], found)
+    scenes: dict[int, Scene] = {}
+    first: dict[int, dict[str, Any]] = {}
+    for number, point in enumerate(points):
+        if number % 100 == 0:
+            announce(f"points checked: {number} of {len(points)}")
+        stated = {key: as_stated(key, value) for key, value in point.items()}
+        for model in statement.models:
+            try:
+                scene = nearby[model].scene(stated)
+                found = question(scene, model, statement.quantities)
+            except InputError as error:
+                asked[number, model] = Answer("refused", reason(error))
+                continue
+            n = place.setdefault(repr((found.model, found.inputs)), len(place))
+            asked[number, model] = n
+            if n not in different:
+                different[n], first[n] = found, stated
+                if MODELS[model].families:
+                    scenes[n] = scene
     answers = {n: kept for n, q in different.items() if (kept := recall(q, retry=retry))}
     old = len(answers)
-    jobs: dict[int, Job] = {}
-    for (number, model), n in same.items():
-        if n not in answers and n not in jobs:
-            jobs[n] = Job(n, different[n], _values(statement, points[number], model))
-    together = answers_by_family(list(jobs.values()), announce, box)
+    new = {n: q for n, q in different.items() if n not in answers}
+    together = answers_by_family(
+        {n: (q, scenes[n]) for n, q in new.items() if n in scenes}, announce, box
+    )
     answers.update(together)
-    rest = [job for n, job in jobs.items() if n not in together]
-    answers.update(_all_answers(rest, processes, announce, retry=retry))
+    jobs = [
+        Job(n, q, nearby[q.model].values(first[n])) for n, q in new.items() if n not in together
+    ]
+    answers.update(_all_answers(jobs, processes, announce, retry=retry))
     by_point: list[dict[str, Answer]] = [{} for _ in points]
     for (number, model), given in asked.items():
-        by_point[number][model] = (
-            given if isinstance(given, Answer) else answers[same[number, model]]
-        )
+        by_point[number][model] = given if isinstance(given, Answer) else answers[given]
     every = [found for each in by_point for found in each.values()]
     counts = Counts(
-        old, len(jobs), sum(a.status == "failed" for a in every),
+        old, len(new), sum(a.status == "failed" for a in every),
         sum(a.status == "refused" for a in every), len(together),
     )  # fmt: skip
     return tuple(by_point), counts
 
 
-def _questions(
-    statement: Statement, points: Sequence[dict[str, Any]], announce: Callable[[str], None]
-) -> dict[tuple[int, str], Question | Answer]:
-    """Return what each model is asked at each point, or why it cannot be asked."""
-    found: dict[tuple[int, str], Question | Answer] = {}
-    for number, point in enumerate(points):
-        if number % 100 == 0:
-            announce(f"points checked: {number} of {len(points)}")
-        for model in statement.models:
-            try:
-                scene = checked_scene(_values(statement, point, model))
-                found[number, model] = question(scene, model, statement.quantities)
-            except InputError as error:
-                found[number, model] = Answer("refused", reason(error))
-    return found
-
-
-def _values(statement: Statement, point: dict[str, Any], model: str) -> dict[str, Any]:
-    """Return the values of the scene that a model is asked about at a point."""
-    return {**statement.scene_at(point), "models": [model], "quantities": ["all"]}
+def _values(statement: Statement, model: str) -> dict[str, Any]:
+    """Return the values of the scene that a model is asked about, before the axes change it."""
+    return {**statement.values, "models": [model], "quantities": ["all"]}
 
 
 def _all_answers(

@@ -22,7 +22,7 @@ LONG = "bimorph.length=10mm:20mm"
 
 
 def design(capsys, *arguments):
-    assert cli.main(["design", "prototype", *arguments, "--json"]) == 0
+    assert cli.main(["design", "prototype", *arguments, "--set", "modes=1", "--json"]) == 0
     return json.loads(capsys.readouterr().out)
 
 
