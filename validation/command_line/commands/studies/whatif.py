@@ -15,7 +15,7 @@ from tactgen.validation.command_line.commands.common import Commands, warn
 from tactgen.validation.command_line.streams import say
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from tactgen.validation.studies.whatif.aim.best import Verdict
     from tactgen.validation.studies.whatif.aim.expression import Aim
@@ -60,7 +60,9 @@ def add(commands: Commands) -> None:
         help="which points are wanted, see below; may be repeated",
     )  # fmt: skip
     parser.add_argument("--plot", metavar="FILE.svg", help="draw it")
-    parser.add_argument("--out", metavar="STUDY", help="folder for study.nc and study.csv")
+    parser.add_argument(
+        "--out", metavar="STUDY", help="folder for study.nc, study.csv and study.html"
+    )
     parser.add_argument("--jobs", metavar="N", help="processes (default: as many as pay)")
     parser.add_argument(
         "--resume", action="store_true", help="go on with the study in --out, or let it grow"
@@ -116,7 +118,7 @@ def run(options: argparse.Namespace) -> int:
         study = run_study(statement, processes, announce, retry=options.retry)
         if folder is not None:
             announce("writing")
-            _write(folder, study)
+            _write(folder, study, announce)
         if options.plot:
             announce("drawing")
             _draw(Path(options.plot), study)
@@ -207,11 +209,15 @@ def _whole(text: str, option: str, least: int, most: int, example: str) -> int:
     return number
 
 
-def _write(folder: Path, study: Study) -> list[Path]:
+def _write(folder: Path, study: Study, announce: Callable[[str], None]) -> None:
     from tactgen.validation.studies.whatif.shown.netcdf import write_netcdf
+    from tactgen.validation.studies.whatif.shown.page import write_page
     from tactgen.validation.studies.whatif.shown.tidy import write_tidy
 
-    return [write_tidy(folder, study), write_netcdf(folder, study)]
+    write_tidy(folder, study)
+    write_netcdf(folder, study)
+    if any(answer.status == "ok" for _, _, answer in study.rows):
+        write_page(folder, study, announce)
 
 
 def _show(options: argparse.Namespace, study: Study, found: Verdict | None) -> None:

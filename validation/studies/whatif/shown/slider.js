@@ -1,0 +1,122 @@
+// Sliders over a study's axes: values with bars at the nearest baked point, and a curve with a band.
+(function () {
+  const data = JSON.parse(document.getElementById("study-data").textContent);
+  const box = document.getElementById("sliders"), answers = document.getElementById("answers");
+  const chosen = document.getElementById("quantity"), curve = document.getElementById("curve");
+  const now = data.axes.map((a) => (a.numeric ? a.values[Math.floor(a.values.length / 2)] : 0));
+  const colours = ["#0072b2", "#d55e00", "#009e73", "#e69f00", "#56b4e9", "#1d2733"];
+
+  const prefixes = { "-15": "f", "-12": "p", "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G" };
+  function scaled(size, unit) {
+    if (unit === "" || unit === "1" || !isFinite(size) || size === 0) return [1, unit === "1" ? "" : unit];
+    const e = Math.max(-15, Math.min(9, 3 * Math.floor(Math.log10(Math.abs(size)) / 3)));
+    return [10 ** -e, prefixes[e] + unit];
+  }
+  function withBar(value, bar, unit) {
+    if (value === null) return "no value";
+    const [factor, named] = scaled(value, unit);
+    if (!bar) return (value * factor).toPrecision(6) + " " + named;
+    if (bar < 1e-7 * Math.abs(value))
+      return (value * factor).toPrecision(7) + " " + named + " (±" + (bar / Math.abs(value)).toExponential(0) + " relative)";
+    const digits = Math.max(0, Math.min(12, 1 - Math.floor(Math.log10(bar * factor))));
+    return (value * factor).toFixed(digits) + " ± " + (bar * factor).toFixed(digits) + " " + named;
+  }
+  function nearest(values, at) {
+    let best = 0;
+    values.forEach((v, i) => { if (Math.abs(v - at) < Math.abs(values[best] - at)) best = i; });
+    return best;
+  }
+  // places along each axis of a model's grid, and the flat place of them; the last axis runs fastest
+  const places = (grid) => data.axes.map((a, n) => (a.numeric ? nearest(grid.axes[n], now[n]) : now[n]));
+  const flat = (grid, at) => at.reduce((sum, place, n) => sum * grid.axes[n].length + place, 0);
+
+  data.axes.forEach((axis, n) => {
+    const line = document.createElement("p"), label = document.createElement("label");
+    label.textContent = axis.key + " ";
+    if (axis.numeric) {
+      const input = document.createElement("input"), shown = document.createElement("output");
+      const low = Math.min(...axis.values), high = Math.max(...axis.values);
+      Object.assign(input, { type: "range", min: 0, max: 1000, value: 500, id: "slider-" + n });
+      now[n] = low + 0.5 * (high - low);
+      const say = () => {
+        const [factor, unit] = scaled(now[n], axis.unit);
+        shown.textContent = " " + (now[n] * factor).toPrecision(5) + " " + unit;
+      };
+      input.addEventListener("input", () => {
+        now[n] = low + (input.value / 1000) * (high - low);
+        say(); draw();
+      });
+      say(); label.append(input, shown);
+    } else {
+      const select = document.createElement("select");
+      axis.values.forEach((v, i) => select.add(new Option(v, i)));
+      select.addEventListener("change", () => { now[n] = Number(select.value); draw(); });
+      label.append(select);
+    }
+    line.append(label); box.append(line);
+  });
+  data.quantities.forEach((q, i) => chosen.add(new Option(q.label, i)));
+  chosen.addEventListener("change", draw);
+
+  function draw() {
+    const cell = (row, tag, text) => { const c = document.createElement(tag); c.textContent = text; row.append(c); };
+    answers.replaceChildren();
+    const head = answers.insertRow();
+    ["quantity", ...data.grids.map((g) => g.model)].forEach((text) => cell(head, "th", text));
+    data.quantities.forEach((q) => {
+      const row = answers.insertRow();
+      cell(row, "td", q.label);
+      data.grids.forEach((grid) => {
+        const of = grid.numbers[q.name], k = flat(grid, places(grid));
+        cell(row, "td", of ? withBar(of.value[k], of.bar[k], q.unit) : "-");
+      });
+    });
+    plot(data.quantities[Number(chosen.value) || 0]);
+  }
+
+  function plot(q) {
+    const along = data.axes.findIndex((a) => a.numeric), width = 900, height = 320, left = 90, bottom = 46;
+    const lines = data.grids.filter((g) => g.numbers[q.name]).map((grid) => {
+      const at = places(grid), of = grid.numbers[q.name];
+      return { model: grid.model, at: at[along], points: grid.axes[along].map((x, i) => {
+        const k = flat(grid, at.map((place, n) => (n === along ? i : place)));
+        return { x: x, y: of.value[k], bar: of.bar[k] || 0 };
+      }).filter((p) => p.y !== null) };
+    }).filter((line) => line.points.length);
+    const every = lines.flatMap((line) => line.points);
+    curve.replaceChildren();
+    if (!every.length) return;
+    const xs = every.map((p) => p.x), low = every.map((p) => p.y - p.bar), high = every.map((p) => p.y + p.bar);
+    const x0 = Math.min(...xs), x1 = Math.max(...xs);
+    let y0 = Math.min(...low), y1 = Math.max(...high);
+    if (y0 === y1) { y0 -= 0.5 * Math.abs(y0) || 1; y1 += 0.5 * Math.abs(y1) || 1; }
+    const px = (x) => left + ((x - x0) / (x1 - x0 || 1)) * (width - left - 20);
+    const py = (y) => height - bottom - ((y - y0) / (y1 - y0)) * (height - bottom - 40);
+    const add = (kind, set, text) => {
+      const made = document.createElementNS("http://www.w3.org/2000/svg", kind);
+      Object.entries(set).forEach(([name, value]) => made.setAttribute(name, value));
+      if (text) made.textContent = text;
+      curve.append(made);
+    };
+    const [fx, ux] = scaled(x1, data.axes[along].unit), [fy, uy] = scaled(Math.max(Math.abs(y0), Math.abs(y1)), q.unit);
+    for (let i = 0; i <= 4; i++) {
+      const x = x0 + (i / 4) * (x1 - x0), y = y0 + (i / 4) * (y1 - y0);
+      add("line", { x1: left, x2: width - 20, y1: py(y), y2: py(y), stroke: "#d8dfe6" });
+      add("text", { x: left - 8, y: py(y) + 4, "text-anchor": "end", "font-size": 13 }, (y * fy).toPrecision(4));
+      add("text", { x: px(x), y: height - bottom + 18, "text-anchor": "middle", "font-size": 13 }, (x * fx).toPrecision(4));
+    }
+    add("text", { x: (left + width) / 2, y: height - 6, "text-anchor": "middle", "font-size": 13 },
+      data.axes[along].key + (ux ? " (" + ux + ")" : ""));
+    add("text", { x: 8, y: 14, "font-size": 13 }, q.label + (uy ? " (" + uy + ")" : ""));
+    lines.forEach((line, n) => {
+      const colour = colours[n % colours.length], points = line.points;
+      const band = [...points.map((p) => [p.x, p.y + p.bar]), ...[...points].reverse().map((p) => [p.x, p.y - p.bar])];
+      add("polygon", { points: band.map(([x, y]) => px(x) + "," + py(y)).join(" "), fill: colour, opacity: 0.2 });
+      add("polyline", { points: points.map((p) => px(p.x) + "," + py(p.y)).join(" "), fill: "none", stroke: colour, "stroke-width": 1.8 });
+      const here = points[Math.min(line.at, points.length - 1)];
+      add("circle", { cx: px(here.x), cy: py(here.y), r: 5, fill: colour });
+      add("text", { x: width - 24 - 80 * (lines.length - 1 - n), y: 14, "text-anchor": "end", "font-size": 13, fill: colour }, line.model);
+    });
+  }
+  draw();
+})();
