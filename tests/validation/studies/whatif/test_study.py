@@ -196,7 +196,7 @@ def test_the_files_open_elsewhere(tmp_path, capsys):
         "--frequency", "10,500", "--out", out,
     )  # fmt: skip
     assert (code, sorted(p.name for p in out.iterdir())) == (
-        0, ["study.csv", "study.json", "study.nc"],
+        0, ["study.csv", "study.html", "study.json", "study.nc"],
     )  # fmt: skip
     assert "refused" in err
     with xarray.open_dataset(out / "study.nc") as data:
