@@ -51,9 +51,9 @@ def sector_mesh(device: Device, gap: float, sector: Sector) -> Mesh:
     """
     parts = actuator_regions(device, gap)
     graded = graded_grid(parts, OUTER_RADIUS, refinement=sector.refinement)
-    grid = replace(graded, z=_without_slivers(graded.z), velocity=np.zeros(0))
+    grid = replace(graded, z=without_slivers(graded.z), velocity=np.zeros(0))
     angles = np.linspace(0.0, 2.0 * np.pi / sector.copies, sector.layers + 1)
-    return swept_tetrahedra(grid.r, grid.z, angles, _labels(grid, gap), REGIONS)
+    return swept_tetrahedra(grid.r, grid.z, angles, cell_labels(grid, gap), REGIONS)
 
 
 def region_name(part: Region) -> str:
@@ -63,12 +63,13 @@ def region_name(part: Region) -> str:
     return "rod" if part.moves else "sleeve"
 
 
-def _without_slivers(lines: Floats) -> Floats:
+def without_slivers(lines: Floats) -> Floats:
+    """Return lines of which those that are nearly one are one."""
     apart = np.append(True, np.diff(lines) > _APART)
     return np.asarray(lines[apart])
 
 
-def _labels(grid: Grid, gap: float) -> Ints:
+def cell_labels(grid: Grid, gap: float) -> Ints:
     """Return the index into `REGIONS` of each cell of the half section."""
     r = 0.5 * (grid.r[1:] + grid.r[:-1])[:, None]
     z = 0.5 * (grid.z[1:] + grid.z[:-1])[None, :]

@@ -1,6 +1,7 @@
 """The quantities of the display, one row each.
 
-Read off MechanicalCrosstalk and Spread, on any model of the lateral actuator.
+Read off MechanicalCrosstalk and Spread, on any model of the lateral actuator, and NeighbourField,
+on models of the normal one.
 """
 
 from __future__ import annotations
@@ -17,6 +18,10 @@ def _moved(of: Callable[[Any], Any]) -> AnswerReadout:
 
 def _drawn(of: Callable[[Any], Any]) -> AnswerReadout:
     return AnswerReadout("spread", of)
+
+
+def _pulled(of: Callable[[Any], Any]) -> AnswerReadout:
+    return AnswerReadout("neighbours", of)
 
 
 ROWS = (
@@ -62,5 +67,25 @@ ROWS = (
         "tuning_range", "Hz",
         "what a grub screw can do to the nominal unit's first natural frequency, from end to end",
         _drawn(lambda units: units.reach()),
+    ),
+    QuantityRow(
+        "pull_all_driven", "N",
+        "pull of a unit in an endless array, every coil at display.coil_current, one polarity",
+        _pulled(lambda field: field.same),
+    ),
+    QuantityRow(
+        "pull_alternating", "N",
+        "the same with polarities that alternate as on a chessboard",
+        _pulled(lambda field: field.alternating),
+    ),
+    QuantityRow(
+        "magnetic_crosstalk", "N/A",
+        "change of a unit's pull per ampere in a nearest neighbour, all at display.coil_current",
+        _pulled(lambda field: field.per_neighbour()),
+    ),
+    QuantityRow(
+        "passive_pull", "N",
+        "pull of an undriven unit beside a single driven one, by the network alone",
+        _pulled(lambda field: field.passive),
     ),
 )  # fmt: skip

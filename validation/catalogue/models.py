@@ -128,6 +128,12 @@ _MAGNETIC_GIVES: Mapping[Need, tuple[str, ...]] = {
     "magnetic_point": ("point",), "magnetic_map": ("map", "switching"),
     "rest": ("map", "rest"),
 }  # fmt: skip
+_IN_ARRAY_GIVES: Mapping[Need, tuple[str, ...]] = {
+    **_MAGNETIC_GIVES, "neighbours": ("neighbours",),
+}  # fmt: skip
+#: One unit among others that are driven, too.
+_NEIGHBOURS = (*(key for key in _MAGNETIC if key != "coil.current"), "display.rows",
+               "display.columns", "display.pitch", "display.coil_current")  # fmt: skip
 _MAGNETIC_KEPT = ("point", "map", "switching", "rest")
 #: The mesher runs in a process that is started by its file.
 _MESHER = ("tactgen.geometry.meshing.tetwild",)
@@ -204,8 +210,11 @@ _ROWS = (
     ModelRow(
         "network", "lumped reluctance network with fringing, leakage and saturation", "reluctance",
         "tactgen.validation.models.reluctance.model", "NetworkModel", theory="circuit", rank=1,
-        stages={"point": _MAGNETIC, "map": _MAP, "switching": _MAP, "rest": _REST},
-        gives=_MAGNETIC_GIVES, quick=True, kept=_MAGNETIC_KEPT,
+        stages={
+            "point": _MAGNETIC, "map": _MAP, "switching": _MAP, "rest": _REST,
+            "neighbours": _NEIGHBOURS,
+        },
+        gives=_IN_ARRAY_GIVES, quick=True, kept=_MAGNETIC_KEPT,
     ),
     ModelRow(
         "axisymmetric", "nonlinear magnetic field in the half section, finite elements",
@@ -227,9 +236,10 @@ _ROWS = (
             "map": (*_MAP, "mesh.kind"),
             "switching": (*_MAP, "accuracy", "mesh.kind"),
             "rest": (*_REST, "accuracy", "mesh.kind"),
+            "neighbours": _NEIGHBOURS,
         },
-        gives=_MAGNETIC_GIVES, remedy="its finest mesh was used, so accept the bar",
-        kept=_MAGNETIC_KEPT, loads=_MESHER,
+        gives=_IN_ARRAY_GIVES, remedy="its finest mesh was used, so accept the bar",
+        kept=(*_MAGNETIC_KEPT, "neighbours"), loads=_MESHER,
     ),
 )  # fmt: skip
 

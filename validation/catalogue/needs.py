@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 Need = Literal[
     "static", "modes_short", "modes_open", "harmonic", "magnetic_point", "magnetic_map", "rest",
-    "small_signal", "machine_poles", "crosstalk", "spread", "load",
+    "small_signal", "machine_poles", "crosstalk", "spread", "neighbours", "load",
 ]  # fmt: skip
 #: The two, the machine that both make, and many of these side by side.
 Actuator = Literal["bimorph", "reluctance", "generator", "display"]
@@ -32,4 +32,5 @@ NEEDS: dict[Need, NeedRow] = {
     "machine_poles": NeedRow("generator", "the poles of the rod and its coil"),
     "crosstalk": NeedRow("display", "what one unit moves at the others"),
     "spread": NeedRow("display", "how far the units differ"),
+    "neighbours": NeedRow("display", "the field between neighbouring units"),
 }

@@ -132,6 +132,10 @@ class Display(Parameters):
         0.02, "assumed: loss factor of glass-fibre epoxy", "structural loss of board and spacers",
         (0.01, 0.04, "laminates"),
     )  # fmt: skip
+    coil_current: u.Current = printed(
+        50e-3, "paper section 2.2: holds the rod down", "in driven coils, where the field between "
+        "units is asked about", 0.5e-3, own=Own("current", 0.01),
+    )  # fmt: skip
 
 
 class Skin(Parameters):

@@ -12,6 +12,7 @@ from tactgen.validation.scene.scene import load_scene
 
 CROSSTALK = tuple(q for q in quantities_of("display") if q.startswith("crosstalk"))
 SPREAD = ("unit_frequencies", "frequency_spread", "screw_turns", "tuned_spread", "tuning_range")
+FIELD = ("pull_all_driven", "pull_alternating", "magnetic_crosstalk", "passive_pull")
 SMALL = ("display.rows=2", "display.columns=3", "frequency=10,100,430,1000")
 
 
@@ -88,11 +89,30 @@ def test_equal_units_need_no_screw():
     assert other_seed["frequency_spread"].value > 1.0
 
 
+def test_pulls_and_crosstalk_hang_together():
+    """By the network: an eighth of their difference over the current."""
+    found = answers(FIELD, model="network")
+    same, alternating = (found[q].value for q in FIELD[:2])
+    assert found["magnetic_crosstalk"].value == pytest.approx((same - alternating) / (8.0 * 50e-3))
+    assert found["magnetic_crosstalk"].uncertainty < 0.01 * found["magnetic_crosstalk"].value
+
+
+@pytest.mark.heavy
+def test_the_field_bears_the_network_out():
+    """A third: the network knows no flux between a head and another's sleeve, nor how equal
+    neighbours press the field together."""
+    network, field = answers(FIELD, model="network"), answers(FIELD, model="magnetic3d")
+    for name in FIELD[:3]:
+        assert network[name].value == pytest.approx(field[name].value, rel=0.33), name
+        assert field[name].uncertainty < 0.07 * field[name].value
+    assert np.isnan(field["passive_pull"].value)
+
+
 def test_a_scene_of_one_bimorph_touches_no_display():
     """No stage of the display runs for it, and its keys are said to be idle."""
     scene, _ = load_scene("paper")
     stages = [step.stage for step in make_plan(scene, scene.models, scene.quantities).run]
-    assert not [stage for stage in stages if stage.endswith(("crosstalk", "spread"))]
+    assert not [stage for stage in stages if stage.endswith(("crosstalk", "spread", "neighbours"))]
     (sentence,) = scene_warnings(scene, {"display.pitch": "set on the command line"})
     assert "ask for one of the display" in sentence
 
@@ -108,5 +128,5 @@ def test_refusals(override, words):
     """Before anything is computed."""
     scene, _ = load_scene("display", [override])
     with pytest.raises(InputError) as refused:
-        make_plan(scene, ("tmm",), scene.quantities)
+        make_plan(scene, ("tmm",), CROSSTALK)
     assert all(word in str(refused.value) for word in words)

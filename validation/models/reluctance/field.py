@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -148,6 +148,11 @@ class Magnetic3dModel(_FieldModel):
             scene.accuracy,
             lambda fineness: solve_solid(scene.device, current, gap, Sector(fineness)),
         )
+
+    def _neighbours(self) -> Any:
+        from tactgen.validation.models.display.field import by_field
+
+        return by_field(self.scene)
 
     def _map(self) -> CoenergyMap:
         """Return the map, solved gap by gap: an interrupted one goes on where it was."""

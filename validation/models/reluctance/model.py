@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -27,10 +28,12 @@ from tactgen.validation.scene.files import leaves
 class MagneticModel(Model):
     """One model of the scene's normal actuator."""
 
-    def answer(self, need: Need) -> MagneticPoint | SwitchingCurrents | RestingState:
+    def answer(self, need: Need) -> Any:
         """Return what quantities with this need are read from."""
         if need == "rest":
             return self.rest()
+        if need == "neighbours":
+            return self.run("neighbours", self._neighbours)
         return self.point() if need == "magnetic_point" else self.switching()
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
@@ -48,6 +51,10 @@ class MagneticModel(Model):
     @abstractmethod
     def _map(self) -> CoenergyMap:
         """Return the co-energy map, solved anew."""
+
+    def _neighbours(self) -> Any:
+        """Return the field between units of the display, where the model gives it."""
+        raise NotImplementedError(f"{self.name} knows one actuator")
 
     def map(self) -> CoenergyMap:
         """Return the co-energy map over the stroke."""
@@ -115,6 +122,11 @@ class NetworkModel(MagneticModel):
             method=self._METHOD,
             beyond_table=iron_beyond_table(device, current, gap),
         )
+
+    def _neighbours(self) -> Any:
+        from tactgen.validation.models.display.field import by_network
+
+        return by_network(self.scene)
 
     def _map(self) -> CoenergyMap:
         from tactgen.tmm.reluctance.coenergy.fit import fit

@@ -1,0 +1,59 @@
+"""The network's estimate of the field between units: a permeance beside the working gap."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.device.parameters import Device, Display
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.display.field import beside, between_heads, network_forces
+from tactgen.tmm.reluctance.circuit import FULL, circuit
+from tactgen.tmm.reluctance.flux_ladder import solve
+from tactgen.tmm.reluctance.network import network_samples
+
+DEVICE, GAP, CURRENT = Device(), 0.2e-3, 0.05
+
+
+def test_far_apart_it_is_the_actuator_alone():
+    """The permeance falls as 1/ln(p): alternating nears the pull alone, which `same` always is."""
+    alone = network_samples(DEVICE, CURRENT, GAP).force[0, 0]
+    pulls = [
+        network_forces(DEVICE, Display(pitch=p), CURRENT, GAP) for p in (2.4e-3, 4.8e-3, 1.0, 1e9)
+    ]
+    assert all(pull.same == pytest.approx(alone, rel=1e-12) for pull in pulls)
+    alternating = [pull.alternating for pull in pulls]
+    assert alternating == sorted(alternating)
+    assert alternating[-1] < alone
+    assert 1.0 - alternating[-1] / alone < 0.1 * (1.0 - alternating[0] / alone)
+
+
+def test_two_cylinders():
+    """Nearly touching: µ0 π l sqrt(R / s), s the gap between them; far: µ0 π l / ln(p / R)."""
+    radius, length = DEVICE.rod.head_radius, DEVICE.rod.head_thickness
+    near = between_heads(DEVICE, 2.0 * radius + 1e-9)
+    assert near == pytest.approx(MU0 * math.pi * length * math.sqrt(radius / 1e-9), rel=1e-5)
+    far = between_heads(DEVICE, 1.0)
+    assert far == pytest.approx(MU0 * math.pi * length / math.log(1.0 / radius), rel=1e-5)
+    with pytest.raises(InputError, match=r"display\.pitch = 2\.2 mm lets heads"):
+        between_heads(DEVICE, 2.2e-3)
+
+
+def test_what_is_beside_the_gap_pulls_nothing_itself():
+    """The pull is the co-energy's slope by the gap, the permeance beside it held: 1e-4 by
+    central differences over a micrometre."""
+    step, over = 1e-6, 5e-8
+    at = np.array([GAP - step, GAP, GAP + step])
+    found = solve(beside(circuit(DEVICE, at, FULL, 20), over), np.array([CURRENT]))
+    slope = (found.coenergy[0, 2] - found.coenergy[0, 0]) / (2.0 * step)
+    assert -slope == pytest.approx(found.force[0, 1], rel=1e-4)
+
+
+def test_a_passive_neighbour_is_pulled_less():
+    """Of a unit alone there is none; where heads are far apart it vanishes."""
+    near = network_forces(DEVICE, Display(), CURRENT, GAP)
+    assert 0.0 < near.passive < 0.1 * near.same
+    assert network_forces(DEVICE, Display(pitch=1.0), CURRENT, GAP).passive < 0.1 * near.passive
+    assert network_forces(DEVICE, Display(rows=1, columns=1), CURRENT, GAP).passive == 0.0
+    assert network_forces(DEVICE, Display(), 0.0, GAP).passive == 0.0
