@@ -24,6 +24,12 @@ def _pulled(of: Callable[[Any], Any]) -> AnswerReadout:
     return AnswerReadout("neighbours", of)
 
 
+CROSSTALK_LARGEST = QuantityRow(
+    "crosstalk_largest", "",
+    "largest lateral motion of another tip over the driven one's, through board and skin",
+    _moved(lambda display: display.largest()),
+)  # fmt: skip
+
 ROWS = (
     QuantityRow(
         "crosstalk_beside", "",
@@ -35,11 +41,7 @@ ROWS = (
         "lateral motion of the next tip along y over the driven one's, through board and skin",
         _moved(lambda display: display.behind()),
     ),
-    QuantityRow(
-        "crosstalk_largest", "",
-        "largest lateral motion of another tip over the driven one's, through board and skin",
-        _moved(lambda display: display.largest()),
-    ),
+    CROSSTALK_LARGEST,
     QuantityRow(
         "crosstalk_by_board", "",
         "the same with no skin on the tips: what the upper board alone passes on",

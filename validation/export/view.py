@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
+from tactgen.validation.engine.plan import asks_display
 from tactgen.validation.export.targets import check_place
 from tactgen.validation.fields.gather import MAGNETIC, Request, default_models, gather, with_fields
 from tactgen.validation.fields.result import FieldResult, State
@@ -54,6 +55,10 @@ def view(
     """
     for kind, path in files.items():
         check_place(f"--{kind}", path, SUFFIXES[kind])
+    if asks_display(scene.quantities) and not look.models:
+        from tactgen.validation.export.display_view import view_display
+
+        return view_display(scene, files, announce)
     results = looked_at(scene, look, announce)
     pictured = results[0], _state(results[0], look), _shade(results[0], look)
     _check_films(files, pictured[1])

@@ -109,7 +109,9 @@ class Study:
     def normal(self) -> NormalActuator | None:
         """The normal actuator, if the scene asks for it; at the paper's current if it has none."""
         models = self.solution.models_of("reluctance")
-        if not models:
+        if not models or not any(
+            QUANTITIES[q.name].actuator == "reluctance" for q in self.solution.quantities
+        ):
             return None
         if self.scene.coil.current:
             return NormalActuator(self.solution, self.announce)
@@ -266,9 +268,15 @@ def _prepared(scene: Scene, quick: bool) -> Scene:
     """
     check_models(scene.models, scene.quantities)
     about = {QUANTITIES[name].actuator for name in scene.quantities}
-    if "generator" in about:
+    joined = about & {"generator", "display"}
+    if joined:
         about.add("bimorph")
-    models = tuple(name for name in scene.models if MODELS[name].actuator in about)
+    models = tuple(
+        name
+        for name in scene.models
+        if MODELS[name].actuator in about
+        or any(gives(name, q) for q in scene.quantities if QUANTITIES[q].actuator in joined)
+    )
     quantities = _quantities(models, about, quick=quick)
     if scene.support.kind == "contact" and not scene.coil.current:
         # without current a pull, an inductance say nothing: see Study.normal

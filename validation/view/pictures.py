@@ -5,13 +5,35 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.cad.solids import COLOURS
 from tactgen.geometry.cad.system_libraries import require_library
 from tactgen.geometry.meshing.mesh import Mesh
+
+
+class Assembled(Protocol):
+    """A part as triangles (mm) and the places at which it stands, (k, 3)."""
+
+    @property
+    def colour(self) -> tuple[float, float, float]:
+        """Red, green, blue."""
+
+    @property
+    def points(self) -> Floats:
+        """Corners (n, 3)."""
+
+    @property
+    def triangles(self) -> Ints:
+        """Of corners (m, 3)."""
+
+    @property
+    def places(self) -> Floats:
+        """Where its frame stands (k, 3)."""
+
 
 #: Direction from the object to the viewer.
 _VIEW = (3.0, -2.2, 1.1)
@@ -76,6 +98,33 @@ def _solids_picture(solids: dict[str, Any], height: float) -> bytes:
             surface = surface.clip(normal=(_VIEW[0], _VIEW[1], 0.0), origin=(0.0, 0.0, 0.0))
         plotter.add_mesh(surface, color=COLOURS[name], smooth_shading=False)
     return _shoot(plotter, height)
+
+
+def assembly_picture(parts: Sequence[Assembled], cut: float | None = None) -> bytes:
+    """Return a picture of parts that stand at several places; `cut` takes away what has x beyond.
+
+    Parameters
+    ----------
+    parts : sequence of Assembled
+        Triangles in mm with their places.
+    cut : float, optional
+        mm.
+    """
+    pv = off_screen()
+    plotter = _plotter(pv, 620, 620)
+    size = 0.0
+    for part in parts:
+        count, copies = len(part.points), len(part.places)
+        points = (part.places[:, None, :] + part.points[None]).reshape(-1, 3)
+        numbers = (part.triangles[None] + count * np.arange(copies)[:, None, None]).reshape(-1, 3)
+        faces = np.column_stack([np.full(len(numbers), 3), numbers])
+        surface = pv.PolyData(points, faces.ravel())
+        size = max(size, float(np.linalg.norm(np.ptp(points, axis=0))))
+        if cut is not None:
+            surface = surface.clip(normal=(1.0, 0.0, 0.0), origin=(cut, 0.0, 0.0))
+        if surface.n_cells:
+            plotter.add_mesh(surface, color=part.colour, smooth_shading=False)
+    return _shoot(plotter, 1.1 * size)
 
 
 def _grid(pv: Any, mesh: Mesh) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tactgen.validation.engine.origin import this_origin
+from tactgen.validation.engine.plan import asks_display
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import INVARIANT_TOLERANCE, Study
@@ -25,6 +26,10 @@ def sections(study: Study) -> tuple[Section, ...]:
         from tactgen.validation.report.sections.reluctance import NORMAL
 
         found += NORMAL
+    if asks_display(study.scene.quantities):
+        from tactgen.validation.report.sections.display import DISPLAY
+
+        found.append(DISPLAY)
     return (
         *found,
         Section("checks", "Checks of this scene", _checks),

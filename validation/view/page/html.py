@@ -48,22 +48,28 @@ def fragment(
 def assets() -> str:
     """Return script and style of the viewer, which a page needs once."""
     return (
-        f"<style>{_file('viewer.css')}</style>\n"
-        f"<script>{_file('three.min.js')}</script>\n<script>{_file('viewer.js')}</script>\n"
+        f"<style>{asset('viewer.css')}</style>\n"
+        f"<script>{asset('three.min.js')}</script>\n<script>{asset('viewer.js')}</script>\n"
     )
 
 
 def page(title: str, data: dict[str, Any], stills: Sequence[Still]) -> str:
     """Return a whole page with the viewer alone."""
+    head = (
+        f"{assets()}<style>html,body{{margin:0;height:100%}}.tv{{min-height:100%}}"
+        "@media (min-width:48.01rem){.tv{height:100vh;grid-template-rows:minmax(0,1fr)}}</style>\n"
+    )
+    return document(title, head, fragment(data, stills))
+
+
+def document(title: str, head: str, body: str) -> str:
+    """Return a whole page that loads nothing, with more of its own in head and body."""
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         '<meta name="color-scheme" content="light dark">\n'
-        f"<title>{html.escape(title)}</title>\n{assets()}"
-        "<style>html,body{margin:0;height:100%}.tv{min-height:100%}"
-        "@media (min-width:48.01rem){.tv{height:100vh;grid-template-rows:minmax(0,1fr)}}</style>\n"
-        f"</head>\n<body>\n{fragment(data, stills)}</body>\n</html>\n"
+        f"<title>{html.escape(title)}</title>\n{head}</head>\n<body>\n{body}</body>\n</html>\n"
     )
 
 
@@ -72,5 +78,6 @@ def inline(png: bytes) -> str:
     return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
 
 
-def _file(name: str) -> str:
+def asset(name: str) -> str:
+    """Return a script or style that lies beside this module."""
     return (resources.files("tactgen.validation.view.page") / name).read_text(encoding="utf-8")

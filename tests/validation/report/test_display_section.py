@@ -1,0 +1,64 @@
+"""The report's section about the display: all parts, numbers by their models, no number that is
+none; and its page and still."""
+
+import json
+import re
+
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.export.view import Look, view
+from tactgen.validation.report.page import templates
+from tactgen.validation.report.sections.contents import sections
+from tactgen.validation.report.sections.display import display_section
+from tactgen.validation.report.study import Study
+from tactgen.validation.scene.scene import load_scene
+
+SMALL = ("models=tmm,network", "frequency=10,100,439", "display.rows=1", "display.columns=2")
+
+
+@pytest.fixture(scope="module")
+def study():
+    scene, origins = load_scene("display", SMALL)
+    return Study(scene, origins, lambda _: None, quick=True)
+
+
+@pytest.mark.heavy
+def test_the_section_in_words(study):
+    """Parts, gaps, leads, neighbours and units, in one section before the checks."""
+    ids = [section.id for section in sections(study)]
+    assert ids.index("display") == ids.index("checks") - 1
+    shown = display_section(study)
+    html = templates().get_template("display.html").render(scene=study.scene, **shown)
+    text = re.sub(r"\s+", " ", re.sub(r"<svg.*?</svg>|<[^>]+>", " ", html, flags=re.DOTALL))
+    for wanted in (
+        "1 by 2 generators", "grub screw", "No two parts overlap", "All leads have room",
+        "magnetic crosstalk", "tuning range", "r1c2", "seed 1",
+    ):  # fmt: skip
+        assert wanted in text, wanted
+    assert "nan" not in text
+
+
+def test_the_study_of_a_display_leaves_the_normal_actuators_sections_out(study):
+    """The network is asked about neighbours only; what it says of them is there."""
+    assert study.normal is None
+    assert study.lateral
+    assert study.solution.get("magnetic_crosstalk", "network").value > 0.0
+
+
+def test_page_and_still(tmp_path):
+    """Each distinct part is in the page once, all units with their motions; no films."""
+    scene, _ = load_scene("display", SMALL)
+    files = {"out": tmp_path / "d.html", "png": tmp_path / "d.png"}
+    view(scene, Look(), files, lambda _: None)
+    text = files["out"].read_text(encoding="utf-8")
+    assert len(text) < 5_000_000
+    assert not re.search(r"(src|href)=\"http", text)
+    data = json.loads(re.search(r'id="td-data">(.*?)</script>', text, re.DOTALL)[1])
+    assert len(data["parts"]) == len({part["title"] for part in data["parts"]}) == 16
+    assert [len(p["places"]) for p in data["parts"] if p["moves"]] == [2, 2, 2]
+    assert [len(row) for row in data["motions"]] == [2, 2, 2]
+    assert data["units"] == ["r1c1", "r1c2"]
+    assert files["png"].read_bytes().startswith(b"\x89PNG")
+    with pytest.raises(InputError, match="not there for the display"):
+        view(scene, Look(), {"gif": tmp_path / "d.gif"}, lambda _: None)
