@@ -104,8 +104,8 @@ def _each_once():
 @pytest.mark.usefixtures("own_store")
 def test_what_ran_is_what_was_planned(model, quantity):
     """For every quantity: executed stages = planned stages."""
-    machine = QUANTITIES[quantity].actuator == "generator"
-    support = ["support.kind=contact"] if machine else []
+    machine = QUANTITIES[quantity].actuator in ("generator", "display")
+    support = ["support.kind=contact", "display.rows=1"] if machine else []
     scene, _ = load_scene("prototype", ["frequency=100,500", *support])
     solution = solve(scene, (model,), (quantity,))
     assert set(solution.stages.seconds) == set(solution.plan.keys)
