@@ -25,25 +25,25 @@ def _pulled(of: Callable[[Any], Any]) -> AnswerReadout:
 
 
 CROSSTALK_LARGEST = QuantityRow(
-    "crosstalk_largest", "",
+    "crosstalk_largest", "1",
     "largest lateral motion of another tip over the driven one's, through board and skin",
     _moved(lambda display: display.largest()),
 )  # fmt: skip
 
 ROWS = (
     QuantityRow(
-        "crosstalk_beside", "",
+        "crosstalk_beside", "1",
         "lateral motion of the next tip along x over the driven one's, through board and skin",
         _moved(lambda display: display.beside()),
     ),
     QuantityRow(
-        "crosstalk_behind", "",
+        "crosstalk_behind", "1",
         "lateral motion of the next tip along y over the driven one's, through board and skin",
         _moved(lambda display: display.behind()),
     ),
     CROSSTALK_LARGEST,
     QuantityRow(
-        "crosstalk_by_board", "",
+        "crosstalk_by_board", "1",
         "the same with no skin on the tips: what the upper board alone passes on",
         _moved(lambda display: display.by_board()),
     ),
@@ -57,7 +57,7 @@ ROWS = (
         _drawn(lambda units: units.apart()),
     ),
     QuantityRow(
-        "screw_turns", "",
+        "screw_turns", "1",
         "turns of each unit's grub screw that bring it to the units' median, positive tightens",
         _drawn(lambda units: units.screws()),
     ),

@@ -149,7 +149,7 @@ _SOLID_STAGES: Mapping[str, tuple[str, ...]] = {
     "modes_open": (*_SOLID, *_FIXED, "modes"),
     "ports": (*_SOLID, "frequency"),
     "machine": _MACHINE,
-    "crosstalk": _CROSSTALK,
+    "crosstalk": (*_SOLID, *_CROSSTALK),
 }
 _SOLID_GIVES: Mapping[Need, tuple[str, ...]] = {
     "static": ("mesh", "assembly", "static"),
