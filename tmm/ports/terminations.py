@@ -12,6 +12,7 @@ import numpy as np
 from tactgen.geometry.arrays import Bools, Complex, Floats
 from tactgen.geometry.bimorph.ends import Ends, Law, Springs, TipLoad
 from tactgen.geometry.device.parameters import Load, Support
+from tactgen.tmm.ports.loads.skin_pad import SkinPad
 from tactgen.tmm.ports.loads.tabulated import measured_law, outside
 from tactgen.tmm.ports.multiport import Multiport, hold, terminate
 
@@ -90,11 +91,24 @@ def ends_of(support: Support, load: Load) -> Ends:
         return Ends(base, finger_stiffness)
     if load.kind == "table":
         return Ends(base, measured_law(load))
+    if load.kind == "pad":
+        return Ends(base, _pad(load))
     if load.kind == "mass":
         return Ends(base, TipLoad(mass=load.mass))
     if load.kind == "spring_damper":
         return Ends(base, TipLoad(load.stiffness, load.damping))
     return Ends(base)
+
+
+def _pad(load: Load) -> SkinPad:
+    return SkinPad(
+        load.pad_modulus,
+        load.pad_loss_factor,
+        load.pad_thickness,
+        load.pad_radius,
+        load.pad_weight,
+        load.pad_backing,
+    )
 
 
 def base_stiffness(base: Springs, frequencies: Floats) -> tuple[Complex, Complex]:

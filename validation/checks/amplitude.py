@@ -179,5 +179,30 @@ _PAPER: tuple[Check, ...] = (
     ),
 )  # fmt: skip
 
+#: The same with what was on the tip: 50 g on imitation skin, a sixteenth of it on each tip.  No
+#: number of the pad was fitted to these measurements.
+_ON_SKIN: tuple[Check, ...] = tuple(
+    Check(
+        f"ROCK-{number}", "validation",
+        f"On imitation skin under 50 g at 50 V, {state}: the {extreme} deflection from 10 to 1000 "
+        "Hz.",
+        reference, "m", f"{_FIG_15} {side}", 0.02, "three printed digits and the plot's width",
+        partial(m.extreme_deflection, state, extreme, "pad"), heavy=True,
+        explained=f"{why}; the rubber is assumed, and the paper measured below the finger's "
+        "support plate, not at the tip",
+        known=known,
+    )
+    for number, state, extreme, reference, side, why, known in (
+        (16, _UP, "largest", 24.8e-6, "left",
+         "the head, half lifted off, resonates near 730 Hz; its losses there are not known", 0.583),
+        (17, _UP, "smallest", 3.1e-6, "left",
+         "the model passes a minimum near 380 Hz that losses of the head would fill", -0.8887),
+        (18, _HELD, "largest", 72.4e-6, "right",
+         "a rocking head has not the resonance near 1 kHz of a linear contact (PAD-4)", -0.549),
+        (19, _HELD, "smallest", 13.6e-6, "right",
+         "the model passes a minimum near 925 Hz", -0.6054),
+    )
+)  # fmt: skip
+
 #: Every row about amplitudes.
-AMPLITUDE_CHECKS: tuple[Check, ...] = (*_SOLVER, *_PAPER)
+AMPLITUDE_CHECKS: tuple[Check, ...] = (*_SOLVER, *_PAPER, *_ON_SKIN)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from tactgen.validation.checks import bimorph_measurements as m
+from tactgen.validation.checks.pad import PAD_CHECKS
 from tactgen.validation.checks.row import Check
 
 #: What the bridge follows, by the rung's attribute.
@@ -175,7 +176,8 @@ CHECKS: tuple[Check, ...] = (
         "falls follows from its start near the simulated 45 um and the span of 13.6 to 72.4 um, "
         "which a rising line of this slope would leave",
         m.paper_slope, scene="paper",
-        explained="another load, 50 g on skin imitation in place of a finger at 2.5 g",
+        explained="another load, 50 g on skin imitation in place of a finger at 2.5 g: rows PAD-1 "
+        "to PAD-6 have that one",
         known=0.1017,
     ),
     Check(
@@ -184,7 +186,7 @@ CHECKS: tuple[Check, ...] = (
         8.0, "V", "paper section 6, Fig 17", 0.1, _PRINT, m.threshold_voltage_start, scene="paper",
         explained="not settled: no constant factor mends this row and PAP-4 together, and at this "
         "voltage a rocking head is still linear. A finger pressed with 50 g resists more than the "
-        "one of 2.5 g that was measured",
+        "one of 2.5 g that was measured, unless all sixteen tips share it: then each bears 3.1 g",
         known=-0.7245,
     ),
     Check(
@@ -194,4 +196,5 @@ CHECKS: tuple[Check, ...] = (
         explained="as PAP-7",
         known=-0.8444,
     ),
+    *PAD_CHECKS,
 )  # fmt: skip

@@ -202,6 +202,7 @@ class Study:
             "mass": "with the tip mass",
             "spring_damper": "on spring and damper",
             "table": "under the measured load",
+            "pad": "under imitation skin and its weight",
         }
         kind = self.scene.load.kind
         other = "none" if kind != "none" else "finger"

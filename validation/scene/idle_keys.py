@@ -175,6 +175,7 @@ def _idle(scene: Scene, key: str) -> str:
         **dict.fromkeys(("load.stiffness", "load.damping"), "spring_damper"),
         "load.mass": "mass",
         **dict.fromkeys(("load.file", "load.extrapolation"), "table"),
+        **dict.fromkeys((f"load.{k}" for k in p.Load.model_fields if k.startswith("pad_")), "pad"),
     }.get(key)
     if needed and scene.load.kind != needed:
         return f'with load.kind = "{scene.load.kind}"; set load.kind = "{needed}" to use it'

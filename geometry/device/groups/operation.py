@@ -34,10 +34,11 @@ class Support(Parameters):
 class Load(Parameters):
     """What the tip pushes against."""
 
-    kind: Literal["none", "finger", "mass", "spring_damper", "table"] = field(
+    kind: Literal["none", "finger", "mass", "spring_damper", "table", "pad"] = field(
         "finger",
         "paper section 3",
-        "free tip, the paper's finger (eqs 1-5), lumped elements, or a measured table",
+        "free tip, the paper's finger (eqs 1-5), lumped elements, a measured table, or imitation "
+        "skin with a weight on it",
     )
     mass: u.Mass = field(0.0, "not in the paper", "tip mass, used by kind mass")
     stiffness: u.LateralStiffness = field(0.0, "not in the paper", "used by kind spring_damper")
@@ -56,6 +57,43 @@ class Load(Parameters):
         "not in the paper",
         "used by kind table: refuse frequencies outside it, or let springs, dampers and masses "
         "fitted to it answer, up to a factor of 3 beyond it",
+    )
+
+    pad_modulus: u.Modulus = field(
+        0.25e6,
+        "assumed: soft rubber, Shore A 20 by Gent (1958); the paper says rubber of a crash dummy",
+        "used by kind pad: shear modulus at 100 Hz",
+        (0.05e6, 0.6e6, "assumed: from gels to Shore A 40"),
+    )
+    pad_loss_factor: u.LossTangent = field(
+        0.3,
+        "assumed: soft vinyl or rubber",
+        "used by kind pad: loss factor of its modulus, the same at all frequencies",
+        (0.1, 0.6, "assumed: from silicone to damping vinyl"),
+    )
+    pad_thickness: u.SmallLength = field(
+        5e-3,
+        "assumed: a dummy's skin",
+        "used by kind pad: of the sheet",
+        (2e-3, 10e-3, "assumed: dummies' skins"),
+    )
+    pad_radius: u.SmallLength = field(
+        0.618e-3,
+        "paper section 2.1: a disc as large as its 0.8 mm x 1.5 mm contact",
+        "used by kind pad: radius of the contact",
+        (0.55e-3, 0.72e-3, "assumed: up to the bimorph's whole end face, 0.77 mm x 2.1 mm"),
+    )
+    pad_weight: u.Mass = field(
+        50e-3,
+        "paper section 2.2",
+        "used by kind pad: mass that rests on it",
+        (49.5e-3, 50.5e-3, "assumed: a weight to its printed digits"),
+    )
+    pad_backing: u.LateralStiffness = field(
+        5e3,
+        "assumed: a square centimetre of the same sheet, held by support plate and other tips",
+        "used by kind pad: stiffness that holds sheet and weight sideways, at 100 Hz",
+        (1e3, 50e3, "assumed: from the other tips alone to the whole plate"),
     )
 
 

@@ -58,6 +58,15 @@ def test_force_and_power_follow_from_the_velocity(overrides):
         assert (relative[0] >= 1.5 * relative[1]).all()
 
 
+def test_every_model_takes_imitation_skin():
+    """The same load on the same theory by two ways of solving it."""
+    found = solved("load.kind=pad", models=("tmm", "beam"), quantities=("load_force",))
+    exact, elements = (found.get("load_force", model) for model in ("tmm", "beam"))
+    apart = np.abs(exact.value - elements.value)
+    assert (apart <= exact.uncertainty + elements.uncertainty).all()
+    assert found.warnings == ()
+
+
 def test_a_spring_takes_no_power():
     found = solved("load.kind=spring_damper", "load.stiffness=300N/m", quantities=("load_power",))
     np.testing.assert_array_equal(found.get("load_power", "tmm").value, 0.0)

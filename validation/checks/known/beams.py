@@ -15,6 +15,7 @@ from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.section.section import Section
 from tactgen.tmm.beam.section.tapered import segmented
 from tactgen.validation.checks.case import Answer, Case, case, nth
+from tactgen.validation.checks.known import short_beams
 
 #: Stiffness of a "rigid" support over EI/L³, and shear stiffness of a beam without shear over
 #: EI/L²: errors of their inverse.
@@ -273,4 +274,4 @@ _SMITS = case(
     ],
 )  # fmt: skip
 
-CASES: tuple[Case, ...] = (*_UNIFORM, _FV5, *_TAPERS, _SMITS)
+CASES: tuple[Case, ...] = (*_UNIFORM, _FV5, *_TAPERS, _SMITS, *short_beams.CASES)

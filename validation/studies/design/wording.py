@@ -14,6 +14,7 @@ LOADS = {
     "mass": "with the tip mass",
     "spring_damper": "on spring and damper",
     "table": "under the measured load",
+    "pad": "under imitation skin and its weight",
 }
 
 

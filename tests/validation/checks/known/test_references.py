@@ -33,6 +33,56 @@ def bimorph(thickness):
     return Laminate((low, high), 20e-3)
 
 
+def test_parabolic_height():
+    """VM148: ∫ F x²/(E I) dx with I = b h³/12 (x/L)^(3/2), which is 8 F L³/(E b h³)."""
+    exact = mp.quad(lambda x: 1000 * x**2 / (30e6 * 0.2 * 8 / 12 * (x / 4) ** 1.5), [0, 4])
+    assert references(beams, "VM148") == [pytest.approx(float(exact), rel=5e-4)]  # its digits
+
+
+def test_shear_beam():
+    """VM202: Blevins' formula with Cowper's factor; the third row is the misprint."""
+    speed = math.sqrt(20 * 1.27 / (48 + 39 * 0.27) * 200e9 / (2 * 1.27) / 7860)
+    first, second, printed = references(beams, "VM202")
+    assert [first, second] == pytest.approx([speed / 120, 3 * speed / 120], rel=3e-5)
+    assert printed != pytest.approx(3 * first, rel=5e-4)
+
+
+def test_two_layers():
+    """VM144: strip theory, [N, M] = [[A, B], [B, D]] [strain, curvature] about the lower face."""
+    edges, moduli, free = [0.0, 0.2, 0.3], [1.2e6, 0.4e6], [1.8e-2, 0.6e-2]
+    a, b, d = (
+        sum(m * (edges[i + 1] ** n - edges[i] ** n) / n for i, m in enumerate(moduli))
+        for n in (1, 2, 3)
+    )
+    force, moment = (
+        sum(m * s * (edges[i + 1] ** n - edges[i] ** n) / n for i, (m, s) in
+            enumerate(zip(moduli, free, strict=True)))
+        for n in (1, 2)
+    )  # fmt: skip
+    strain, curvature = np.linalg.solve([[a, b], [b, d]], [force, moment + 20.0])
+    upper, lower = 0.4e6 * (strain + 0.3 * curvature - 0.6e-2), 1.2e6 * (strain - 1.8e-2)
+    # half a unit of three digits
+    assert [-curvature * 32.0, upper, lower] == pytest.approx(
+        references(laminates, "VM144"), rel=6e-4
+    )
+
+
+def test_driven_deep_beam():
+    """NAFEMS 5H: the sum over a Timoshenko beam's modes is within 0.3 % of the printed peak."""
+    poisson, omega = 0.3, 2 * math.pi * 42.65
+    modulus = 200e9 * (1 + 0.04j)
+    shear = 10 * 1.3 / (12 + 11 * poisson) * modulus / 2.6 * 4.0
+    total = 0.0
+    for n in range(1, 60, 2):
+        k = n * math.pi / 10.0
+        turning = modulus * 16 / 12 * k**2 + shear - 8000 * 16 / 12 * omega**2
+        matrix = [[shear * k**2 - 32000 * omega**2, shear * k], [shear * k, turning]]
+        part = np.linalg.solve(np.array(matrix), [4e6 / (math.pi * n), 0.0])[0]
+        total += part * math.sin(n * math.pi / 2)
+    moved = references(beams, "P5H")[0]
+    assert abs(total) == pytest.approx(moved, rel=3e-3)  # NAFEMS damps each mode alike
+
+
 @pytest.mark.parametrize(("case", "thickness"), [("CYL1", 0.385e-3), ("CYL3", 2.5e-3)])
 def test_cylindrical_bending(case, thickness):
     """Frequencies by the state-space solution, thin and thick."""

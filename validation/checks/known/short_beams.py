@@ -1,0 +1,134 @@
+"""Beams whose answer rests on a taper, on shear alone, on unequal layers, or on damping."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from tactgen.fem.bimorph.system import Material
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.materials import isotropic_stiffness
+from tactgen.tmm.beam.lumped import lumped_model
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.section.tapered import segmented
+from tactgen.validation.checks.case import Answer, Case, case, nth
+from tactgen.validation.checks.cases.boxes import Box, Held, Load, Where, block, harmonic
+from tactgen.validation.checks.known.laminates import even
+
+#: Shear stiffness of a beam without shear over EI/L²; bending stiffness of one without bending
+#: over GA L².
+_NO_SHEAR, _NO_BENDING = 1e10, 1e3
+
+
+@cache
+def _parabolic(segments: int) -> float:
+    """Return the tip deflection (in) of VM148: 1000 lb at the tip, height 2 √(x/L) in."""
+    root, length = 30e6 * 0.2 * 2.0**3 / 12.0, 4.0
+
+    def at(share: float) -> Section:
+        stiffness = root * (1.0 - share) ** 1.5
+        return Section(stiffness, _NO_SHEAR * root / length**2, m=1.0, rhoI=0.0)
+
+    stiffness = lumped_model(segmented(at, length, segments)).stiffness.real[2:4, 2:4]
+    return float(np.linalg.solve(stiffness, [1000.0, 0.0])[0])
+
+
+@cache
+def _shear_beam() -> Floats:
+    """Return two frequencies (Hz) of VM202's tube, which shears and does not bend."""
+    length, side, wall, poisson = 30.0, 10.0, 0.1, 0.27
+    area, modulus = 4.0 * side * wall, 200e9 / (2.0 * (1.0 + poisson))
+    # Cowper's factor of a thin square tube
+    factor = 20.0 * (1.0 + poisson) / (48.0 + 39.0 * poisson)
+    shear = factor * modulus * area
+    beam = Section(_NO_BENDING * shear * length**2, shear, m=7860.0 * area, rhoI=0.0)
+    return bending_frequencies([(beam, length)], Ends(), 2, open_circuit=False)
+
+
+#: Share of critical damping of NAFEMS' test 5H, and the structural loss that is as large.
+_DAMPING = 0.02
+_PEAK = 42.65
+
+
+@cache
+def _deep_beam() -> Box:
+    """Return NAFEMS' beam of 2 x 2 x 10 m with its load of 1 MN/m, bent along x."""
+    c = (1.0 + 2j * _DAMPING) * isotropic_stiffness(200e9, 0.3)
+    axes = (even(2.0, 1, 4), even(2.0, 1, 4), even(10.0, 2, 6))
+    held = [Held(Where(z=at), ("x", "y")) for at in (0.0, 10.0)]
+    box = block(axes, Material(c, 8000.0), *held, Held(Where(z=5.0), ("z",)))
+    return Box(box.x, box.y, box.z, box.parts, box.held, loads=(Load(Where(x=2.0), "x", 5e5),))
+
+
+@cache
+def _deep_beam_at(frequency: float) -> float:
+    """Return the amplitude (m) of the beam's middle."""
+    return abs(harmonic(_deep_beam(), frequency).mean(Where(x=1.0, y=1.0, z=5.0), "x"))
+
+
+def _deep_beam_peak() -> float:
+    """Return where (Hz) a parabola through three squared inverse amplitudes has its least.
+
+    Of one mode the inverse amplitude squared is a parabola in ω², which over 1 % of it is one in ω.
+    """
+    at = _PEAK + np.array([-0.25, 0.0, 0.25])
+    inverse = [_deep_beam_at(float(f)) ** -2 for f in at]
+    a, b, _ = np.polyfit(at - _PEAK, inverse, 2)
+    return float(_PEAK - 0.5 * b / a)
+
+
+CASES: tuple[Case, ...] = (
+    case(
+        "VM148",
+        "Cantilever of parabolic height (ANSYS VM148)",
+        "4 in long, 0.2 in wide, 2 √(x/L) in high at x from its tip, E = 30e6 psi, 1000 lb at the "
+        "tip; no shear.",
+        model="lumped statics of a row of tapered segments",
+        source="ANSYS Verification Manual, VM148 (Timoshenko, Strength of Materials I): "
+        "8 F L³/(E b h³)",
+        tolerance=5e-4,
+        reason="half a unit of the last printed digit",
+        answers=[Answer("The tip deflects by 0.01067 in.", 0.01067, "in", lambda: _parabolic(32))],
+    ),
+    case(
+        "VM202",
+        "Tube that shears and does not bend (ANSYS VM202)",
+        "A square tube, side 10 m, wall 0.1 m, 30 m long, E = 200 GPa, ν = 0.27, 7860 kg/m³, held "
+        "at one end, its sections kept flat: two frequencies.",
+        model="transfer-matrix model with EI = 1000 GA L²",
+        source="ANSYS Verification Manual, VM202 (Blevins): (2i − 1)/(4L) √(κG/ρ), Cowper's κ",
+        tolerance=2e-4,
+        reason="the bending that is left with EI = 1000 GA L² takes 1e-4; stiffer rows cannot be "
+        "counted",
+        answers=[
+            Answer("The first frequency is 17.375 Hz.", 17.375, "Hz", nth(_shear_beam, 0)),
+            Answer("The second is three times as high.", 3.0 * 17.375, "Hz", nth(_shear_beam, 1)),
+            Answer(
+                "The second is printed as 52.176 Hz.", 52.176, "Hz", nth(_shear_beam, 1),
+                explained="a shear beam's frequencies are as 1 to 3, and so are not 17.375 and "
+                "52.176 Hz: the printed target is 0.1 % too high",
+                known=-1.04e-3,
+            ),
+        ],
+    ),
+    case(
+        "P5H",
+        "Deep beam driven in resonance (NAFEMS test 5H)",
+        "NAFEMS' beam of FV5, 2 x 2 x 10 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, its ends simply "
+        "supported, with 1 MN/m all along it and 2 % of critical damping (a loss factor of 4 %): "
+        "the peak in the middle.",
+        model="bricks of the model solid, 4 x 4 x 6 degrees, two along the beam",
+        source="NAFEMS R0016, test 5H",
+        answers=[
+            Answer("The middle moves by 13.45 mm.", 13.45e-3, "m", lambda: _deep_beam_at(_PEAK),
+                   1.2e-2,
+                   "a beam's Poisson effect is free, the solid's end faces keep their shape; the "
+                   "sum over a Timoshenko beam's modes is 13.486 mm"),
+            Answer("The peak is at 42.65 Hz.", 42.65, "Hz", _deep_beam_peak, 2e-3,
+                   "the solid's shear against that of NAFEMS' beam", heavy=True),
+        ],
+    ),
+)  # fmt: skip
