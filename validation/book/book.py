@@ -14,6 +14,7 @@ from tactgen.geometry.files import write_text
 from tactgen.validation.book.figures import convergence, scattered
 from tactgen.validation.book.sketch import sketched
 from tactgen.validation.book.statistics import Scatter, scatter
+from tactgen.validation.book.unanswered import UNANSWERED
 from tactgen.validation.checks.case import Case, Refinement
 from tactgen.validation.checks.stress.faults.run import kept_rows
 from tactgen.validation.checks.verification import Verified, remembered
@@ -78,6 +79,7 @@ def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], No
         "scatter_plot": scattered(scatters) if scatters else "",
         "provenance": _provenance(),
         "faults": kept_rows(),
+        "unanswered": UNANSWERED,
         "counts": {v: sum(r.verdict == v for r in rows) for v in _VERDICTS},
     }
     render = _environment()

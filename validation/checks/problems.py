@@ -61,6 +61,13 @@ PROBLEMS = {
         "cannot give is taken up by the rows ROCK.",
         "model tmm on the linear support",
     ),
+    ("bimorph", "PAD"): Problem(
+        "The lateral actuator on imitation skin under 50 g, as the paper measured it",
+        "The 20 mm bimorph on the rod's contact, linear, pushed up by the spring or held down by "
+        "50 mA, driven with 50 V from 10 to 1000 Hz; on its tip a rubber sheet under 50 g, a "
+        "sixteenth of which rests on it. No number of the sheet is fitted to the measurement.",
+        "model tmm on the contact, load.kind = pad",
+    ),
     ("reluctance", "COI"): Problem(
         "Two coaxial ring coils in air",
         "Mutual inductance and axial force of two coils of rectangular section on one axis, no "

@@ -17,6 +17,7 @@ from tactgen.fem.reluctance.axisymmetric.space import discretise
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid
 from tactgen.validation.checks.case import Answer, Case, Refinement, case
+from tactgen.validation.checks.known import ideal_gap
 
 _FIELD = "axisymmetric field, quadrilaterals of order 4 on a graded grid, walls far away"
 
@@ -208,4 +209,4 @@ _BROOKS = case(
     setup=_coil,
 )  # fmt: skip
 
-CASES: tuple[Case, ...] = (_LOOPS, _NAGAOKA, _VM168, _BROOKS)
+CASES: tuple[Case, ...] = (_LOOPS, _NAGAOKA, _VM168, _BROOKS, *ideal_gap.CASES)

@@ -20,6 +20,7 @@ from tactgen.validation.checks.cases.boxes import (
     natural_frequencies,
     statics,
 )
+from tactgen.validation.checks.known import seven_layers
 from tactgen.validation.checks.known.laminates import even
 
 _BRICKS = "bricks of the model solid"
@@ -222,4 +223,4 @@ _PLATES = (
     ),
 )  # fmt: skip
 
-CASES: tuple[Case, ...] = (_RUS, _TORSION, _VM61, *_PLATES)
+CASES: tuple[Case, ...] = (_RUS, _TORSION, _VM61, *_PLATES, *seven_layers.CASES)

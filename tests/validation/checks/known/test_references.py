@@ -1,5 +1,6 @@
 """The references of the cases, computed once more from their own formulas."""
 
+import itertools
 import math
 
 import mpmath as mp
@@ -65,6 +66,27 @@ def test_two_layers():
     assert [-curvature * 32.0, upper, lower] == pytest.approx(
         references(laminates, "VM144"), rel=6e-4
     )
+
+
+def test_seven_layers():
+    """NAFEMS R0031/1: laminate theory without shear is below the printed deflection, by shear."""
+    minor = 0.4 * 5 / 100
+    stiff, soft, coupled = (e * 1e9 / (1 - 0.4 * minor) for e in (100.0, 5.0, 2.0))
+    d = np.zeros((2, 2))
+    edges = np.cumsum([-0.5, 0.1, 0.1, 0.1, 0.4, 0.1, 0.1, 0.1]) * 1e-3
+    for i, (low, high) in enumerate(itertools.pairwise(edges)):
+        along, across = (stiff, soft) if i % 2 == 0 else (soft, stiff)
+        d += np.array([[along, coupled], [coupled, across]]) * (high**3 - low**3) / 3
+    # 10 N/mm on a span of 30 mm, free to curve across
+    bent = 1e4 * 30e-3**3 / 48 * np.linalg.inv(d)[0, 0]
+    assert 1.0 < -references(elastic, "R0031")[0] / bent < 1.1
+
+
+def test_ideal_gap():
+    """Pull k (g0 − g) balances most at g = 2/3 g0: I² = 8 k g0³ / (27 µ0 N² A)."""
+    current, travel = references(coils, "SNAP")
+    assert current**2 == pytest.approx(8 * 100 * 0.2e-3**3 / (27 * MU0 * 500**2 * 4e-6), rel=1e-8)
+    assert travel == pytest.approx(0.2e-3 / 3)
 
 
 def test_driven_deep_beam():

@@ -1,0 +1,49 @@
+"""Published answers without a case here, each with the reason: nobody need look twice."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Unanswered(NamedTuple):
+    """A problem with a known answer, and why nothing here is held against it."""
+
+    problem: str
+    why: str
+
+
+UNANSWERED: tuple[Unanswered, ...] = (
+    Unanswered(
+        "Flux densities of TEAM problem 20",
+        "they were measured at points and as means over parts of pole and yoke; here the force is "
+        "compared, of which all of them are a part",
+    ),
+    Unanswered(
+        "ANSYS VM190: magnetomotive force round a loop",
+        "the current that a loop encloses is put in, into the right side of one potential and the "
+        "source field of the other, so that its return tests nothing",
+    ),
+    Unanswered(
+        "ANSYS VM310: electrostatic pull-in",
+        "no model here has an electrostatic force; its magnetic twin is the case SNAP",
+    ),
+    Unanswered(
+        "Carter's factor of a slotted gap",
+        "it is a plane field; the magnetic models are the half section of a body of revolution, 3D "
+        "bodies of this actuator, and a network whose gaps have no slots",
+    ),
+    Unanswered(
+        "Shielding by a spherical shell; the field of a spheroid",
+        "the half section is divided by straight lines along and across the axis, and the curved "
+        "3D mesh is that of a full ball",
+    ),
+    Unanswered(
+        "ANSYS VM231: piezoelectric strip in pure bending",
+        "not stated yet; the free block and the driven laminates ask the same of the same bricks",
+    ),
+    Unanswered(
+        "Stresses of NAFEMS tests 5H and R0031/1, and of ANSYS VM174's large deflection",
+        "boxes give displacements, forces and charges; stresses are read off the model solid's own "
+        "bimorph only, and all models are linear",
+    ),
+)
