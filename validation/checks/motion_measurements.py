@@ -22,6 +22,8 @@ _ONE, _UNIT = np.ones(1), np.eye(1)
 #: Section 2 of the paper: the drives of Fig 16, until the rod is up again.
 SOURCES = Sources(Sine(10.0, 200.0), Square(0.12, 100.0))
 UNTIL = 7e-3
+#: Until every kind of phase has been there, from a moving start too (s).
+PERIOD_AND_HALF = 15e-3
 
 
 class _Inductor:
@@ -107,9 +109,42 @@ def paper_run() -> Simulation:
     return _scene_run(SOURCES, UNTIL, 0.05)
 
 
-def _scene_run(sources: Sources, until: float, accuracy: float) -> Simulation:
+def flight_to_contact() -> float:
+    """Return the largest lateral amplitude in flight over the smaller one on the two stops.
+
+    1 or more also where the tip moves more while the rod rises than while it falls.
+    """
+    found = _amplitudes()
+    if found["rising"] >= found["falling"]:
+        return found["rising"] / found["falling"]
+    return found["falling"] / min(found["held"], found["pressed"])
+
+
+def held_to_pressed() -> float:
+    """Return the lateral amplitude on the lower stop over that on the upper one."""
+    found = _amplitudes()
+    return found["held"] / found["pressed"]
+
+
+@lru_cache(maxsize=1)
+def _amplitudes() -> dict[str, float]:
+    """Return the largest lateral amplitude (m) of each kind of phase, under the finger."""
+    from tactgen.validation.models.generator.phases import phases
+
+    found = phases(_scene_run(SOURCES, PERIOD_AND_HALF, 0.02, "generator", ()))
+    names = {phase.name for phase in found}
+    return {name: max(p.amplitude for p in found if p.name == name) for name in names}
+
+
+def _scene_run(
+    sources: Sources,
+    until: float,
+    accuracy: float,
+    name: str = "paper",
+    overrides: tuple[str, ...] = ("load.kind=none",),
+) -> Simulation:
     from tactgen.validation.models.generator.transient import run_scene
     from tactgen.validation.scene.scene import load_scene
 
-    scene, _ = load_scene("paper", ["load.kind=none"])
+    scene, _ = load_scene(name, list(overrides))
     return run_scene(scene, sources, until, coil="current", accuracy=accuracy)
