@@ -70,7 +70,7 @@ assert first[1] > 1.2 * first[0]
 # and one frequency has several answers: what the paper's Fig 14 shows. No constant is fitted here.
 
 # %%
-curves = backbone(held_head(scene), [0.1, 1.0], (250.0, 600.0), lambda stage: None).curves
+curves = backbone(held_head(scene), [0.1, 1.0], (330.0, 500.0), lambda stage: None).curves
 figure, axis = plt.subplots(figsize=(7.0, 3.4))
 for curve in curves:
     velocity = 2.0 * np.pi * curve.frequencies * np.abs(curve.displacement)

@@ -137,13 +137,16 @@ class RoughContact:
     def _shape(self, tilt: Floats | float) -> tuple[Floats, Floats, Floats]:
         """Return S, S' and S'' at a = R ψ/u₀, each times e^{-|a|}.
 
-        By I_n/a = (I_{n-1} − I_{n+1})/(2n) nothing is divided by a, which may be 0.
+        A ring's S'' = I₀ − I₁/a loses no digits, and its two functions cost a tenth of the others.
+        A disc's differences would: by I_n/a = (I_{n-1} − I_{n+1})/(2n) it divides by no a.
         """
-        from scipy.special import ive
+        from scipy.special import i0e, i1e, ive
 
         a = self._relative(tilt)
-        i0, i1, i2, i3, i4 = (ive(n, a) for n in range(5))
         if self.shape == "ring":
-            return i0, i1, 0.5 * (i0 + i2)
+            value, slope = i0e(a), i1e(a)
+            upright = a == 0.0
+            return value, slope, value - np.where(upright, 0.5, slope / np.where(upright, 1.0, a))
+        i0, i1, i2, i3, i4 = (ive(n, a) for n in range(5))
         second = (i0 - i2) / 8.0 - (i2 - i4) / 24.0  # I₂/a²
         return i0 - i2, 0.5 * (i1 - i3), (i0 - i2) - 6.0 * second
