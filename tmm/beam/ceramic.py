@@ -22,6 +22,7 @@ from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.device.parameters import Beam, Device
 from tactgen.tmm.beam.section.section import section
+from tactgen.tmm.beam.transfer.timoshenko import wavenumbers
 from tactgen.tmm.beam.transfer.transfer_matrix import chain
 from tactgen.tmm.ports.multiport import Response
 from tactgen.tmm.ports.terminations import tip_stiffness
@@ -29,6 +30,9 @@ from tactgen.tmm.ports.terminations import tip_stiffness
 #: Heights at which the stress is looked for, as shares of the ceramic's length from its root: a
 #: mode of order n has its largest curvature within a tenth of a wave of one of them up to n = 5.
 _HEIGHTS = np.linspace(0.0, 0.95, 20)
+#: Where bending waves decay by more than this exponent along the ceramic, its root cannot be told
+#: from its tip: e^20 leaves seven of sixteen digits.
+_DECAY = 20.0
 
 
 @dataclass(frozen=True)
@@ -39,7 +43,7 @@ class DrivenCeramic:
     ----------
     stress : (n,) float
         Largest axial stress along the ceramic, at the faces of its layers (Pa/V); nan where the
-        layers are not plain and uniform.
+        layers are not plain and uniform, and where bending waves die out along the ceramic.
     field : float
         Field in a layer (1/m).
     current : (n,) float
@@ -82,6 +86,14 @@ def _stress(
     if key and key != "glue_thickness":
         return np.full(frequencies.shape, np.nan)
     cross = section(Piece("bimorph", b.length), device, beam, lossy=True)
+    known = wavenumbers(cross, b.length, 2.0 * np.pi * frequencies)[1] < _DECAY
+    if not known.all():
+        largest = np.full(frequencies.shape, np.nan)
+        if known.any():
+            motion = {name: values[known] for name, values in response.motion.items()}
+            part = Response(motion, response.effort)
+            largest[known] = _stress(device, beam, ends, frequencies[known], part, layer)
+        return largest
     modulus = (1.0 + 1j / device.piezo.quality_factor) / device.piezo.s11
     tip = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
     force = -tip_stiffness(ends.tip, frequencies) * tip[:, 0]

@@ -8,6 +8,7 @@ from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import ceramic
 from tactgen.tmm.beam.section.section import section
+from tactgen.tmm.beam.transfer.timoshenko import wavenumbers
 from tactgen.tmm.beam.transfer.transfer_matrix import multiport
 from tactgen.tmm.ports.multiport import in_series, respond, terminate
 from tactgen.tmm.ports.terminations import attach, tip_stiffness
@@ -79,3 +80,26 @@ def test_layers_that_are_not_plain_have_no_stress():
     """Unknown, not zero."""
     bare = DEVICE.model_copy(update={"bimorph": Bimorph(bare_below=1e-3)})
     assert np.isnan(driven(Ends(), device=bare).stress).all()
+
+
+def test_stress_is_unknown_where_waves_die_out_along_the_ceramic():
+    """A bimorph of 237 mm at 20 kHz: no guess, and no failure; at 100 Hz it is known."""
+    long = Device(bimorph=Bimorph(length=237e-3))
+    found = driven(Ends(), np.array([100.0, 20e3]), long).stress
+    assert found[0] > 0.0
+    assert np.isnan(found[1])
+
+
+def test_digits_hold_up_to_where_it_is_unknown():
+    """Just below the limit the moment at the root, from the tip alone, is the clamp's reaction."""
+    long = Device(bimorph=Bimorph(length=237e-3))
+    cross = section(Piece("bimorph", 237e-3), long, BEAM, lossy=True)
+    grid = np.geomspace(10.0, 20e3, 400)
+    decay = wavenumbers(cross, 237e-3, 2.0 * np.pi * grid)[1]
+    at = grid[decay < ceramic._DECAY][-1:]
+    port = multiport(long, Support(kind="clamped"), BEAM, at)
+    response = respond(port, {"w_base": 0.0, "psi_base": 0.0, "voltage": 1.0})
+    tip = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
+    found = ceramic._moment(port.stiffness, tip, np.zeros(1), 1.0)
+    # e^20 of rounding
+    np.testing.assert_allclose(found, -response.effort["psi_base"], rtol=1e-6)
