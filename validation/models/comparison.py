@@ -22,7 +22,7 @@ from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.bimorph.bridge import Rung
+    from tactgen.validation.models.bimorph.bridge.causes import Cause
 
 Verdict = Literal["reference", "agrees", "explained", "model form", "differs"]
 
@@ -41,7 +41,7 @@ _SHORTCUT = 0.01
 _SAME_THEORY = 1e-8
 
 _ONE_DIMENSIONAL = "one-dimensional: uniform field, no Poisson effect, no d32"
-_ON_ROD = "one-dimensional: head rigid around the slot, sections plane where tab and ceramic meet"
+_ON_ROD = "on the rod: head rigid around the slot, sections plane where tab and ceramic meet"
 _TUBES = (
     "flux runs in tubes of assumed shape; left out are the field outside the sleeve but for tubes "
     "that start on the head, the field below the flange, and the shaft between collar and head "
@@ -93,21 +93,21 @@ def compare(
     scene: Scene,
     quantities: Sequence[Quantity],
     actuator: Actuator,
-    rungs: Sequence[Rung] | None = None,
+    causes: Sequence[Cause] | None = None,
 ) -> list[ComparedRow]:
     """Compare all single numbers about an actuator with those of the most detailed model.
 
     Parameters
     ----------
-    rungs : sequence of Rung, optional
-        The bridge from TMM to the solid, which can explain a difference between them.
+    causes : sequence of Cause, optional
+        Why the beam is not the solid, each with its share, which can explain a difference.
     """
     rows = []
     for row in (QUANTITIES[name] for name in quantities_of(actuator)):
         by_model = {q.model: q for q in quantities if q.name == row.name}
         if by_model and not row.by_frequency and not _is_list(row, by_model.values()):
             found = [by_model[model] for model in ranked(tuple(by_model))]
-            cells = tuple(_cell(scene, row, q, found[-1], rungs) for q in found)
+            cells = tuple(_cell(scene, row, q, found[-1], causes) for q in found)
             rows.append(ComparedRow(row, cells))
     return rows
 
@@ -118,7 +118,7 @@ def _is_list(row: QuantityRow, found: Iterable[Quantity]) -> bool:
 
 
 def _cell(
-    scene: Scene, row: QuantityRow, q: Quantity, reference: Quantity, rungs: Sequence[Rung] | None
+    scene: Scene, row: QuantityRow, q: Quantity, reference: Quantity, causes: Sequence[Cause] | None
 ) -> Cell:
     (value, bar), (base, base_bar) = _first(q), _first(reference)
     difference = 0.0 if value == base else np.inf
@@ -132,7 +132,7 @@ def _cell(
         verdict = "reference"
     elif not covered:
         models = MODELS[q.model], MODELS[reference.model]
-        verdict, why = _judge(scene, row, models, difference, rungs)
+        verdict, why = _judge(scene, row, models, difference, causes)
     return Cell(q.model, value, bar, difference, verdict, why)
 
 
@@ -141,7 +141,7 @@ def _judge(
     row: QuantityRow,
     models: tuple[ModelRow, ModelRow],
     difference: float,
-    rungs: Sequence[Rung] | None,
+    causes: Sequence[Cause] | None,
 ) -> tuple[Verdict, str]:
     """Return the verdict on a difference that the error bars do not cover, and its reason."""
     model, reference = models
@@ -153,17 +153,26 @@ def _judge(
         return ("agrees", "") if agrees else ("differs", f"{_SAME_EQUATIONS}; not understood")
     if model.theory == "circuit":
         return "model form", _TUBES
-    reason = _ON_ROD if scene.support.kind == "rod" else _ONE_DIMENSIONAL
+    reason = _ONE_DIMENSIONAL
+    if scene.support.kind == "rod":
+        reason += f"; and {_ON_ROD}"
+    if causes is None or row.name not in _BRIDGED:
+        return "model form", f"{reason}; {shortcut}" if shortcut else reason
+    shares = {c.name: getattr(c.share, _BRIDGED[row.name]) for c in causes}
+    together = sum(shares.values())
+    left = (1.0 + difference) / (1.0 + together) - 1.0
+    named = ", ".join(f"{name} {_points(share)}" for name, share in shares.items())
+    reason = f"{named}: together {_points(together)} %, of {_points(difference)} %"
     if shortcut:
         reason += f"; {shortcut}"
-    if rungs is None or row.name not in _BRIDGED:
-        return "model form", reason
-    first, last = (getattr(rung, _BRIDGED[row.name]) for rung in (rungs[0], rungs[-1]))
-    left = (1.0 + difference) * last / first - 1.0
-    reason += f"; the bridge leaves {round(100.0 * left, 2) + 0.0:+.2f} %"
     if abs(left) > UNEXPLAINED + (_SHORTCUT if shortcut else 0.0):
-        return "differs", f"{reason} unexplained"
+        return "differs", f"{reason}; {_points(left)} % unexplained"
     return "explained", reason
+
+
+def _points(share: float) -> str:
+    """Return a fraction in percent, two decimals, without the sign of a nought."""
+    return f"{round(100.0 * share, 2) + 0.0:+.2f}"
 
 
 def _first(q: Quantity) -> tuple[float, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tempfile
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -20,6 +21,7 @@ from tactgen.validation.report.study import Study, check_report
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.browser import print_pdf
 from tactgen.validation.view.page.html import assets
+from tactgen.validation.view.pdf_pages import anchor_pages
 from tactgen.validation.view.templates import page_templates
 
 if TYPE_CHECKING:
@@ -57,6 +59,8 @@ def write_report(
 def print_report(browser: str, page: Path) -> Path:
     """Print a report to ``report.pdf`` beside it and return its path.
 
+    Twice: what page each section begins on, for the contents, is known of a printed one only.
+
     Raises
     ------
     InputError
@@ -65,9 +69,21 @@ def print_report(browser: str, page: Path) -> Path:
     target = page.with_name("report.pdf")
     with written_whole(target) as temporary:
         print_pdf(browser, page, temporary)
+        pages = anchor_pages(temporary.read_bytes())
+        with tempfile.TemporaryDirectory() as folder:
+            numbered = Path(folder) / page.name
+            numbered.write_text(_with_pages(page.read_text("utf-8"), pages), "utf-8")
+            print_pdf(browser, numbered, temporary)
     if page.name == PAGE and (page.parent / FILE).is_file():
         seal(page.parent, read_record(page.parent), (PAGE, target.name))
     return target
+
+
+def _with_pages(html: str, pages: dict[str, int]) -> str:
+    """Return the page with page numbers in its contents, where only print shows them."""
+    for name, number in pages.items():
+        html = html.replace(f'data-of="{name}"></span>', f'data-of="{name}">{number}</span>', 1)
+    return html
 
 
 def templates() -> Environment:

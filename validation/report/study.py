@@ -29,6 +29,8 @@ from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge import Rung
+    from tactgen.validation.models.bimorph.bridge.causes import Cause
+    from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
 
 #: Points of the frequency response in the report.
 _PLOT_POINTS = 400
@@ -148,9 +150,30 @@ class Study:
         return bridge(self.scene, self.announce, sections=not self.quick)
 
     @cached_property
+    def chain(self) -> GeneratorChain | None:
+        """The way from a clamp to the rod, where there is a solid and the rod takes it."""
+        if self.field is None or self.scene.piezo.d31 == 0.0:
+            return None
+        from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
+
+        return GeneratorChain(self.scene, self.announce)
+
+    @cached_property
+    def causes(self) -> list[Cause] | None:
+        """Why the beam's numbers are not the solid's; in the rod not in a quick report."""
+        from tactgen.validation.models.bimorph.bridge.causes import in_the_rod, on_a_clamp
+
+        if self.rungs:
+            return on_a_clamp(self.rungs)
+        bare = self.scene.load.kind in ("none", "finger")  # the chain's tip is free
+        if self.scene.support.kind != "rod" or self.quick or self.chain is None or not bare:
+            return None
+        return in_the_rod(self.chain, self.announce)
+
+    @cached_property
     def comparison(self) -> list[ComparedRow]:
         """All scalar quantities of the lateral actuator by all its models."""
-        return compare(self.scene, self.solution.quantities, "bimorph", self.rungs)
+        return compare(self.scene, self.solution.quantities, "bimorph", self.causes)
 
     @property
     def compared(self) -> list[ComparedRow]:

@@ -5,7 +5,12 @@ import pytest
 
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.engine.results import Quantity
-from tactgen.validation.models.comparison import compare
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.bimorph.bridge import Rung, bridge
+from tactgen.validation.models.bimorph.bridge.causes import in_the_rod, on_a_clamp, total
+from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
+from tactgen.validation.models.bimorph.bridge.rung import Values
+from tactgen.validation.models.comparison import _BRIDGED, compare
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -44,3 +49,79 @@ def test_both_bars_cover_or_the_models_differ(bar, reference_bar, expected):
 def test_one_theory_leaves_nothing_to_explain(off, expected):
     """Transfer matrices and beam elements solve one equation: 1e-8, or something is wrong."""
     assert verdict("tmm", 1.0 + off, 0.0, "beam") == expected
+
+
+#: Own layers: a brass shim and a soft ceramic of the trade.
+OWN = (
+    "bimorph.length=18mm", "bimorph.piezo_thickness=0.2mm", "bimorph.shim_thickness=0.1mm",
+    "piezo.material=PZT-5H", "shim.material=brass", "drive.voltage=40V", "load.kind=none",
+)  # fmt: skip
+
+
+def rung(name, *values):
+    return Rung(name, "", Values(*values))
+
+
+def test_causes_add_up_to_the_difference():
+    """Each cause's share of (beam / solid − 1), and their sum is all of it, to rounding."""
+    rungs = [
+        rung("TMM", 1.0, 500.0, 2.0),
+        rung("field", 0.98, 505.0, 1.95),
+        rung("d32", 0.9, 510.0, 1.8),
+    ]
+    causes = on_a_clamp(rungs)
+    assert [c.name for c in causes] == ["field", "d32"]
+    whole = [a / b - 1.0 for a, b in zip(rungs[0].values, rungs[-1].values, strict=True)]
+    assert total(causes) == pytest.approx(whole, rel=1e-13)
+    assert causes[0].share.deflection == pytest.approx(0.02 / 0.9)
+
+
+def compared(scene, causes, models):
+    """Return the cells of the three values that a bridge follows, by quantity."""
+    solution = solve(scene, models)
+    rows = compare(scene, solution.quantities, LATERAL, causes)
+    wanted = ("deflection", "first_frequency", "capacitance")
+    names = [name for name, attribute in _BRIDGED.items() if attribute in wanted]
+    return {row.quantity: row for row in rows if row.quantity in names}
+
+
+@pytest.mark.heavy
+def test_named_causes_are_the_difference_of_ones_own_device():
+    """Brass, PZT-5H, 18 mm on a clamp: the shares add up to tmm against solid within the bars."""
+    scene, _ = load_scene("paper", [*OWN, "support.kind=clamped", "mesh.level=2"])
+    causes = on_a_clamp(bridge(scene, lambda _: None, sections=False))
+    summed = total(causes)
+    for name, row in compared(scene, causes, ("tmm", "solid")).items():
+        beam, solid = row.cells
+        # what the solid's own bar allows, and the bridge's coarser bricks the same again
+        allowed = 2.0 * solid.uncertainty / abs(solid.value)
+        assert getattr(summed, _BRIDGED[name]) == pytest.approx(beam.difference, abs=allowed)
+        assert beam.verdict == "explained"
+        for said in ("field varies", "d32", "Poisson's effect", "together"):
+            assert said in beam.why
+
+
+@pytest.mark.heavy
+def test_named_causes_add_up_in_the_rod():
+    """The same bimorph in the rod: what holds it comes besides, and replaces nothing."""
+    scene, _ = load_scene("bimorph_on_rod", [*OWN, "accuracy=3e-3"])
+    causes = in_the_rod(GeneratorChain(scene, lambda _: None), lambda _: None)
+    summed = total(causes)
+    for name, row in compared(scene, causes, ("tmm", "cad")).items():
+        beam, cad = row.cells
+        allowed = 2.0 * cad.uncertainty / abs(cad.value)
+        assert getattr(summed, _BRIDGED[name]) == pytest.approx(beam.difference, abs=allowed)
+        for said in ("field varies", "Poisson's effect", "the shim alone clamped", "elastic rod"):
+            assert said in beam.why
+
+
+def test_on_the_rod_no_cause_replaces_another():
+    """Without numbers both kinds are named."""
+    scene, _ = load_scene("bimorph_on_rod", list(OWN))
+    found = [
+        Quantity("capacitance_free", m, np.asarray(v), "F", np.asarray(0.0), "", 0.0)
+        for m, v in (("tmm", 1.1), ("cad", 1.0))
+    ]
+    (row,) = compare(scene, found, LATERAL)
+    for said in ("no d32", "no Poisson effect", "uniform field", "head rigid around the slot"):
+        assert said in row.cells[0].why

@@ -27,7 +27,7 @@ def test_report_is_complete_and_self_contained(tmp_path, run_elsewhere):
     html, steps = make(tmp_path, "j1", "mesh.level=1")
     assert re.findall(r'<h2 id="(\w+)">', html) == [
         "what", "models", "modes", "bridge", "response", "drive_limits", "length",
-        "uncertainty", "stress", "checks", "credibility", "parameters", "plan",
+        "uncertainty", "checks", "credibility", "parameters", "plan",
     ]  # fmt: skip
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert "@import" not in html
@@ -55,7 +55,7 @@ def test_report_without_the_solid_says_so(tmp_path):
     html, steps = make(tmp_path, "prototype", "models=lumped,tmm")
     assert re.findall(r'<h2 id="(\w+)">', html) == [
         "what", "models", "modes", "bridge", "response", "drive_limits", "length", "voltage",
-        "uncertainty", "stress", "checks", "audit", "credibility", "parameters", "plan",
+        "uncertainty", "checks", "audit", "credibility", "parameters", "plan",
     ]  # fmt: skip
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert "The solid model was not asked for" in html
@@ -121,15 +121,31 @@ def test_printing_without_a_browser_is_refused_before_any_work(tmp_path, monkeyp
 
 
 def test_a_page_prints_with_numbered_pages(tmp_path):
-    """Chromium makes a PDF of what the template's style says, two pages of it."""
-    from tactgen.validation.report.page import print_report
-    from tactgen.validation.view.browser import find_browser
+    """Chromium makes a PDF of two pages; where anchors stand in it is found again."""
+    from tactgen.validation.view.browser import find_browser, print_pdf
+    from tactgen.validation.view.pdf_pages import anchor_pages
 
     found = find_browser()
     if found is None:
         pytest.skip("no Chromium on this machine")
     page = tmp_path / "index.html"
-    page.write_text("<p>one</p><p style='break-before:page'>two</p>", encoding="utf-8")
-    pdf = print_report(found, page).read_bytes()
+    page.write_text(
+        "<a href='#one'>1</a><a href='#two'>2</a><p id=one>one</p>"
+        "<p id=two style='break-before:page'>two</p>",
+        encoding="utf-8",
+    )
+    print_pdf(found, page, tmp_path / "page.pdf")
+    pdf = (tmp_path / "page.pdf").read_bytes()
     assert pdf.startswith(b"%PDF")
     assert pdf.count(b"/Type /Page\n") == 2
+    assert anchor_pages(pdf) == {"one": 1, "two": 2}
+
+
+def test_contents_have_page_numbers_where_a_printed_page_tells_them():
+    """Of what is no PDF of Chromium's nothing is told, and the page stays as it is."""
+    from tactgen.validation.report.page import _with_pages
+    from tactgen.validation.view.pdf_pages import anchor_pages
+
+    html = '<a href="#what">1 What <span class="page" data-of="what"></span></a>'
+    assert ">12</span>" in _with_pages(html, {"what": 12, "elsewhere": 3})
+    assert _with_pages(html, anchor_pages(b"%PDF-1.4 of another program")) == html

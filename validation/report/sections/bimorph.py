@@ -74,8 +74,9 @@ def _response(study: Study) -> Context:
     return {"cases": cases, "response": response_plot(frequency, curves, titles)}
 
 
-def _stress(study: Study) -> Context:
-    return stress_output.section(study.quick, study.announce)
+def _stress(study: Study) -> Context | None:
+    # the same for every scene, and half of what a quick report would take
+    return None if study.quick else stress_output.section(False, study.announce)
 
 
 def _length(study: Study) -> Context | None:

@@ -35,7 +35,20 @@ def bridge_section(study: Study) -> Context:
         name = _OTHER.get(study.scene.piezo.material, "M1876")
         study.announce(f"bridge for {name}")
         found.append(_one_material(study, name, bridge(_of(study, name), study.announce)))
-    return {"bridge": found, "widths": [] if study.quick else _widths(study)}
+    return {
+        "bridge": found,
+        "widths": [] if study.quick else _widths(study),
+        "replaced": replaced_constants(study.scene),
+    }
+
+
+def replaced_constants(scene: Scene) -> list[str]:
+    """Return the keys of the ceramic's constants that are not the library's."""
+    library = Piezo(material=scene.piezo.material)
+    changed = (
+        n for n in type(library).model_fields if getattr(scene.piezo, n) != getattr(library, n)
+    )
+    return [f"piezo.{name}" for name in changed]
 
 
 def _widths(study: Study) -> list[WidthPoint]:
@@ -68,12 +81,11 @@ def _one_material(study: Study, name: str, rungs: list[Rung]) -> dict[str, Any]:
 
 def holding_section(study: Study) -> Context | None:
     """Return the way from a clamp to the rod, and the support's stiffness."""
-    if study.quick or study.field is None or study.scene.piezo.d31 == 0.0:
+    chain = study.chain
+    if study.quick or chain is None:
         return None
     from tactgen.geometry.device.checks import check_fit
-    from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
 
-    chain = GeneratorChain(study.scene, study.announce)
     try:
         check_fit(chain.device.device, chain.device.support)
     except InputError as error:

@@ -112,6 +112,14 @@ class GeneratorChain:
 
     def rungs(self, *, tetrahedra: bool = True) -> list[Rung]:
         """Return the steps; those in the rod only with tetrahedra."""
+        return _chained(self._steps(tetrahedra=tetrahedra), "beam model")
+
+    def pairs(self) -> list[tuple[str, Values, Values]]:
+        """Return name, beam model's values and solid's values from the clamp to the rod."""
+        steps = self._steps(tetrahedra=True)
+        return [(name, by_beam, solved.values) for name, _, solved, by_beam in steps]
+
+    def _steps(self, *, tetrahedra: bool) -> list[tuple[str, str, SolvedSolid, Values]]:
         clamped, tab = beam_values(self.clamped_scene), beam_values(self.tab_scene)
         glue, rod = (values_of_row(self.device, row) for row in self._rod_rows())
         steps = [
@@ -143,7 +151,7 @@ class GeneratorChain:
                 ("glue", "the bond line as soft as it is", self.on_glue, glue),
                 ("elastic rod", "the rod bends, held at its lower face", self.on_rod, rod),
             ]
-        return _chained(steps, "beam model")
+        return steps
 
     @property
     def beam_values(self) -> Values:
