@@ -10,7 +10,11 @@ import contextlib
 import fcntl
 import os
 from collections.abc import Callable, Iterator
+from itertools import islice
 from pathlib import Path
+
+#: Claims that one sweep looks at.
+_MOST_SWEPT = 1000
 
 
 @contextlib.contextmanager
@@ -33,6 +37,29 @@ def claimed(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
             # a child that was forked meanwhile shares the lock: closing alone would not end it
             fcntl.flock(descriptor, fcntl.LOCK_UN)
             os.close(descriptor)
+
+
+def sweep_claims(folder: Path, ending: str) -> None:
+    """Remove the claims that nobody holds: those of processes that were killed.
+
+    Of thousands only some, so that it takes no time that is noticed; the next sweep goes on.
+    """
+    with contextlib.suppress(OSError):
+        for path in islice(folder.glob(f"*{ending}"), _MOST_SWEPT):
+            with contextlib.suppress(OSError):
+                _remove_unheld(path)
+
+
+def _remove_unheld(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDWR)
+    try:
+        # who waits for it finds, once the lock is its own, that the file is gone, and claims anew
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if os.path.samestat(os.fstat(descriptor), path.stat()):
+            path.unlink()
+        fcntl.flock(descriptor, fcntl.LOCK_UN)
+    finally:
+        os.close(descriptor)
 
 
 def _locked(path: Path, waiting: Callable[[], None]) -> int:

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.claim import claimed
+from tactgen.geometry.store.claim import claimed, sweep_claims
 from tactgen.geometry.store.entry import SUFFIX, Damaged, read_entry, sealed, write_entry
 from tactgen.geometry.store.sources import source_digest
 from tactgen.geometry.store.values import fingerprint
@@ -255,6 +255,7 @@ def _shrink(limit: int, new: Path) -> int:
         _remove(path)
         size -= state.st_size
     _remove_drafts(_ABANDONED)
+    sweep_claims(store_folder(), _CLAIM)
     return size
 
 
@@ -268,7 +269,7 @@ def _entries() -> list[tuple[Path, os.stat_result]]:
 
 
 def _remove_drafts(age: float) -> None:
-    """Remove what a killed process was writing; claims are empty and used again."""
+    """Remove what a killed process was writing."""
     with contextlib.suppress(OSError):
         for path in store_folder().glob(f".*{SUFFIX}"):
             with contextlib.suppress(OSError):

@@ -16,6 +16,7 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store import entry, sources, store
+from tactgen.geometry.store.claim import claimed
 from tactgen.geometry.store.entry import Damaged, read_entry, sealed, write_entry
 from tactgen.geometry.store.values import fingerprint, from_bytes, storable, to_bytes
 
@@ -377,6 +378,18 @@ def test_failed_work_leaves_no_claim(folder):
     with pytest.raises(ZeroDivisionError):
         store.kept("sample", (1,), CODE, failing)
     assert same(store.kept("sample", (1,), CODE, lambda: VALUE), VALUE)
+
+
+def test_claims_of_dead_processes_are_swept(folder):
+    """The first write of a process takes away what nobody holds, and no claim that is held."""
+    folder.mkdir()
+    dead, held = folder / "sample-dead.claim", folder / "sample-held.claim"
+    dead.write_bytes(b"")
+    with claimed(held, lambda: None):
+        store._sizes.pop(folder, None)
+        store.kept("sample", (1,), CODE, lambda: VALUE)
+        assert held.exists()
+        assert not dead.exists()
 
 
 #: Computes values that need one another, slowly, and notes each computation.
