@@ -96,6 +96,20 @@ def test_tolerances_are_axes():
     assert with_tolerances(values, ("gap=0.1mm,0.2mm",), sampled=False)[0] == ("gap=0.1mm,0.2mm",)
 
 
+def test_a_tolerance_that_makes_no_scene_is_left_out():
+    """A profile ends where the ceramic does, so the length is not drawn; the note says why."""
+    stated = [
+        "bimorph.width_profile=0 mm: 2 mm, 18 mm: 1 mm", "bimorph.length=18 ± 0.1 mm",
+        "bimorph.shim_thickness=0.25 mm ± 5 %",
+    ]  # fmt: skip
+    values, _ = scene_values("paper", stated)
+    (axis,), notes = with_tolerances(values, (), sampled=True)
+    assert axis.startswith("bimorph.shim_thickness=")
+    assert any(
+        line.startswith("bimorph.length is not drawn: bimorph.width_profile ends") for line in notes
+    )
+
+
 @pytest.mark.parametrize(
     ("overrides", "vary", "sampled", "words"),
     [

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from typing import Any
 
 from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
+from tactgen.validation.scene.files import assign
 from tactgen.validation.scene.ranges import ranges
 from tactgen.validation.scene.scene import check_key, checked_scene
-from tactgen.validation.studies.whatif.asked.scene_field import scene_field
+from tactgen.validation.studies.whatif.asked.scene_field import as_stated, scene_field
 
 
 def with_tolerances(
@@ -39,8 +41,12 @@ def with_tolerances(
         check_key(text.strip())
     scene = checked_scene(values)
     known = {key: spread for key, spread in ranges(scene).items() if spread.low < spread.high}
+    left: list[str] = []
     if not vary:
-        alone = [key for key in scene.tolerances if key in known]
+        stated = [key for key in scene.tolerances if key in known]
+        refused = {key: _refusal(values, key, known[key]) for key in stated}
+        alone = [key for key in stated if not refused[key]]
+        left = [f"{key} is not drawn: {why}" for key, why in refused.items() if why]
         vary = alone
         if not alone:
             raise InputError(
@@ -50,8 +56,20 @@ def with_tolerances(
     drawn = {text: _known(text.strip(), known, sampled=sampled) for text in alone}
     return (
         tuple(_axis(text.strip(), drawn[text]) if text in drawn else text for text in vary),
-        [_line(text.strip(), spread) for text, spread in drawn.items()],
+        [_line(text.strip(), spread) for text, spread in drawn.items()] + left,
     )
+
+
+def _refusal(values: dict[str, Any], key: str, spread: Spread) -> str:
+    """Return why no scene has a key at an end of its range, such as a length with a profile."""
+    for end in (spread.low, spread.high):
+        moved = copy.deepcopy(values)
+        assign(moved, key, as_stated(key, end))
+        try:
+            checked_scene(moved)
+        except InputError as error:
+            return str(error)
+    return ""
 
 
 def _known(key: str, known: dict[str, Spread], *, sampled: bool) -> Spread:
