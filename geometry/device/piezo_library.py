@@ -100,19 +100,6 @@ def _pzt_8() -> Piezoceramic:
     )
 
 
-def _pzt_5j() -> Piezoceramic:
-    return Piezoceramic(
-        name="PZT-5J",
-        s=_transversely_isotropic(16.2e-12, -4.54e-12, -5.90e-12, 22.7e-12, 47.0e-12),
-        d=_strain_constants(-220e-12, 500e-12, 670e-12),
-        eps_t=np.diag([2720.0, 2720.0, 2600.0]) * EPS0,
-        density=7400.0,
-        quality_factor=75.0,
-        loss_tangent=0.02,
-        origin="PZT-5J (Navy type V), Morgan's constants as finite-element libraries print them",
-    )
-
-
 def _pic255() -> Piezoceramic:
     return Piezoceramic(
         name="PIC255",
@@ -206,13 +193,13 @@ def _m1876() -> Piezoceramic:
 LIBRARY: dict[str, Piezoceramic] = {
     c.name: c
     for c in (
-        _m1876(), _pzt_5h(), _pzt_5a(), _pzt_5j(), _pzt_4(), _pzt_8(), _pic255(), _pz26(), _pz27(),
+        _m1876(), _pzt_5h(), _pzt_5a(), _pzt_4(), _pzt_8(), _pic255(), _pz26(), _pz27(),
         _pz29(),
     )
 }  # fmt: skip
 
 #: Types of the US Navy (MIL-STD-1376) that makers translate into these names.
-_NAVY = {"I": "PZT-4", "II": "PZT-5A", "III": "PZT-8", "V": "PZT-5J", "VI": "PZT-5H"}
+_NAVY = {"I": "PZT-4", "II": "PZT-5A", "III": "PZT-8", "VI": "PZT-5H"}
 
 
 def library_name(text: str) -> str | None:

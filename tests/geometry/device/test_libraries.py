@@ -77,7 +77,7 @@ def test_shims_go_by_folded_names(name, meant):
 
 @pytest.mark.parametrize(
     ("name", "meant"),
-    [("pz 27", "Pz27"), ("Navy Type VI", "PZT-5H"), ("navy-II", "PZT-5A"), ("pzt5j", "PZT-5J")],
+    [("pz 27", "Pz27"), ("Navy Type VI", "PZT-5H"), ("navy-II", "PZT-5A"), ("pzt5h", "PZT-5H")],
 )
 def test_ceramics_go_by_folded_names_and_navy_types(name, meant):
     """As makers translate the Navy's types."""
