@@ -8,6 +8,8 @@ import zipfile
 
 import numpy as np
 import pytest
+from fmpy import simulate_fmu
+from fmpy.validation import validate_fmu
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.step import Stepper
@@ -132,11 +134,26 @@ def test_without_a_compiler_the_sources_are_there(machine, tmp_path, monkeypatch
         }  # fmt: skip
 
 
-def test_fmpy_finds_no_fault(machine, tmp_path):
-    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+@needs_compiler
+def test_fmpy_finds_no_fault_and_runs_it(machine, tmp_path):
+    """The program that the standard's makers test with moves it as its own C functions do."""
     path = tmp_path / "generator.fmu"
     write_fmu(path, machine, "paper")
-    assert fmpy.validation.validate_fmu(str(path)) == []
+    assert validate_fmu(str(path)) == []
+    size, count = 4e-6, 50
+    inputs = np.zeros(2, dtype=[("time", float), ("voltage", float), ("coil", float)])
+    inputs["time"], inputs["voltage"], inputs["coil"] = (0.0, 1.0), 10.0, 0.15
+    found = simulate_fmu(
+        str(path), stop_time=count * size, step_size=size, output_interval=size, input=inputs,
+        output=["rod_lift", "lateral_tip"],
+    )  # fmt: skip
+    slave = Slave(path, tmp_path / "unit")
+    slave.set("voltage", 10.0)
+    slave.set("coil", 0.15)
+    for k in range(count):
+        assert slave.step(k * size, size) == 0
+    for name in ("rod_lift", "lateral_tip"):
+        assert found[name][-1] == pytest.approx(slave.get(name), rel=1e-9), name
 
 
 def test_a_failing_compiler_leaves_nothing(machine, tmp_path, monkeypatch):

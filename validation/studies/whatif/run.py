@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -20,6 +21,10 @@ from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.by_family import answers_by_family
 from tactgen.validation.studies.whatif.schedule import schedule
 from tactgen.validation.studies.whatif.workers import Job, work_through
+
+_NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
+#: Of sentences that differ in their numbers, the first is told.
+_OTHERS = " (other numbers at other points)"
 
 
 @dataclass(frozen=True)
@@ -62,16 +67,22 @@ class Study:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What must be told of the answers, each sentence once with how many points it is of."""
-        found: dict[str, int] = {}
+        """What must be told of the answers, each sentence once with how many points it is of.
+
+        Sentences that differ in their numbers alone are one.
+        """
+        found: dict[str, list[str]] = {}
         for _, model, each in self.rows:
-            for text in each.warnings:
-                found[text] = found.get(text, 0) + 1
+            texts = list(each.warnings)
             if each.status != "ok":
-                text = f"{model} has no answer: {each.reason}"
-                found[text] = found.get(text, 0) + 1
+                texts.append(f"{model} has no answer: {each.reason}")
+            for text in texts:
+                found.setdefault(_NUMBER.sub("#", text), []).append(text)
         total = len(self.points)
-        return tuple(f"at {count} of {total} points: {text}" for text, count in found.items())
+        return tuple(
+            f"at {len(texts)} of {total} points{_OTHERS if len(set(texts)) > 1 else ''}: {texts[0]}"
+            for texts in found.values()
+        )
 
 
 def run_study(
