@@ -29,7 +29,8 @@ device = scene.device
 
 # %%
 currents = np.linspace(0.0, 0.14, 71)
-rising, falling = position_loop(axial_forces(device, network_pull(device)), currents)
+loop = position_loop(axial_forces(device, network_pull(device)), currents)
+rising, falling = (np.array([p.lift for p in way]) for way in (loop.rising, loop.falling))
 figure, axis = plt.subplots(figsize=(7.0, 3.2))
 axis.plot(1e3 * currents, 1e6 * rising, label="current rising")
 axis.plot(1e3 * currents, 1e6 * falling, "--", label="current falling")

@@ -94,9 +94,14 @@ def writers():
 
 
 def test_nothing_is_written_but_drafts():
-    """What is written is always the draft that :func:`written_whole` hands out."""
+    """What is written is always the draft that :func:`written_whole` hands out.
+
+    Only the run that tries what damage does writes into the store's files, in place.
+    """
     found = dict(writers())
     assert found
     for where, target in found.items():
+        if where.startswith("validation/checks/stress/faults/run.py"):
+            continue
         assert isinstance(target, ast.Name), where
         assert target.id in ("draft", "temporary"), where

@@ -71,9 +71,9 @@ def print_report(browser: str, page: Path) -> Path:
         print_pdf(browser, page, temporary)
         pages = anchor_pages(temporary.read_bytes())
         with tempfile.TemporaryDirectory() as folder:
-            numbered = Path(folder) / page.name
-            numbered.write_text(_with_pages(page.read_text("utf-8"), pages), "utf-8")
-            print_pdf(browser, numbered, temporary)
+            draft = Path(folder) / page.name
+            draft.write_text(_with_pages(page.read_text("utf-8"), pages), "utf-8")
+            print_pdf(browser, draft, temporary)
     if page.name == PAGE and (page.parent / FILE).is_file():
         seal(page.parent, read_record(page.parent), (PAGE, target.name))
     return target

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.names import nearest
 from tactgen.validation.command_line.commands.common import (
     Commands,
     lateral_scene,
@@ -176,8 +177,9 @@ def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
     asked = options.aim or ["shortest"]
     if len(asked) > 1 or asked[0] not in kinds:
         raise InputError(
-            f'--aim "{asked[-1]}" is neither shortest nor margin, which are of the length; for an '
-            "aim of your own name what may change, for example --vary bimorph.length=14mm:22mm"
+            f'--aim "{asked[-1]}" is neither shortest nor margin{nearest(asked[-1], kinds)}, which '
+            "are of the length; for an aim of your own name what may change, for example --vary "
+            "bimorph.length=14mm:22mm"
         )
     if options.model:
         raise InputError("--model goes with --vary; the length for --aim shortest is found by tmm")
