@@ -91,7 +91,7 @@ def damage_all(folder, number, seed):
     paths = sorted(folder.glob("*.kept"))
     kinds = {}
     for path in paths:
-        kinds.setdefault(path.name.rpartition("-")[0], []).append(path)
+        kinds.setdefault(path.stem.rpartition("-")[0] or path.stem, []).append(path)
     whole = {path: path.read_bytes() for path in paths}
     tried = dict.fromkeys(kinds, 0)
     for turn in range(number):
