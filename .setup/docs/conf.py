@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import logging
 import sys
 from pathlib import Path
@@ -39,11 +38,10 @@ def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
 
 
 def _commands() -> str:
-    from tactgen.validation.command_line.cli import _parser
+    from tactgen.validation.command_line.cli import commands
 
-    (actions,) = (a for a in _parser()._actions if isinstance(a, argparse._SubParsersAction))
     parts = []
-    for name, parser in actions.choices.items():
+    for name, parser in commands().items():
         parts.append(f"## `tactgen {name}`\n\n```text\n{parser.format_help().rstrip()}\n```")
     return "\n\n".join(parts)
 

@@ -4,19 +4,13 @@ What a scene refuses, key by key, is in tests/validation/scene; what a table of 
 measurement refuses, beside its reader.
 """
 
-import argparse
-
 import pytest
 
 from tactgen.validation.command_line import cli
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 
-COMMANDS = next(
-    action.choices
-    for action in cli._parser()._actions
-    if isinstance(action, argparse._SubParsersAction)
-)
+COMMANDS = cli.commands()
 #: Arguments of a command before the scene and after it, where it must have some.
 BEFORE = {"identify": ["SWEEP"]}
 AFTER = {"export": ["--step", "x.step"], "whatif": ["--vary", "drive.voltage=10V:20V:2"]}

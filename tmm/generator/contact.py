@@ -97,13 +97,6 @@ class RoughContact:
         factor = bend / value - (slope / value) ** 2
         return np.asarray(np.asarray(load) * self.radius**2 / self.decay_length * factor)
 
-    def secant_under(self, load: Floats | float, tilt: Floats | float) -> Floats:
-        """Return M/ψ (N m/rad) while the load stays."""
-        a = np.asarray(self._relative(tilt))
-        upright = a == 0.0
-        chord = self.moment_under(load, tilt) / np.where(upright, 1.0, a) * self.radius
-        return np.where(upright, self.stiffness_under(load), chord / self.decay_length)
-
     def tangential_stiffness(self, load: Floats | float) -> Floats:
         """Return the stiffness along the surfaces (N/m), the head upright."""
         return np.asarray(self.tangential_ratio * np.asarray(load) / self.decay_length)

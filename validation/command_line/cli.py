@@ -223,14 +223,23 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
     parser.set_defaults(run=lambda _: _help(parser))
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND")
+    added = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in (
         report, solve, view, whatif, compare, design, sensitivity, identify, backbone, positions,
         simulate, plan, bill,
         export, verify, coverage, stress, bench, scenes, cache, init, completion,
     ):  # fmt: skip
-        command.add(commands)
+        command.add(added)
     return parser
+
+
+def commands() -> dict[str, argparse.ArgumentParser]:
+    """Return the commands by name, each with what it takes."""
+    found: dict[str, argparse.ArgumentParser] = {}
+    for action in _parser()._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            found.update(action.choices)
+    return found
 
 
 def _help(parser: argparse.ArgumentParser) -> int:
