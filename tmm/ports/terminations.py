@@ -12,8 +12,8 @@ import numpy as np
 from tactgen.geometry.arrays import Bools, Complex, Floats
 from tactgen.geometry.bimorph.ends import Ends, Law, Springs, TipLoad
 from tactgen.geometry.device.parameters import Load, Support
+from tactgen.tmm.ports.loads.measured_law import measured_law, outside
 from tactgen.tmm.ports.loads.skin_pad import SkinPad
-from tactgen.tmm.ports.loads.tabulated import measured_law, outside
 from tactgen.tmm.ports.multiport import Multiport, hold, terminate
 
 #: Range in which the paper fitted the finger's impedance (Hz).

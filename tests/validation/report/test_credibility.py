@@ -12,8 +12,8 @@ from tactgen.validation.checks.row import Check, Outcome
 from tactgen.validation.checks.verification import GROUPS, Verified, group_cases
 from tactgen.validation.models.comparison import Cell, ComparedRow
 from tactgen.validation.report.credibility.evidence import SPEAKS_FOR, Evidence, known_rows
-from tactgen.validation.report.credibility.factor import Criterion, Factor, overall
 from tactgen.validation.report.credibility.factors import factors
+from tactgen.validation.report.credibility.levels import Criterion, Factor, overall
 from tactgen.validation.scene.parameter_list import ParameterRow
 
 NAMES = ("code", "solution", "validation", "pedigree", "uncertainty", "robustness", "history")

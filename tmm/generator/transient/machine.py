@@ -28,7 +28,7 @@ from tactgen.tmm.generator.stops import stops_of
 from tactgen.tmm.generator.transient.bimorph import BimorphModes
 from tactgen.tmm.generator.transient.laws import RoughPoint
 from tactgen.tmm.generator.transient.system import Coil, Element, Friction, Output, System
-from tactgen.tmm.ports.chain import Chain
+from tactgen.tmm.ports.springs_dampers_masses import Chain
 from tactgen.tmm.reluctance.coenergy.cells import cells
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 

@@ -15,7 +15,7 @@ from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import Linearised, axial_poles, linearised, machine
-from tactgen.tmm.ports.loads.tabulated import disturbed
+from tactgen.tmm.ports.loads.measured_law import disturbed
 from tactgen.tmm.ports.multiport import Multiport, in_series, respond, round_off, terminate
 from tactgen.tmm.ports.terminations import tip_stiffness
 from tactgen.validation.engine.model import Refined

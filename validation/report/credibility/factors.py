@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.report.credibility.evidence import Evidence, speaks_for
-from tactgen.validation.report.credibility.factor import Criterion, Factor
+from tactgen.validation.report.credibility.levels import Criterion, Factor
 
 if TYPE_CHECKING:
     from tactgen.validation.checks.verification import Verified

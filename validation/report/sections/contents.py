@@ -73,8 +73,8 @@ def _checks(study: Study) -> Context:
 
 def _credibility(study: Study) -> Context:
     from tactgen.validation.report.credibility.evidence import gathered
-    from tactgen.validation.report.credibility.factor import overall
     from tactgen.validation.report.credibility.factors import factors
+    from tactgen.validation.report.credibility.levels import overall
 
     found = factors(gathered(study))
     return {"factors": found, "overall": overall(found)}

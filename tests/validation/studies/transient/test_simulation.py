@@ -21,8 +21,8 @@ from tactgen.tmm.generator.transient.march import Sources
 from tactgen.tmm.generator.transient.step import Stepper
 from tactgen.tmm.generator.transient.system import Friction
 from tactgen.tmm.generator.transient.waveform import Sine, Step
-from tactgen.tmm.ports.chain import chain_of
 from tactgen.tmm.ports.multiport import respond, terminate
+from tactgen.tmm.ports.springs_dampers_masses import chain_of
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.generator.transient import (
     above_the_head,

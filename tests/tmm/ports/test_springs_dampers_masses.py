@@ -5,9 +5,9 @@ import pytest
 
 from tactgen.geometry.bimorph.ends import TipLoad
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports import chain
-from tactgen.tmm.ports.chain import chain_of, finger_chain
+from tactgen.tmm.ports import springs_dampers_masses
 from tactgen.tmm.ports.loads.passive_fit import PassiveFit
+from tactgen.tmm.ports.springs_dampers_masses import chain_of, finger_chain
 from tactgen.tmm.ports.terminations import FINGER_RANGE, finger_stiffness, tip_stiffness
 
 F = np.geomspace(0.1, 1e5, 61)
@@ -18,7 +18,7 @@ def test_parts_answer_like_the_fit_they_are_made_of():
     omega, ratio = 2.0 * np.pi * np.array([30.0, 200.0, 2e3]), np.array([0.1, 0.7, 1.0])
     a, width = np.array([50.0, 300.0, 2e3]), 2.0 * ratio * omega
     fit = PassiveFit(2e-5, 0.3, 80.0, omega, ratio, a, a * width * np.array([1.0, 0.0, 0.4]))
-    found = chain._of_fit(fit, 0.0)
+    found = springs_dampers_masses._of_fit(fit, 0.0)
     assert found.mass.shape == (1 + 2 + 2 * 2, 1 + 2 + 2 * 2)
     # rounding, grown by the cancelling of parts far above or below their resonance
     assert found.stiffness_at(F) == pytest.approx(fit.stiffness_at(F), rel=1e-9)
