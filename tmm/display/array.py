@@ -10,8 +10,12 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.ends import Law, TipLoad
-from tactgen.geometry.device.parameters import Device, Support
+from tactgen.geometry.device.parameters import Device
+from tactgen.tmm.generator.guide import lateral_guide, tilt_guide
+from tactgen.tmm.generator.held_base import pressed_support
 from tactgen.tmm.generator.moving_mass import moving_rod
+from tactgen.tmm.generator.positions import RestingPlace
+from tactgen.tmm.generator.stops import stops_of
 from tactgen.tmm.ports.elements import spring
 from tactgen.tmm.ports.multiport import Multiport, connect, reduce, respond, terminate
 from tactgen.tmm.ports.port import LATERAL, ROTATION, Port
@@ -21,7 +25,9 @@ from tactgen.tmm.ports.terminations import tip_stiffness
 UNIT = ("w_tip", "voltage", "w_board", "psi_board")
 
 
-def unit_ports(bimorph: Multiport, device: Device, held: Support, tip: TipLoad | Law) -> Multiport:
+def unit_ports(
+    bimorph: Multiport, device: Device, place: RestingPlace, tip: TipLoad | Law
+) -> Multiport:
     """Return one generator over its tip, its voltage and the board under its head.
 
     Parameters
@@ -30,22 +36,23 @@ def unit_ports(bimorph: Multiport, device: Device, held: Support, tip: TipLoad |
         The five-port, wired as it is.
     device : Device
         Rod and coil are read for what moves with the base; the guide holds it to the sleeve.
-    held : Support
-        Contact and guide as springs, as :func:`tmm.generator.held_base.held_support` gives them.
+    place : RestingPlace
+        Where the rod rests: the stop there carries the head, with contact and guide as springs.
     tip : TipLoad or Law
         What loads the tip by itself.
     """
-    f, guide = bimorph.frequencies, device.guide
-    along = held.lateral_stiffness - guide.lateral_stiffness
+    f, law = bimorph.frequencies, stops_of(device).holding(place.lift)
+    held = pressed_support(device, law, place.contact_force)
+    guided = {"w_rod": lateral_guide(device).at_rest, "psi_rod": tilt_guide(device).at_rest}
+    along = held.lateral_stiffness - guided["w_rod"]
     across = spring(
-        f, LATERAL, stiffness=along, damping=device.contact.relaxation_time * along,
+        f, LATERAL, stiffness=along, damping=law.relaxation_time * along,
         ends=("w_rod", "w_board"),
     )  # fmt: skip
     rocking = spring(
-        f, ROTATION, stiffness=held.rotational_stiffness - guide.rotational_stiffness,
+        f, ROTATION, stiffness=held.rotational_stiffness - guided["psi_rod"],
         damping=held.rotational_damping, ends=("psi_rod", "psi_board"),
     )  # fmt: skip
-    guided = {"w_rod": guide.lateral_stiffness, "psi_rod": guide.rotational_stiffness}
     rod = terminate(_rigid(f, device), guided)
     on_rod = connect(bimorph, rod, {"w_base": "w_rod", "psi_base": "psi_rod"})
     stands = connect(

@@ -10,20 +10,19 @@ from __future__ import annotations
 
 from tactgen.geometry.device.parameters import Device, Support
 from tactgen.tmm.generator.contact import RoughContact
+from tactgen.tmm.generator.guide import lateral_guide, tilt_guide
 from tactgen.tmm.generator.moving_mass import moving_rod
 from tactgen.tmm.generator.positions import History, Pull, RestingPlace, axial_forces, resting_place
-from tactgen.tmm.generator.stops import contact_of
 
 
 def pressed_support(device: Device, contact: RoughContact, load: float) -> Support:
     """Return the springs of a head that a stop carries with `load` (N), 0 or more."""
-    guide = device.guide
     rocking = float(contact.stiffness_under(load))
     return Support(
         kind="spring",
-        rotational_stiffness=rocking + guide.rotational_stiffness,
+        rotational_stiffness=rocking + tilt_guide(device).at_rest,
         rotational_damping=contact.relaxation_time * rocking,
-        lateral_stiffness=float(contact.tangential_stiffness(load)) + guide.lateral_stiffness,
+        lateral_stiffness=float(contact.tangential_stiffness(load)) + lateral_guide(device).at_rest,
         rotational_inertia=moving_rod(device).inertia_about(0.0),
     )
 
@@ -55,5 +54,6 @@ def held_support(
     InputError
         If the rod rests nowhere.
     """
-    place = resting_place(axial_forces(device, pull, pressed), current, history)
-    return place, pressed_support(device, contact_of(device), place.contact_force)
+    forces = axial_forces(device, pull, pressed)
+    place = resting_place(forces, current, history)
+    return place, pressed_support(device, forces.stops.holding(place.lift), place.contact_force)

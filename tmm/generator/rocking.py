@@ -17,6 +17,8 @@ from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.ends import Law as TipLaw
 from tactgen.geometry.bimorph.ends import TipLoad
 from tactgen.geometry.device.parameters import Support
+from tactgen.tmm.generator.contact import RoughContact
+from tactgen.tmm.generator.guide import tilt_guide
 from tactgen.tmm.generator.held_base import pressed_support
 from tactgen.tmm.generator.moving_mass import moving_rod
 from tactgen.tmm.generator.positions import AxialForces, RestingPlace
@@ -103,15 +105,15 @@ def rocking_head(
         kg, carried along the axis by the rod.
     """
     device = forces.device
-    law = forces.stops.upper
+    law = forces.stops.holding(place.lift)
     support = pressed_support(device, law, place.contact_force)
     body = moving_rod(device)
-    guide = device.guide
+    bore = tilt_guide(device)
     mass = body.mass + bimorph_mass
 
     def attached(frequencies: Floats) -> Multiport:
         omega = 2.0 * np.pi * frequencies
-        tilting = guide.rotational_stiffness - omega**2 * support.rotational_inertia
+        tilting = bore.at_rest - omega**2 * support.rotational_inertia
         loads = {
             "w_base": support.lateral_stiffness,
             "psi_base": tilting,
@@ -122,21 +124,23 @@ def rocking_head(
     def linear(omega: Floats) -> Complex:
         port = reduce(attached(omega / (2.0 * np.pi)), ("psi_base", "voltage")).stiffness
         d = np.zeros((omega.size, 2, 3), dtype=complex)
-        d[:, 0, 0] = 1j * omega * guide.axial_damping - omega**2 * mass
+        d[:, 0, 0] = 1j * omega * device.guide.axial_damping - omega**2 * mass
         d[:, 1, 1:] = port[:, 0]
         return d
 
     def acting(motion: Floats, rate: Floats) -> LawPoint:
         lift, tilt = place.lift + motion[:, 0], motion[:, 1]
         effort = forces.stops.forces(lift, tilt)
-        tangent = forces.stops.tangent(lift, tilt)
-        damping = law.relaxation_time * tangent
+        tangent, damping = forces.stops.stiffness_and_damping(lift, tilt)
         effort = effort + np.einsum("nij,nj->ni", damping, rate)
         effort[:, 0] += forces.pressed - forces.finger_force(current, lift)
-        by_motion = tangent + law.relaxation_time * _along(forces, lift, tilt, rate)
+        by_motion = tangent + _along(forces.stops, law, np.stack([lift, tilt], axis=-1), rate)
         by_motion[:, 0, 0] += device.spring.stiffness
         if forces.pull is not None:
             by_motion[:, 0, 0] += forces.pull.force_gradient(current, forces.gap(lift))
+        if bore.play:  # without play it is linear
+            effort[:, 1] += bore.force(tilt)
+            by_motion[:, 1, 1] += bore.slope(tilt)
         return LawPoint(effort, by_motion, damping)
 
     scales = law.decay_length * np.array([1.0, 1.0 / law.radius])
@@ -144,13 +148,15 @@ def rocking_head(
     return RockingHead(place, support, oscillator, forces.stops, attached)
 
 
-def _along(forces: AxialForces, lift: Floats, tilt: Floats, rate: Floats) -> Floats:
-    """Return ∂(T·rate)/∂(u, ψ) (n, 2, 2): as third derivatives commute, T's change along rate."""
-    law = forces.stops.upper
+def _along(stops: Stops, law: RoughContact, place: Floats, rate: Floats) -> Floats:
+    """Return ∂(C·rate)/∂(u, ψ) (n, 2, 2): as third derivatives commute, C's change along rate.
+
+    `place` (n, 2) are lift and tilt, C the stops' damping; `law` sets the step.
+    """
     size = np.maximum(np.abs(rate[:, 0]), law.radius * np.abs(rate[:, 1]))
     step = _STEP * law.decay_length / np.where(size > 0.0, size, 1.0)
-    du, dpsi = step * rate[:, 0], step * rate[:, 1]
-    change = forces.stops.tangent(lift + du, tilt + dpsi) - forces.stops.tangent(
-        lift - du, tilt - dpsi
+    moved = step[:, None] * rate
+    (_, after), (_, before) = (
+        stops.stiffness_and_damping(*at.T) for at in (place + moved, place - moved)
     )
-    return np.asarray(change / (2.0 * step[:, None, None]))
+    return np.asarray((after - before) / (2.0 * step[:, None, None]))

@@ -28,9 +28,10 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.section.section import Section
 from tactgen.tmm.beam.transfer.transfer_matrix import sections
 from tactgen.tmm.generator.contact import RoughContact
+from tactgen.tmm.generator.guide import lateral_guide, tilt_guide
 from tactgen.tmm.generator.moving_mass import moving_rod
 from tactgen.tmm.generator.positions import RestingPlace
-from tactgen.tmm.generator.stops import contact_of, stops_of
+from tactgen.tmm.generator.stops import stops_of
 from tactgen.tmm.ports.multiport import Multiport, connect, reduce
 from tactgen.tmm.ports.port import AXIAL, CURRENT, LATERAL, ROTATION, Port
 
@@ -97,7 +98,7 @@ def linearised(
     """
     tilt = resting_tilt(device, place)
     stiffness, damping = _contact(device, place, tilt)
-    stiffness = stiffness + _spring_and_guide(device)
+    stiffness = stiffness + _spring_and_guide(device, tilt)
     damping = damping + np.diag([0.0, 0.0, device.guide.axial_damping])
     gap = device.gap + place.lift
     stiffness[2, 2] += float(magnetic.force_gradient(current, gap))
@@ -125,7 +126,7 @@ def resting_tilt(device: Device, place: RestingPlace) -> float:
         return 0.0
     from scipy.optimize import brentq
 
-    law, guide = contact_of(device), device.guide.rotational_stiffness
+    law, guide = stops_of(device).holding(place.lift), tilt_guide(device)
     moment = lever * (device.spring.preload - device.spring.stiffness * place.lift)
     if abs(moment) >= float(law.tipping_moment(place.contact_force)):
         raise InputError(
@@ -137,7 +138,7 @@ def resting_tilt(device: Device, place: RestingPlace) -> float:
 
     def left(tilt: float) -> float:
         borne = float(law.moment_under(place.contact_force, tilt))
-        return float(borne + guide * tilt - abs(moment))
+        return float(borne + guide.force(tilt) - abs(moment))
 
     # the disc's moment falls short of N R by 3/(2a), a = R ψ/u0, and the ring's by 1/(2a)
     share = abs(moment) / float(law.tipping_moment(place.contact_force))
@@ -219,8 +220,8 @@ def _mass(device: Device, beam: Beam) -> Floats:
 
 def _contact(device: Device, place: RestingPlace, tilt: float) -> tuple[Floats, Floats]:
     """Return stiffness and damping (3, 3) of the stop that holds the rod."""
-    law, stops = contact_of(device), stops_of(device)
-    below = place.lift < -0.5 * stops.stroke
+    stops = stops_of(device)
+    law, below = stops.holding(place.lift), stops.is_below(place.lift)
     # a tilted head carries the same load closer to or farther from its stop
     approach = float(law.approach(max(place.contact_force, 1e-300), tilt))
     rocking = law.tangent(approach, tilt)  # over (δ, ψ), δ = u above and −u below
@@ -237,8 +238,8 @@ def _along(law: RoughContact, load: float) -> float:
     return float(law.tangential_stiffness(load))
 
 
-def _spring_and_guide(device: Device) -> Floats:
-    spring, guide = device.spring, device.guide
+def _spring_and_guide(device: Device, tilt: float) -> Floats:
+    spring = device.spring
     lever = np.array([0.0, spring.eccentricity, 1.0])
-    held = np.diag([guide.lateral_stiffness, guide.rotational_stiffness, 0.0])
+    held = np.diag([lateral_guide(device).at_rest, float(tilt_guide(device).slope(tilt)), 0.0])
     return np.asarray(held + spring.stiffness * np.outer(lever, lever))

@@ -7,6 +7,7 @@ working gap is then the device's `gap`, else gap + u.  At u = −stroke the lowe
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -53,13 +54,32 @@ class Stops:
 
     def tangent(self, lift: Floats | float, tilt: Floats | float) -> Floats:
         """Return the stiffness (..., 2, 2) over (u, ψ): symmetric, positive definite."""
-        upper = self.upper.tangent(lift, tilt)
-        lower = self.lower.tangent(self._lowered(lift), tilt)
-        return np.asarray(upper + lower * np.array([[1.0, -1.0], [-1.0, 1.0]]))
+        upper, lower = self._tangents(lift, tilt)
+        return np.asarray(upper + lower)
+
+    def stiffness_and_damping(
+        self, lift: Floats | float, tilt: Floats | float
+    ) -> tuple[Floats, Floats]:
+        """Return :meth:`tangent`, and with it what each stop loses (N s/m, …), (..., 2, 2)."""
+        upper, lower = self._tangents(lift, tilt)
+        damping = self.upper.relaxation_time * upper + self.lower.relaxation_time * lower
+        return np.asarray(upper + lower), np.asarray(damping)
+
+    def holding(self, lift: float) -> RoughContact:
+        """Return the law of the nearer stop, which carries a head at rest."""
+        return self.lower if self.is_below(lift) else self.upper
+
+    def is_below(self, lift: float) -> bool:
+        """Return whether the lower stop is the nearer one."""
+        return lift < -0.5 * self.stroke
 
     def loads(self, lift: Floats | float, tilt: Floats | float = 0.0) -> tuple[Floats, Floats]:
         """Return what the upper and the lower stop carry (N), both positive."""
         return self.upper.load(lift, tilt), self.lower.load(self._lowered(lift), tilt)
+
+    def _tangents(self, lift: Floats | float, tilt: Floats | float) -> tuple[Floats, Floats]:
+        lower = self.lower.tangent(self._lowered(lift), tilt)
+        return self.upper.tangent(lift, tilt), lower * np.array([[1.0, -1.0], [-1.0, 1.0]])
 
     def _lowered(self, lift: Floats | float) -> Floats:
         return np.asarray(-np.asarray(lift, dtype=float) - self.stroke)
@@ -79,17 +99,16 @@ def stops_of(device: Device) -> Stops:
             f"spring.stop_gap = {device.spring.stop_gap * 1e3:g} mm leaves no stroke below gap = "
             f"{device.gap * 1e3:g} mm; use a smaller one"
         )
-    law = contact_of(device)
-    return Stops(law, law, stroke)
+    return Stops(contact_of(device, "upper"), contact_of(device, "lower"), stroke)
 
 
-def contact_of(device: Device) -> RoughContact:
-    """Return the law of the head on either stop."""
-    c = device.contact
+def contact_of(device: Device, stop: Literal["upper", "lower"]) -> RoughContact:
+    """Return the law of the head on one of its stops."""
+    c, lower = device.contact, stop == "lower"
     return RoughContact(
         radius=device.rod.head_radius,
-        decay_length=c.decay_length,
+        decay_length=c.decay_length * (c.lower_decay_ratio if lower else 1.0),
         shape=c.shape,
-        relaxation_time=c.relaxation_time,
+        relaxation_time=c.relaxation_time * (c.lower_relaxation_ratio if lower else 1.0),
         tangential_ratio=c.tangential_ratio,
     )

@@ -101,6 +101,12 @@ def check_held(scene: Scene, quantities: Sequence[str]) -> None:
         for name in quantities
         if QUANTITIES[name].held_by_support and (QUANTITIES[name].static or 0.0 in scene.frequency)
     ]
+    if at_rest and scene.support.kind == "contact" and scene.guide.clearance:
+        raise InputError(
+            f"guide.clearance = {1e3 * scene.guide.clearance:g} mm lets a rod that no stop carries "
+            f"move as a rigid body, so {at_rest[0]} has no value at 0 Hz; set guide.clearance = 0 "
+            "mm or ask for frequencies above 0 Hz"
+        )
     if at_rest:
         raise InputError(
             f"{group}.{loose} = 0 leaves the actuator free to move as a rigid body, so "

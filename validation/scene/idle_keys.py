@@ -182,6 +182,8 @@ def _idle(scene: Scene, key: str) -> str:
     if key == "threshold.file" and scene.threshold.kind != "table":
         kind = scene.threshold.kind
         return f'with threshold.kind = "{kind}"; set threshold.kind = "table" to use it'
+    if key == "guide.guided_length" and not scene.guide.clearance:
+        return "with guide.clearance = 0 mm, which leaves no play; set guide.clearance to use it"
     profile = f"{key}_profile"
     if profile.removeprefix("bimorph.") in scene.bimorph.profiles and not _has_tab(scene, key):
         return f"with {profile}, which gives it along the ceramic; leave one of the two out"

@@ -42,7 +42,9 @@ class Spring(Parameters):
 class Contact(Parameters):
     """How the rod's head touches a stop: two rough surfaces, pressed together.
 
-    The same for both stops.  The law is in tmm.generator.contact.
+    Decay length and relaxation time are those of the upper stop, a circuit board; the lower one,
+    the sleeve, has them times a ratio of its own.  The rest is the same for both.  The law is in
+    tmm.generator.contact.
     """
 
     shape: Literal["ring", "disc"] = field(
@@ -67,6 +69,19 @@ class Contact(Parameters):
         "damping of the contact over its stiffness",
         (15e-6, 22e-6, "assumed: a fifth either way"),
     )
+    lower_decay_ratio: u.PositiveNumber = field(
+        1.0,
+        "assumed: as at the upper stop",
+        "decay length at the lower stop over that at the upper one: 0.5 is twice as stiff under "
+        "the same load",
+        (0.5, 1.5, "assumed: ground steel is smoother than a board, a worn collar rougher"),
+    )
+    lower_relaxation_ratio: u.PositiveNumber = field(
+        1.0,
+        "assumed: as at the upper stop",
+        "relaxation time at the lower stop over that at the upper one",
+        (0.1, 1.5, "assumed: steel on steel loses less than steel on a board, unless it is oily"),
+    )
     tangential_ratio: u.PositiveNumber = field(
         0.82,
         "assumed: Mindlin 1949, 2 (1 - nu) / (2 - nu) with nu = 0.3",
@@ -84,7 +99,9 @@ class Contact(Parameters):
 class Guide(Parameters):
     """What acts on the rod besides its stops: the sleeve's bore, the spring's ends, the air.
 
-    The clearance in the bore is sleeve.inner_radius less rod.flange_radius.
+    Its two springs act beyond the play that `clearance` leaves.  The law is in
+    tmm.generator.guide.  The magnetic gap around the flange, sleeve.inner_radius less
+    rod.flange_radius, is another length: a coating or a bush may fill it.
     """
 
     axial_damping: u.LateralDamping = field(
@@ -104,4 +121,16 @@ class Guide(Parameters):
         "assumed: the return spring's stiffness times its radius squared",
         "holds the rod against tilting",
         (1e-5, 1e-3, "assumed: by an order of magnitude either way"),
+    )
+    clearance: u.LengthOrZero = field(
+        0.0,
+        "assumed: none; the return spring's ends hold the rod at any motion (fits of sliding "
+        "pins of this size leave 2 to 20 um)",
+        "diameter of the bore less that of what slides in it: within it nothing guides",
+    )
+    guided_length: u.SmallLength = field(
+        4.7e-3,
+        "assumed: from the sleeve's top to the flange's lower face",
+        "length over which the bore guides: the rod tilts freely by clearance over this",
+        (3.0e-3, 5.0e-3, "assumed: from the flange alone to all of the rod in the sleeve"),
     )

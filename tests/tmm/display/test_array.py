@@ -34,7 +34,7 @@ def held():
 
 @pytest.fixture(scope="module")
 def unit(bimorph, held):
-    return unit_ports(bimorph, DEVICE, held[1], ends_of(held[1], Load()).tip)
+    return unit_ports(bimorph, DEVICE, held[0], ends_of(held[1], Load()).tip)
 
 
 def array(unit, display=DISPLAY, skin=None):

@@ -105,12 +105,12 @@ def test_a_stray_guess_does_not_overflow():
 def test_the_papers_fit_at_the_rated_preload():
     """c_s and d_s of section 4, to the ten digits of the calibrated constants."""
     device, fit = Device(), Support()
-    found = contact_of(device)
+    found = contact_of(device, "upper")
     c_s = found.stiffness_under(device.spring.preload)
     assert c_s == pytest.approx(fit.rotational_stiffness, rel=1e-9)
     assert found.relaxation_time * c_s == pytest.approx(fit.rotational_damping, rel=1e-9)
-    disc = contact_of(Device(contact=Contact(shape="disc", decay_length=0.5 * U0)))
-    ring = contact_of(Device(contact=Contact(decay_length=U0)))
+    disc = contact_of(Device(contact=Contact(shape="disc", decay_length=0.5 * U0)), "upper")
+    ring = contact_of(Device(contact=Contact(decay_length=U0)), "upper")
     assert disc.stiffness_under(LOAD) == pytest.approx(ring.stiffness_under(LOAD), rel=1e-14)
 
 

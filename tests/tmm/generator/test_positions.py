@@ -126,7 +126,7 @@ def test_the_papers_support_at_the_rated_preload():
 def test_support_in_the_limits_of_the_load():
     """Proportional to the load: nothing but the guide without one, a clamp with a huge one."""
     device = Device()
-    law = contact_of(device)
+    law = contact_of(device, "upper")
     free = pressed_support(device, law, 0.0)
     assert free.rotational_stiffness == device.guide.rotational_stiffness
     assert free.lateral_stiffness == device.guide.lateral_stiffness

@@ -37,7 +37,11 @@ def test_small_motions_are_those_on_the_contacts_springs(place):
         assert head.response(orbit).motion["w_tip"][1] == pytest.approx(expected, rel=1e-7)
 
 
-@pytest.mark.parametrize("place", [UP, HELD], ids=["up", "held"])
+OWN = ("contact.lower_decay_ratio=0.5", "contact.lower_relaxation_ratio=3", "guide.clearance=0.5um",
+       "guide.rotational_stiffness=1N*m/rad")  # fmt: skip
+
+
+@pytest.mark.parametrize("place", [UP, HELD, HELD + OWN], ids=["up", "held", "own"])
 def test_derivatives_of_what_acts_on_the_head(place):
     """Against central differences, by motions of some decay lengths and their rates."""
     head = held_head(prototype(*place))

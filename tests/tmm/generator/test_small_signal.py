@@ -144,7 +144,7 @@ def test_the_resting_tilt_balances_the_spring(shape):
     place = resting_place(axial_forces(device, None), 0.0, "rising")
     tilt = resting_tilt(device, place)
     assert tilt < 0.0
-    borne = float(contact_of(device).moment_under(place.contact_force, tilt))
+    borne = float(contact_of(device, "upper").moment_under(place.contact_force, tilt))
     borne += device.guide.rotational_stiffness * tilt
     applied = -0.9e-3 * (device.spring.preload - device.spring.stiffness * place.lift)
     assert borne == pytest.approx(applied, rel=1e-9)

@@ -20,7 +20,9 @@ from tactgen.validation.scene.scene import load_scene
 
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler on the path")
-SCENE = load_scene("paper", ["load.kind=none"])[0]
+#: Two stops that differ, so that a mistaken one is seen.
+OWN = ("contact.lower_decay_ratio=0.6", "contact.lower_relaxation_ratio=0.5")
+SCENE = load_scene("paper", ["load.kind=none", *OWN])[0]
 
 
 class Slave:
@@ -112,6 +114,14 @@ def test_the_balance_holds_through_pull_in_and_release(tmp_path):
     assert lifts[999] == pytest.approx(-stroke, abs=2e-6)
     assert lifts[-1] == pytest.approx(0.0, abs=2e-6)
     assert abs(slave.get("imbalance")) < 1e-10 * np.ptp(energies)
+
+
+def test_a_bore_with_play_is_refused(tmp_path):
+    """Its sources know no bore; nothing is written."""
+    scene, _ = load_scene("paper", ["load.kind=none", "guide.clearance=5um"])
+    with pytest.raises(InputError, match=r"set guide\.clearance = 0 mm"):
+        write_fmu(tmp_path / "x.fmu", scene_machine(scene, coil="current", volts=1.0), "paper")
+    assert not list(tmp_path.iterdir())
 
 
 @needs_compiler

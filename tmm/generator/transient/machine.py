@@ -23,10 +23,11 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.contact import RoughContact
+from tactgen.tmm.generator.guide import Play, lateral_guide, tilt_guide
 from tactgen.tmm.generator.moving_mass import moving_rod
 from tactgen.tmm.generator.stops import stops_of
 from tactgen.tmm.generator.transient.bimorph import BimorphModes
-from tactgen.tmm.generator.transient.laws import RoughPoint
+from tactgen.tmm.generator.transient.laws import RoughPoint, Stop
 from tactgen.tmm.generator.transient.system import Coil, Element, Friction, Output, System
 from tactgen.tmm.ports.springs_dampers_masses import Chain
 from tactgen.tmm.reluctance.coenergy.cells import cells
@@ -40,7 +41,7 @@ _BEYOND = 25.0
 #: How much more closely a step follows the head's tilt than the motion that it gives the tip.
 _TURNED = 3.0
 
-LOWER, UPPER = "lower_stop", "upper_stop"
+LOWER, UPPER, BORE = "lower_stop", "upper_stop", "bore"
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +91,8 @@ def machine(
     InputError
         If the spring cannot hold the rod on its upper stop, or a disc is asked for.
     """
-    spring, guide, contact = device.spring, device.guide, device.contact
+    spring, contact = device.spring, device.contact
+    lateral_bore, tilt_bore = lateral_guide(device), tilt_guide(device)
     if contact.shape != "ring":
         raise InputError(
             f'contact.shape = "{contact.shape}" has no time simulation yet; set contact.shape = '
@@ -117,21 +119,21 @@ def machine(
     mass[1:3, own] += modes.inertia.T
     mass[own, own] += np.eye(k)
     damping = loaded.T @ load.damping @ loaded
-    damping[0, 0] += guide.axial_damping
+    damping[0, 0] += device.guide.axial_damping
     damping[own, own] += np.diag(modes.damping)
     stiffness = loaded.T @ load.stiffness @ loaded
-    stiffness[:3, :3] += np.diag(
-        [spring.stiffness, guide.lateral_stiffness, guide.rotational_stiffness]
-    )
+    stiffness[:3, :3] += np.diag([spring.stiffness, lateral_bore.at_rest, tilt_bore.at_rest])
     stiffness[own, own] += np.diag(modes.omega**2)
     pushed = np.zeros(n)
     pushed[0] = spring.preload
     elements = (
         _rim(UPPER, stops.upper, 1.0, 0.0, n),
         _rim(LOWER, stops.lower, -1.0, -stops.stroke, n),
+        *_bore(lateral_bore, np.eye(n)[1]),
+        *_bore(tilt_bore, np.eye(n)[2]),
     )
     low, high = pull.gap_limits
-    beyond = _BEYOND * contact.decay_length
+    beyond = _BEYOND * max(stops.upper.decay_length, stops.lower.decay_length)
     lateral, axial = np.eye(n)[1], np.eye(n)[0]
     static = drive_scale * float(modes.tip[2:] @ (modes.coupling / modes.omega**2))
     bent = max(abs(static), 1e-9)
@@ -171,6 +173,14 @@ def machine(
         rest[0] = float(stops.upper.approach(force))
         force = spring.preload - spring.stiffness * rest[0]
     return Machine(system, rest, modes)
+
+
+def _bore(bore: Play, direction: Floats) -> tuple[Element, ...]:
+    """Return both sides of a bore with play, each a spring that only pushes; none without play."""
+    if not bore.play:
+        return ()
+    sides = np.stack([direction, -direction])
+    return (Element(BORE, Stop(bore.stiffness), sides, -bore.play),)
 
 
 def _rim(name: str, law: RoughContact, upwards: float, offset: float, n: int) -> Element:

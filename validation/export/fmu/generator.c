@@ -64,15 +64,15 @@ static Answer answer(const Slave *s, const double *y, double current, double fro
         double normal = 0.0, by[M_] = {0, 0, 0};
         for (int j = 0; j < POINTS; j++) {
             double row[M_] = {stop ? -1.0 : 1.0, 0.0, RIM[j]};
-            double moved = row[0] * y[0] + row[2] * y[2], u0 = DECAY;
+            double moved = row[0] * y[0] + row[2] * y[2], u0 = DECAY[stop];
             double before = deformation(s->x, stop, j) / u0, change = moved / u0;
             double begin = rough(before), end = rough(before + change);
             if (begin == 0.0 && end == 0.0) continue;
             double grown = begin > 0.0 ? begin * expm1(fmin(change, LARGEST)) : end;
             double elastic = change == 0.0 ? end : grown / change;
             double slope = fabs(change) > 1e-6 ? (end - elastic) / change : 0.5 * end;
-            double force = elastic + RELAXATION / h * (end - begin);
-            slope = (slope + RELAXATION / h * end) / u0;
+            double force = elastic + RELAXATION[stop] / h * (end - begin);
+            slope = (slope + RELAXATION[stop] / h * end) / u0;
             if (force <= 0.0) { force = 0.0; slope = 0.0; }
             a.loss += (force - elastic) * moved;
             normal += force;
@@ -172,7 +172,8 @@ static double energy(const Slave *s) {
             e += 0.5 * (s->v[i] * MASS[i * N + j] * s->v[j] + s->x[i] * STIFFNESS[i * N + j] * s->x[j]);
     }
     for (int stop = 0; stop < 2; stop++)
-        for (int j = 0; j < POINTS; j++) e += DECAY * rough(deformation(s->x, stop, j) / DECAY);
+        for (int j = 0; j < POINTS; j++) 
+            e += DECAY[stop] * rough(deformation(s->x, stop, j) / DECAY[stop]);
     return e;
 }
 

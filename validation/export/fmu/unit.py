@@ -22,7 +22,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
 from tactgen.tmm.generator.transient.laws import RoughPoint
-from tactgen.tmm.generator.transient.machine import Machine
+from tactgen.tmm.generator.transient.machine import BORE, Machine
 from tactgen.tmm.reluctance.coenergy.cells import CoenergyCells
 
 _MODEL = "generator"
@@ -97,17 +97,20 @@ def _compiled(compiler: str, source: str, header: str) -> bytes:
 def _header(machine: Machine) -> str:
     """Return the numbers of one device as C."""
     system = machine.system
+    if any(element.name == BORE for element in system.elements):
+        raise InputError(
+            "guide.clearance above 0 has no co-simulation unit yet; set guide.clearance = 0 mm"
+        )
     coil, (upper, lower) = system.coil, system.elements
     assert coil is not None
-    cells, law = coil.coenergy, upper.law
+    cells, law, below = coil.coenergy, upper.law, lower.law
     assert isinstance(cells, CoenergyCells)
     assert isinstance(law, RoughPoint)
+    assert isinstance(below, RoughPoint)
     friction = system.frictions[0]
     numbers = {
         "GAP_OFFSET": cells.gap_offset,
         "RIM_LOAD": law.load,
-        "DECAY": law.decay_length,
-        "RELAXATION": law.relaxation_time,
         "STROKE": -lower.offset,
         "FRICTION": friction.coefficient,
         "CREEP": friction.speed,
@@ -118,6 +121,8 @@ def _header(machine: Machine) -> str:
         "STEP": _STEP,
     }
     arrays = {
+        "DECAY": np.array([law.decay_length, below.decay_length]),
+        "RELAXATION": np.array([law.relaxation_time, below.relaxation_time]),
         "MASS": system.mass,
         "DAMPING": system.damping,
         "STIFFNESS": system.stiffness,

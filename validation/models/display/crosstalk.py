@@ -128,7 +128,8 @@ def display_ports(scene: Scene, bimorph: Multiport, *, bare: bool = False) -> Mu
     device, display, f = scene.device, scene.display, bimorph.frequencies
     if scene.bimorph.wiring == "series":
         bimorph = in_series(bimorph)
-    unit = unit_ports(bimorph, device, scene.held, scene.ends.tip)
+    assert scene.rest is not None, "units stand on their contacts"
+    unit = unit_ports(bimorph, device, scene.rest[0], scene.ends.tip)
     units = unit_names(display)
     masses = {line.name: line.mass for line in bill_of_parts(device, display)}
     on = board(device, display, f, units, masses["upper_board"])

@@ -92,11 +92,11 @@ def run_scene(
         found.system, sources, until, position=found.rest, accuracy=accuracy, announce=tell
     )
     forces = {}
-    for element in found.system.elements:
+    stops = (element for element in found.system.elements if element.name in (LOWER, UPPER))
+    for element in stops:
         deformed = answer.run.position @ element.direction.T + element.offset
         rate = answer.run.velocity @ element.direction.T
         forces[element.name] = np.asarray(element.law.force(deformed, rate).sum(axis=1))
-    assert set(forces) == {LOWER, UPPER}
     return Simulation(scene, found, answer, forces)
 
 

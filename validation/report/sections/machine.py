@@ -14,11 +14,10 @@ import numpy as np
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.beam.transfer import transfer_matrix
-from tactgen.tmm.generator.contact import RoughContact
 from tactgen.tmm.generator.moving_mass import moving_rod
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import RestingPlace, axial_forces, resting_places
-from tactgen.tmm.generator.stops import contact_of
+from tactgen.tmm.generator.stops import contact_of, stops_of
 from tactgen.tmm.ports.multiport import in_series, respond
 from tactgen.tmm.ports.terminations import attach, outside_known_range
 from tactgen.validation.catalogue.bimorph import SHORT_CIRCUIT_FREQUENCIES
@@ -80,7 +79,8 @@ def _support(study: Study) -> Context:
     return {
         "rows": [_row(scene, state, made) for state, made in _states(scene, _is_magnetic(study))],
         "moment": _base_moment(scene),
-        "law": contact_of(scene.device),
+        "law": contact_of(scene.device, "upper"),
+        "below": contact_of(scene.device, "lower"),
         "rod": moving_rod(scene.device),
         "rated": Device().spring.preload,
     }
@@ -148,7 +148,7 @@ def _with(scene: Scene, **coil: Any) -> Scene:
 def _row(scene: Scene, state: str, made: Scene) -> SupportRow:
     assert made.rest is not None
     place, springs = made.rest
-    law: RoughContact = contact_of(made.device)
+    law = stops_of(made.device).holding(place.lift)
     answer = solve(made, ["tmm"], [SHORT_CIRCUIT_FREQUENCIES.name]).quantities[0]
     return SupportRow(
         state=state,
@@ -175,7 +175,7 @@ def _base_moment(scene: Scene) -> Context:
     borne = np.abs(tilt * (springs.rotational_stiffness + 1j * omega * springs.rotational_damping))
     borne[outside_known_range(scene.load, frequencies)] = 0.0
     at = int(np.argmax(borne))
-    law = contact_of(scene.device)
+    law = stops_of(scene.device).holding(place.lift)
     return {
         "largest": float(borne[at]),
         "at": float(frequencies[at]),

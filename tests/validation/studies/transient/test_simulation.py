@@ -65,7 +65,7 @@ def test_modes_answer_like_the_transfer_matrices(scene):
 
 def test_the_rim_pushes_like_the_law_of_the_whole(scene, still):
     """Load and moment of the points are those of the rim, pressed and tilted."""
-    law = contact_of(scene.device)
+    law = contact_of(scene.device, "upper")
     rim = still.system.elements[0]
     for lift, tilt in ((0.0, 0.0), (2e-7, 3e-4), (-1e-7, -1e-3)):
         position = np.zeros(still.system.mass.shape[0])
