@@ -50,6 +50,8 @@ _ROUNDINGS, _SAFETY = 4.0, 4.0
 _NARROW = 64.0 * _EPS
 #: Reference stiffness in those, and the relative step of a difference quotient.
 _OTHER_UNIT, _STEP = 5.0, 1e-5
+#: Rounding from which it cannot be told: what moves is then of the size of the step.
+_TOLD = 0.1 * _STEP
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,8 @@ def natural_frequencies(
     Raises
     ------
     ArithmeticError
-        If the count of modes is not certain (section constants beyond all proportion).
+        If the count of modes, or their rounding, is not certain (section constants beyond all
+        proportion).
     """
     first = ends.rigid_motions
     wanted = np.arange(first, first + count)
@@ -93,7 +96,13 @@ def natural_frequencies(
         counts = np.append(counts, found[0])
         angles = np.concatenate([angles, found[1]])
     at = _roots(attached, wanted, points, counts, angles)
-    return NaturalFrequencies(at, _rounding(attached, at))
+    rounding = _rounding(attached, at)
+    if not (rounding < _TOLD).all():
+        raise ArithmeticError(
+            "the natural frequencies of this row are lost in rounding: its section constants are "
+            "out of all proportion (a beam far shorter than thick, or a foil)"
+        )
+    return NaturalFrequencies(at, rounding)
 
 
 def _rounding(attached: _Attached, at: Floats) -> Floats:
@@ -260,4 +269,6 @@ def _first_guess(row: Row) -> float:
     """Return a frequency (Hz) of the order of the first mode of the whole row."""
     length = sum(element_length for _, element_length in row)
     beam = next(element for element, _ in reversed(row) if isinstance(element, Section))
-    return float(np.sqrt(complex(beam.EI).real / beam.m) / length**2 / (2.0 * np.pi))
+    bending = np.sqrt(complex(beam.EI).real / beam.m) / length**2
+    shear = np.sqrt(complex(beam.GA).real / beam.m) / length
+    return float(min(bending, shear) / (2.0 * np.pi))

@@ -292,3 +292,23 @@ def test_count_of_many_segments_agrees_with_the_whole():
     whole = modes(BEAM, float(lengths.sum()), PAPER_SUPPORT, 12)
     got = bending_frequencies(row, PAPER_SUPPORT, 12, open_circuit=False)
     np.testing.assert_allclose(got, whole, rtol=DIGITS)
+
+
+@pytest.mark.parametrize("shear", [1e2, 1e5, 1e10, 1e16])
+def test_beam_that_only_shears(shear):
+    """EI/(GA l²) → ∞ on a clamp: √(GA/m) (2n − 1)/4l, a string's, less a share of the order 1/φ.
+
+    The rounding stays that of any beam: what shears is not measured against what bends.
+    """
+    beam = Section(EI=1.0, GA=1.0 / shear, m=1.0, rhoI=1e-3)
+    got = natural_frequencies([(beam, 1.0)], CLAMPED, 4, open_circuit=False)
+    string = np.arange(1.0, 8.0, 2.0) / (4.0 * np.sqrt(shear))
+    np.testing.assert_allclose(got.frequencies, string, rtol=0.1 / shear + 1e-13)
+    assert got.rounding.max() < 1e-13
+
+
+def test_rounding_that_cannot_be_told_is_refused():
+    """A free beam loses a digit with each decade of φ: at 10¹² none could be vouched for."""
+    row = [(Section(EI=1.0, GA=1e-12, m=1.0, rhoI=1e-3), 1.0)]
+    with pytest.raises(ArithmeticError, match="lost in rounding"):
+        natural_frequencies(row, Ends(UNHELD), 3, open_circuit=False)

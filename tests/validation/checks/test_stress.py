@@ -40,6 +40,15 @@ def test_every_family_holds(found, family):
     assert row(found, family).verdict == "holds"
 
 
+def test_natural_frequencies_from_slender_to_all_shear(found):
+    """Each within its rounding; only free beams at φ beyond use are refused."""
+    judgement = row(found, "natural frequencies: slenderness")
+    assert judgement.verdict == "holds or says why not"
+    # three modes at five φ and three ends, less those of the free beam at 1e8 and 1e16
+    assert judgement.points == 3 * (5 * 3 - 2)
+    assert all("lost in rounding" in refusal for refusal in judgement.refusals)
+
+
 @pytest.mark.parametrize("family", ["resonance, both ends held", "resonance, cantilever"])
 def test_into_a_resonance(found, family):
     """Down to the last bit the error follows the condition number, and then is large."""

@@ -13,8 +13,10 @@ that, small for a short element.  S of a lossless one is unitary at any frequenc
 and two elements are joined by Redheffer's star product (1962), here of X, whose one linear
 solve is about the identity.  So it takes a few roundings to join a thousand elements.
 
-Reference: F in units of EI κ², M of EI κ, w of 1/κ, with the EI of the softest element and
-κ the largest wavenumber of the row (at least 1/length of the row), at each frequency.
+Reference: M in units of EI κ, w of s/κ, F of EI κ²/s, with the EI of the softest element and
+κ the largest wavenumber of the row (at least 1/length of the row), at each frequency.  s is 1
+but where shear is softer than bending over 1/κ, s² = EI κ²/GA > 1: w is then measured against
+GA κ instead of EI κ³, beside which it would have no digit left in a row as stubby as s² = 10⁵.
 """
 
 from __future__ import annotations
@@ -45,20 +47,21 @@ THROUGH = -np.eye(4, 5)[[2, 3, 0, 1]]
 
 @dataclass(frozen=True)
 class Reference:
-    """Units of the wave variables: EI (n,) in N m², κ (n,) in 1/m."""
+    """Units of the wave variables: EI (n,) in N m², κ (n,) in 1/m, s (n,) without unit."""
 
     stiffness: Floats
     wavenumber: Floats
+    slide: Floats
 
     def units(self) -> tuple[Floats, Floats]:
         """Return the units of [w, ψ] and of [F, M], (n, 2) each."""
         kappa, one = self.wavenumber, np.ones_like(self.wavenumber)
-        force = np.stack([kappa**2, kappa], axis=1) * self.stiffness[:, None]
-        return np.stack([1.0 / kappa, one], axis=1), force
+        force = np.stack([kappa**2 / self.slide, kappa], axis=1) * self.stiffness[:, None]
+        return np.stack([self.slide / kappa, one], axis=1), force
 
     def at(self, points: Any) -> Reference:
         """Return the reference at some of the points."""
-        return Reference(self.stiffness[points], self.wavenumber[points])
+        return Reference(self.stiffness[points], self.wavenumber[points], self.slide[points])
 
 
 @dataclass(frozen=True)
@@ -110,7 +113,7 @@ def in_waves(
     entries, order = _different(row)
     stack = _stacked(entries, omega.size)
     usual = _reference(row, stack, omega)
-    reference = Reference(unit * usual.stiffness, usual.wavenumber)
+    reference = Reference(unit * usual.stiffness, usual.wavenumber, usual.slide)
     return _scattering(stack, slice(None), omega, reference), order, reference
 
 
@@ -195,7 +198,7 @@ def _scattering(stack: _Stack, part: slice, omega: Floats, reference: Reference)
         nothing = np.zeros(omega.size)
         s[i] = _from_transfer(t / units[:, :, None] * units[:, None, :], nothing, nothing)
     beams = Section(*(getattr(stack.beams, f.name)[:, part].ravel() for f in fields(Section)))
-    many = Reference(*(np.tile(v, count) for v in (reference.stiffness, reference.wavenumber)))
+    many = Reference(*(np.tile(getattr(reference, f.name), count) for f in fields(Reference)))
     made = scattering(beams, stack.lengths[:, part].ravel(), np.tile(omega, count), many)
     s[stack.beams_at] = made.reshape(count, -1, 5, 5)
     return s
@@ -209,7 +212,9 @@ def _numbers(entry: Element) -> list[Any]:
 def _reference(row: Sequence[Element], stack: _Stack, omega: Floats) -> Reference:
     total = np.abs(sum(length for _, length in row))
     waves = np.abs(wavenumbers(stack.beams, 1.0, omega)).max(axis=(0, 1))
-    return Reference(np.abs(stack.beams.EI).min(axis=0), np.maximum(waves, 1.0 / total))
+    stiffness, kappa = np.abs(stack.beams.EI).min(axis=0), np.maximum(waves, 1.0 / total)
+    against_shear = kappa * np.sqrt(stiffness / np.abs(stack.beams.GA).min(axis=0))
+    return Reference(stiffness, kappa, np.maximum(against_shear, 1.0))
 
 
 def _state_units(reference: Reference) -> Floats:

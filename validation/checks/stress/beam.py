@@ -26,6 +26,7 @@ from tactgen.tmm.beam.transfer.span import Span, span
 from tactgen.tmm.beam.transfer.transfer_matrix import chain
 from tactgen.tmm.ports.terminations import ends_of
 from tactgen.validation.checks.cases import reference_beam as reference
+from tactgen.validation.checks.stress import beam_modes
 from tactgen.validation.checks.stress.beam_point import CONDITION_LIMIT, entry_error, point
 from tactgen.validation.checks.stress.result import (
     WANTED,
@@ -55,6 +56,8 @@ def run(quick: bool, announce: Callable[[str], None]) -> Stress:
     for family in (_static, _cut_off, _ratios, _constants, _quality, _chains):
         announce(f"tmm: {family.__name__.strip('_').replace('_', ' ')}")
         rows.append(family(quick))
+    announce("tmm: natural frequencies")
+    rows.append(beam_modes.row(quick))
     for approach in (_held_resonance, _mounted_resonance):
         announce("tmm: into a resonance")
         line, row = approach(quick)
