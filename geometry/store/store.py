@@ -104,7 +104,7 @@ def _place(kind: str, inputs: tuple[object, ...], made_of: tuple[str, ...]) -> P
     """Return the file of a value."""
     folder = store_folder()
     code = source_digest(made_of, folder)
-    return folder / f"{kind}-{fingerprint(kind, inputs, code, _versions())}{SUFFIX}"
+    return folder / f"{kind}-{fingerprint(kind, inputs, code, library_versions())}{SUFFIX}"
 
 
 def store_folder() -> Path:
@@ -173,7 +173,8 @@ def clear() -> Holding:
 
 
 @cache
-def _versions() -> tuple[str, ...]:
+def library_versions() -> tuple[str, ...]:
+    """Return the versions of the libraries that may give other numbers."""
     found = []
     for library in _LIBRARIES:
         try:

@@ -7,7 +7,7 @@ family once and then answers a scene in milliseconds; that pays beyond a few sce
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, cast
 
@@ -15,12 +15,13 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.validation.catalogue.models import MODELS, reading_reads
+from tactgen.validation.engine.outlook import Prospect
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.stages import values_read
 from tactgen.validation.scene.scene import Scene
 
 #: Most numbers that vary in a family: its range has 2^n corners.
-_MOST_KEYS = 4
+MOST_KEYS = 4
 
 #: Lowest and highest value (SI) of keys, of which many points will be asked.
 Box = Mapping[str, tuple[float, float]]
@@ -35,17 +36,33 @@ class FamilyModule(Protocol):
     def gives_family(self, quantity: str) -> bool:
         """Return whether a quantity is given for a family."""
 
-    def answer_family(
+    def reduce_family(
         self,
         scene: Scene,
-        values: dict[str, Floats],
-        quantities: Sequence[str],
         ranges: Box,
+        quantities: Sequence[str],
+        members: int,
         announce: Callable[[str], None],
-    ) -> list[tuple[Quantity, ...]]:
-        """Return the quantities of scenes that differ from `scene` in `values` (n,) each.
+    ) -> ReducedModel:
+        """Return what answers for scenes that differ from `scene` in numbers of these ranges.
 
-        The values lie in `ranges`, as will those that are asked next.
+        About so many `members` will be asked.
+        """
+
+    def family_prospect(self, scene: Scene, ranges: Box, quantities: Sequence[str]) -> Prospect:
+        """Return whether what it reduces is kept, and what it took to build one as large."""
+
+
+class ReducedModel(Protocol):
+    """A family that was reduced."""
+
+    def answers(self, values: dict[str, Floats]) -> list[tuple[Quantity, ...]]:
+        """Return the quantities of scenes whose numbers are `values` (n,) each.
+
+        Raises
+        ------
+        InputError
+            If the model cannot answer for all of them.
         """
 
 
@@ -81,6 +98,17 @@ class Family:
         )
 
 
+def gives_families(model: str, quantities: Sequence[str]) -> bool:
+    """Return whether a model gives all of these quantities for families of scenes."""
+    return bool(MODELS[model].families) and all(map(_module(model).gives_family, quantities))
+
+
+def family_keys(model: str, scene: Scene, keys: Iterable[str]) -> tuple[str, ...]:
+    """Return which scene keys may vary within a family of a model that has families."""
+    module = _module(model)
+    return tuple(key for key in keys if module.is_family_key(scene, key))
+
+
 def find_families(
     model: str, scenes: Sequence[Scene], quantities: Sequence[str], box: Box | None = None
 ) -> list[Family]:
@@ -89,13 +117,13 @@ def find_families(
     With a `box`, a range of keys of which many more points will be asked, it pays for few.
     """
     row = MODELS[model]
-    if not row.families or not scenes or (box is None and len(scenes) <= _least(1)):
+    if not scenes or (box is None and len(scenes) <= _least(1)):
+        return []
+    if not gives_families(model, quantities):
         return []
     module = _module(model)
-    if not all(module.gives_family(name) for name in quantities):
-        return []
-    boxed = tuple(key for key in box or () if module.is_family_key(scenes[0], key))
-    if box is not None and not 0 < len(boxed) <= _MOST_KEYS:
+    boxed = family_keys(model, scenes[0], box or ())
+    if box is not None and not 0 < len(boxed) <= MOST_KEYS:
         return []
     reads = {key for stage in row.stages.values() for key in stage} | set(reading_reads(model))
     flat = [_flat(values_read(scene, sorted(reads))) for scene in scenes]
@@ -114,7 +142,7 @@ def find_families(
             continue
         first = flat[numbers[0]]
         keys = tuple(k for k in own if any(flat[n][k] != first[k] for n in numbers))
-        if keys and len(keys) <= _MOST_KEYS and len(numbers) > _least(len(keys)):
+        if keys and len(keys) <= MOST_KEYS and len(numbers) > _least(len(keys)):
             found.append(Family(model, tuple(numbers), keys))
     return found
 
@@ -137,8 +165,48 @@ def answer_family(
     values = {
         key: np.array([_value(scene, key) for scene in chosen], dtype=float) for key in family.keys
     }
-    ranges = family.box or {key: (float(v.min()), float(v.max())) for key, v in values.items()}
-    return _module(family.model).answer_family(chosen[0], values, quantities, ranges, announce)
+    ranges = family_ranges(family, scenes)
+    return reduce_family(
+        family.model, chosen[0], ranges, quantities, len(chosen), announce
+    ).answers(values)  # fmt: skip
+
+
+def family_prospect(model: str, scene: Scene, ranges: Box, quantities: Sequence[str]) -> Prospect:
+    """Return whether a family is kept already, and the seconds recorded for one as large.
+
+    Raises
+    ------
+    InputError
+        If the model cannot reduce the family.
+    """
+    return _module(model).family_prospect(scene, ranges, quantities)
+
+
+def family_ranges(family: Family, scenes: Sequence[Scene]) -> Box:
+    """Return the range of a family's keys over its scenes, or that of which more will be asked."""
+    return family.box or {
+        key: (min(values), max(values))
+        for key in family.keys
+        for values in ([_value(scenes[number], key) for number in family.numbers],)
+    }
+
+
+def reduce_family(
+    model: str,
+    scene: Scene,
+    ranges: Box,
+    quantities: Sequence[str],
+    members: int,
+    announce: Callable[[str], None] = lambda _: None,
+) -> ReducedModel:
+    """Return what answers for about so many scenes that differ from one in at most four numbers.
+
+    Raises
+    ------
+    InputError
+        If the model cannot reduce the family.
+    """
+    return _module(model).reduce_family(scene, ranges, quantities, members, announce)
 
 
 def _least(keys: int) -> int:

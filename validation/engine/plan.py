@@ -63,9 +63,7 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
         If a model cannot take the scene, or a quantity has no model.
     """
     check_models(models, quantities)
-    check_on_contact(scene, quantities)
-    for model in models:
-        model_class(model).check(scene)
+    check_scene(scene, models, quantities)
     reasons: dict[str, list[str]] = {}
     for model in models:
         for quantity in (q for q in quantities if gives(model, q)):
@@ -78,6 +76,19 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
         Skip(stage, _why_not(stage, models)) for stage in stage_reads() if stage not in reasons
     )
     return Plan(run, skipped)
+
+
+def check_scene(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> None:
+    """Refuse a scene that one of the models cannot take, or of which quantities say nothing.
+
+    Raises
+    ------
+    InputError
+        With the remedy.
+    """
+    check_on_contact(scene, quantities)
+    for model in models:
+        model_class(model).check(scene)
 
 
 def check_models(models: Sequence[str], quantities: Sequence[str]) -> None:

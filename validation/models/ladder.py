@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +28,7 @@ _LADDERS: Mapping[Actuator, tuple[str, ...]] = {
     "bimorph": ("lumped", "tmm", "solid"),
     "reluctance": ("network", "axisymmetric"),
     "generator": ("lumped", "tmm", "solid"),
+    "display": ("lumped", "tmm", "solid"),
 }
 #: The last one where the first choice cannot take the scene.
 _INSTEAD = {"solid": "cad"}
@@ -81,17 +82,21 @@ class Rung:
 
 @dataclass(frozen=True)
 class Choice:
-    """The models that answer, with the ladders that they were chosen from."""
+    """The models that answer, with the ladders that they were chosen from.
+
+    `scenes` is in how many scenes each model was judged; the ladders have the worst of them.
+    """
 
     models: tuple[str, ...]
     ladders: tuple[tuple[Rung, ...], ...]
     accuracy: float
+    scenes: int = 1
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """Why these models answer."""
         return tuple(
-            f"accuracy {share(self.accuracy)} is asked for: "
+            f"accuracy {share(self.accuracy)} is asked for{_where(self.scenes)}: "
             + "; ".join(rung.sentence for rung in ladder)
             for ladder in self.ladders
         )
@@ -107,21 +112,52 @@ def choose(
     InputError
         If none does, with what each would give.
     """
+    return choose_for((scene,), quantities, announce)
+
+
+def choose_for(
+    scenes: Sequence[Scene],
+    quantities: Sequence[str],
+    announce: Callable[[str], None] = lambda _: None,
+) -> Choice:
+    """Return the cheapest models whose known error meets the accuracy in every one of the scenes.
+
+    Raises
+    ------
+    InputError
+        If none does, with what each would give at worst.
+    """
     actuators = dict.fromkeys(QUANTITIES[name].actuator for name in quantities)
+    accuracy = min(scene.accuracy for scene in scenes)
     ladders, models = [], []
     for actuator in actuators:
         wanted = tuple(q for q in quantities if QUANTITIES[q].actuator == actuator)
-        rungs = ladder(scene, actuator, wanted, announce)
+        judge = _judge(actuator, scenes, wanted)
+        rungs = _worst([ladder(scene, actuator, wanted, announce, judge) for scene in scenes])
         meeting = [rung.model for rung in rungs if rung.meets]
         if not meeting:
             raise InputError(
-                f"accuracy = {scene.accuracy:g} is met by no model: "
+                f"accuracy = {accuracy:g} is met by no model{_where(len(scenes))}: "
                 + "; ".join(rung.sentence for rung in rungs)
                 + "; ask for less, or name a --model and judge its error bar"
             )
         ladders.append(rungs)
         models.append(meeting[0])
-    return Choice(tuple(dict.fromkeys(models)), tuple(ladders), scene.accuracy)
+    return Choice(tuple(dict.fromkeys(models)), tuple(ladders), accuracy, len(scenes))
+
+
+def _where(scenes: int) -> str:
+    return "" if scenes == 1 else f" (each model at the worst of {scenes} points tried)"
+
+
+def _worst(ladders: Sequence[tuple[Rung, ...]]) -> tuple[Rung, ...]:
+    """Return the rungs of several scenes as one ladder, with the largest errors of each model."""
+    found = []
+    for rungs in zip(*ladders, strict=True):
+        worst = max(rungs, key=lambda rung: (not rung.meets, rung.form + rung.numerical))
+        costs = [rung.seconds for rung in rungs if rung.seconds is not None]
+        found.append(replace(worst, seconds=max(costs, default=None)))
+    return tuple(found)
 
 
 def ladder(
@@ -129,11 +165,14 @@ def ladder(
     actuator: Actuator,
     quantities: tuple[str, ...],
     announce: Callable[[str], None] = lambda _: None,
+    judge: str = "",
 ) -> tuple[Rung, ...]:
-    """Return what is known of each model's error in these quantities, cheapest first."""
-    *simple, judge = _LADDERS[actuator]
-    simple = [m for m in simple if all(gives(m, q) for q in quantities)]
-    judge = _able(judge, scene)
+    """Return what is known of each model's error in these quantities, cheapest first.
+
+    The most detailed model, `judge`, is that which can take the scene if none is given.
+    """
+    judge = judge or _judge(actuator, (scene,), quantities)
+    simple = [m for m in _LADDERS[actuator][:-1] if all(gives(m, q) for q in quantities)]
     level = {"mesh": scene.mesh.model_copy(update={"level": 0}), "accuracy": _COARSE}
     announce(f"{judge} on its coarsest mesh, to judge the others")
     reference = solve(scene.model_copy(update=level), (judge,), quantities, announce)
@@ -162,15 +201,30 @@ def ladder(
     return tuple(rungs)
 
 
-def _able(judge: str, scene: Scene) -> str:
-    """Return the model that judges, or the one in its place if it cannot take the scene."""
+def _judge(actuator: Actuator, scenes: Sequence[Scene], quantities: Sequence[str]) -> str:
+    """Return the model that judges the others, or the one in its place if that takes the scenes.
+
+    Raises
+    ------
+    InputError
+        If neither takes all scenes, or does not give a quantity.
+    """
+    judge = _LADDERS[actuator][-1]
+    for name in quantities:
+        if not gives(judge, name):
+            raise InputError(
+                f"accuracy without a model is judged by {judge}, which does not compute {name}; "
+                "name a --model and judge its error bar"
+            )
     try:
-        model_class(judge).check(scene)
+        for scene in scenes:
+            model_class(judge).check(scene)
     except InputError:
         if judge not in _INSTEAD:
             raise
         judge = _INSTEAD[judge]
-        model_class(judge).check(scene)
+        for scene in scenes:
+            model_class(judge).check(scene)
     return judge
 
 

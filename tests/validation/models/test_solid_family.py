@@ -14,6 +14,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import solid_family
+from tactgen.validation.models.bimorph.family.many import for_many
 from tactgen.validation.models.bimorph.family.values import family_values
 from tactgen.validation.scene.scene import load_scene
 
@@ -91,6 +92,21 @@ def test_a_frequency_beyond_the_basis_is_refused():
     family = solid_family.solid_family(own, {"bimorph.length": (13e-3, 15e-3)}, ["tip_velocity"])
     with pytest.raises(InputError, match=r"1e\+06 Hz is beyond the 4 modes"):
         family_values(own, family, {"bimorph.length": np.array([14e-3])}, ["tip_velocity"])
+
+
+def test_fewer_shapes_say_the_same_within_the_bars(family):
+    """For one support and load, on members that were not looked at."""
+    own = scene("load.kind=spring_damper", "load.stiffness=200 N/m")
+    few = for_many(own, family, QUANTITIES)
+    assert few.fine.motions["bending_x"].size < 0.8 * family.fine.motions["bending_x"].size
+    at = {"bimorph.length": np.linspace(12e-3, 16e-3, 7)}
+    fewer, whole = (family_values(own, each, at, QUANTITIES) for each in (few, family))
+    for name in QUANTITIES:
+        apart = np.abs(fewer[name].value - whole[name].value)
+        assert (apart <= fewer[name].basis + whole[name].basis).all(), name
+        enough = np.maximum(1.15 * whole[name].bar, 0.05 * own.accuracy * np.abs(whole[name].value))
+        assert (fewer[name].bar <= enough).all(), name
+    assert for_many(scene("frequency=100"), family, ("tip_displacement",)) is family
 
 
 def test_what_is_kept_serves_within_its_range_and_grows_beyond(family):

@@ -13,19 +13,33 @@ from tactgen.validation.command_line.commands.common import (
     asking_options,
     scene_options,
 )
+from tactgen.validation.command_line.study_options import (
+    AXES,
+    axis_options,
+    stated,
+    under_accuracy,
+)
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("plan", help="show what would run, what is skipped, and why")
+    parser = commands.add_parser(
+        "plan",
+        help="show what would run, what is skipped, and why; with --vary of a whole study",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog=AXES,
+    )
     scene_options(parser)
     asking_options(parser)
+    axis_options(parser)
     parser.add_argument("--json", action="store_true", help="machine-readable plan on stdout")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    if options.vary or options.sample is not None:
+        return _of_study(options)
     from tactgen.validation.command_line.contract import under_contract
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.outlook import outlook
@@ -56,4 +70,27 @@ def run(options: argparse.Namespace) -> int:
         for sentence in choice.sentences if choice is not None else ():
             print(sentence)
         print_plan(scene.name, plan, prospects)
+    return 0
+
+
+def _of_study(options: argparse.Namespace) -> int:
+    """Show what each model would do in a study: kept, by a reduced basis, or one by one."""
+    from tactgen.validation.command_line.plain_values import plain
+    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.studies.whatif.outlook import study_outlook
+
+    statement, choice = under_accuracy(stated(options))
+    with announcer() as announce:
+        models = study_outlook(statement, announce)
+    if options.json:
+        found: dict[str, Any] = {"scene": statement.scene, "study": plain(models)}
+        if choice is not None:
+            found["ladders"] = plain(choice.ladders)
+        json.dump(found, sys.stdout)
+        print()
+    else:
+        over = ", ".join(statement.columns)
+        print(f"study of {statement.scene}: {statement.size} points over {over}")
+        for model in models:
+            print("\n".join(model.sentences))
     return 0

@@ -130,23 +130,38 @@ def answer(
             raise Busy
         announce(text)
 
-    def work() -> Answer:
-        start = time.perf_counter()
-        try:
-            found = solve(
-                checked_scene(values), (asked.model,), asked.quantities, announce,
-                reuse=earlier.get(asked.model),
-            )  # fmt: skip
-        except Exception as error:  # noqa: BLE001  (one point's failure is not the study's)
-            return Answer("failed", reason(error), seconds=time.perf_counter() - start)
-        earlier[asked.model] = found
-        seconds = time.perf_counter() - start
-        return Answer("ok", "", found.quantities, found.warnings, seconds)
-
     return kept(
-        _kind(asked), asked.inputs, _made_of(asked.model), work,
+        _kind(asked), asked.inputs, _made_of(asked.model),
+        lambda: solved(asked, values, announce, earlier),
         serves=_serving(retry), announce=waiting,
     )  # fmt: skip
+
+
+def solved(
+    asked: Question,
+    values: dict[str, Any],
+    announce: Callable[[str], None],
+    earlier: dict[str, Solution],
+) -> Answer:
+    """Return the answer, computed now and not kept; see :func:`answer`."""
+    start = time.perf_counter()
+    try:
+        found = solve(
+            checked_scene(values), (asked.model,), asked.quantities, announce,
+            reuse=earlier.get(asked.model),
+        )  # fmt: skip
+    except Exception as error:  # noqa: BLE001  (one point's failure is not the study's)
+        return Answer("failed", reason(error), seconds=time.perf_counter() - start)
+    earlier[asked.model] = found
+    seconds = time.perf_counter() - start
+    return Answer("ok", "", found.quantities, found.warnings, seconds)
+
+
+def keep(asked: Question, found: Answer, *, retry: bool = False) -> Answer:
+    """Keep an answer that was computed elsewhere; return what is kept, if one was already."""
+    return kept(
+        _kind(asked), asked.inputs, _made_of(asked.model), lambda: found, serves=_serving(retry)
+    )
 
 
 def reason(error: Exception) -> str:

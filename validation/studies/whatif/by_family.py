@@ -49,17 +49,22 @@ def _answered(
         return {}
     found = {}
     for place, given in zip(family.numbers, answers, strict=True):
-        try:
-            warnings = _warnings(scenes[place], family.model, given)
-        except InputError:  # said where the point is answered alone
-            continue
-        seconds = sum(quantity.seconds for quantity in given)
-        found[place] = Answer("ok", "", given, warnings, seconds)
+        answer = answer_with_warnings(scenes[place], family.model, given)
+        if answer is not None:
+            found[place] = answer
     return found
 
 
-def _warnings(scene: Scene, model: str, given: tuple[Quantity, ...]) -> tuple[str, ...]:
+def answer_with_warnings(scene: Scene, model: str, given: tuple[Quantity, ...]) -> Answer | None:
+    """Return an answer of a family's; None where what is asked is refused there.
+
+    That is said where the point is answered alone.
+    """
     names = [quantity.name for quantity in given]
-    warnings = request_warnings(scene, (model,), names)
-    warnings += accuracy_warnings(scene, given)
-    return warnings + deflection_warnings(scene, given)
+    try:
+        warnings = request_warnings(scene, (model,), names)
+        warnings += accuracy_warnings(scene, given)
+        warnings += deflection_warnings(scene, given)
+    except InputError:
+        return None
+    return Answer("ok", "", given, warnings, sum(quantity.seconds for quantity in given))

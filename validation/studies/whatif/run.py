@@ -13,14 +13,14 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.families import Box
 from tactgen.validation.engine.plan import check_models
-from tactgen.validation.scene.nearby import ScenesNearby
-from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.whatif.answers import Answer, Question, question, reason, recall
-from tactgen.validation.studies.whatif.asked.scene_field import as_stated
+from tactgen.validation.studies.whatif.answers import Answer, recall
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.by_family import answers_by_family
+from tactgen.validation.studies.whatif.cluster import found_on_cluster
+from tactgen.validation.studies.whatif.questions import questions, scenes_nearby
 from tactgen.validation.studies.whatif.schedule import schedule
-from tactgen.validation.studies.whatif.workers import Job, work_through
+from tactgen.validation.studies.whatif.sweep import sweep
+from tactgen.validation.studies.whatif.workers import Found, Job, work_through
 
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 #: Of sentences that differ in their numbers, the first is told.
@@ -91,6 +91,7 @@ def run_study(
     announce: Callable[[str], None] = lambda _: None,
     *,
     retry: bool = False,
+    scheduler: str = "",
 ) -> Study:
     """Return the study with every answer, failures among them.
 
@@ -101,15 +102,19 @@ def run_study(
         one alone.
     retry : bool
         Whether questions that failed earlier are asked again.
+    scheduler : str
+        Address of a Dask cluster whose workers solve what is not kept; empty for this machine.
 
     Raises
     ------
     InputError
-        If the axes cannot be used, or no point of them makes a scene.
+        If the axes cannot be used, no point of them makes a scene, or the cluster is of no use.
     """
     check_models(statement.models, statement.quantities)
     points = tuple(statement.points())
-    answers, counts = answers_at(statement, points, processes, announce, retry=retry)
+    answers, counts = answers_at(
+        statement, points, processes, announce, retry=retry, scheduler=scheduler
+    )
     every = [found for each in answers for found in each.values()]
     if all(found.status == "refused" for found in every):
         raise InputError(f"none of the {len(points)} points makes a scene: {every[0].reason}")
@@ -124,6 +129,7 @@ def answers_at(
     *,
     retry: bool = False,
     box: Box | None = None,
+    scheduler: str = "",
 ) -> tuple[tuple[dict[str, Answer], ...], Counts]:
     """Return the answers by model at any points of a statement's keys, refusals among them.
 
@@ -135,55 +141,47 @@ def answers_at(
         The range of the keys, if many more points of it will be asked; as of
         :func:`run_study` otherwise.
     """
-    nearby = {model: ScenesNearby(_values(statement, model)) for model in statement.models}
-    asked: dict[tuple[int, str], int | Answer] = {}
-    # points that differ in what a model does not read ask it the same
-    different: dict[int, Question] = {}
-    place: dict[str, int] = {}
-    scenes: dict[int, Scene] = {}
-    first: dict[int, dict[str, Any]] = {}
-    for number, point in enumerate(points):
-        if number % 100 == 0:
-            announce(f"points checked: {number} of {len(points)}")
-        stated = {key: as_stated(key, value) for key, value in point.items()}
-        for model in statement.models:
-            try:
-                scene = nearby[model].scene(stated)
-                found = question(scene, model, statement.quantities)
-            except InputError as error:
-                asked[number, model] = Answer("refused", reason(error))
-                continue
-            n = place.setdefault(repr((found.model, found.inputs)), len(place))
-            asked[number, model] = n
-            if n not in different:
-                different[n], first[n] = found, stated
-                if MODELS[model].families:
-                    scenes[n] = scene
+    nearby = scenes_nearby(statement)
+    read_off: dict[tuple[int, str], Answer] = {}
+    together = 0
+    for model in statement.models:
+        swept = sweep(model, statement.quantities, points, nearby[model], announce, box)
+        read_off |= {(number, model): answer for number, answer in swept.answers.items()}
+        together += swept.different
+    asked = questions(statement, points, nearby, read_off, announce)
+    different = asked.different
     answers = {n: kept for n, q in different.items() if (kept := recall(q, retry=retry))}
     old = len(answers)
     new = {n: q for n, q in different.items() if n not in answers}
-    together = answers_by_family(
-        {n: (q, scenes[n]) for n, q in new.items() if n in scenes}, announce, box
+    by_family = answers_by_family(
+        {n: (q, asked.scenes[n]) for n, q in new.items() if n in asked.scenes}, announce, box
     )
-    answers.update(together)
+    answers.update(by_family)
+    computed, together = len(new) + together, len(by_family) + together
     jobs = [
-        Job(n, q, nearby[q.model].values(first[n])) for n, q in new.items() if n not in together
-    ]
-    answers.update(_all_answers(jobs, processes, announce, retry=retry))
-    by_point: list[dict[str, Answer]] = [{} for _ in points]
-    for (number, model), given in asked.items():
-        by_point[number][model] = given if isinstance(given, Answer) else answers[given]
+        Job(n, q, nearby[q.model].values(asked.first[n]))
+        for n, q in new.items() if n not in by_family
+    ]  # fmt: skip
+    if scheduler and jobs:
+        found_there = found_on_cluster(
+            schedule(job.asked for job in jobs), jobs, scheduler, retry=retry
+        )
+        answers.update(_told(found_there, len(jobs), announce))
+    else:
+        answers.update(_all_answers(jobs, processes, announce, retry=retry))
+    given = read_off | asked.at
+
+    def of(place: tuple[int, str]) -> Answer:
+        found = given[place]
+        return found if isinstance(found, Answer) else answers[found]
+
+    by_point = [{m: of((number, m)) for m in statement.models} for number in range(len(points))]
     every = [found for each in by_point for found in each.values()]
     counts = Counts(
-        old, len(new), sum(a.status == "failed" for a in every),
-        sum(a.status == "refused" for a in every), len(together),
+        old, computed, sum(a.status == "failed" for a in every),
+        sum(a.status == "refused" for a in every), together,
     )  # fmt: skip
     return tuple(by_point), counts
-
-
-def _values(statement: Statement, model: str) -> dict[str, Any]:
-    """Return the values of the scene that a model is asked about, before the axes change it."""
-    return {**statement.values, "models": [model], "quantities": ["all"]}
 
 
 def _all_answers(
@@ -214,6 +212,18 @@ def _all_answers(
         jobs = elsewhere
         if not jobs:
             return
+
+
+def _told(
+    found: Iterator[Found], total: int, announce: Callable[[str], None]
+) -> Iterator[tuple[int, Answer]]:
+    """Yield the answers from a cluster, and say how many there are."""
+    start = time.monotonic()
+    announce(f"0 of {total} answers")
+    for done, (number, answered) in enumerate(found, start=1):
+        assert answered is not None
+        announce(f"{done} of {total} answers{_left(start, done, total)}")
+        yield number, answered
 
 
 def _processes(jobs: list[Job]) -> int:

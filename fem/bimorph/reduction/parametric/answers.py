@@ -73,19 +73,41 @@ class FamilyStatics:
 
 def family_modes(members: Members, ends: Ends, count: int, *, open_circuit: bool) -> FamilyModes:
     """Return the lowest modes without damping and rigid motions, as many as the basis serves."""
-    stiffness, mass, tip = _attached(members, ends, open_circuit=open_circuit)
+    attached = _attached(members, ends, open_circuit=open_circuit)
+    omega2, shapes = _lowest(members, ends, count, attached)
+    missing = _residual(members, ends, omega2, shapes, attached[2], open_circuit=open_circuit)
+    share = 0.5 * members.reduced.margin * _temple(missing / omega2, omega2)
+    frequencies = np.sqrt(np.maximum(omega2[:, :-1], 0.0)) / (2.0 * np.pi)
+    return FamilyModes(frequencies, share * frequencies, shapes[:, :, :-1])
+
+
+def mode_states(members: Members, ends: Ends, count: int, *, open_circuit: bool) -> Floats:
+    """Return the displacements (n, k, modes + 1) of the same modes, and of the next one."""
+    attached = _attached(members, ends, open_circuit=open_circuit)
+    return _lowest(members, ends, count, attached)[1][:, : members.stiffness.shape[1]]
+
+
+def static_states(members: Members) -> Floats:
+    """Return the displacements (n, k, 3) of members with ports at a volt and the tip's loads."""
+    ports = members.ports
+    assert ports is not None
+    k = members.stiffness.shape[1]
+    loads = np.concatenate([-ports.charge[:, :, None], ports.tip[:, :k]], axis=2)
+    return np.asarray(np.linalg.solve(members.stiffness, loads))
+
+
+def _lowest(
+    members: Members, ends: Ends, count: int, attached: tuple[Floats, Floats, Floats | None]
+) -> tuple[Floats, Floats]:
+    """Return Ω² (n, modes + 1) and shapes of unit mass; the next tells how far the last is off."""
+    stiffness, mass, _ = attached
     loose = ends.rigid_motions if members.ports is not None else 0
     shift = SHIFT if loose else 0.0
     count = min(count, members.reduced.modes)
     values, vectors = softest(stiffness + shift * mass, mass, loose + count + 1)
-    chosen = slice(loose, loose + count + 1)  # the next one tells how far the last may be off
+    chosen = slice(loose, loose + count + 1)
     found, shapes = values[:, chosen], vectors[:, :, chosen]
-    omega2 = 1.0 / found - shift
-    shapes = shapes / np.sqrt(found)[:, None, :]
-    missing = _residual(members, ends, omega2, shapes, tip, open_circuit=open_circuit)
-    share = 0.5 * members.reduced.margin * _temple(missing / omega2, omega2)
-    frequencies = np.sqrt(np.maximum(omega2[:, :-1], 0.0)) / (2.0 * np.pi)
-    return FamilyModes(frequencies, share * frequencies, shapes[:, :, :-1])
+    return 1.0 / found - shift, shapes / np.sqrt(found)[:, None, :]
 
 
 def softest(stiffness: Floats, mass: Floats, count: int) -> tuple[Floats, Floats]:
@@ -187,8 +209,7 @@ def family_statics(members: Members) -> FamilyStatics:
     ports = members.ports
     assert ports is not None
     n, k = members.stiffness.shape[:2]
-    loads = np.concatenate([-ports.charge[:, :, None], ports.tip[:, :k]], axis=2)
-    states = np.linalg.solve(members.stiffness, loads)
+    states = static_states(members)
     rigid = ports.tip[:, k:]
     held = np.zeros((n, 3, 3), dtype=complex)
     held[:, 2, 2] = -ports.capacitance + np.einsum("nk,nk->n", ports.charge, states[:, :, 0])

@@ -9,8 +9,11 @@ search).  How much was really missing there, once it is known, sets the bound's 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 
@@ -27,6 +30,7 @@ from tactgen.fem.bimorph.reduction.parametric.harmonic import family_harmonic
 from tactgen.fem.bimorph.reduction.parametric.products import TermProducts
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members, ReducedMotion
 from tactgen.fem.bimorph.system import SolidSystem, materials
+from tactgen.fem.solvers.threads import thread_count
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.geometry.bimorph.bricks import Bricks
@@ -34,6 +38,8 @@ from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.stretching import dividing, stretched
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.store.values import storable
+
+T = TypeVar("T")
 
 #: Points of the range that are looked at, for each key that varies.
 _LOOKED_AT = 64
@@ -201,16 +207,17 @@ class _Builder:
         system = assemble_bricks(middle, bricks, lossy=False)
         known = materials(middle, bricks.regions, middle.piezo.ceramic(), lossy=False)
         products = TermProducts(bricks, expansion(middle, bricks, system.volts_per_unit))
-        bases = {
-            motion: GrowingBasis(products, _in_motion(system, motion), known, count)
-            for motion, count in modes.items()
-        }
         least = float(_LEFT_OUT * np.sqrt(tolerance))
-        for motion, basis in bases.items():
+
+        def begun(motion: Motion) -> GrowingBasis:
+            own = _in_motion(system, motion)
+            basis = GrowingBasis(products, own, known, modes[motion])
             basis.learn(
-                _in_motion(system, motion), np.ones(3), least,
-                _with_losses(middle, bricks, basis, frequencies),
+                own, np.ones(3), least, _with_losses(middle, bricks, basis, frequencies)
             )  # fmt: skip
+            return basis
+
+        bases = _for_each(modes, begun)
         low, high = np.array(list(ranges.values())).reshape(-1, 2).T
         share = np.random.default_rng(2).uniform(size=(_LOOKED_AT * len(ranges), len(ranges)))
         points = low + share * (high - low)
@@ -229,12 +236,15 @@ class _Builder:
         bricks = stretched(self.products.bricks, member.bimorph)
         system = assemble_bricks(member, bricks, lossy=False)
         scale = self.products.terms.coefficients(member, {}).scale[0]
-        for motion in motions:
+
+        def learn(motion: Motion) -> None:
             basis = self.bases[motion]
             before = self._answers(motion, point[None])
             lossy = _with_losses(member, bricks, basis, self.frequencies)
             basis.learn(_in_motion(system, motion), scale, self.least, lossy)
             self._observe(motion, before, self._answers(motion, point[None]))
+
+        _for_each(motions, learn)
         self.asked += 1
 
     def look_closer(self, at: int) -> None:
@@ -245,7 +255,7 @@ class _Builder:
 
     def bounds(self) -> dict[Motion, Floats]:
         """Return the largest relative bound (points,) of each class of motion."""
-        return {motion: self._answers(motion, self.points).bound for motion in self.modes}
+        return _for_each(self.modes, lambda motion: self._answers(motion, self.points).bound)
 
     def family(self, bound: float) -> ReducedFamily:
         """Return the family as it is."""
@@ -281,6 +291,20 @@ class _Builder:
         if worth.any():
             ratio = float((missing[worth] / said[worth]).max())
             self.margins[motion] = max(self.margins[motion], _SAFETY * ratio)
+
+
+def _for_each(motions: Iterable[Motion], work: Callable[[Motion], T]) -> dict[Motion, T]:
+    """Return what is worked out for each class of motion, several at a time.
+
+    They have nothing to do with one another, and nearly all of the work is done by libraries
+    that let other threads run.
+    """
+    asked = list(motions)
+    threads = thread_count() or len(os.sched_getaffinity(0))
+    if threads == 1 or len(asked) == 1:
+        return {motion: work(motion) for motion in asked}
+    with ThreadPoolExecutor(threads) as pool:
+        return dict(zip(asked, pool.map(work, asked), strict=True))
 
 
 def _looked_at_too(frequencies: Sequence[float]) -> Floats:

@@ -8,7 +8,7 @@ answer and with it a bound of its error.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -107,13 +107,29 @@ class ReducedMotion:
         """Number of displacements in the basis."""
         return int(self.basis.elastic.shape[-1]) - self.rigid
 
+    def potentials(self, c: Coefficients) -> tuple[Floats, Floats]:
+        """Return what follows displacements (n, free, k) and a volt (n, free, 1 or 0)."""
+        return self._following(*self._fields(c))
+
+    def _following(self, dielectric: Floats, coupling: Floats) -> tuple[Floats, Floats]:
+        first = int(self.has_ports)
+        loads = np.concatenate([coupling[:, first:], -dielectric[:, first:, :first]], axis=2)
+        found = np.linalg.solve(dielectric[:, first:, first:], loads)
+        return found[:, :, : self.size], found[:, :, self.size :]
+
+    def _fields(self, c: Coefficients) -> tuple[Floats, Floats]:
+        """Return permittivity (n, j, j) and coupling (n, j, k) over all potentials."""
+        own = self.basis
+        return (
+            -_sum(c.dielectric, own.dielectric),
+            _sum(c.coupling, own.coupling[:, :, self.rigid :]),
+        )
+
     def members(self, terms: Expansion, c: Coefficients) -> Members:
         """Return the small systems of some members."""
         own, seen, r, first = self.basis, self.random, self.rigid, int(self.has_ports)
-        dielectric = -_sum(c.dielectric, own.dielectric)
-        coupling = _sum(c.coupling, own.coupling[:, :, r:])
-        free = dielectric[:, first:, first:]
-        follows = np.linalg.solve(free, coupling[:, first:])
+        dielectric, coupling = self._fields(c)
+        follows, per_volt = self._following(dielectric, coupling)
         stiffness = _sum(c.elastic, own.elastic[:, r:, r:])
         stiffness = stiffness + np.swapaxes(coupling[:, first:], 1, 2) @ follows
         mass = _sum(c.inertial, own.inertial)
@@ -127,7 +143,6 @@ class ReducedMotion:
             moved, weights = rigid_motions(c), tip_weights(c)
             mass = _with_base(mass, moved)
             inertia = np.concatenate([inertia[:, :, r:], inertia[:, :, :r] @ moved], axis=2)
-            per_volt = np.linalg.solve(free, -dielectric[:, 1:, :1])
             on_volt = np.swapaxes(per_volt, 1, 2)
             ports = Ports(
                 charge=(coupling[:, :1] + on_volt @ coupling[:, 1:])[:, 0],
@@ -137,6 +152,37 @@ class ReducedMotion:
                 residual_of_tip=np.einsum("nfi,fs->nsi", weights, seen.tip),
             )
         return Members(self, terms, c, _symmetric(stiffness), mass, residual, inertia, ports)
+
+    def projected(self, moving: Floats, field: Floats) -> ReducedMotion:
+        """Return the family on fewer shapes: combinations (k, l) and (free potentials, m).
+
+        Its residual is still that of the large system.
+        """
+        r, first = self.rigid, int(self.has_ports)
+        u = np.zeros((r + moving.shape[0], r + moving.shape[1]))
+        u[:r, :r], u[r:, r:] = np.eye(r), moving
+        p = np.zeros((first + field.shape[0], first + field.shape[1]))
+        p[:first, :first], p[first:, first:] = np.eye(first), field
+        own, seen = self.basis, self.random
+        return replace(
+            self,
+            basis=BasisTerms(
+                elastic=u.T @ own.elastic @ u,
+                coupling=p.T @ own.coupling @ u,
+                dielectric=p.T @ own.dielectric @ p,
+                inertial=u.T @ own.inertial @ u,
+                tip=own.tip @ u,
+            ),
+            random=replace(
+                seen,
+                elastic=seen.elastic @ u,
+                coupling=seen.coupling @ u,
+                displacing=seen.displacing @ p,
+                dielectric=seen.dielectric @ p,
+                inertial=seen.inertial @ u,
+            ),
+            means=self.means @ u,
+        )
 
     @property
     def sections(self) -> Sections:

@@ -10,21 +10,26 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.units import quoted
 from tactgen.validation.command_line.commands.common import Commands, warn
-from tactgen.validation.command_line.streams import say
+from tactgen.validation.command_line.study_options import (
+    AXES,
+    axis_options,
+    stated,
+    under_accuracy,
+    whole_number,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from tactgen.validation.models.ladder import Choice
     from tactgen.validation.studies.whatif.aim.best import Verdict
     from tactgen.validation.studies.whatif.aim.expression import Aim
     from tactgen.validation.studies.whatif.asked.statement import Statement
     from tactgen.validation.studies.whatif.run import Study
 
-#: Most warnings that are printed, and most samples that can be drawn.
+#: Most warnings that are printed.
 _WARNINGS = 8
-_MOST_SAMPLES = 1_000_000
 
 
 def add(commands: Commands) -> None:
@@ -39,17 +44,10 @@ def add(commands: Commands) -> None:
         "scene", nargs="?", help="file or built-in name (default paper, or that of --resume)"
     )
     parser.add_argument(
-        "--vary", action="append", default=[], metavar="KEY[=VALUES]", help="an axis, see below"
-    )
-    parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
         help="change a scene key at all points",
     )  # fmt: skip
-    parser.add_argument(
-        "--zip", action="store_true", help="take the axes' values hand in hand, not in combination"
-    )
-    parser.add_argument("--sample", metavar="N", help="draw N samples of ranges and distributions")
-    parser.add_argument("--seed", metavar="S", help="of the samples (default 1)")
+    axis_options(parser)
     parser.add_argument("--model", action="append", metavar="NAME", help="may be repeated")
     parser.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated")
     parser.add_argument(
@@ -65,6 +63,10 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--jobs", metavar="N", help="processes (default: as many as pay)")
     parser.add_argument(
+        "--scheduler", metavar="ADDRESS",
+        help="let the workers of a Dask cluster solve, for example tcp://127.0.0.1:8786",
+    )  # fmt: skip
+    parser.add_argument(
         "--resume", action="store_true", help="go on with the study in --out, or let it grow"
     )
     parser.add_argument("--retry", action="store_true", help="try points that failed again")
@@ -72,16 +74,9 @@ def add(commands: Commands) -> None:
     parser.set_defaults(run=run)
 
 
-_EPILOG = """\
-axes:
-  KEY=START:STOP:N[:log]     N values from START to STOP, each with its unit
-  KEY=a,b,c                  these values (of a profile parted by semicolons)
-with --sample N also:
-  KEY=START:STOP[:log]       drawn from the range
-  KEY                        drawn from the tolerance that the scene states, or else assumes;
-                             without --vary, of all the keys of which the scene states one
-  KEY=normal(MEAN,DEVIATION) and uniform(LOW,HIGH), lognormal(MEDIAN,SHARE), loguniform(LOW,HIGH);
-                             a deviation may be a share of the mean, such as 5%
+_EPILOG = (
+    AXES
+    + """\
 
 aims:
   "min_over(tip_displacement / threshold) >= 1"     how many points meet it, and which is farthest
@@ -93,6 +88,7 @@ example:
   tactgen whatif paper --vary bimorph.length=14mm:22mm:9 --vary load.kind=none,finger \\
       --quantity short_circuit_frequencies --model tmm --model solid --out lengths
 """
+)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -104,7 +100,8 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.studies.whatif.run import run_study
 
     folder = Path(options.out) if options.out is not None else None
-    processes = _whole(options.jobs, "--jobs", 1, 512, "2") if options.jobs else 0
+    processes = whole_number(options.jobs, "--jobs", 1, 512, "2") if options.jobs else 0
+    scheduler = _scheduler(options)
     if options.plot and not options.plot.endswith(".svg"):
         raise InputError(
             f'--plot "{options.plot}" is not an SVG file; write for example --plot study.svg'
@@ -112,18 +109,32 @@ def run(options: argparse.Namespace) -> int:
     aims = parse_aims(options.aim)
     statement = _with_quantities(_statement(options, folder), aims)
     _ = statement.size  # axes that cannot be used are refused before anything is written
+    statement, choice = under_accuracy(statement)
     if folder is not None:
         write_statement(writable_folder(folder), statement)
     with announcer() as announce:
-        study = run_study(statement, processes, announce, retry=options.retry)
+        study = run_study(statement, processes, announce, retry=options.retry, scheduler=scheduler)
         if folder is not None:
             announce("writing")
             _write(folder, study, announce)
         if options.plot:
             announce("drawing")
             _draw(Path(options.plot), study)
-    _show(options, study, verdict(study, aims) if aims else None)
+    _show(options, study, verdict(study, aims) if aims else None, choice)
     return 0
+
+
+def _scheduler(options: argparse.Namespace) -> str:
+    from tactgen.validation.studies.whatif.cluster import check_address
+
+    if options.scheduler is None:
+        return ""
+    if options.jobs is not None:
+        raise InputError(
+            "--jobs counts processes of this machine, and --scheduler names a cluster that solves "
+            "in its place; leave one of them out"
+        )
+    return check_address(options.scheduler)
 
 
 def _with_quantities(statement: Statement, aims: Sequence[Aim]) -> Statement:
@@ -133,7 +144,7 @@ def _with_quantities(statement: Statement, aims: Sequence[Aim]) -> Statement:
     wanted = dict.fromkeys(name for aim in aims for name in aim.quantities)
     missing = tuple(name for name in wanted if name not in statement.quantities)
     for name in missing:
-        if not any(gives(model, name) for model in statement.models):
+        if not (statement.by_accuracy or any(gives(model, name) for model in statement.models)):
             raise InputError(
                 f"the aim names {name}, which {', '.join(statement.models)} do not give; add a "
                 "--model that does"
@@ -163,50 +174,7 @@ def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
     fresh = options.scene or options.overrides or options.frequency or options.vary
     if options.resume and folder is not None and ((folder / FILE).exists() or not fresh):
         before = read_statement(folder)
-    return _stated(options, before)
-
-
-def _stated(options: argparse.Namespace, before: Statement | None) -> Statement:
-    from tactgen.validation.scene.scene import scene_values
-    from tactgen.validation.studies.whatif.asked.choice import chosen
-    from tactgen.validation.studies.whatif.asked.statement import Statement
-    from tactgen.validation.studies.whatif.asked.tolerance_axes import with_tolerances
-
-    overrides = list(options.overrides)
-    if options.frequency is not None:
-        overrides.append(f"frequency={options.frequency}")
-    if before is not None and options.scene is None and not overrides:
-        values, base = before.values, before
-    else:
-        values, _ = scene_values(options.scene or "paper", overrides)
-        base = before or Statement("", {}, (), (), ())
-    models, quantities = chosen(values, options.model, options.quantity, base)
-    samples = (
-        _whole(options.sample, "--sample", 1, _MOST_SAMPLES, "16")
-        if options.sample is not None
-        else base.samples
-    )
-    vary, drawn = with_tolerances(values, tuple(options.vary) or base.vary, sampled=samples > 0)
-    for line in drawn:
-        say(f"note: {line}")
-    return replace(
-        base, scene=str(values["name"]), values=values, models=models, quantities=quantities,
-        vary=vary, zipped=options.zip or base.zipped, samples=samples,
-        seed=(
-            _whole(options.seed, "--seed", 0, 2**31, "1")
-            if options.seed is not None else base.seed
-        ),
-    )  # fmt: skip
-
-
-def _whole(text: str, option: str, least: int, most: int, example: str) -> int:
-    number = int(text) if text.strip().isdecimal() and len(text) < 12 else least - 1
-    if not least <= number <= most:
-        raise InputError(
-            f"{option} {quoted(text)} is not a whole number from {least} to {most}; write for "
-            f"example {option} {example}"
-        )
-    return number
+    return stated(options, before)
 
 
 def _write(folder: Path, study: Study, announce: Callable[[str], None]) -> None:
@@ -220,7 +188,9 @@ def _write(folder: Path, study: Study, announce: Callable[[str], None]) -> None:
         write_page(folder, study, announce)
 
 
-def _show(options: argparse.Namespace, study: Study, found: Verdict | None) -> None:
+def _show(
+    options: argparse.Namespace, study: Study, found: Verdict | None, choice: Choice | None
+) -> None:
     from tactgen.validation.studies.whatif.aim.wording import as_values, sentences
     from tactgen.validation.studies.whatif.shown.summary import table_lines
 
@@ -231,7 +201,7 @@ def _show(options: argparse.Namespace, study: Study, found: Verdict | None) -> N
               + (f", see {options.out}/study.csv" if options.out else "")])  # fmt: skip
     if options.json:
         aims = {"aims": as_values(study, found)} if found else {}
-        json.dump({**_as_json(study), **aims}, sys.stdout, allow_nan=False)
+        json.dump({**_as_json(study), **aims, **_ladders(choice)}, sys.stdout, allow_nan=False)
         print()
     else:
         print("\n".join([*table_lines(study), *(sentences(study, found) if found else ())]))
@@ -244,6 +214,12 @@ def _show(options: argparse.Namespace, study: Study, found: Verdict | None) -> N
         f"from before, {counts.failed} failed, {counts.refused} refused{where}",
         file=sys.stderr,
     )
+
+
+def _ladders(choice: Choice | None) -> dict[str, Any]:
+    from tactgen.validation.command_line.plain_values import plain
+
+    return {} if choice is None else {"ladders": plain(choice.ladders)}
 
 
 def _as_json(study: Study) -> dict[str, Any]:

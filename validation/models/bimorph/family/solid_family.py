@@ -7,8 +7,10 @@ bases may miss on both.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -21,10 +23,11 @@ from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.stretching import piece_lengths
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.store import kept, recalled
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.readout import ModalReadout
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.costs import record
 from tactgen.validation.models.bimorph.solid import SolidModel, level_for
 from tactgen.validation.scene.scene import Scene
 
@@ -34,6 +37,8 @@ _SHARE = 0.02
 _CLOSE = 1.03
 #: Classes of motion, that with ports first.
 MOTIONS: tuple[Motion, ...] = ("bending_x", "bending_y", "torsion", "axial")
+#: As what families are kept.
+KIND = "solid.family"
 #: What makes a family.
 _MADE_OF = ("tactgen.fem.bimorph.reduction.parametric.family",)
 
@@ -100,25 +105,8 @@ def solid_family(
         If the model cannot take the scene, a key is none of the bimorph's numbers, or a piece
         of the bimorph vanishes somewhere in the range.
     """
-    SolidModel.check(scene)
-    for key, (low, high) in ranges.items():
-        if not is_family_key(scene, key):
-            raise InputError(
-                f"{key} does not vary within a family of the solid; vary numbers of "
-                f"{', '.join(GROUPS)} such as bimorph.length"
-            )
-        if not low < high:
-            raise InputError(f"{key} runs from {low:g} to {high:g}; begin below where it ends")
-    wanted = {key: (float(low), float(high)) for key, (low, high) in ranges.items()}
-    piece_lengths(
-        scene.device.bimorph,
-        {key.partition(".")[2]: ends for key, ends in wanted.items() if key.startswith("bimorph.")},
-    )
-    level = level_for(scene)
-    rest = scene.model_dump(mode="json", include=set(GROUPS))
-    for key in wanted:
-        group, _, name = key.partition(".")
-        rest[group].pop(name)
+    entry = _Entry.of(scene, ranges, quantities)
+    wanted = dict(entry.wanted)
 
     def serves(found: SolidFamily) -> bool:
         if found.covers(wanted):
@@ -128,31 +116,83 @@ def solid_family(
         announce("solid family: beyond the range that is kept, which grows")
         return False
 
-    tolerance = _SHARE * scene.accuracy
-
-    modal, frequencies = reading(scene, quantities)
-
     def built(meshing: BrickMeshing, modes: Mapping[Motion, int]) -> ReducedFamily:
         return build_family(
             scene.device, wanted, meshing, modes,
-            tolerance=tolerance, frequencies=frequencies, announce=announce,
+            tolerance=entry.tolerance, frequencies=entry.frequencies, announce=announce,
         )  # fmt: skip
 
     def work() -> SolidFamily:
-        if not modal:
+        start = time.perf_counter()
+        level = entry.level
+        if not entry.modal:
             modes: dict[Motion, int] = {"bending_x": scene.modes}
-            return SolidFamily(built(LEVELS[level], modes), built(LEVELS[level - 1], modes))
-        coarse = built(LEVELS[level - 1], dict.fromkeys(MOTIONS, scene.modes))
-        return SolidFamily(built(LEVELS[level], needed(coarse, scene, scene.modes)), coarse)
+            found = SolidFamily(built(LEVELS[level], modes), built(LEVELS[level - 1], modes))
+        else:
+            coarse = built(LEVELS[level - 1], dict.fromkeys(MOTIONS, scene.modes))
+            found = SolidFamily(built(LEVELS[level], needed(coarse, scene, scene.modes)), coarse)
+        record({cost_name(len(wanted)): time.perf_counter() - start})
+        return found
 
-    return kept(
-        "solid.family",
-        (rest, sorted(wanted), level, scene.modes, tolerance, modal, frequencies),
-        _MADE_OF,
-        work,
-        serves=serves,
-        announce=announce,
+    return kept(KIND, entry.inputs, _MADE_OF, work, serves=serves, announce=announce)
+
+
+def is_family_kept(scene: Scene, ranges: Ranges, quantities: Sequence[str]) -> bool:
+    """Return whether the store has a family that covers a range; refusals as `solid_family`."""
+    entry = _Entry.of(scene, ranges, quantities)
+    found: SolidFamily | None = recalled(
+        KIND, entry.inputs, _MADE_OF, lambda family: family.covers(entry.wanted)
     )
+    return found is not None
+
+
+def cost_name(keys: int) -> str:
+    """Return by what name the cost of building a family is written down."""
+    return f"{KIND} of {keys} keys"
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """What a kept family depends on; `wanted` is the range that it must cover."""
+
+    wanted: dict[str, tuple[float, float]]
+    rest: dict[str, Any]
+    level: int
+    modes: int
+    tolerance: float
+    modal: bool
+    frequencies: tuple[float, ...]
+
+    @classmethod
+    def of(cls, scene: Scene, ranges: Ranges, quantities: Sequence[str]) -> _Entry:
+        SolidModel.check(scene)
+        for key, (low, high) in ranges.items():
+            if not is_family_key(scene, key):
+                raise InputError(
+                    f"{key} does not vary within a family of the solid; vary numbers of "
+                    f"{', '.join(GROUPS)} such as bimorph.length"
+                )
+            if not low < high:
+                raise InputError(f"{key} runs from {low:g} to {high:g}; begin below where it ends")
+        wanted = {key: (float(low), float(high)) for key, (low, high) in ranges.items()}
+        lengths = {k.partition(".")[2]: e for k, e in wanted.items() if k.startswith("bimorph.")}
+        piece_lengths(scene.device.bimorph, lengths)
+        rest = scene.model_dump(mode="json", include=set(GROUPS))
+        for key in wanted:
+            group, _, name = key.partition(".")
+            rest[group].pop(name)
+        modal, frequencies = reading(scene, quantities)
+        return cls(
+            wanted, rest, level_for(scene), scene.modes, _SHARE * scene.accuracy, modal, frequencies
+        )
+
+    @property
+    def inputs(self) -> tuple[object, ...]:
+        """All but the range, in the order of the store's key."""
+        return (
+            self.rest, sorted(self.wanted), self.level, self.modes, self.tolerance, self.modal,
+            self.frequencies,
+        )  # fmt: skip
 
 
 def reading(scene: Scene, quantities: Sequence[str]) -> tuple[bool, tuple[float, ...]]:

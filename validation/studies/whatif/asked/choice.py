@@ -7,13 +7,17 @@ from typing import Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives
-from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.scene.wording import choices
 from tactgen.validation.studies.whatif.asked.statement import Statement
 
-#: By actuator: quick, and exact within its theory.
-_USUAL: dict[Actuator, str] = {"bimorph": "tmm", "reluctance": "network"}
+#: Quick, and exact within their theories: of what the first gives it, of the rest the second.
+_USUAL = ("tmm", "network")
+
+
+def names_models(values: dict[str, Any], models: Sequence[str] | None, before: Statement) -> bool:
+    """Return whether options, the study that is gone on with, or the scene name a model."""
+    return bool(models or values.get("models") or (before.models and not before.by_accuracy))
 
 
 def chosen(
@@ -33,7 +37,8 @@ def chosen(
     InputError
         For an unknown name, or models that give none of the quantities.
     """
-    stated_models = models or before.models or values.get("models")
+    earlier = () if before.by_accuracy else before.models
+    stated_models = models or earlier or values.get("models")
     stated_quantities = quantities or before.quantities or values.get("quantities")
     by_name = _names(stated_models, tuple(MODELS), "model", "models") if stated_models else ()
     if stated_quantities:
@@ -47,7 +52,7 @@ def chosen(
             for q in quantities_of(actuator) if QUANTITIES[q].headline
         )  # fmt: skip
     if not by_name:
-        by_name = tuple(dict.fromkeys(_USUAL[QUANTITIES[q].actuator] for q in wanted))
+        by_name = tuple(dict.fromkeys(m for q in wanted for m in _USUAL if gives(m, q)))
     idle = [m for m in by_name if not any(gives(m, q) for q in wanted)]
     if idle:
         raise InputError(

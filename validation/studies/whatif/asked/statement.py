@@ -45,6 +45,8 @@ class Statement:
         How many samples are drawn (0: none), and from which seed.
     models, quantities : tuple of str
         By name.
+    by_accuracy : bool
+        Whether no model was named, so that the accuracy asked for chooses them.
     """
 
     scene: str
@@ -55,6 +57,7 @@ class Statement:
     zipped: bool = False
     samples: int = 0
     seed: int = 1
+    by_accuracy: bool = False
 
     @cached_property
     def axes(self) -> tuple[Axis, ...]:

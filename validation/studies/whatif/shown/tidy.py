@@ -77,13 +77,14 @@ def records_of(point: dict[str, Any], model: str, name: str, answer: Answer) -> 
                      answer.reason)  # fmt: skip
         return
     complex_valued = np.iscomplexobj(found.value)
+    bars = np.broadcast_to(found.uncertainty, found.value.shape)
     for place in itertools.product(*(range(size) for size in found.value.shape)):
         frequency, index = _labels(found, place)
         value = found.value[place]
         yield Record(
             point, name, model, frequency, index, float(value.real),
             float(value.imag) if complex_valued else None,
-            float(np.broadcast_to(found.uncertainty, found.value.shape)[place]),
+            float(bars[place]),
             found.unit, answer.status, answer.reason,
         )  # fmt: skip
 

@@ -1,0 +1,126 @@
+"""Accuracy without a model in a study: judged once, at its edges, by what is worst there."""
+
+import json
+
+import pytest
+
+from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.models import ladder as ladders
+from tactgen.validation.models.bimorph import solid
+from tactgen.validation.models.ladder import Rung, choose_for
+from tactgen.validation.scene.scene import load_scene, scene_values
+from tactgen.validation.studies.whatif.asked.contract import judged_points, under_contract
+from tactgen.validation.studies.whatif.asked.statement import Statement, read_statement
+
+QUICK = (
+    BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+    BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+)
+STATIC = ("static_tip_displacement",)
+
+
+def stated(*vary, sets=(), quantities=STATIC, **more):
+    values, _ = scene_values("prototype", ["accuracy=10%", *sets])
+    return Statement("prototype", values, vary, ("tmm",), quantities, by_accuracy=True, **more)
+
+
+@pytest.fixture
+def forms(monkeypatch):
+    """Make a beam's error of form 2 % at 14 mm and fall with the length; return the lengths."""
+    asked = []
+
+    def rungs(scene, actuator, quantities, announce, judge):
+        asked.append(scene.bimorph.length)
+        form = 0.02 * 14e-3 / scene.bimorph.length
+        return (
+            Rung("tmm", form, 0.0, 0.1, form <= scene.accuracy, "q"),
+            Rung(judge, 0.0, scene.accuracy, None, scene.accuracy >= 1e-6, ""),
+        )
+
+    monkeypatch.setattr(ladders, "ladder", rungs)
+    return asked
+
+
+def test_judged_at_the_middle_and_the_ends_of_each_axis():
+    points = judged_points(
+        stated("bimorph.length=14mm:22mm:5", "load.kind=none,finger,mass", "modes=4,2,3")
+    )
+    assert points == [
+        {"bimorph.length": length, "load.kind": load, "modes": modes}
+        for length, load, modes in [
+            (0.018, "finger", 2), (0.014, "finger", 2), (0.022, "finger", 2),
+            (0.018, "none", 2), (0.018, "mass", 2), (0.018, "finger", 4),
+        ]
+    ]  # fmt: skip
+
+
+def test_of_samples_the_least_and_the_largest_are_judged():
+    statement = stated("bimorph.length=normal(18mm,2%)", samples=20)
+    lengths = [point["bimorph.length"] for point in statement.points()]
+    judged = [point["bimorph.length"] for point in judged_points(statement)]
+    assert set(judged) == {lengths[10], min(lengths), max(lengths)}
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "model", "form"), [("3%", "tmm", 0.02), ("1.5%", "solid", 0.02)]
+)
+def test_the_worst_of_the_points_decides(forms, accuracy, model, form):
+    """At 22 mm the beam would meet 1.5 %; at 14 mm it does not, and there it is asked as well."""
+    statement, choice = under_contract(
+        stated("bimorph.length=14mm:22mm:5", sets=[f"accuracy={accuracy}"])
+    )
+    assert sorted(forms) == [0.014, 0.018, 0.022]
+    assert statement.models == (model,)
+    assert choice.ladders[0][0].form == pytest.approx(form)
+    (sentence,) = choice.sentences
+    assert "each model at the worst of 3 points tried" in sentence
+    assert f"{model} meets it" in sentence
+
+
+def test_an_accuracy_that_varies_is_met_at_its_tightest(forms):
+    statement, choice = under_contract(stated("accuracy=1%,5%"))
+    assert (statement.models, choice.accuracy) == (("solid",), 0.01)
+
+
+def test_refused_once_with_the_reason(forms, tmp_path, capsys):
+    """One sentence, exit code 2, nothing written; and a study none of whose edges is a scene."""
+    asked = ["whatif", "prototype", "--vary", "bimorph.length=14mm:22mm:5"]
+    out = tmp_path / "study"
+    code = main([*asked, "--set", "accuracy=1e-7", "--quantity", *STATIC, "--out", str(out)])
+    said = capsys.readouterr().err
+    assert code == 2
+    assert said.count("is met by no model (each model at the worst of 3 points tried)") == 1
+    assert not out.exists()
+    with pytest.raises(InputError, match="no point at the study's edges makes a scene: "):
+        under_contract(stated("rod.length=1um:2um:3"))
+
+
+def test_what_the_judge_does_not_compute_is_refused():
+    scene, _ = load_scene("display", ["models=tmm"])
+    with pytest.raises(InputError, match="judged by solid, which does not compute tuned_spread"):
+        choose_for((scene,), ("tuned_spread",))
+
+
+def test_a_study_says_why_and_remembers_that_none_was_named(
+    own_store, monkeypatch, capsys, tmp_path
+):
+    """By the real ladder on coarse bricks; a resumed study is judged anew, a named model is not."""
+    monkeypatch.setattr(solid, "LEVELS", QUICK)
+    out = tmp_path / "study"
+    asked = ["--quantity", *STATIC, "--vary", "bimorph.length=14mm:18mm:3", "--out", str(out)]
+    code = main(["whatif", "prototype", "--set", "accuracy=50%", *asked, "--json"])
+    said = capsys.readouterr()
+    assert code == 0
+    answer = json.loads(said.out)
+    assert {point["model"] for point in answer["points"]} == {"lumped"}
+    assert [rung["model"] for rung in answer["ladders"][0]] == ["lumped", "tmm", "solid"]
+    assert said.err.count("lumped meets it: model form") == 1
+    assert read_statement(out).by_accuracy
+    grown = ["--vary", "bimorph.length=14mm:18mm:5", "--resume", "--out", str(out)]
+    assert main(["whatif", *grown]) == 0
+    assert "lumped meets it: model form" in capsys.readouterr().err
+    assert main(["whatif", *grown, "--model", "tmm"]) == 0
+    assert "meets it" not in capsys.readouterr().err
+    assert not read_statement(out).by_accuracy

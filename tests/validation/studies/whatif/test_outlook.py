@@ -1,0 +1,86 @@
+"""The plan of a study: what is kept, what a reduced basis gives and costs, what is solved alone."""
+
+import json
+
+import pytest
+
+from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.costs import recorded
+from tactgen.validation.models.bimorph import solid
+from tactgen.validation.models.bimorph.family import solid_family
+from tactgen.validation.scene.scene import scene_values
+from tactgen.validation.studies.whatif import sweep
+from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.outlook import study_outlook
+from tactgen.validation.studies.whatif.run import run_study
+
+QUICK = (
+    BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+    BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+)
+
+
+def statement(*vary, models=("solid",)):
+    values, _ = scene_values("prototype", ["accuracy=0.1", "modes=1"])
+    return Statement("prototype", values, vary, models, ("short_circuit_frequencies",))
+
+
+def test_a_basis_is_named_with_its_cost_before_and_after(own_store, monkeypatch):
+    """And the plan says of each point what the run then does with it."""
+    for module in (solid, solid_family):
+        monkeypatch.setattr(module, "LEVELS", QUICK)
+    asked = statement("bimorph.length=14mm:18mm:9")
+    (before,) = study_outlook(asked)
+    (basis,) = before.bases
+    assert (basis.points, basis.kept, basis.seconds, before.alone) == (9, False, None, 0)
+    assert "9 points differ in bimorph.length only, and more than 8" in basis.sentence
+    assert "not built yet; what it costs is not recorded yet" in basis.sentence
+    counts = run_study(asked, 1).counts
+    assert counts.together == basis.points
+    assert recorded()["solid.family of 1 keys"] > 0.0
+    (after,) = study_outlook(asked)
+    assert after.bases[0].kept
+    assert after.bases[0].sentence.endswith("which is kept")
+    (wider,) = study_outlook(statement("bimorph.length=14mm:19mm:9"))
+    (basis,) = wider.bases
+    assert not basis.kept
+    assert f"about {recorded()['solid.family of 1 keys']:.2g} s, once" in basis.sentence
+    # the same points as a part that is read off in blocks
+    monkeypatch.setattr(sweep, "MANY", 9)
+    (blocks,) = study_outlook(asked)
+    assert blocks.bases[0].reason.endswith("are read off one reduced basis")
+    assert (blocks.bases[0].kept, blocks.alone) == (True, 0)
+
+
+def test_what_is_solved_alone_kept_or_refused_is_counted(own_store):
+    asked = statement("bimorph.length=14mm,16mm", "coil.current=1mA,2mA", models=("tmm", "solid"))
+    tmm, solids = study_outlook(asked)
+    assert (tmm.points, tmm.alone, tmm.kept, tmm.refused) == (4, 2, 0, 0)
+    assert tmm.sentences == ("tmm: 4 points, 2 solved one by one, a fraction of a second each",)
+    assert (solids.alone, solids.bases, solids.seconds) == (2, (), None)
+    assert "2 solved one by one, cost not recorded yet" in solids.sentences[0]
+    run_study(statement("bimorph.length=14mm", models=("tmm",)))
+    (tmm,) = study_outlook(statement("bimorph.length=14mm,16mm,1um", models=("tmm",)))
+    assert (tmm.alone, tmm.kept, tmm.refused) == (1, 1, 1)
+
+
+def test_plan_of_a_study(own_store, capsys):
+    asked = ["plan", "prototype", "--vary", "bimorph.length=14mm:18mm:9", "--model", "solid",
+             "--quantity", "short_circuit_frequencies"]  # fmt: skip
+    assert main(asked) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("study of prototype: 9 points over bimorph.length\nsolid: 9 points\n")
+    assert "reduced basis, which is not built yet" in said
+    assert main([*asked, "--json"]) == 0
+    (model,) = json.loads(capsys.readouterr().out)["study"]
+    assert (model["model"], model["bases"][0]["points"]) == ("solid", 9)
+
+
+@pytest.mark.parametrize(
+    ("vary", "words"),
+    [("bimorph.lenght=1mm:2mm:3", "did you mean"), ("bimorph.length=2mm:1mm:3", "runs backwards")],
+)
+def test_refusals_as_of_the_study(vary, words, capsys):
+    assert main(["plan", "prototype", "--vary", vary]) == 2
+    assert words in capsys.readouterr().err

@@ -1,0 +1,72 @@
+"""Parts of a study that are read off in blocks: the same answers, refusals and counts."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.validation.models.bimorph import solid
+from tactgen.validation.models.bimorph.family import solid_family
+from tactgen.validation.scene.scene import scene_values
+from tactgen.validation.studies.whatif import questions, sweep
+from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.run import run_study
+
+QUICK = (
+    BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+    BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
+)
+AXES = ("bimorph.length=14mm:18mm:9", "load.kind=none,finger,table", "coil.current=1mA,2mA")
+
+
+def statement(*vary, models=("tmm", "solid"), quantities=("short_circuit_frequencies",)):
+    values, _ = scene_values("prototype", ["accuracy=0.1", "modes=1"])
+    return Statement("prototype", values, vary, models, quantities)
+
+
+def test_blocks_say_what_points_one_by_one_say(own_store, monkeypatch):
+    """With loads, an axis that is not read, and a load that makes no scene; asked of none."""
+    for module in (solid, solid_family):
+        monkeypatch.setattr(module, "LEVELS", QUICK)
+    quantities = ("short_circuit_frequencies", "static_tip_displacement")
+    one_by_one = run_study(statement(*AXES, quantities=quantities), 1)
+    monkeypatch.setattr(sweep, "MANY", 9)
+    monkeypatch.setattr(sweep, "_BLOCK", 4)
+    asked, whole = [], questions.question
+
+    def noted(scene, model, names):
+        asked.append(model)
+        return whole(scene, model, names)
+
+    monkeypatch.setattr(questions, "question", noted)
+    said = []
+    study = run_study(statement(*AXES, quantities=quantities), 1, said.append)
+    assert set(asked) == {"tmm"}
+    assert any("9 points differ in bimorph.length only and are read off" in text for text in said)
+    assert [list(answers) for answers in study.answers] == [["tmm", "solid"]] * 54
+    # two loads of nine lengths, whatever the coil's current; tmm's were kept
+    assert (study.counts.together, study.counts.recalled) == (18, one_by_one.counts.computed - 18)
+    assert study.counts.refused == one_by_one.counts.refused == 36
+    for (_, model, a), (_, _, b) in zip(study.rows, one_by_one.rows, strict=True):
+        assert (a.status, a.reason, a.warnings) == (b.status, b.reason, b.warnings)
+        for one, two in zip(a.quantities, b.quantities, strict=True):
+            assert (one.name, one.unit, one.classes) == (two.name, two.unit, two.classes)
+            # blocks are other groupings of the same sums
+            tolerance = 1e-9 if model == "solid" else 0.0
+            np.testing.assert_allclose(one.value, two.value, rtol=tolerance)
+
+
+@pytest.mark.parametrize(
+    ("vary", "models", "quantities"),
+    [
+        (AXES[:1], ("tmm",), ("short_circuit_frequencies",)),  # no families
+        (AXES[:1], ("solid",), ("dynamic_stiffness",)),  # a matrix
+        (("bimorph.length=14mm:18mm:8",), ("solid",), ("short_circuit_frequencies",)),  # few
+        (("drive.voltage=1V:9V:9",), ("solid",), ("static_tip_displacement",)),  # no such key
+    ],
+)
+def test_what_is_no_part_is_asked_point_by_point(vary, models, quantities, monkeypatch):
+    monkeypatch.setattr(sweep, "MANY", 9)
+    asked = statement(*vary, models=models, quantities=quantities)
+    points = list(asked.points())
+    nearby = questions.scenes_nearby(asked)[models[0]]
+    assert sweep.parts(models[0], quantities, points, nearby) == []

@@ -1,0 +1,163 @@
+"""The plan of a study: which points are kept, come from a reduced basis, or are solved alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.engine.families import (
+    Box,
+    family_prospect,
+    family_ranges,
+    find_families,
+)
+from tactgen.validation.engine.outlook import Prospect, outlook, total
+from tactgen.validation.engine.plan import check_models, make_plan
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.whatif.answers import Answer, Question, recall
+from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.questions import questions, scenes_nearby
+from tactgen.validation.studies.whatif.sweep import parts
+
+
+@dataclass(frozen=True)
+class BasisOutlook:
+    """A reduced basis that points would be read off: why, how many, and what it costs.
+
+    `kept` says whether it is built already; `seconds` what one over as many keys took here.
+    """
+
+    reason: str
+    points: int
+    kept: bool
+    seconds: float | None
+
+    @property
+    def sentence(self) -> str:
+        """For the reader."""
+        if self.kept:
+            cost = "which is kept"
+        elif self.seconds is None:
+            cost = "which is not built yet; what it costs is not recorded yet"
+        else:
+            cost = f"which is not built yet: about {self.seconds:.2g} s, once"
+        return f"{self.reason}, {cost}"
+
+
+@dataclass(frozen=True)
+class ModelOutlook:
+    """What a model would do in a study.
+
+    Attributes
+    ----------
+    model : str
+        Its name.
+    points, refused, kept, alone : int
+        Points; of them such as make no scene, answers that are kept, and answers solved alone.
+    bases : tuple of BasisOutlook
+        Where the others come from.
+    seconds : float or None
+        At most what those solved alone take, as their stages did when they last ran here.
+    """
+
+    model: str
+    points: int
+    refused: int
+    kept: int
+    alone: int
+    bases: tuple[BasisOutlook, ...]
+    seconds: float | None
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """For the reader."""
+        counts = [f"{self.model}: {self.points} points"]
+        counts += [f"{self.refused} refused"] if self.refused else []
+        counts += [f"{self.kept} answers kept from before"] if self.kept else []
+        if self.alone:
+            cost = "cost not recorded yet"
+            if MODELS[self.model].quick:
+                cost = "a fraction of a second each"
+            elif self.seconds is not None:
+                cost = f"at most about {self.seconds:.2g} s"
+            counts.append(f"{self.alone} solved one by one, {cost}")
+        return (", ".join(counts), *(f"  {basis.sentence}" for basis in self.bases))
+
+
+def study_outlook(
+    statement: Statement, announce: Callable[[str], None] = lambda _: None
+) -> tuple[ModelOutlook, ...]:
+    """Return what each model of a study would do, without computing anything.
+
+    Raises
+    ------
+    InputError
+        If the axes cannot be used, or a quantity has no model.
+    """
+    check_models(statement.models, statement.quantities)
+    points = tuple(statement.points())
+    nearby = scenes_nearby(statement)
+    in_blocks: dict[str, list[BasisOutlook]] = {model: [] for model in statement.models}
+    covered: set[tuple[int, str]] = set()
+    for model in statement.models:
+        for part in parts(model, statement.quantities, points, nearby[model]):
+            try:
+                basis = _basis(part.reason, len(part.numbers), model, part.scene, part.ranges(),
+                               part.quantities)  # fmt: skip
+            except InputError:  # then they are answered alone
+                continue
+            in_blocks[model].append(basis)
+            covered |= {(number, model) for number in part.numbers}
+    asked = questions(statement, points, nearby, covered, announce)
+    found = []
+    for model in statement.models:
+        own = {n: q for n, q in asked.different.items() if q.model == model}
+        kept = {n for n, q in own.items() if recall(q) is not None}
+        new = [n for n in own if n not in kept]
+        bases, together = _families(own, new, asked.scenes)
+        alone = [n for n in new if n not in together]
+        refused = sum(
+            isinstance(given, Answer) for (_, name), given in asked.at.items() if name == model
+        )
+        seconds = None
+        if alone and not MODELS[model].quick:
+            scene = nearby[model].scene(asked.first[alone[0]])
+            wanted = own[alone[0]].quantities
+            each = total(outlook(make_plan(scene, (model,), wanted)))
+            seconds = each * len(alone) if each else None
+        found.append(ModelOutlook(
+            model, len(points), refused, len(kept), len(alone), (*in_blocks[model], *bases),
+            seconds,
+        ))  # fmt: skip
+    return tuple(found)
+
+
+def _families(
+    own: dict[int, Question], new: Sequence[int], scenes: dict[int, Scene]
+) -> tuple[list[BasisOutlook], set[int]]:
+    """Return the bases that new questions would be answered by, and these questions."""
+    chosen = [n for n in new if n in scenes]
+    if not chosen:
+        return [], set()
+    model, quantities = own[chosen[0]].model, own[chosen[0]].quantities
+    bases, together = [], set()
+    members = [scenes[n] for n in chosen]
+    for family in find_families(model, members, quantities):
+        try:
+            bases.append(_basis(
+                family.reason, len(family.numbers), model, members[family.numbers[0]],
+                family_ranges(family, members), quantities,
+            ))  # fmt: skip
+        except InputError:
+            continue
+        together |= {chosen[number] for number in family.numbers}
+    return bases, together
+
+
+def _basis(
+    reason: str, points: int, model: str, scene: Scene, ranges: Box, quantities: Sequence[str]
+) -> BasisOutlook:
+    prospect: Prospect = family_prospect(model, scene, ranges, quantities)
+    return BasisOutlook(reason, points, prospect.kept, prospect.seconds)
