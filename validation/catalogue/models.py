@@ -52,8 +52,8 @@ class ModelRow:
         Module that answers many scenes of one family together, if there is one: see
         :mod:`validation.engine.families`.
     derivatives : str
-        Module that gives exact derivatives of its answers, if there is one: see
-        :mod:`validation.engine.derivatives`.
+        Module that gives better derivatives than differences of its answers with their bars, if
+        there is one: see :mod:`validation.engine.derivatives`.
     finest : float
         Relative error that its finest mesh is known to come down to; 0 if that is not known.
     """
@@ -215,6 +215,7 @@ _ROWS = (
             "neighbours": _NEIGHBOURS,
         },
         gives=_IN_ARRAY_GIVES, quick=True, kept=_MAGNETIC_KEPT,
+        derivatives="tactgen.validation.models.reluctance.derivatives",
     ),
     ModelRow(
         "axisymmetric", "nonlinear magnetic field in the half section, finite elements",

@@ -1,6 +1,6 @@
 """Derivatives of quantities with respect to scene keys, by any model, each with an error bar.
 
-A model whose row names a module for it gives them exact; of all others they are central
+A model whose row names a module for it gives them itself; of all others they are central
 differences at two distances, extrapolated (Richardson), with a bar for what is left of the
 truncation and for what the values' own error bars leave open.
 """
@@ -52,7 +52,7 @@ class Derivatives:
 
 
 class DerivativesModule(Protocol):
-    """What a module for exact derivatives of a model has."""
+    """What a module for better derivatives of a model has: exact ones, or between two levels."""
 
     def gives_derivatives(self, quantity: str) -> bool:
         """Return whether it gives those of a quantity."""

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.tmm.reluctance.circuit import CELLS, FULL, circuit
+from tactgen.tmm.reluctance.flux_ladder import solve as solve_ladder
 from tactgen.validation.command_line import cli
-from tactgen.validation.engine.derivatives import derivatives, extrapolated
+from tactgen.validation.engine.derivatives import _by_differences, derivatives, extrapolated
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import derivatives as of_solid
@@ -78,13 +80,44 @@ def test_one_co_energy_map_gives_force_and_inductance():
     names = ("coenergy", "flux_linkage", "magnetic_force", "incremental_inductance")
     found = asked("reluctance", ["models=network"], "network", names, ["gap", "coil.current"])
     energy, flux, force, inductance = found
-    for slope, bar, exact in (
-        (energy.slopes["gap"], energy.bars["gap"], -force.quantity.value),
-        (energy.slopes["coil.current"], energy.bars["coil.current"], flux.quantity.value),
-        (flux.slopes["coil.current"], flux.bars["coil.current"], inductance.quantity.value),
+    for given, key, of, sign in (
+        (energy, "gap", force, -1.0),
+        (energy, "coil.current", flux, 1.0),
+        (flux, "coil.current", inductance, 1.0),
     ):
-        # the bars hold the network's own error, which is the same on both sides here
-        assert abs(slope - exact) <= min(bar, 2e-3 * abs(exact))
+        slope, bar, exact = given.slopes[key], given.bars[key], sign * of.quantity.value
+        # the slope is of a finer ladder than the value
+        assert abs(slope - exact) <= min(bar + of.quantity.uncertainty, 2e-3 * abs(exact))
+
+
+NETWORK = ("magnetic_force", "flux_linkage", "inductance")
+
+
+@pytest.mark.parametrize("key", ["gap", "coil.turns"])
+def test_the_networks_bars_cover_a_finer_ladder_and_are_narrow(key):
+    """Against 16 times the cells; and a tenth of what independent errors would leave open."""
+    sets = ["models=network"]
+    scene, _ = load_scene("reluctance", sets)
+    changed, value = changed_scenes("reluctance", sets), value_of(scene, key)
+    wide = _by_differences(scene, changed, "network", NETWORK, [key], lambda _: None)
+    ends = []
+    for sign in (1.0, -1.0):
+        near = changed(key, value * (1.0 + 1e-3 * sign))
+        at = np.array([near.coil.current]), np.array([near.gap])
+        ends.append(solve_ladder(circuit(near.device, at[1], FULL, 16 * CELLS), at[0]))
+    slopes = {
+        name: float((getattr(ends[0], of) - getattr(ends[1], of))[0, 0]) / (2e-3 * value)
+        for name, of in (("magnetic_force", "force"), ("flux_linkage", "flux_linkage"))
+    }
+    slopes["inductance"] = slopes["flux_linkage"] / scene.coil.current
+    for found, other in zip(
+        asked("reluctance", sets, "network", NETWORK, [key]), wide, strict=True
+    ):
+        name = found.quantity.name
+        slope, bar = found.slopes[key], found.bars[key]
+        # the other ladder's difference is right to a millionth, its square of a thousandth
+        assert abs(slope - slopes[name]) <= bar + 1e-5 * abs(slope), name
+        assert bar <= 0.1 * other.bars[key], name
 
 
 def test_without_a_model_the_scene_says_which_actuator(capsys):

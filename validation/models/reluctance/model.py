@@ -94,7 +94,10 @@ class NetworkModel(MagneticModel):
     """The lumped reluctance network."""
 
     name = "network"
-    _METHOD = "difference from half as many ladder cells; the network's own error is not included"
+    _METHOD = (
+        "difference from half as many ladder cells, of the incremental inductance no less in "
+        "relation than of the flux linkage; the network's own error is not included"
+    )
 
     def point(self) -> MagneticPoint:
         """Return the values at the scene's current and gap."""
@@ -112,13 +115,19 @@ class NetworkModel(MagneticModel):
             value, other = (float(getattr(s, name)[0, 0]) for s in (fine, coarse))
             return Measured(value, abs(value - other))
 
+        linkage, slope = judged("flux_linkage"), judged("incremental_inductance")
+        if linkage.value:
+            # two ladders' slopes may agree by chance: in relation one is off by no less than λ
+            slope = replace(
+                slope, bar=max(slope.bar, abs(slope.value * linkage.bar / linkage.value))
+            )  # fmt: skip
         return MagneticPoint(
             current=current,
             gap=gap,
             force=judged("force"),
-            flux_linkage=judged("flux_linkage"),
+            flux_linkage=linkage,
             coenergy=judged("coenergy"),
-            incremental_inductance=judged("incremental_inductance"),
+            incremental_inductance=slope,
             method=self._METHOD,
             beyond_table=iron_beyond_table(device, current, gap),
         )

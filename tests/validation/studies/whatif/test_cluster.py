@@ -198,7 +198,7 @@ def test_a_real_cluster_of_which_a_worker_is_killed(own_store, monkeypatch, tmp_
     """Scheduler and two workers on loopback, one killed in the middle: all answers, bit for bit."""
     import distributed
 
-    asked = statement(120, "support.kind=spring", models=("beam",))
+    asked = statement(160, models=("tmm",))
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
@@ -209,13 +209,13 @@ def test_a_real_cluster_of_which_a_worker_is_killed(own_store, monkeypatch, tmp_
         killed = []
 
         def kill_one(text):
-            if not killed and text.startswith("30 of 120"):
+            if not killed and text.startswith("1 of 160"):
                 killed.append(next(iter(pids.values())))
                 os.kill(killed[0], signal.SIGKILL)
 
         study = run_study(asked, announce=kill_one, scheduler=there.scheduler_address)
     assert killed
-    assert study.counts.computed == 120
+    assert study.counts.computed == 160
     monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "another"))
     monkeypatch.setenv("TACTGEN_THREADS", "1")
     assert_same(study, run_study(asked, 1))
