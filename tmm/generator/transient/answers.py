@@ -7,8 +7,8 @@ faster than arrays, whose every operation costs as much as a dozen numbers.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from operator import mul
+from collections.abc import Iterable
+from operator import mul, sub
 from typing import NamedTuple
 
 import numpy as np
@@ -25,13 +25,13 @@ NO_FIELD = CoenergyPoint(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 class Answer(NamedTuple):
     """What acts over a step.
 
-    `forces` (m,) on the coordinates, `sizes` (m,) those of the terms they are sums of, `slope`
-    (m, m) their derivative by the change with the sign turned, `field` after the step, `means` of
-    the coil, `loss` in elements and friction (J).
+    `forces` (m,) on the coordinates, `pushed` by each element (N), `slope` (m, m) the forces'
+    derivative by the change with the sign turned, `field` after the step, `means` of the coil,
+    `loss` in elements and friction (J).
     """
 
     forces: list[float]
-    sizes: list[float]
+    pushed: list[float]
     slope: list[list[float]]
     field: CoenergyPoint
     means: Means
@@ -41,7 +41,8 @@ class Answer(NamedTuple):
 class _Points:
     """An element's springs: the q coordinates that they read, and how far each could reach.
 
-    `columns` (q, p) are the directions, `pairs` their products for each entry of the slope.
+    `columns` are those of the (p, q) directions, `pairs` their products for the slope's entries on
+    and above its diagonal.
     """
 
     def __init__(self, element: Element, at: Ints) -> None:
@@ -57,6 +58,7 @@ class _Points:
             (k, j, (columns[a] * columns[b]).tolist())
             for a, k in enumerate(read)
             for b, j in enumerate(read)
+            if a <= b
         ]
         self.reach = np.abs(self.directions).max(axis=0, initial=0.0).tolist()
 
@@ -74,8 +76,9 @@ class Answers:
         self.by_voltage = coil is not None and coil.source == "voltage"
         self._points = [_Points(e, self.at) for e in system.elements]
         self._frictions = [(f, np.asarray(f.direction)[self.at].tolist()) for f in system.frictions]
-        opens = np.zeros(0) if coil is None else np.asarray(coil.direction)[self.at]
+        opens = np.zeros(self.at.size) if coil is None else np.asarray(coil.direction)[self.at]
         self.opens: list[float] = opens.tolist()
+        self._opening = [(k, opened) for k, opened in enumerate(self.opens) if opened]
         count = [p.offsets.size for p in self._points]
         self._split = [slice(sum(count[:k]), sum(count[: k + 1])) for k in range(len(count))]
         if count:
@@ -108,35 +111,40 @@ class Answers:
         current : float
             After it (A).
         """
-        count = len(y)
-        forces = [0.0] * count
-        slope = [[0.0] * count for _ in y]
-        sizes = [0.0] * count
-        normal, loss = [], 0.0
+        forces = [0.0] * len(y)
+        slope = [[0.0] * len(y) for _ in y]
+        pushed, steep, loss = [], [], 0.0
         for points, deformed in zip(self._points, before, strict=True):
-            pushed, by_change, lost = _pushed(points, deformed, y, h, forces, slope)
-            normal.append((pushed, by_change))
+            push, by_change, lost = _pushed(points, deformed, y, h, forces, slope)
+            pushed.append(push)
+            steep.append(by_change)
             loss += lost
-            if pushed:
-                sizes = [s + pushed * r for s, r in zip(sizes, points.reach, strict=True)]
         for friction, along in self._frictions:
-            loss += _rubbed(friction, along, normal[friction.element], y, h, forces, slope)
-        sizes = [max(s, abs(f)) for s, f in zip(sizes, forces, strict=True)]
+            normal = pushed[friction.element], steep[friction.element]
+            loss += _rubbed(friction, along, normal, y, h, forces, slope)
         if self.coil is None:
-            return Answer(forces, sizes, slope, NO_FIELD, Means(0.0, 0.0, 0.0), loss)
+            return Answer(forces, pushed, slope, NO_FIELD, Means(0.0, 0.0, 0.0), loss)
         gap = start[1] + _product(self.opens, y)
         field = self.coil.coenergy.at(current, gap)
         mean = held_linkage if self.by_voltage else held_current
         means = mean(*start, current, gap, field, self.coil.width)
         half = 0.5 * field.force_gradient
-        for k, opened in enumerate(self.opens):
-            if opened:
-                forces[k] -= opened * means.pull
-                sizes[k] += abs(opened * means.pull)
-                row = slope[k]
-                for j, other in enumerate(self.opens):
-                    row[j] += half * opened * other
-        return Answer(forces, sizes, slope, field, means, loss)
+        for k, opened in self._opening:
+            forces[k] -= opened * means.pull
+            row = slope[k]
+            for j, other in self._opening:
+                row[j] += half * opened * other
+        return Answer(forces, pushed, slope, field, means, loss)
+
+    def sizes(self, found: Answer) -> list[float]:
+        """Return the sizes (m,) of the terms that an answer's forces are sums of."""
+        sizes = list(map(abs, found.forces))
+        for points, push in zip(self._points, found.pushed, strict=True):
+            for k, reach in enumerate(points.reach):
+                sizes[k] += push * reach
+        for k, opened in self._opening:
+            sizes[k] += abs(opened * found.means.pull)
+        return sizes
 
 
 def _pushed(
@@ -155,24 +163,23 @@ def _pushed(
         Sum of the forces (N), its slope by the changes (N/m), what the springs take (J).
     """
     by_change = [0.0] * len(y)
-    farthest = max(deformed) + _product(points.reach, [abs(change) for change in y])
+    farthest = max(deformed) + _product(points.reach, map(abs, y))
     if farthest <= points.law.apart:
         return 0.0, by_change, 0.0
     moved = [0.0] * len(deformed)
     for k, column in points.columns:
         own = y[k]
         moved = [m + own * c for m, c in zip(moved, column, strict=True)]
-    mean = points.law.mean
-    pushes, stiff, elastic = zip(
-        *[mean(before, way, h) for before, way in zip(deformed, moved, strict=True)], strict=True
-    )
+    pushes, stiff, elastic = points.law.means(deformed, moved, h)
     for k, column in points.columns:
         forces[k] -= _product(pushes, column)
         by_change[k] = _product(stiff, column)
     for k, j, products in points.pairs:
-        slope[k][j] += _product(stiff, products)
-    loss = sum([(f - e) * way for f, e, way in zip(pushes, elastic, moved, strict=True)])
-    return sum(pushes), by_change, loss
+        entry = _product(stiff, products)
+        slope[k][j] += entry
+        if j != k:
+            slope[j][k] += entry
+    return sum(pushes), by_change, _product(map(sub, pushes, elastic), moved)
 
 
 def _rubbed(
@@ -184,7 +191,10 @@ def _rubbed(
     forces: list[float],
     slope: list[list[float]],
 ) -> float:
-    """Add a friction to forces and slope, and return what it takes (J)."""
+    """Add a friction to forces and slope, and return what it takes (J).
+
+    `normal` is what pushes (N) and its slope by the changes (N/m).
+    """
     pushed, by_change = normal
     if pushed == 0.0:
         return 0.0
@@ -202,5 +212,5 @@ def _rubbed(
     return share * pushed * moved
 
 
-def _product(a: Sequence[float], b: Sequence[float]) -> float:
+def _product(a: Iterable[float], b: Iterable[float]) -> float:
     return float(sum(map(mul, a, b)))

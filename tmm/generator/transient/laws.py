@@ -2,14 +2,16 @@
 
 What a step takes for the force of a law is the change of its energy over the change of the
 deformation, a discrete gradient, and a damping part whose work is never negative.  That is asked
-several times a step, of one spring at a time and in plain numbers, which costs less than arrays of
-a few; energies and forces of a whole run are asked in arrays.
+several times a step, in plain numbers, which costs less than arrays of a few; energies and forces
+of a whole run are asked in arrays.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import exp, expm1
 from typing import Protocol, TypeAlias
 
 import numpy as np
@@ -22,8 +24,9 @@ _SMALL_CHANGE = 1e-6
 #: Exponents beyond which rough surfaces are taken to be apart (1e-26 of the load), and at which a
 #: stray guess of an iteration is cut off.
 _APART, _LARGEST = -60.0, 500.0
-#: Force over a step, its slope by the deformation after it, its elastic part (N, N/m, N).
-Mean: TypeAlias = tuple[float, float, float]
+#: Of each spring: force over a step, its slope by the deformation after it, its elastic part
+#: (N, N/m, N).
+Means: TypeAlias = tuple[Sequence[float], Sequence[float], Sequence[float]]
 
 
 class Law(Protocol):
@@ -42,8 +45,8 @@ class Law(Protocol):
         """Return the force (N) at a deformation (m) and its rate (m/s)."""
         ...
 
-    def mean(self, before: float, moved: float, step: float) -> Mean:
-        """Return what acts over a step of so many seconds that changes the deformation by `moved`.
+    def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
+        """Return what acts over a step of so many seconds that changes deformations by `moved`.
 
         The elastic part times `moved` is the change of the energy, to rounding.
         """
@@ -80,8 +83,13 @@ class Stop:
         force = self.stiffness * pressed + self.damping * rate * (pressed > 0.0)
         return np.asarray(np.maximum(force, 0.0))
 
-    def mean(self, before: float, moved: float, step: float) -> Mean:
+    def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
         """Return what acts over a step."""
+        each = [self._mean(b, m, step) for b, m in zip(before, moved, strict=True)]
+        forces, slopes, elastic = zip(*each, strict=True)
+        return forces, slopes, elastic
+
+    def _mean(self, before: float, moved: float, step: float) -> tuple[float, float, float]:
         after = before + moved
         if before <= 0.0 and after <= 0.0:
             return (0.0, 0.0, 0.0)
@@ -137,27 +145,34 @@ class RoughPoint:
         growth = 1.0 + self.relaxation_time * rate / self.decay_length
         return np.asarray(self._force(deformation / self.decay_length) * np.maximum(growth, 0.0))
 
-    def mean(self, before: float, moved: float, step: float) -> Mean:
+    def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
         """Return what acts over a step."""
-        u0, load = self.decay_length, self.load
-        at, change = before / u0, moved / u0
-        after = at + change
-        begin = load * math.exp(min(at, _LARGEST)) if at > _APART else 0.0
-        if after <= _APART:
-            rise = -begin
-        elif begin == 0.0:
-            rise = load * math.exp(min(after, _LARGEST))
-        else:
-            # needs no difference of two large forces
-            rise = begin * math.expm1(min(change, _LARGEST))
-        end = begin + rise
-        elastic = end if change == 0.0 else rise / change
-        slope = (end - elastic) / change if abs(change) > _SMALL_CHANGE else 0.5 * end
-        rate = self.relaxation_time / step
-        force = elastic + rate * rise
-        if force <= 0.0:
-            return (0.0, 0.0, elastic)
-        return (force, (slope + rate * end) / u0, elastic)
+        u0, load, rate = self.decay_length, self.load, self.relaxation_time / step
+        forces, slopes, parts = [], [], []
+        for b, m in zip(before, moved, strict=True):
+            at, change = b / u0, m / u0
+            after = at + change
+            begin = load * exp(min(_LARGEST, at)) if at > _APART else 0.0
+            if after <= _APART:
+                rise = -begin
+            elif begin == 0.0:
+                rise = load * exp(min(_LARGEST, after))
+            else:
+                # needs no difference of two large forces
+                rise = begin * expm1(min(_LARGEST, change))
+            end = begin + rise
+            elastic = end if change == 0.0 else rise / change
+            force = elastic + rate * rise
+            if force > 0.0:
+                small = -_SMALL_CHANGE < change < _SMALL_CHANGE
+                slope = 0.5 * end if small else (end - elastic) / change
+                forces.append(force)
+                slopes.append((slope + rate * end) / u0)
+            else:
+                forces.append(0.0)
+                slopes.append(0.0)
+            parts.append(elastic)
+        return forces, slopes, parts
 
     def _force(self, exponent: Floats) -> Floats:
         near = self.load * np.exp(np.minimum(exponent, _LARGEST))
@@ -185,10 +200,13 @@ class CubicSpring:
         """Return the force (N) at a deformation (m)."""
         return np.asarray(self.linear * deformation + self.cubic * np.power(deformation, 3))
 
-    def mean(self, before: float, moved: float, step: float) -> Mean:
+    def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
         """Return what acts over a step."""
-        after = before + moved
-        squares, total = before * before + after * after, before + after
-        force = 0.5 * self.linear * total + 0.25 * self.cubic * total * squares
-        slope = 0.5 * self.linear + 0.25 * self.cubic * (squares + 2.0 * total * after)
-        return (force, slope, force)
+        forces, slopes = [], []
+        for b, m in zip(before, moved, strict=True):
+            after = b + m
+            squares, total = b * b + after * after, b + after
+            forces.append(0.5 * self.linear * total + 0.25 * self.cubic * total * squares)
+            bend = squares + 2.0 * total * after
+            slopes.append(0.5 * self.linear + 0.25 * self.cubic * bend)
+        return forces, slopes, forces

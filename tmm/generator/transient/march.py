@@ -5,7 +5,7 @@ step errs; steps are halved where that is too much (impacts) and doubled where i
 second pass goes over the same steps in halves and is the result.  The rule is of second order where
 the motion is smooth, and the distance between the passes then three times the error of the second;
 at impacts it is of first order, and the distance equal to that error or, where an impact is passed
-in a few steps, somewhat below it.  So three times the distance is given as the error bar.  If it
+in a few steps, somewhat below it.  So twice the distance is given as the error bar.  If it
 exceeds what was asked, both passes are repeated with shorter steps; unless it has grown as large as
 the motion: then the answer says up to which time it is certain.
 """
@@ -39,7 +39,7 @@ _PREDICTOR = 6.0
 #: A step is doubled where its error is below this share of the tolerance: an eighth, with margin.
 _EASY = 0.06
 #: Error bar over the distance between the two passes.
-_BAR = 3.0
+_BAR = 2.0
 #: Local tolerance of the first round over the accuracy asked for.
 _LOCAL = 0.01
 #: Rounds of both passes, the share of the accuracy that the next round aims at, and the most by
@@ -71,8 +71,8 @@ class Answer:
     outputs : dict of str to (k,) float
         The system's outputs over time.
     bars : dict of str to (k,) float
-        Error bar of each output up to each time, in its unit: three times the largest distance from
-        the run with whole steps until then.
+        Error bar of each output up to each time, in its unit: twice the largest distance from the
+        run with whole steps until then.
     error : float
         The largest of all bars over its output's scale.
     certain_until : float
@@ -97,8 +97,9 @@ class Answer:
         return {name: float(bar[-1]) for name, bar in self.bars.items()}
 
 
-#: Steps between two breaks: a time inside the piece, the start, and each step's end (s).
-_Piece = tuple[float, float, list[float]]
+#: Steps between two breaks: a time inside the piece, the start, each step's end and length (s).
+#: Equal lengths are equal to the last digit, so that they share their matrices.
+_Piece = tuple[float, float, list[tuple[float, float]]]
 
 
 def simulate(
@@ -139,6 +140,11 @@ def simulate(
     )
     fastest = min(sources.bimorph.shortest, sources.coil.shortest)
     longest = min(longest, _PER_PERIOD * fastest, 0.01 * until)
+    if until > _MOST_STEPS * longest:
+        raise InputError(
+            f"{until:g} s of a waveform that changes within {fastest:g} s need more than "
+            f"{_MOST_STEPS} steps; ask for a shorter time or a lower frequency"
+        )
     local = _LOCAL * accuracy
     rounds = 0
     while True:
@@ -173,7 +179,11 @@ def simulate_steps(
         *_at_start(system, sources, until),
     )
     pieces = [
-        (0.5 * (a + b), a, np.linspace(a, b, steps + 1)[1:].tolist())
+        (
+            0.5 * (a + b),
+            a,
+            [(t, (b - a) / steps) for t in np.linspace(a, b, steps + 1)[1:].tolist()],
+        )
         for a, b in _between_breaks(sources, until)
     ]
     return _Marcher(system, sources, until, lambda _: None).follow(first, pieces, parts=1)[0]
@@ -240,7 +250,7 @@ class _Marcher:
             count = max(1, math.ceil((end - start) / longest))
             done, whole = 0, count << _DEEPEST
             level = self._first_level(state, (end - start) / count)
-            ends: list[float] = []
+            ends: list[tuple[float, float]] = []
             earlier: list[tuple[float, State]] = []
             before = start
             while done < whole:
@@ -259,7 +269,7 @@ class _Marcher:
                     continue
                 self._keep(record, time, new, flow, inside)
                 earlier, state, before = [*earlier[-1:], (h, state)], new, time
-                ends.append(time)
+                ends.append((time, h))
                 done += ticks
                 if len(record) > _MOST_STEPS:
                     raise InputError(_too_many(time))
@@ -275,16 +285,14 @@ class _Marcher:
         for inside, start, ends in pieces:
             state = self._jumped(state, start, inside, record)
             shared.append(True)
-            begin = start
-            for end in ends:
-                h = (end - begin) / parts
+            for end, whole in ends:
+                h = whole / parts
                 for part in range(1, parts + 1):
-                    time = end if part == parts else begin + part * h
+                    time = end if part == parts else end - (parts - part) * h
                     for at, new, flow in self._in_pieces(state, h, time, inside):
                         self._keep(record, at, new, flow, inside)
                         state = new
                         shared.append(part == parts and at == time)
-                begin = end
                 self._announce((1.0 + 2.0 * end / self._until) / 3.0)
         return record.run(), np.array(shared)
 

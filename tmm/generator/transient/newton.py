@@ -8,8 +8,12 @@ D (y − y_free) − f(y) and, of a circuit, Δλ − h (v̄ − R ī).
 from __future__ import annotations
 
 import math
+from operator import add, mul, sub
 from typing import NamedTuple
 
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
 from tactgen.tmm.generator.transient.answers import Answer, Answers
 from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
 
@@ -20,8 +24,9 @@ _ITERATIONS, _HALVINGS = 30, 8
 #: Relative correction at which the iterated coordinates stand: it leaves less than this share of
 #: the energy that a step moves.
 _STANDS = 1e-13
-#: Relative correction after which the next would be below that, and is not tried.
-_LAST = 1e-9
+#: Relative correction after which the next, quadratically smaller, is not tried; and what the next
+#: may be by the two before it, c³/b², and is not tried either.
+_LAST, _LEFT = 1e-9, 1e-14
 #: The same after so many corrections, when what is left goes to and fro with the rounding.
 _ROUNDED, _PATIENCE = 1e-11, 6
 #: Roundings of the terms that the coordinates are the sum of; corrections below are noise.
@@ -32,6 +37,31 @@ Lists = list[list[float]]
 
 class StepTooLongError(ArithmeticError):
     """The iteration of a step did not settle."""
+
+
+class Structure(NamedTuple):
+    """What the structure answers to the m coordinates that are read, over a step.
+
+    Attributes
+    ----------
+    stiffness : (m, m) lists
+        D, force per change over the step, symmetric and positive definite.
+    sizes, noises : (m, m) lists
+        |D|, and roundings of |D⁻¹|, below which a correction is noise.
+    """
+
+    stiffness: Lists
+    sizes: Lists
+    noises: Lists
+
+
+def structure_of(stiffness: Floats, compliance: Floats) -> Structure:
+    """Return what a stiffness (m, m), with its inverse, is to the iteration."""
+    return Structure(
+        stiffness.tolist(),
+        np.abs(stiffness).tolist(),
+        (_NOISE * np.abs(compliance)).tolist(),
+    )
 
 
 class Before(NamedTuple):
@@ -61,7 +91,7 @@ def settled(
     before: Before,
     h: float,
     free: list[float],
-    structure: tuple[Lists, Lists],
+    structure: Structure,
     first: list[float],
     source: tuple[float, float],
 ) -> tuple[Answer, float]:
@@ -71,8 +101,7 @@ def settled(
     ----------
     free : (m,) list
         Changes without laws and coil.
-    structure : pair of (m, m) lists
-        D, force per change over the step, symmetric and positive definite; and its inverse.
+    structure : Structure
     first : (m,) list
         A first guess of the changes.
     source : (float, float)
@@ -84,7 +113,7 @@ def settled(
         If the iteration does not settle.
     """
     count, by_voltage = len(free), answers.by_voltage
-    stiffness, compliance = structure
+    stiffness = structure.stiffness
     start = (before.current if by_voltage else source[0], before.gap, before.field)
     deformed = before.deformations
     unknown = [*first, before.current] if by_voltage else first
@@ -92,20 +121,18 @@ def settled(
     found = answers.over(deformed, start, first, current, h)
     terms = [abs(a) + abs(b) + abs(c) for a, b, c in zip(free, first, before.near, strict=True)]
     size = [
-        sum([abs(d) * t for d, t in zip(row, terms, strict=True)]) + f
-        for row, f in zip(stiffness, found.sizes, strict=True)
+        sum(map(mul, row, terms)) + f
+        for row, f in zip(structure.sizes, answers.sizes(found), strict=True)
     ]
-    still = [abs(change) for change in first]
-    noise = [
-        _NOISE * sum([abs(c) * s for c, s in zip(row, size, strict=True)]) for row in compliance
-    ]
+    still = list(map(abs, first))
+    noise = [sum(map(mul, row, size)) for row in structure.noises]
     if by_voltage:
         linked = abs(before.field.flux_linkage) + h * max(abs(source[0]), abs(source[1]))
         size.append(linked)
         still.append(linked / before.field.inductance)
         noise.append(_NOISE * linked / before.field.inductance)
     known = all(size)
-    worst, halvings = math.inf, 0
+    worst, halvings, came = math.inf, 0, 0.0
     last = [0.0] * len(unknown)
     for turn in range(_ITERATIONS):
         done = False
@@ -115,21 +142,22 @@ def settled(
             return found, current
         if off > _WORSE * worst and halvings < _HALVINGS:
             halvings += 1
-            last = [0.5 * step for step in last]
+            last, came = [0.5 * step for step in last], 0.0
             unknown = [u + step for u, step in zip(unknown, last, strict=True)]
         else:
             worst, halvings = off, 0
             matrix = _slopes(answers, found, stiffness, h)
             last = _solved(matrix, residual)
             share = _STANDS if turn < _PATIENCE else _ROUNDED
-            ample = [max(abs(u), s) for u, s in zip(unknown, still, strict=True)]
-            sizes = [abs(step) for step in last]
+            sizes = list(map(abs, last))
+            ample = list(map(max, map(abs, unknown), still))
             if all(c <= max(share * a, n) for c, a, n in zip(sizes, ample, noise, strict=True)):
                 return found, current
-            unknown = [u - step for u, step in zip(unknown, last, strict=True)]
-            done = all(
-                c <= _LAST * max(abs(u), s) for c, u, s in zip(sizes, unknown, still, strict=True)
-            )
+            unknown = list(map(sub, unknown, last))
+            ample = list(map(max, map(abs, unknown), still))
+            rest = max([c / a for c, a in zip(sizes, ample, strict=True) if a], default=0.0)
+            done = rest <= _LAST or rest**3 <= _LEFT * came**2
+            came = rest
         current = unknown[-1] if by_voltage else current
         found = answers.over(deformed, start, unknown[:count], current, h)
         if done:
@@ -148,9 +176,9 @@ def _residual(
     source: tuple[float, float],
 ) -> list[float]:
     """Return the residuals (N or N m, and Wb of a circuit)."""
-    extra = [u - without for u, without in zip(unknown, free, strict=False)]
+    extra = list(map(sub, unknown, free))  # without a circuit's current
     residual = [
-        sum([d * e for d, e in zip(row, extra, strict=True)]) - force
+        sum(map(mul, row, extra)) - force
         for row, force in zip(stiffness, found.forces, strict=True)
     ]
     coil = answers.coil
@@ -162,10 +190,7 @@ def _residual(
 
 def _slopes(answers: Answers, found: Answer, stiffness: Lists, h: float) -> Lists:
     """Return the residuals' derivatives by the changes, and by the current of a circuit."""
-    matrix = [
-        [d + s for d, s in zip(row, steep, strict=True)]
-        for row, steep in zip(stiffness, found.slope, strict=True)
-    ]
+    matrix = [list(map(add, row, steep)) for row, steep in zip(stiffness, found.slope, strict=True)]
     coil = answers.coil
     if coil is None or not answers.by_voltage:
         return matrix

@@ -111,7 +111,7 @@ class Record:
         time, voltage, source, current, gap, linkage, pull, coenergy, *flows = np.array(
             self._rows
         ).T
-        step = np.diff(time, prepend=time[0])
+        step = np.array([state.lasted for state in states])
         before = np.concatenate([voltage[:1], voltage[:-1]])
         given = change @ s.coupling + s.capacitance * (voltage - before)
         bimorph = 0.5 * (before + voltage) * given

@@ -21,7 +21,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.generator.transient.answers import NO_FIELD, Answers
-from tactgen.tmm.generator.transient.newton import Before, settled
+from tactgen.tmm.generator.transient.newton import Before, Structure, settled, structure_of
 from tactgen.tmm.generator.transient.system import System
 from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
 
@@ -40,6 +40,10 @@ class State:
         Of the position over the step before; 0 at the start.
     acceleration : (n,) float
         Mean over the step before; 0 at the start.
+    jerk : (m,) float
+        Of the coordinates that are read, by the two steps before; 0 where there are none.
+    lasted : float
+        The step before (s); 0 at the start and after a jump.
     voltage : float
         Across the bimorph (V).
     current, gap : float
@@ -54,6 +58,8 @@ class State:
     velocity: Floats
     change: Floats
     acceleration: Floats
+    jerk: Floats
+    lasted: float
     voltage: float
     current: float
     gap: float
@@ -83,7 +89,7 @@ class _Factors(NamedTuple):
     by_load: Floats
     by_voltage: Floats
     by_forces: Floats
-    structure: tuple[list[list[float]], list[list[float]]]
+    structure: Structure
 
 
 class Stepper:
@@ -104,7 +110,10 @@ class Stepper:
             gap = coil.gap + float(coil.direction @ where)
             field = coil.coenergy.at(current, gap)
         speed, still = np.array(velocity, dtype=float), np.zeros(where.size)
-        return State(where, speed, still, still, voltage, current, gap, field, deformations)
+        calm = np.zeros(self._at.size)
+        return State(
+            where, speed, still, still, calm, 0.0, voltage, current, gap, field, deformations
+        )
 
     def charge(self, state: State) -> float:
         """Return the charge on the bimorph (C)."""
@@ -114,13 +123,17 @@ class Stepper:
     def jump(self, state: State, voltage: float, current: float) -> tuple[State, Flow]:
         """Return the state after sources jumped while nothing moved; a circuit keeps its λ."""
         coil = self.system.coil
-        still = np.zeros(state.position.size)
-        if coil is None or self._answers.by_voltage or current == state.current:
-            return dataclasses.replace(state, change=still, voltage=voltage), _STILL
-        field = coil.coenergy.at(current, state.gap)
         new = dataclasses.replace(
-            state, change=still, voltage=voltage, current=current, field=field
+            state,
+            change=np.zeros(state.position.size),
+            jerk=np.zeros(self._at.size),
+            lasted=0.0,
+            voltage=voltage,
         )
+        if coil is None or self._answers.by_voltage or current == state.current:
+            return new, _STILL
+        field = coil.coenergy.at(current, state.gap)
+        new = dataclasses.replace(new, current=current, field=field)
         stored = current * field.flux_linkage - field.coenergy
         stored -= state.current * state.field.flux_linkage - state.field.coenergy
         return new, Flow(stored, 0.0, 0.0)
@@ -148,27 +161,35 @@ class Stepper:
         change += factors.by_position @ state.position
         change += factors.by_load
         change += factors.by_voltage * (0.5 * (state.voltage + voltage))
-        ahead = state.velocity + (0.5 * h) * state.acceleration
+        lasted, was = state.lasted, state.acceleration[at]
+        # the mean acceleration on which the iteration starts, by that of the steps before
+        ahead = was + (0.5 * (h + lasted)) * state.jerk
+        first = h * (state.velocity[at] + (0.5 * h) * ahead)
         near = state.position[at]
         before = Before(near.tolist(), state.deformations, state.current, state.gap, state.field)
         found, current = settled(
             self._answers, before, h, change[at].tolist(), factors.structure,
-            (h * ahead[at]).tolist(), source,
+            first.tolist(), source,
         )  # fmt: skip
         change += factors.by_forces @ found.forces
         position = state.position + change
         velocity = (2.0 / h) * change - state.velocity
-        near = position[at]
+        acceleration = (velocity - state.velocity) / h
+        jerk = state.jerk
+        if lasted > 0.0:
+            jerk = (acceleration[at] - was) / (0.5 * (h + lasted))
         new = State(
             position,
             velocity,
             change,
-            (velocity - state.velocity) / h,
+            acceleration,
+            jerk,
+            h,
             voltage,
             current,
             0.0 if coil is None else coil.gap + float(coil.direction @ position),
             found.field,
-            self._answers.deformations(near),
+            self._answers.deformations(position[at]),
         )
         work, wire = found.means.work, 0.0
         if coil is not None:
@@ -186,7 +207,7 @@ class Stepper:
             inverse @ s.load,
             inverse @ s.coupling,
             inverse[:, at],
-            (_inverted(compliance).tolist(), compliance.tolist()),
+            structure_of(_inverted(compliance), compliance),
         )
         if len(self._factors) >= _KEPT:
             self._factors.clear()

@@ -11,7 +11,11 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from typing import Protocol
 
+from tactgen.geometry.errors import InputError
+
 _TURN = 2.0 * math.pi
+#: Switching times of a run beyond which it is refused.
+_MOST = 1_000_000
 
 
 class Waveform(Protocol):
@@ -118,9 +122,20 @@ class Square:
     start: float = 0.0
 
     def breaks(self, until: float) -> tuple[float, ...]:
-        """Return all switching times."""
+        """Return all switching times.
+
+        Raises
+        ------
+        InputError
+            If they are more than a run can have steps.
+        """
         period = 1.0 / self.frequency
         count = max(0, math.ceil((until - self.start) / period))
+        if 2 * count > _MOST:
+            raise InputError(
+                f"a square of {self.frequency:g} Hz switches {2 * count} times in {until:g} s, "
+                f"more than {_MOST}; ask for a shorter time or a lower frequency"
+            )
         edges = (
             self.start + (k + share) * period for k in range(count) for share in (0.0, self.duty)
         )

@@ -1,10 +1,16 @@
 """Waveforms as they are written, and one sentence for each that cannot be read."""
 
+import itertools
 import math
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient.march import Sources, simulate
+from tactgen.tmm.generator.transient.system import Output, System
 from tactgen.tmm.generator.transient.waveform import Chirp, Constant, Sampled, Sine, Square, Step
 from tactgen.validation.studies.transient.waveforms import AMPERES, VOLTS, parsed
 
@@ -82,3 +88,53 @@ def test_files_that_are_no_waveform_get_one_sentence(tmp_path, content, words):
     path.write_text(content)
     with pytest.raises(InputError, match=words):
         parsed(str(path), "--voltage", (VOLTS,))
+
+
+LEVELS = st.tuples(
+    st.one_of(st.floats(-1e7, 1e7), st.sampled_from([0.0, 1e-12, float("inf"), float("nan")])),
+    st.sampled_from(["V", "mV", "kV", "mA", "A", "Hz", "kg", ""]),
+).map(lambda pair: f"{pair[0]:g} {pair[1]}")
+SIZES = st.floats(-1.0, 1e9).map("{:.3g}".format)
+OPTIONS = st.tuples(
+    st.sampled_from(["phase", "delay", "low", "duty", "at", "until", "to", "in", "sine", "later"]),
+    st.one_of(LEVELS, SIZES),
+    st.sampled_from(["ms", "s", "Hz", "kHz", "deg", "V", ""]),
+).map(" ".join)
+TEXTS = st.one_of(
+    st.text(max_size=30),
+    st.tuples(
+        LEVELS, st.sampled_from(["constant", "sine", "square", "step", "chirp", "saw", ""]),
+        SIZES, st.sampled_from(["Hz", "kHz", "ms", ""]),
+        st.lists(OPTIONS, max_size=3).map(" ".join),
+    ).map(" ".join),
+)  # fmt: skip
+
+
+@given(TEXTS)
+def test_whatever_is_written_gives_a_waveform_or_one_sentence(text):
+    """Any words of the grammar in any order: finite values between its breaks, or why not."""
+    refused = ""
+    try:
+        waveform = parsed(text, "--coil", (AMPERES, VOLTS)).waveform
+        edges = [0.0, *waveform.breaks(0.01), 0.01]
+    except InputError as error:
+        refused = str(error)
+    if refused:
+        assert "\n" not in refused
+        return
+    assert edges == sorted(edges)
+    for a, b in itertools.islice(itertools.pairwise(edges), 50):
+        middle = 0.5 * (a + b)
+        values = [waveform.value(t, middle) for t in (a, middle, b)]
+        assert all(abs(v) <= waveform.peak * (1.0 + 1e-12) for v in values)
+    assert waveform.shortest > 0.0
+
+
+def test_what_switches_too_often_is_refused_before_it_is_tried():
+    """No list of a thousand million times, and no march of a thousand million steps."""
+    for text in ("1 V square 10 MHz", "1 V sine 10 MHz"):
+        drive = parsed(text, "--voltage", (VOLTS,)).waveform
+        one = np.eye(1)
+        system = System(one, one, one, one[0], one[0], outputs={"x": Output(one[0], "m", 1.0)})
+        with pytest.raises(InputError, match="ask for a shorter time"):
+            simulate(system, Sources(drive), 10.0)
