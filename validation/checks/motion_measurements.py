@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 _ONE, _UNIT = np.ones(1), np.eye(1)
 
 #: Section 2 of the paper: the drives of Fig 16, until the rod is up again.
-SOURCES = Sources(Sine(10.0, 200.0), Square(0.12, 100.0))
+DRIVE, SQUARE = Sine(10.0, 200.0), Square(0.12, 100.0)
+SOURCES = Sources(DRIVE, SQUARE)
 UNTIL = 7e-3
 #: Until every kind of phase has been there, from a moving start too (s).
 PERIOD_AND_HALF = 15e-3
@@ -121,9 +122,53 @@ def flight_to_contact() -> float:
 
 
 def held_to_pressed() -> float:
-    """Return the lateral amplitude on the lower stop over that on the upper one."""
-    found = _amplitudes()
-    return found["held"] / found["pressed"]
+    """Return the tip's amplitude at the drive's frequency on the lower stop over the upper one's.
+
+    The smallest of all times held over the largest of all times pressed.
+    """
+    from tactgen.validation.models.generator.phases import oscillation, phases
+
+    found = _finger_run()
+    swings: dict[str, list[float]] = {"held": [], "pressed": []}
+    for phase in phases(found):
+        swing = oscillation(found, phase, DRIVE.frequency)
+        if phase.name in swings and swing is not None:
+            swings[phase.name].append(swing)
+    return min(swings["held"]) / max(swings["pressed"])
+
+
+def head_slide() -> float:
+    """Return how far the blow on the upper stop shifts the head laterally (m)."""
+    from tactgen.validation.models.generator.phases import phases
+
+    found = _finger_run()
+    run = found.answer.run
+    up = next(p for p in phases(found) if p.name == "pressed" and p.start > 0.0)
+    head = np.interp([up.start, up.end], run.time, run.position[:, 1])
+    return abs(float(head[1] - head[0]))
+
+
+def small_held_to_pressed() -> float:
+    """Return the small-signal answer at the drive's frequency, held by 120 mA over pressed up."""
+    from tactgen.validation.engine.solve import solve
+    from tactgen.validation.scene.scene import load_scene
+
+    asked = f"frequency={DRIVE.frequency} Hz"
+    held, pressed = (
+        load_scene("generator", [asked, f"coil.current={current} A", "coil.history=falling"])[0]
+        for current in (SQUARE.high, 0.0)
+    )
+    answers = [
+        solve(scene, ("tmm",), ("lateral_tip_per_voltage",)).quantities[0].value[0]
+        for scene in (held, pressed)
+    ]
+    return float(abs(answers[0]) / abs(answers[1]))
+
+
+@lru_cache(maxsize=1)
+def _finger_run() -> Simulation:
+    """Return a run of Fig 16 under the finger, until every kind of phase has been there twice."""
+    return _scene_run(SOURCES, PERIOD_AND_HALF, 0.02, "generator", ())
 
 
 @lru_cache(maxsize=1)
@@ -131,7 +176,7 @@ def _amplitudes() -> dict[str, float]:
     """Return the largest lateral amplitude (m) of each kind of phase, under the finger."""
     from tactgen.validation.models.generator.phases import phases
 
-    found = phases(_scene_run(SOURCES, PERIOD_AND_HALF, 0.02, "generator", ()))
+    found = phases(_finger_run())
     names = {phase.name for phase in found}
     return {name: max(p.amplitude for p in found if p.name == name) for name in names}
 

@@ -13,6 +13,8 @@ from tactgen.validation.models.generator.transient import Simulation
 _NEAR = 2e-6
 #: What is shorter (s) belongs to the phase before: a bounce.
 _SHORT = 0.15e-3
+#: Instants at which an oscillation is fitted within a phase.
+_SAMPLES = 500
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,8 @@ class Phase:
     start, end : float
         s.
     amplitude : float
-        Half the way between the outermost positions of the tip in it, laterally (m).
+        Half the way between the outermost positions of the tip in it, laterally (m); what drifts
+        counts too.  For the answer to the drive alone see :func:`oscillation`.
     """
 
     name: str
@@ -61,3 +64,22 @@ def phases(found: Simulation) -> tuple[Phase, ...]:
             Phase(name, float(run.time[first]), float(run.time[last]), 0.5 * float(np.ptp(part)))
         )
     return tuple(result)
+
+
+def oscillation(found: Simulation, phase: Phase, frequency: float) -> float | None:
+    """Return the tip's lateral amplitude (m) at a frequency (Hz) within a phase.
+
+    That of the sine which, beside a straight line, comes nearest to the tip's motion: where a blow
+    has shifted the head, the finger lets the tip follow over milliseconds, which is no oscillation.
+    None if the phase is shorter than half a period and holds too little of it.
+    """
+    run, tip = found.answer.run, found.answer.outputs["lateral_tip"]
+    lasts = phase.end - phase.start
+    if lasts < 0.5 / frequency:
+        return None
+    time = np.linspace(phase.start, phase.end, _SAMPLES)
+    turn = 2.0 * np.pi * frequency * time
+    along = (time - phase.start) / lasts
+    columns = np.column_stack([np.sin(turn), np.cos(turn), np.ones_like(time), along])
+    fitted = np.linalg.lstsq(columns, np.interp(time, run.time, tip), rcond=None)[0]
+    return float(np.hypot(fitted[0], fitted[1]))

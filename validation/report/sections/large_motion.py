@@ -103,8 +103,8 @@ def _time(study: Study) -> Context | None:
     """Return the run of the paper's Fig 16; only words if quick."""
     if study.quick:
         return {"run": None}
-    from tactgen.validation.checks.motion_measurements import SOURCES
-    from tactgen.validation.models.generator.phases import phases
+    from tactgen.validation.checks.motion_measurements import DRIVE, SOURCES
+    from tactgen.validation.models.generator.phases import oscillation, phases
     from tactgen.validation.models.generator.transient import run_scene
     from tactgen.validation.studies.transient.plot import time_plot
 
@@ -117,14 +117,18 @@ def _time(study: Study) -> Context | None:
     except InputError as error:
         return {"run": None, "refused": str(error)}
     found = phases(run)
-    by_name = {name: [p for p in found if p.name == name] for name in _TEXT}
+    swings = [oscillation(run, phase, DRIVE.frequency) for phase in found]
+    sizes: dict[str, list[float]] = {name: [] for name in _TEXT}
+    for phase, swing in zip(found, swings, strict=True):
+        sizes[phase.name].append(phase.amplitude if swing is None else swing)
     return {
         "run": run,
         "loaded": scene.load.kind != "none",
         "picture": time_plot(run),
         "phases": found,
+        "swings": swings,
         "text": _TEXT,
-        "order": {name: max(p.amplitude for p in ps) for name, ps in by_name.items() if ps},
+        "order": {name: max(found) for name, found in sizes.items() if found},
         "pull_in": study.normal.switching[study.normal.pull_model].pull_in
         if study.normal
         else None,
