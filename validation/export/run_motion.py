@@ -9,21 +9,15 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.validation.export.fields import write_steps
-from tactgen.validation.fields.moving import MovingBody, moving_body
 from tactgen.validation.fields.result import Array
+from tactgen.validation.fields.run import body_of
 from tactgen.validation.models.generator.phases import phases
-from tactgen.validation.models.generator.transient import Simulation, scene_beam
+from tactgen.validation.models.generator.transient import Simulation
 from tactgen.validation.view.films import save_film
-from tactgen.validation.view.run_frames import Instant, run_frames
+from tactgen.validation.view.run.frames import Instant, run_frames
 
 #: Pictures of a film, and milliseconds that each is shown; time steps in a file.
 _FRAMES, _SHOWN, _STEPS = 150, 60, 150
-
-
-def body_of(found: Simulation) -> MovingBody:
-    """Return what moves in a run."""
-    device, beam = scene_beam(found.scene)
-    return moving_body(device, beam, found.machine.modes)
 
 
 def write_run_film(

@@ -12,7 +12,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.march import Sources
 from tactgen.tmm.generator.transient.waveform import Step
 from tactgen.validation.export import run_motion
-from tactgen.validation.export.run_motion import body_of, write_run_film, write_run_steps
+from tactgen.validation.export.run_motion import write_run_film, write_run_steps
+from tactgen.validation.fields.run import body_of
 from tactgen.validation.models.generator.transient import run_scene
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.view.films import save_film

@@ -6,7 +6,11 @@ import argparse
 import webbrowser
 from pathlib import Path
 
+from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
+
+#: Options that ask something of a scene, which a run's file has answered.
+_OF_A_SCENE = ("model", "frequency", "png", "gif", "mp4", "state", "field")
 
 
 def add(commands: Commands) -> None:
@@ -22,6 +26,10 @@ def add(commands: Commands) -> None:
         help="of driven states, in Hz (default: half the first natural frequency, and that)",
     )
     parser.add_argument("--out", metavar="FILE.html", help="the page (default view.html)")
+    parser.add_argument(
+        "--run", dest="of_run", metavar="RUN.nc",
+        help="show a run in time, from tactgen simulate --out RUN.nc, instead of a scene's modes",
+    )  # fmt: skip
     parser.add_argument("--open", action="store_true", help="show the page in your browser")
     parser.add_argument("--png", metavar="FILE.png", help="a still instead of the page")
     parser.add_argument("--gif", metavar="FILE.gif", help="one period as a film")
@@ -37,6 +45,8 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    if options.of_run:
+        return _show_run(options)
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.export.view import Look, harmonic_frequencies, view
     from tactgen.validation.scene.idle_keys import scene_warnings
@@ -58,6 +68,33 @@ def run(options: argparse.Namespace) -> int:
     with announcer() as announce:
         for path in view(scene, look, files, announce):
             print(path)
-    if options.open and not webbrowser.open(files["out"].resolve().as_uri()):
-        warn([f"no browser could be started; open {files['out']} yourself"])
+    if options.open:
+        _open(files["out"])
     return 0
+
+
+def _show_run(options: argparse.Namespace) -> int:
+    """Write the page of a run's file, which says itself what it is of."""
+    from tactgen.validation.export.targets import check_place
+    from tactgen.validation.studies.transient.film import write_film_page
+
+    given = {name: getattr(options, name) for name in _OF_A_SCENE}
+    given["set"] = options.overrides
+    for name, value in given.items():
+        if value:
+            raise InputError(
+                f"--run {options.of_run} shows a run as it is, without --{name}; leave that out "
+                "(films of a run: tactgen simulate --gif or --mp4)"
+            )
+    page = Path(options.out or "run.html")
+    check_place("--out", page, (".html",))
+    write_film_page(Path(options.of_run), page)
+    print(page)
+    if options.open:
+        _open(page)
+    return 0
+
+
+def _open(page: Path) -> None:
+    if not webbrowser.open(page.resolve().as_uri()):
+        warn([f"no browser could be started; open {page} yourself"])

@@ -1,17 +1,29 @@
-"""A run as netCDF (version 3), which xarray and most other tools read."""
+"""A run as netCDF (version 3), which xarray and most other tools read.
+
+Beside everything over time the file holds the body that moved and the coordinates that it follows:
+whoever draws it needs neither the scene nor a model.
+"""
 
 from __future__ import annotations
 
 from importlib import metadata
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.files import written_whole
+from tactgen.geometry.meshing.surface import surface_of
 from tactgen.tmm.generator.transient.machine import LOWER, UPPER
+from tactgen.validation.fields.run import body_of
+from tactgen.validation.models.generator.phases import phases
 from tactgen.validation.models.generator.transient import Simulation
 from tactgen.validation.scene.files import leaves
+from tactgen.validation.view.run.page import PHASES
+
+if TYPE_CHECKING:
+    from scipy.io import netcdf_file
 
 #: What the global attribute `title` says.
 TITLE = "time simulation of a tactile generator"
@@ -71,7 +83,7 @@ def write_run(path: str | Path, found: Simulation, drives: dict[str, str]) -> No
     """
     from scipy.io import netcdf_file  # slow to import
 
-    answer = found.answer
+    answer, named = found.answer, phases(found)
     with written_whole(path) as temporary, netcdf_file(str(temporary), "w") as file:
         file.title = TITLE
         file.source = f"tactgen {metadata.version('tactgen')}"
@@ -86,6 +98,9 @@ def write_run(path: str | Path, found: Simulation, drives: dict[str, str]) -> No
         file.error = np.float64(answer.error)
         file.certain_until_s = np.float64(answer.certain_until)
         file.energy_imbalance = np.float64(answer.run.worst_imbalance)
+        file.phases = " ".join(PHASES)
+        file.stroke_m = np.float64(found.stroke)
+        file.head_radius_m = np.float64(found.scene.device.rod.head_radius)
         file.createDimension("time", answer.run.time.size)
         rows = {"time": (answer.run.time, "s", "since the start"), **series(found)}
         for name, bar in answer.bars.items():
@@ -98,3 +113,44 @@ def write_run(path: str | Path, found: Simulation, drives: dict[str, str]) -> No
             variable.long_name = meaning
             if name in answer.errors:
                 variable.error_bar = np.float64(answer.errors[name])
+        ends = np.array([phase.end for phase in named])
+        number = np.array([PHASES.index(phase.name) for phase in named])
+        at = np.minimum(np.searchsorted(ends, answer.run.time), number.size - 1)
+        _put(file, "phase", ("time",), number[at], "of the rod, a number of the attribute phases")
+        _write_body(file, found)
+
+
+def _write_body(file: netcdf_file, found: Simulation) -> None:
+    """Write the surface of what moves, and the coordinates that it follows."""
+    body = body_of(found)
+    surface = surface_of(body.mesh)
+    used, corners = np.unique(surface.triangles, return_inverse=True)
+    triangles = corners.reshape(surface.triangles.shape)
+    width = body.lateral.shape[1]
+    file.body_regions = " ".join(body.mesh.regions)
+    for name, size in (
+        ("point", used.size), ("triangle", len(triangles)), ("axis", 3), ("coordinate", width)
+    ):  # fmt: skip
+        file.createDimension(name, size)
+    _put(file, "body_point", ("point", "axis"), body.mesh.points[used], "of the body at rest (m)")
+    _put(file, "body_triangle", ("triangle", "axis"), triangles, "points of the body's surface")
+    _put(
+        file, "body_region", ("triangle",), surface.region_of_triangle,
+        "a number of the attribute body_regions",
+    )  # fmt: skip
+    moved = ("point", "coordinate")
+    _put(file, "body_lateral", moved, body.lateral[used], "motion along x per coordinate")
+    _put(file, "body_axial", moved, body.axial[used], "motion along z per coordinate")
+    _put(
+        file, "coordinates", ("time", "coordinate"), found.answer.run.position[:, :width],
+        "lift of the rod (m), lateral motion (m) and tilt (rad) of its head, modes (m kg^1/2)",
+    )  # fmt: skip
+
+
+def _put(
+    file: netcdf_file, name: str, sizes: tuple[str, ...], values: Floats | Ints, meaning: str
+) -> None:
+    whole = np.issubdtype(values.dtype, np.integer)
+    variable = file.createVariable(name, "i4" if whole else "f8", sizes)
+    variable[:] = values
+    variable.long_name = meaning

@@ -78,6 +78,6 @@ def inline(png: bytes) -> str:
     return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
 
 
-def asset(name: str) -> str:
-    """Return a script or style that lies beside this module."""
-    return (resources.files("tactgen.validation.view.page") / name).read_text(encoding="utf-8")
+def asset(name: str, room: str = "page") -> str:
+    """Return a script or style that lies in a room of the view."""
+    return (resources.files(f"tactgen.validation.view.{room}") / name).read_text(encoding="utf-8")

@@ -42,7 +42,7 @@ _SHARP = 0.8
 
 
 @dataclass
-class _Block:
+class Block:
     """The binary part as it grows; equal arrays are there once."""
 
     data: bytearray = field(default_factory=bytearray)
@@ -78,7 +78,7 @@ class _Block:
 
 def payload(results: Sequence[FieldResult]) -> dict[str, Any]:
     """Return what the page gets, as plain JSON values."""
-    block = _Block()
+    block = Block()
     return {
         "scene": results[0].scene,
         "palettes": {"magnitude": magnitude_stops(), "signed": signed_stops()},
@@ -87,7 +87,7 @@ def payload(results: Sequence[FieldResult]) -> dict[str, Any]:
     }
 
 
-def _result(block: _Block, result: FieldResult) -> dict[str, Any]:
+def _result(block: Block, result: FieldResult) -> dict[str, Any]:
     mesh, surface = result.mesh, surface_of(result.mesh)
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     region = np.zeros(len(mesh.points), dtype=np.int64)
@@ -149,7 +149,7 @@ def _shade(shade: Shade) -> dict[str, Any]:
 
 
 def _state(
-    block: _Block, result: FieldResult, state: State, shades: Sequence[Shade], used: Ints
+    block: Block, result: FieldResult, state: State, shades: Sequence[Shade], used: Ints
 ) -> dict[str, Any]:
     words = words_of(result, state)
     arrays = {}
@@ -176,7 +176,7 @@ def _state(
     }
 
 
-def _amplitude(block: _Block, values: Array) -> list[dict[str, Any]]:
+def _amplitude(block: Block, values: Array) -> list[dict[str, Any]]:
     """Return where real and, if there is one, imaginary part are."""
     real, imaginary = np.real(values).ravel(), np.imag(values).ravel()
     parts = [real, imaginary] if imaginary.any() else [real]

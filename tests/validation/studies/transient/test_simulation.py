@@ -32,6 +32,8 @@ from tactgen.validation.models.generator.transient import (
 )
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.transient.files import write_run
+from tactgen.validation.studies.transient.film import read_film
+from tactgen.validation.view.run.page import PHASES, run_page
 
 FREE = ["load.kind=none"]
 
@@ -108,6 +110,16 @@ def test_a_short_run_is_written_whole(scene, tmp_path):
         force = file.variables["upper_stop_force"][:]
         assert force[0] == pytest.approx(scene.device.spring.preload, rel=1e-4)
         assert float(file.energy_imbalance) == run.worst_imbalance
+    film = read_film(path)
+    assert film.coordinates[:, 0] == pytest.approx(run.position[:, 0])
+    tip = np.argmax(film.points[:, 2])
+    lateral = film.coordinates @ film.lateral[tip]
+    assert lateral == pytest.approx(found.answer.outputs["lateral_tip"], rel=1e-9, abs=1e-18)
+    assert set(film.regions) >= {"rod", "coil", "shim"}
+    assert film.triangles.max() == len(film.points) - 1
+    assert PHASES[film.phase[0]] == "pressed"
+    assert "holds until 0.2 ms" in film.words
+    assert len(run_page(film).encode()) < 1_200_000
 
 
 def test_a_coil_driven_by_voltage_fills_with_current(scene):

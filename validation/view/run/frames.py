@@ -30,7 +30,7 @@ _EYE, _UP = np.array([0.45, -1.0, 0.3]), (0.0, 0.0, 1.0)
 _INK, _DIM, _LINE = (29, 39, 51), (91, 103, 118), (0, 114, 178)
 _MM = 1e3
 #: What a phase's name says of the contact.
-_CONTACT = {
+CONTACTS = {
     "pressed": "on its upper stop", "held": "on its lower stop",
     "rising": "between the stops, rising", "falling": "between the stops, falling",
 }  # fmt: skip
@@ -84,8 +84,7 @@ class _Stage:
         moved = [body.displacement(i.position) for i in instants]
         lifts = max(abs(i.lift) for i in instants)
         sideways = max(float(np.abs(m[:, 0]).max()) for m in moved)
-        self.axial = _round(_LIFTED * height / max(lifts, 1e-9))
-        self.lateral = _round(_FAR * height / max(sideways, 1e-9))
+        self.lateral, self.axial = enlargements(height, sideways, lifts)
         surface = surface_of(body.mesh)
         self._plotter = pv.Plotter(
             off_screen=True, window_size=(_BODY, _HEIGHT), lighting="three lights"
@@ -128,6 +127,19 @@ class _Stage:
         self._plotter.close()
 
 
+def enlargements(height: float, sideways: float, lift: float) -> tuple[float, float]:
+    """Return by how much lateral motion and lift are enlarged in a picture of a body.
+
+    Parameters
+    ----------
+    height : float
+        Of the body (m).
+    sideways, lift : float
+        The largest of a run (m).
+    """
+    return _round(_FAR * height / max(sideways, 1e-9)), _round(_LIFTED * height / max(lift, 1e-9))
+
+
 def _round(factor: float) -> float:
     """Return a factor rounded down to one digit that is easily read: 1, 2 or 5."""
     power = 10.0 ** np.floor(np.log10(factor))
@@ -142,7 +154,7 @@ def _words(image: Image, stage: _Stage, instants: Sequence[Instant], now: Instan
     font, small = (ImageFont.truetype(typeface(), size) for size in (18, 14))
     left, right = _BODY + 20, _BODY + _CURVES - 20
     draw.text((left, 20), f"{1e3 * now.time:.2f} ms", fill=_INK, font=font)
-    draw.text((left, 46), f"rod {_CONTACT[now.phase]}", fill=_INK, font=font)
+    draw.text((left, 46), f"rod {CONTACTS[now.phase]}", fill=_INK, font=font)
     factors = f"lateral × {stage.lateral:,.0f}, lift × {stage.axial:,.0f}"
     draw.text((left, 74), factors, fill=_DIM, font=small)
     curves = (
