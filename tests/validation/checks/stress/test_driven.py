@@ -1,13 +1,14 @@
 """Scenes driven to extremes: second models agree, or a sentence says why there is no answer."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tactgen.fem.beam import beam
 from tactgen.geometry.errors import InputError
-from tactgen.validation.checks.stress.driven import lateral, machine, sweep
+from tactgen.validation.checks.stress.driven import lateral, machine, motion, sweep
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import load_scene
 
@@ -71,3 +72,23 @@ def test_no_family_fails(part, quick):
     """All models, the reduced basis and the machine, over their whole ranges."""
     found = part.run(quick, lambda _: None)
     assert [(row.family, row.worst) for row in found.rows if row.verdict == "fails"] == []
+
+
+@pytest.mark.heavy
+def test_the_machine_in_time_holds_its_bars():
+    """Blows up to 2 m/s, nothing damped, circuits of 10 ohm to 1 Mohm: each against a finer run."""
+    for row in motion.motion_rows(quick=False):
+        assert row.verdict == "holds", row
+        assert row.points >= 12
+        assert row.worst.bound < 0.2  # a bar that could hide the effect would prove nothing
+
+
+def test_values_between_a_runs_times_are_those_of_the_cubic():
+    """A cubic over time comes back from its values and rates, whatever the steps."""
+    time = np.array([0.0, 0.1, 0.4, 1.0])
+    cubic = np.polynomial.Polynomial([1.0, -2.0, 0.5, 3.0])
+    run = SimpleNamespace(
+        time=time, position=cubic(time)[:, None], velocity=cubic.deriv()(time)[:, None]
+    )
+    at = np.linspace(0.0, 1.0, 9)
+    assert motion._between(run, np.ones(1), at) == pytest.approx(cubic(at), rel=1e-12)
