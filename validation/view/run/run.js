@@ -146,7 +146,7 @@
     const w = Math.max(find('stage').clientWidth, 1), h = Math.max(find('stage').clientHeight, 1);
     renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     renderer.setSize(w, h);
-    const half = 1e3 * 0.64 * (data.heights[1] - data.heights[0]);
+    const half = 1e3 * 0.58 * (data.heights[1] - data.heights[0]);
     camera.left = -half * w / h; camera.right = half * w / h; camera.top = half; camera.bottom = -half;
     camera.updateProjectionMatrix();
   }
