@@ -59,9 +59,10 @@ MOTION_CHECKS: tuple[Check, ...] = (
         "MOT-9", "validation",
         "Under the finger the tip answers its drive more on the lower stop than on the upper one.",
         (1.0, 10.0), "1", _FIG16, 0.0,
-        "an order, no sizes are given; taken is the amplitude at the drive's 200 Hz beside a "
-        "straight line: after the blow on the upper stop the finger lets the tip drift for "
-        "milliseconds, which is no oscillation", m.held_to_pressed,
+        "an order, no sizes are given; taken is what two runs, their drives a quarter of a period "
+        "apart, have in common at 200 Hz beside straight lines: after the blow on the upper stop "
+        "the finger lets the tip drift for milliseconds, which is no oscillation",
+        m.held_to_pressed,
         heavy=True, scene="generator",
     ),
     Check(

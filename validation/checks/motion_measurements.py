@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -124,28 +126,22 @@ def flight_to_contact() -> float:
 def held_to_pressed() -> float:
     """Return the tip's amplitude at the drive's frequency on the lower stop over the upper one's.
 
-    The smallest of all times held over the largest of all times pressed.
+    By what two runs have in common whose drives are a quarter of a period apart: the smallest of
+    all times held over the largest of all times pressed.
     """
-    from tactgen.validation.models.generator.phases import oscillation, phases
+    from tactgen.validation.models.generator.phases import common_oscillation, phases
 
-    found = _finger_run()
-    swings: dict[str, list[float]] = {"held": [], "pressed": []}
-    for phase in phases(found):
-        swing = oscillation(found, phase, DRIVE.frequency)
-        if phase.name in swings and swing is not None:
-            swings[phase.name].append(swing)
-    return min(swings["held"]) / max(swings["pressed"])
-
-
-def head_slide() -> float:
-    """Return how far the blow on the upper stop shifts the head laterally (m)."""
-    from tactgen.validation.models.generator.phases import phases
-
-    found = _finger_run()
-    run = found.answer.run
-    up = next(p for p in phases(found) if p.name == "pressed" and p.start > 0.0)
-    head = np.interp([up.start, up.end], run.time, run.position[:, 1])
-    return abs(float(head[1] - head[0]))
+    angles = (0.0, 0.5 * math.pi)
+    runs = [_finger_run(angle) for angle in angles]
+    found: dict[str, list[float]] = {}
+    for name in ("held", "pressed"):
+        # not the rest at the start
+        each = [[p for p in phases(run) if p.name == name and p.start > 0.0] for run in runs]
+        found[name] = [
+            abs(common_oscillation(list(zip(runs, same, angles, strict=True)), DRIVE.frequency))
+            for same in zip(*each, strict=True)
+        ]
+    return min(found["held"]) / max(found["pressed"])
 
 
 def small_held_to_pressed() -> float:
@@ -165,10 +161,11 @@ def small_held_to_pressed() -> float:
     return float(abs(answers[0]) / abs(answers[1]))
 
 
-@lru_cache(maxsize=1)
-def _finger_run() -> Simulation:
-    """Return a run of Fig 16 under the finger, until every kind of phase has been there twice."""
-    return _scene_run(SOURCES, PERIOD_AND_HALF, 0.02, "generator", ())
+@lru_cache(maxsize=2)
+def _finger_run(angle: float = 0.0) -> Simulation:
+    """Return a run of Fig 16 under the finger, with the drive's phase (rad) at the start."""
+    sources = Sources(replace(DRIVE, phase=angle), SQUARE)
+    return _scene_run(sources, PERIOD_AND_HALF, 0.02, "generator", ())
 
 
 @lru_cache(maxsize=1)

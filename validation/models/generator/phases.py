@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -71,15 +72,37 @@ def oscillation(found: Simulation, phase: Phase, frequency: float) -> float | No
 
     That of the sine which, beside a straight line, comes nearest to the tip's motion: where a blow
     has shifted the head, the finger lets the tip follow over milliseconds, which is no oscillation.
-    None if the phase is shorter than half a period and holds too little of it.
+    None if the phase is shorter than three quarters of a period: less can hardly be told from a
+    line.
     """
-    run, tip = found.answer.run, found.answer.outputs["lateral_tip"]
-    lasts = phase.end - phase.start
-    if lasts < 0.5 / frequency:
+    if phase.end - phase.start < 0.75 / frequency:
         return None
-    time = np.linspace(phase.start, phase.end, _SAMPLES)
-    turn = 2.0 * np.pi * frequency * time
-    along = (time - phase.start) / lasts
-    columns = np.column_stack([np.sin(turn), np.cos(turn), np.ones_like(time), along])
-    fitted = np.linalg.lstsq(columns, np.interp(time, run.time, tip), rcond=None)[0]
-    return float(np.hypot(fitted[0], fitted[1]))
+    return abs(common_oscillation([(found, phase, 0.0)], frequency))
+
+
+def common_oscillation(
+    seen: Sequence[tuple[Simulation, Phase, float]], frequency: float
+) -> complex:
+    """Return the complex amplitude (m) at a frequency (Hz) that phases of several runs share.
+
+    The tip moves as its real part times e^{j(2π f t + angle)}, and in each phase beside a straight
+    line of that phase's own.  Of runs whose drives are a quarter of a period apart half a period
+    is enough: what resembles a line in one of them does not in the other.
+
+    Parameters
+    ----------
+    seen : sequence of (Simulation, Phase, float)
+        Each with the angle of its drive (rad).
+    """
+    rows, values = [], []
+    for number, (found, phase, angle) in enumerate(seen):
+        time = np.linspace(phase.start, phase.end, _SAMPLES)
+        turn = 2.0 * np.pi * frequency * time + angle
+        lines = np.zeros((_SAMPLES, 2 * len(seen)))
+        lines[:, 2 * number] = 1.0
+        lines[:, 2 * number + 1] = (time - phase.start) / (phase.end - phase.start)
+        rows.append(np.column_stack([np.cos(turn), -np.sin(turn), lines]))
+        run, tip = found.answer.run, found.answer.outputs["lateral_tip"]
+        values.append(np.interp(time, run.time, tip))
+    fitted = np.linalg.lstsq(np.vstack(rows), np.concatenate(values), rcond=None)[0]
+    return complex(fitted[0], fitted[1])

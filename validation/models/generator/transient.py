@@ -48,6 +48,20 @@ class Simulation:
         return chain_of(self.scene.ends.tip).misfit
 
     @property
+    def sideways(self) -> Floats:
+        """How far the rod's flange is off its bore's middle over time (k,), in m: w − z ψ."""
+        rod, gap = self.scene.device.rod, self.scene.device.gap
+        top = -(rod.head_thickness + gap + rod.flange_position)
+        w, psi = self.answer.run.position[:, 1], self.answer.run.position[:, 2]
+        edges = (top, top - rod.flange_thickness)
+        return np.asarray(np.max([np.abs(w - z * psi) for z in edges], axis=0))
+
+    @property
+    def clearance(self) -> float:
+        """Way that the bore leaves the flange to either side (m); runs know no wall there."""
+        return float(self.scene.device.sleeve.inner_radius - self.scene.device.rod.flange_radius)
+
+    @property
     def stroke(self) -> float:
         """Way between the stops (m)."""
         device = self.scene.device

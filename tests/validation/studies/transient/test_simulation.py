@@ -26,7 +26,7 @@ from tactgen.tmm.generator.transient.waveform import Sine, Step
 from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.tmm.ports.springs_dampers_masses import chain_of
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.models.generator.phases import Phase, oscillation
+from tactgen.validation.models.generator.phases import Phase, common_oscillation, oscillation
 from tactgen.validation.models.generator.transient import (
     above_the_head,
     run_scene,
@@ -100,6 +100,10 @@ def test_a_short_run_is_written_whole(scene, tmp_path):
     assert run.position[-1, 0] < -1e-6  # the pull exceeds the preload
     assert found.answer.outputs["lateral_tip"][-1] > 1e-8
     assert run.worst_imbalance < 1e-10
+    # a flange of 3 mm whose top is 2 mm or so below the head, on a head that hardly moves
+    depth = np.abs(run.position[:, 2]) * 6e-3 + np.abs(run.position[:, 1])
+    assert np.all(found.sideways <= depth)
+    assert 0.0 < found.sideways.max() < found.clearance == pytest.approx(50e-6)
     path = tmp_path / "run.nc"
     write_run(path, found, {"bimorph_voltage": "10 V sine 200 Hz"})
     with netcdf_file(str(path), "r", mmap=False) as file:
@@ -209,7 +213,7 @@ def test_bad_options_get_one_sentence(capsys, arguments, words):
 
 
 def test_an_oscillation_is_told_from_a_drift():
-    """A tip that swings by 3 µm while it drifts by 20: 3 µm; of less than half a turn: nothing."""
+    """A tip that swings by 3 µm while it drifts by 20: 3 µm; of half a turn: nothing."""
     time = np.linspace(0.0, 4e-3, 3000) ** 2 / 4e-3  # steps of all lengths, as a run's
     tip = 3e-6 * np.sin(2.0 * np.pi * 200.0 * time + 1.0) - 20e-6 * time / 4e-3
     answer = SimpleNamespace(run=SimpleNamespace(time=time), outputs={"lateral_tip": tip})
@@ -217,7 +221,13 @@ def test_an_oscillation_is_told_from_a_drift():
     assert oscillation(found, Phase("held", 0.5e-3, 4e-3, 0.0), 200.0) == pytest.approx(
         3e-6, rel=1e-5
     )
-    assert oscillation(found, Phase("held", 0.5e-3, 2.9e-3, 0.0), 200.0) is None
+    half = Phase("held", 0.5e-3, 3.1e-3, 0.0)
+    assert oscillation(found, half, 200.0) is None
+    later = 3e-6 * np.sin(2.0 * np.pi * 200.0 * time + 1.0 + 0.5 * np.pi) + 5e-6
+    answer = SimpleNamespace(run=SimpleNamespace(time=time), outputs={"lateral_tip": later})
+    both = [(found, half, 0.0), (SimpleNamespace(answer=answer), half, 0.5 * np.pi)]
+    amplitude = common_oscillation(both, 200.0)
+    assert amplitude == pytest.approx(3e-6 * np.exp(1j * (1.0 - 0.5 * np.pi)), rel=1e-5)
 
 
 def creeping(rod, device, place):
@@ -284,14 +294,14 @@ def test_friction_creeps_where_small_motions_have_a_spring(scene):
     rod = linearised(device, scene.beam, place, 0.0, pull)
     law, one = Stop(1e6), np.eye(2)
     holds = device.contact.friction * place.contact_force
-    push, mass = 0.1 * holds, 3e-4
+    push, mass, pressed = 0.1 * holds, 3e-4, place.contact_force * (1.0 + 1.0 / law.stiffness)
     system = System(
-        mass * one, 0.0 * one, np.diag([0.0, 1.0]), np.array([push, place.contact_force]),
+        mass * one, 0.0 * one, np.diag([0.0, 1.0]), np.array([push, pressed]),
         np.zeros(2), 0.0, (Element("floor", law, one[1]),),
         (Friction(0, one[0], device.contact.friction),), None, {"x": Output(one[0], "m", 1e-6)},
     )  # fmt: skip
     speed = Friction(0, one[0], 1.0).speed * push / np.sqrt(holds**2 - push**2)
-    start = np.array([0.0, place.contact_force / (law.stiffness + 1.0)])
+    start = np.array([0.0, place.contact_force / law.stiffness])
     run = simulate_steps(
         system, Sources(), 0.1, 100, position=start, velocity=np.array([speed, 0.0])
     )

@@ -87,6 +87,15 @@ def run(options: argparse.Namespace) -> int:
             "moves that time a little"
         )
         warn([text])
+    sideways = found.sideways
+    if sideways.max() > found.clearance:
+        at = float(found.answer.run.time[int((sideways > found.clearance).argmax())])
+        text = (
+            f"from {1e3 * at:.4g} ms on the rod is up to {1e6 * sideways.max():.3g} um off its "
+            f"bore's middle, whose clearance of {1e6 * found.clearance:.3g} um is not modelled; "
+            "a stiffer guide (guide.lateral_stiffness, guide.rotational_stiffness) keeps it there"
+        )
+        warn([text])
     with announcer() as announce:
         _write(options, found, announce)
     frequency = voltage.waveform.frequency if isinstance(voltage.waveform, Sine) else None
@@ -114,6 +123,8 @@ def as_json(found: Simulation, frequency: float | None) -> dict[str, Any]:
         "error": answer.error,
         "load_misfit": found.load_misfit,
         "certain_until_s": answer.certain_until,
+        "sideways_m": float(found.sideways.max()),
+        "clearance_m": found.clearance,
         "error_bars": answer.errors,
         "energy_imbalance": answer.run.worst_imbalance,
         "quantities": {
