@@ -49,7 +49,7 @@ class Simulation:
 
     @property
     def sideways(self) -> Floats:
-        """How far the rod's flange is off its bore's middle over time (k,), in m: w − z ψ."""
+        """How far the rod's flange is off the sleeve's middle over time (k,), in m: w − z ψ."""
         rod, gap = self.scene.device.rod, self.scene.device.gap
         top = -(rod.head_thickness + gap + rod.flange_position)
         w, psi = self.answer.run.position[:, 1], self.answer.run.position[:, 2]
@@ -57,8 +57,8 @@ class Simulation:
         return np.asarray(np.max([np.abs(w - z * psi) for z in edges], axis=0))
 
     @property
-    def clearance(self) -> float:
-        """Way that the bore leaves the flange to either side (m); runs know no wall there."""
+    def flange_gap(self) -> float:
+        """Way between flange and sleeve to either side (m); a wall in a run is its guide only."""
         return float(self.scene.device.sleeve.inner_radius - self.scene.device.rod.flange_radius)
 
     @property

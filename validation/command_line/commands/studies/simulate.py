@@ -88,12 +88,12 @@ def run(options: argparse.Namespace) -> int:
         )
         warn([text])
     sideways = found.sideways
-    if sideways.max() > found.clearance:
-        at = float(found.answer.run.time[int((sideways > found.clearance).argmax())])
+    if sideways.max() > found.flange_gap:
+        at = float(found.answer.run.time[int((sideways > found.flange_gap).argmax())])
         text = (
-            f"from {1e3 * at:.4g} ms on the rod is up to {1e6 * sideways.max():.3g} um off its "
-            f"bore's middle, whose clearance of {1e6 * found.clearance:.3g} um is not modelled; "
-            "a stiffer guide (guide.lateral_stiffness, guide.rotational_stiffness) keeps it there"
+            f"from {1e3 * at:.4g} ms on the flange is up to {1e6 * sideways.max():.3g} um off "
+            f"the middle, through the sleeve {1e6 * found.flange_gap:.3g} um away; give the bore's "
+            "walls by guide.clearance with a stiffer guide.lateral_stiffness"
         )
         warn([text])
     with announcer() as announce:
@@ -124,7 +124,7 @@ def as_json(found: Simulation, frequency: float | None) -> dict[str, Any]:
         "load_misfit": found.load_misfit,
         "certain_until_s": answer.certain_until,
         "sideways_m": float(found.sideways.max()),
-        "clearance_m": found.clearance,
+        "flange_gap_m": found.flange_gap,
         "error_bars": answer.errors,
         "energy_imbalance": answer.run.worst_imbalance,
         "quantities": {
