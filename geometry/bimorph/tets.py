@@ -7,6 +7,7 @@ mesher itself is fTetWild; structured meshes of bricks are made elsewhere.
 from __future__ import annotations
 
 import time
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -29,6 +30,7 @@ from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.mirror import MIRRORS
 from tactgen.geometry.meshing.tetwild.conform import NamedFace, conform
+from tactgen.geometry.meshing.tetwild.mesher import Mesher
 from tactgen.geometry.meshing.tetwild.run import (
     SizingField,
     run_ftetwild,
@@ -130,6 +132,7 @@ def tetrahedralise(
     regions: tuple[str, ...] | None = None,
     options: TetMeshing = TetMeshing(),
     sizing: Sizing | None = None,
+    mesher: Mesher | None = None,
 ) -> Mesh:
     """Mesh chosen solids of the device with tetrahedra and check the mesh against CAD.
 
@@ -149,6 +152,8 @@ def tetrahedralise(
     sizing : Sizing, optional
         Edge lengths in place of those of the options, as the mesher sees the device
         (:func:`squeezed`).
+    mesher : Mesher, optional
+        The mesher's process, if another mesh has had or will have one too.
 
     Returns
     -------
@@ -179,10 +184,13 @@ def tetrahedralise(
     )
 
     def made() -> Mesh:
-        built = build_solids(device, tuple(parts), standing)
-        solids = fuse(quartered(built) if options.quarter else built)
-        stretching = _stretching(device, standing)
-        return _first_good_mesh(solids, named, root, options, sizing, stretching)
+        with ExitStack() as stack:
+            process = mesher or stack.enter_context(Mesher())
+            process.start()  # loads its libraries while the CAD kernel loads here
+            built = build_solids(device, tuple(parts), standing)
+            solids = fuse(quartered(built) if options.quarter else built)
+            stretching = _stretching(device, standing)
+            return _first_good_mesh(solids, named, root, options, sizing, stretching, process)
 
     return kept("mesh", (parts, named, shape, options.quarter, root), _MADE_OF, made)
 
@@ -239,6 +247,7 @@ def _first_good_mesh(
     options: TetMeshing,
     sizing: Sizing | None,
     stretching: Stretching,
+    mesher: Mesher,
 ) -> Mesh:
     """Return the first mesh that passes all checks, with a tighter envelope each time."""
     deadline = time.monotonic() + options.time_limit
@@ -262,6 +271,7 @@ def _first_good_mesh(
                 envelope=envelope,
                 sizing=field,
                 time_limit=limit,
+                mesher=mesher,
             )
             return conform(
                 stretching.restored(raw),

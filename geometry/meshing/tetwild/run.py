@@ -8,21 +8,15 @@ from __future__ import annotations
 
 import itertools
 import json
-import subprocess
-import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.errors import MeshError
-
-_WORKER = Path(__file__).with_name("worker.py")
+from tactgen.geometry.meshing.tetwild.mesher import Mesher
 
 #: The box that fTetWild fills is about this much of the diagonal larger on every side.
 _MARGIN = 0.15
@@ -68,6 +62,7 @@ def run_ftetwild(
     envelope: float,
     sizing: SizingField | None,
     time_limit: float,
+    mesher: Mesher | None = None,
 ) -> tuple[Floats, Ints]:
     """Fill the box around a surface with tetrahedra that follow the surface.
 
@@ -85,6 +80,8 @@ def run_ftetwild(
         Target edge lengths where they vary.
     time_limit : float
         Seconds after which the process is ended.
+    mesher : Mesher, optional
+        The process that does it; one of its own by default.
 
     Returns
     -------
@@ -111,32 +108,11 @@ def run_ftetwild(
             "bg_tets": sizing.tets,
             "bg_values": sizing.lengths,
         }
-    with tempfile.TemporaryDirectory(prefix="tactgen-") as folder:
-        source, target = Path(folder) / "surface.npz", Path(folder) / "tets.npz"
-        arrays["settings"] = np.array(json.dumps(settings))
-        np.savez(source, allow_pickle=False, **arrays)
-        _run_worker(source, target, time_limit)
-        with np.load(target) as result:
-            return result["points"], result["tets"].astype(np.int64)
-
-
-def _run_worker(source: Path, target: Path, time_limit: float) -> None:
-    # -P: the folder of the worker holds modules with everyday names; cwd: fTetWild leaves
-    # files there when it meets trouble
-    command = [sys.executable, "-P", str(_WORKER), str(source), str(target)]
-    try:
-        done = subprocess.run(
-            command, timeout=time_limit, cwd=source.parent, capture_output=True, check=False
-        )
-    except subprocess.TimeoutExpired as error:
-        raise MeshError(
-            f"meshing was not done after {time_limit:.3g} s; raise the time limit, "
-            "or the edge length, or make the thinnest feature thicker"
-        ) from error
-    if done.returncode != 0 or not target.exists():
-        lines = done.stderr.decode(errors="replace").strip().splitlines()
-        reason = lines[-1] if lines else f"exit code {done.returncode}"
-        raise MeshError(f"fTetWild failed ({reason}); change the edge length slightly")
+    arrays["settings"] = np.array(json.dumps(settings))
+    if mesher is not None:
+        return mesher.mesh(arrays, time_limit)
+    with Mesher() as own:
+        return own.mesh(arrays, time_limit)
 
 
 def sizing_along_z(points: Floats, length_at: Callable[[Floats], Floats]) -> SizingField:

@@ -1,22 +1,23 @@
-"""Runs fTetWild on the arrays of one file and writes the result to another.
+"""Runs fTetWild on the arrays of one file after another and writes each result to another.
 
 Its own process, since fTetWild can run for hours or take its process down with it.
-Imports nothing of this project, so it runs from wherever the project lies.
+Imports nothing of this project, so it runs from wherever the project lies.  Two lines on its
+input name a file to read and one to write; one line on its output says that it is written.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import sys
 from pathlib import Path
 
 import numpy as np
+from pytetwild.pytetwild import tetrahedralize
 
 
-def main(source: Path, target: Path) -> None:
+def mesh(source: Path, target: Path) -> None:
     """Read ``points``, ``triangles``, settings and sizing; write ``points``, ``tets``."""
-    from pytetwild.pytetwild import tetrahedralize
-
     with np.load(source) as given:
         arrays = {name: given[name] for name in given.files}
     settings = json.loads(str(arrays.pop("settings")))
@@ -34,5 +35,15 @@ def main(source: Path, target: Path) -> None:
     np.savez(target, points=points, tets=tets)
 
 
+def main() -> None:
+    """Mesh what the input names until it ends."""
+    # what fTetWild itself prints must not look like an answer
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
+    while source := sys.stdin.readline().rstrip("\n"):
+        mesh(Path(source), Path(sys.stdin.readline().rstrip("\n")))
+        print("done", file=answers, flush=True)
+
+
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]))
+    main()

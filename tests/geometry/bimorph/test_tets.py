@@ -22,7 +22,7 @@ from tactgen.geometry.meshing.quadratic import (
     tet_volumes,
     triangle_areas,
 )
-from tactgen.geometry.meshing.tetwild import run as ftetwild
+from tactgen.geometry.meshing.tetwild import mesher as ftetwild
 from tactgen.geometry.meshing.tetwild.conform import conform
 from tactgen.geometry.meshing.tetwild.run import sizing_along_z
 from tactgen.geometry.meshing.tetwild.tagging import TET_FACES

@@ -9,7 +9,7 @@ from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.quadratic import smallest_dihedral_angles, tet_volumes, unique_edges
 from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
-from tactgen.geometry.meshing.tetwild import run as ftetwild
+from tactgen.geometry.meshing.tetwild import mesher as ftetwild
 from tactgen.geometry.meshing.tetwild.conform import conform
 from tactgen.geometry.meshing.tetwild.run import sizing_along_z, sizing_at_points
 from tactgen.geometry.meshing.tetwild.sizing import limited_growth, sizing_for

@@ -1,0 +1,66 @@
+"""The mesher's process: it stays for the next mesh, and its troubles end in one sentence."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.errors import MeshError
+from tactgen.geometry.meshing.tetwild import mesher as mesher_module
+from tactgen.geometry.meshing.tetwild.mesher import Mesher
+
+#: Stands for fTetWild: gives back what it got and the number of its process, or gets into trouble.
+_PRETENDER = """
+import os, sys, time
+import numpy as np
+while source := sys.stdin.readline().rstrip("\\n"):
+    target = sys.stdin.readline().rstrip("\\n")
+    with np.load(source) as given:
+        points, trouble = given["points"], str(given["trouble"])
+    if trouble == "hangs":
+        time.sleep(60.0)
+    if trouble == "dies":
+        sys.exit("no room left in the envelope")
+    np.savez(target, points=points, tets=np.full((1, 4), os.getpid()))
+    print("done", flush=True)
+"""
+
+
+@pytest.fixture
+def pretender(tmp_path, monkeypatch):
+    worker = tmp_path / "worker.py"
+    worker.write_text(_PRETENDER)
+    monkeypatch.setattr(mesher_module, "_WORKER", worker)
+
+
+def job(trouble="", offset=0.0):
+    return {"points": np.full((2, 3), offset), "trouble": np.array(trouble)}
+
+
+def test_one_process_makes_one_mesh_after_another(pretender):
+    """Each gets its own answer from the same process, which is gone afterwards."""
+    with Mesher() as mesher:
+        answers = [mesher.mesh(job(offset=float(k)), 30.0) for k in range(3)]
+        process, folder = mesher._process, mesher._folder.name
+    assert [points[0, 0] for points, _ in answers] == [0.0, 1.0, 2.0]
+    assert {int(tets[0, 0]) for _, tets in answers} == {process.pid}
+    assert process.returncode is not None
+    with pytest.raises(FileNotFoundError):
+        open(folder)  # noqa: PTH123, SIM115
+
+
+def test_a_process_that_dies_or_hangs_says_so_and_the_next_mesh_has_a_new_one(pretender):
+    """Its last words are given on; what hangs is ended when its time is up."""
+    with Mesher() as mesher:
+        with pytest.raises(MeshError, match=r"fTetWild failed \(no room left in the envelope\)"):
+            mesher.mesh(job("dies"), 30.0)
+        with pytest.raises(MeshError, match=r"not done after 0\.2 s; raise the time limit"):
+            mesher.mesh(job("hangs"), 0.2)
+        points, _ = mesher.mesh(job(offset=5.0), 30.0)
+    assert points[0, 0] == 5.0
+
+
+def test_a_block_that_meshes_nothing_starts_nothing(pretender):
+    """Meshes that are all in the store cost no process."""
+    with Mesher() as mesher:
+        pass
+    assert mesher._process is None
+    assert mesher._folder is None
