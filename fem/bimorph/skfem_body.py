@@ -18,6 +18,7 @@ from tactgen.fem.bimorph.symmetry import SIGNS, Unknowns, lumped, mirror_signs
 from tactgen.fem.bimorph.system import Material, SolidSystem
 from tactgen.fem.elements.block_pattern import BlockPattern
 from tactgen.fem.elements.skfem_mesh import to_skfem
+from tactgen.fem.solvers.pardiso import nested_dissection
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
 from tactgen.geometry.device.parameters import Bimorph
 from tactgen.geometry.meshing.mesh import Mesh
@@ -48,10 +49,21 @@ class SkfemBody:
         return Basis(to_skfem(self.mesh), element, intorder=4)
 
     @cached_property
+    def pattern(self) -> BlockPattern:
+        """Which nodes share a cell."""
+        return BlockPattern(self.basis.element_dofs.T, self.basis.N)
+
+    @cached_property
+    def turns(self) -> Ints | None:
+        """When each node is eliminated (n,): one nested dissection for all classes of motion."""
+        order = nested_dissection(*self.pattern.upper())
+        return None if order is None else np.argsort(order)
+
+    @cached_property
     def matrices(self) -> tuple[Sparse, Sparse]:
         """Stiffness and mass (4 n, 4 n) of the whole, node by node over (u_x, u_y, u_z, φ)."""
         dtype = np.result_type(*(m.flux_tensor(self.unit) for m in self.known.values()))
-        pattern = BlockPattern(self.basis.element_dofs.T, self.basis.N)
+        pattern = self.pattern
         stiffness = np.zeros((pattern.columns.size, 16), dtype=dtype)
         mass = np.zeros((pattern.columns.size, 1))
         for region, material in self.known.items():
@@ -69,9 +81,9 @@ class SkfemBody:
 
     def _stiffness(self, cells: Ints, tensor: Numbers) -> Numbers:
         """Return the blocks (cells · local · local, 16) of some cells."""
-        # straight quadratic tetrahedra have linear gradients: order 2 is exact
-        order = 2 if self.mesh.kind == "tetra" else 4
-        basis = self._on(cells, order)
+        if self.mesh.kind == "tetra":
+            return self._straight_stiffness(cells, tensor)
+        basis = self._on(cells, 4)
         # (local, axis, cell, point)
         slopes = np.stack([field.grad for (field,) in basis.basis])
         n_local, _, n_cells, n_points = slopes.shape
@@ -80,12 +92,39 @@ class SkfemBody:
         pairs = gram.reshape(n_cells, n_local, 3, n_local, 3).swapaxes(2, 3).reshape(-1, 9)
         return np.asarray(pairs @ tensor.transpose(1, 3, 0, 2).reshape(9, 16))
 
+    def _straight_stiffness(self, cells: Ints, tensor: Numbers) -> Numbers:
+        """Return the same of straight tetrahedra: one Gram matrix, of the reference element."""
+        mapping = self.basis.mapping
+        # slopes of quadratics are linear: order 2 is exact
+        _, slopes, weights = self._reference(2)
+        gram = np.einsum("ian,jbn,n->ijab", slopes, slopes, weights).reshape(-1, 9)
+        inverse = mapping.invA[:, :, cells]
+        turned = np.einsum("act,pcqd->tapqd", inverse, tensor, optimize=True)
+        turned = np.einsum("bdt,tapqd,t->tabpq", inverse, turned, np.abs(mapping.detA[cells]))
+        return np.asarray((gram @ turned.reshape(-1, 9, 16)).reshape(-1, 16))
+
     def _mass(self, cells: Ints) -> Floats:
         """Return ∫ N_i N_j (cells · local · local, 1) of some cells."""
+        if self.mesh.kind == "tetra":
+            values, weights = self._reference(4)[0::2]
+            products = np.einsum("in,jn,n->ij", values, values, weights)
+            return np.outer(np.abs(self.basis.mapping.detA[cells]), products).reshape(-1, 1)
         basis = self._on(cells, 4)
         values = np.stack([np.broadcast_to(field, basis.dx.shape) for (field,) in basis.basis])
         products = np.einsum("icn,jcn,cn->cij", values, values, basis.dx, optimize=True)
         return np.asarray(products).reshape(-1, 1)
+
+    def _reference(self, order: int) -> tuple[Floats, Floats, Floats]:
+        """Return values (local, point), slopes (local, axis, point) and weights (point,).
+
+        Those of the reference element, at the points of a rule that is exact to `order`.
+        """
+        from skfem.quadrature import get_quadrature
+
+        element = self.basis.elem
+        at, weights = get_quadrature(element.refdom, order)
+        local = [element.lbasis(at, i) for i in range(len(self.basis.element_dofs))]
+        return np.stack([v for v, _ in local]), np.stack([s for _, s in local]), weights
 
     def _on(self, cells: Ints, order: int) -> Any:
         from skfem import Basis
@@ -114,7 +153,15 @@ class SkfemBody:
             volts_per_unit=self.unit,
             motion=motion,
             related=None if motion == "all" else self.system,
+            elimination=self._elimination(unknowns),
         )
+
+    def _elimination(self, unknowns: Unknowns) -> Ints | None:
+        """Return the order in which the free unknowns are eliminated, node by node."""
+        if self.turns is None:
+            return None
+        nodes = unknowns.index // unknowns.free.shape[1]
+        return np.argsort(self.turns[nodes], kind="stable")
 
     def _unknowns(self, motion: Motion) -> Unknowns:
         """Return what is free, and what base and electrodes prescribe."""

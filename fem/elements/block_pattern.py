@@ -27,6 +27,13 @@ class BlockPattern:
         self.columns: Ints = unique % size
         self._starts = np.searchsorted(unique, np.arange(size + 1) * np.int64(size))
 
+    def upper(self) -> tuple[Ints, Ints]:
+        """Return starts (n + 1,) and columns of the upper triangle's compressed rows of blocks."""
+        rows = np.repeat(np.arange(self._size), np.diff(self._starts))
+        upper = self.columns >= rows
+        counts = np.bincount(rows[upper], minlength=self._size)
+        return np.concatenate([[0], np.cumsum(counts)]), self.columns[upper]
+
     def places(self, cells: Ints) -> Sparse:
         """Return the matrix of ones that adds the entries of some cells to those of the whole."""
         slot = self._slot[cells].ravel()

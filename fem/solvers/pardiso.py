@@ -103,6 +103,14 @@ class Pardiso:
         if not self._complex:
             self.negative_pivots = 0 if self._definite else int(self._control[22])
 
+    def found_order(self) -> Ints:
+        """Return the unknowns in the order of their elimination, found without a factorisation."""
+        self._order = np.zeros(self._n.value, dtype=np.int32)
+        self._control[4] = 2  # written by Pardiso
+        self._data = np.ones(self._indices.size)
+        self._call(11)
+        return np.asarray(self._order, dtype=np.int64)
+
     def solve(self, right: Array) -> Array:
         """Return A⁻¹ right for right (n, k) of the matrix's own type."""
         columns = np.asfortranarray(right, dtype=self._data.dtype)
@@ -139,6 +147,25 @@ class Pardiso:
         library.MKL_Set_Num_Threads_Local(before)
         if error.value != 0:
             raise PardisoError(_MESSAGES.get(error.value, f"Pardiso error {error.value}"))
+
+
+def nested_dissection(starts: Ints, columns: Ints) -> Ints | None:
+    """Return the order (n,) in which to eliminate the unknowns of a symmetric pattern.
+
+    Parameters
+    ----------
+    starts, columns : (n + 1,) int, (n_entries,) int
+        Compressed rows of the upper triangle, columns sorted, every diagonal entry there.
+
+    Returns
+    -------
+    order : (n,) int array or None
+        None without Intel's library.
+    """
+    if mkl() is None:
+        return None
+    pattern = Pardiso(starts, columns, complex_numbers=False)
+    return pattern.found_order()
 
 
 @cache

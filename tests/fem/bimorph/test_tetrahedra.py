@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
+from skfem import BilinearForm
+from skfem.helpers import grad
 
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.ports import static_multiport
@@ -99,6 +101,20 @@ def test_quarter_of_the_cad_solids_is_exact(tetwild):
     layer = b.length * b.width * b.piezo_thickness
     for name in ("piezo_top", "piezo_bottom"):
         assert volumes[whole.cells_of(name)].sum() == pytest.approx(layer, rel=1e-9)
+
+
+def test_straight_tetrahedra_are_scikit_fems(tetwild):
+    """The one reference element gives what quadrature in every element does, to rounding."""
+    body, known, unit = body_of(SHORT, all_ceramic(tetwild))
+    tensor, density = known["piezo"].flux_tensor(unit), known["piezo"].density
+    stiffness, mass = body.matrices
+    for p, q in ((0, 0), (1, 2), (2, 3), (3, 3)):
+        part = tensor[p, :, q, :]
+        form = BilinearForm(lambda u, v, _, c=part: np.einsum("a...,ab,b...", grad(v), c, grad(u)))
+        expected = 4.0 * form.assemble(body.basis)  # a quarter
+        assert np.abs(stiffness[p::4, q::4] - expected).max() < 1e-12 * np.abs(expected).max()
+    expected = 4.0 * density * BilinearForm(lambda u, v, _: u * v).assemble(body.basis)
+    assert np.abs(mass[1::4, 1::4] - expected).max() < 1e-12 * np.abs(expected).max()
 
 
 def test_constant_strain_and_field_are_exact(mesh):
