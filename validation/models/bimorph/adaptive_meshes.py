@@ -48,9 +48,10 @@ _MOST_MESHES = 7
 #: Share of the most elements from which on a mesh is the last: sizes are met no better.
 _ENOUGH = 0.7
 
-#: Gain in error of every goal from which on the difference of two meshes says enough, and the
-#: least, less one, that is counted with where no two meshes are that far apart.
-_TELLING, _LEAST_GAIN = 1.0 / _MOST_SHARE, 0.1
+#: Gain in error of every goal from which on the difference of two meshes says enough (a little
+#: less than any mesh is aimed at, since the mesher meets its sizes roughly), and the least, less
+#: one, that is counted with where no two meshes are that far apart.
+_TELLING, _LEAST_GAIN = 1.5, 0.1
 
 #: Gain that is counted with at most: more than a mesh was aimed at is scatter.  The modes that
 #: are goals have a clamped base; on springs less of the error sits at the clamp, where refining
