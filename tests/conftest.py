@@ -52,6 +52,25 @@ def own_store(tmp_path, monkeypatch):
     return tmp_path / "own store"
 
 
+@pytest.fixture(scope="module")
+def coarse_bricks():
+    """Divide the solid far more coarsely than any answer needs: for tests of what runs and when.
+
+    Keys in the store do not know: who asks for this has a store of its own.
+    """
+    from tactgen.geometry.bimorph.brick_family import BrickMeshing
+    from tactgen.validation.models.bimorph import solid
+
+    plain = {"tip": 1.0, "longest": 20.0, "pieces": (2.0, 4.0)}
+    levels = (
+        BrickMeshing((2, 2, 2), smallest=1.0, **plain),
+        BrickMeshing((2, 2, 3), smallest=0.5, **plain),
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(solid, "LEVELS", levels)
+        yield
+
+
 @pytest.fixture(scope="session")
 def state_space():
     """Return the stored 60-digit state-space solution of the paper's bimorph."""

@@ -24,6 +24,10 @@ _PACKAGES = frozenset({"geometry", "tmm", "fem", "validation"})
 _HOLDER = __name__.removesuffix("geometry.store.sources")
 #: File in which hashes and imports of the sources are kept, since parsing takes a second.
 _INDEX = "sources" + SUFFIX
+#: Hashes that this process found, by the names.
+_digests: dict[tuple[str, ...], str] = {}
+#: Folders that this process has looked into or written an index to.
+_indexed: set[Path] = set()
 
 
 @dataclass
@@ -85,10 +89,15 @@ def _parsed(file: Path, _: tuple[int, int]) -> tuple[str, tuple[str, ...]]:
     return hashlib.sha256(content).hexdigest(), names
 
 
-@cache
 def source_digest(names: tuple[str, ...], folder: Path) -> str:
-    """Return :meth:`Sources.digest`, once a process: code that runs does not change."""
-    return Sources(folder).digest(names)
+    """Return :meth:`Sources.digest`, once a process: code that runs does not change.
+
+    Each folder gets its index of the sources when it is first asked for.
+    """
+    if names not in _digests or folder not in _indexed:
+        _digests[names] = Sources(folder).digest(names)
+        _indexed.add(folder)
+    return _digests[names]
 
 
 @cache

@@ -103,6 +103,7 @@ CASES = [
 ]
 
 
+@pytest.mark.usefixtures("coarse_bricks")
 @pytest.mark.parametrize(("name", "overrides", "model", "quantity"), CASES)
 def test_a_key_stands_for_all_that_is_read(
     name, overrides, model, quantity, tmp_path_factory, monkeypatch

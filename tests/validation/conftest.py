@@ -31,11 +31,16 @@ def made_up_stress(monkeypatch):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Leave a report's figures blank, for tests of its words: drawing takes most of its time."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
     from tactgen.validation.view import pictures
 
-    monkeypatch.setattr(Figure, "savefig", lambda _, file, **__: file.write("<svg></svg>"))
+    def blank(_, file, **__):
+        file.write("<svg></svg>")
+
+    monkeypatch.setattr(Figure, "savefig", blank)
+    monkeypatch.setattr(FigureCanvasSVG, "print_svg", blank)
     monkeypatch.setattr(pictures, "solids_picture", lambda _: b"")
 
 

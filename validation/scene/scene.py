@@ -7,6 +7,7 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -145,12 +146,7 @@ class Scene(p.Device):
         """
         if self.support.kind != "contact":
             return None
-        from tactgen.tmm.generator.held_base import held_support
-        from tactgen.tmm.generator.network_pull import network_pull
-
-        device, coil = self.device, self.coil
-        pull = network_pull(device) if coil.current else None
-        return held_support(device, pull, abs(coil.current), coil.history, self.load.normal_force)
+        return _held_by_contact(self.device, self.load.normal_force)
 
     @field_validator("name", mode="before")
     @classmethod
@@ -182,6 +178,17 @@ class Scene(p.Device):
             if QUANTITIES[name].actuator not in ("generator", "display")
             and any(gives(model, name) for model in models)
         )
+
+
+@lru_cache(maxsize=64)
+def _held_by_contact(device: p.Device, pressed: float) -> tuple[RestingPlace, p.Support]:
+    """Return resting place and springs of a device, found once: they are asked for very often."""
+    from tactgen.tmm.generator.held_base import held_support
+    from tactgen.tmm.generator.network_pull import network_pull
+
+    coil = device.coil
+    pull = network_pull(device) if coil.current else None
+    return held_support(device, pull, abs(coil.current), coil.history, pressed)
 
 
 def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scene, dict[str, str]]:

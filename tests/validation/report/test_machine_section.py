@@ -48,6 +48,12 @@ def held():
     return study("generator", "coil.current=50mA", "coil.history=falling")
 
 
+@pytest.fixture(scope="module")
+def support_held(held):
+    """What the section on the support shows of it, drawn."""
+    return SUPPORT.context(held)
+
+
 def test_the_story_in_order(up):
     """Device, positions, support, response, amplitude, time, limits; then what backs it."""
     ids = [section.id for section in sections(up)]
@@ -95,9 +101,9 @@ def test_positions_over_the_current(up):
     assert "all places at 50 mA" in text
 
 
-def test_rows_are_the_scenes_own_support(held):
+def test_rows_are_the_scenes_own_support(held, support_held):
     """The state of the scene is that which its quantities were computed with."""
-    shown = SUPPORT.context(held)
+    shown = support_held
     springs = held.scene.held
     row = next(r for r in shown["rows"] if r.state == "50 mA, falling")
     assert row.rotational_stiffness == springs.rotational_stiffness
@@ -113,14 +119,16 @@ def test_rows_are_the_scenes_own_support(held):
         assert wanted in text, wanted
 
 
-def test_the_moment_is_held_against_what_the_contact_bears(held):
+@pytest.mark.usefixtures("undrawn")
+def test_the_moment_is_held_against_what_the_contact_bears(support_held):
     """50 V: far beyond; a tenth of a volt: pressed all round."""
-    moment = SUPPORT.context(held)["moment"]
+    moment = support_held["moment"]
     assert moment["largest"] > moment["tipping"] == pytest.approx(2.0 * moment["uplift"])
     quiet = SUPPORT.context(study("generator", "drive.voltage=0.1V"))["moment"]
     assert quiet["largest"] < quiet["uplift"]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_small_motions_in_words(held, up):
     """Poles by both supplies; without current those of the rod held down, and it says so."""
     text = words(MOTIONS, held, MOTIONS.context(held))
@@ -166,6 +174,7 @@ def test_both_states_are_those_of_the_paper(narrow):
         assert abs(curve.displacement[0]) == pytest.approx(abs(expected), rel=1e-3)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_deflection_stands_beside_the_papers(narrow, monkeypatch):
     """Ranges and slopes of Fig 15 for the paper's bimorph at 50 V, and for no other."""
     of, states = narrow

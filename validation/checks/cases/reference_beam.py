@@ -165,16 +165,24 @@ def _exponential(rows: list[list[tuple[int, Any]]]) -> mp.matrix:
     # any power is made of the n before it (Cayley, Hamilton): n that are rounding end the series
     while ended < n:
         k += 1
-        power = [
-            [(sum(v * power[m][j] for m, v in row) >> _FIXED) // k for j in range(n)]
-            for row in entries
-        ]
+        power = [[(v >> _FIXED) // k for v in _combined(row, power)] for row in entries]
         total = [
             [a + b for a, b in zip(*both, strict=True)] for both in zip(total, power, strict=True)
         ]
         ended = ended + 1 if all(abs(v) <= 1 for row in power for v in row) else 0
     back = [[mp.ldexp(mp.mpf(v), -_FIXED) for v in row] for row in total]
     return mp.matrix(back[:n]) + mp.j * mp.matrix(back[n:])
+
+
+def _combined(row: list[tuple[int, int]], power: list[list[int]]) -> list[int]:
+    """Return a row of few entries, as (column, value), times a matrix."""
+    if not row:
+        return [0] * len(power[0])
+    (m, v), *more = row
+    total = [v * x for x in power[m]]
+    for m, v in more:
+        total = [t + v * x for t, x in zip(total, power[m], strict=True)]
+    return total
 
 
 @_exact
