@@ -10,7 +10,7 @@ down was measured.  Dimensions in mm, z up, symmetric in x and y:
             z from 26.7 to 123.3
 
 Dimensions are those of the definition on compumag.org ("problem20"); the measured forces
-are table 6, the measured flux density table 4 of N. Takahashi, T. Nakata, H. Morishige,
+are table 6, the measured flux densities table 4 of N. Takahashi, T. Nakata, H. Morishige,
 COMPEL 14 (1995) 57.  All are taken as restated in the validation case of the public
 repository Raiden-Numerics/mufem-examples, which gives them alike.  The steel is
 :data:`geometry.device.steel_law.TEAM20`.
@@ -29,9 +29,22 @@ from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
 #: Ampere-turns at which the force was measured, and that force (N), downwards.
 MEASURED_FORCE = {1000.0: 8.1, 3000.0: 54.4, 4500.0: 75.0, 5000.0: 80.1}
 
-#: Vertical flux density (T) measured in the gap at 5000 ampere-turns, by point (m): below the
-#: pole's centre, and below its corner, where the field is steep.
-MEASURED_FLUX_DENSITY = {(0.0, 0.0, 25.75e-3): 1.03, (12.5e-3, 5e-3, 25.75e-3): 0.74}
+#: Vertical flux density (T) measured at those: at the two points, then the means over a section
+#: of the pole and of one leg of the yoke.
+MEASURED_FLUX_DENSITY = {
+    1000.0: (0.36, 0.24, 0.72, 0.13),
+    3000.0: (0.84, 0.63, 1.75, 0.36),
+    4500.0: (0.99, 0.72, 2.01, 0.43),
+    5000.0: (1.03, 0.74, 2.05, 0.46),
+}
+#: The points (m), half way across the gap: below the pole's centre, and below its corner, where
+#: the field is steep.
+PROBES = ((0.0, 0.0, 25.75e-3), (12.5e-3, 5e-3, 25.75e-3))
+#: Height (m) at which the mean flux density of pole and yoke was measured, and the quarter of
+#: the sections there (x and y from, to, in m): all of the pole's, one leg's of the yoke.
+HALF_WAY_UP = 75e-3
+POLE_SECTION = ((0.0, 12.5e-3), (0.0, 5e-3))
+LEG_SECTION = ((38.5e-3, 63.5e-3), (0.0, 12.5e-3))
 
 _MM = 1e-3
 _POLE = (12.5, 5.0, 26.5, 125.0)  # half widths in x and y, bottom, top

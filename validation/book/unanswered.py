@@ -14,11 +14,6 @@ class Unanswered(NamedTuple):
 
 UNANSWERED: tuple[Unanswered, ...] = (
     Unanswered(
-        "Flux densities of TEAM problem 20",
-        "they were measured at points and as means over parts of pole and yoke; here the force is "
-        "compared, of which all of them are a part",
-    ),
-    Unanswered(
         "ANSYS VM190: magnetomotive force round a loop",
         "the current that a loop encloses is put in, into the right side of one potential and the "
         "source field of the other, so that its return tests nothing",
@@ -38,11 +33,7 @@ UNANSWERED: tuple[Unanswered, ...] = (
         "3D mesh is that of a full ball",
     ),
     Unanswered(
-        "ANSYS VM231: piezoelectric strip in pure bending",
-        "not stated yet; the free block and the driven laminates ask the same of the same bricks",
-    ),
-    Unanswered(
-        "Stresses of NAFEMS tests 5H and R0031/1, and of ANSYS VM174's large deflection",
+        "Stresses of NAFEMS tests 5H and R0031/1 and of ANSYS VM231, and VM174's large deflection",
         "boxes give displacements, forces and charges; stresses are read off the model solid's own "
         "bimorph only, and all models are linear",
     ),

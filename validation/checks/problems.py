@@ -128,8 +128,8 @@ PROBLEMS = {
     ("reluctance", "TEAM20"): Problem(
         "TEAM problem 20: a nonlinear plunger in three dimensions",
         "Centre pole, yoke and coil of mild steel with a gap of 1.5 mm, at 1000 to 5000 ampere-"
-        "turns; the force on the pole was measured. The bare edge elements approach it from one "
-        "side, the scalar potential from the other.",
+        "turns; the force on the pole was measured, and flux densities in gap, pole and yoke. The "
+        "bare edge elements approach the force from one side, the scalar potential from the other.",
         _EDGE,
     ),
     ("reluctance", "PAP"): Problem(

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from functools import partial
 
-from tactgen.geometry.reluctance.team20 import MEASURED_FORCE
 from tactgen.validation.checks import reluctance_measurements as m
 from tactgen.validation.checks.cases.magnetics import collared_actuator
 from tactgen.validation.checks.row import Check
+from tactgen.validation.checks.team20 import TEAM20_CHECKS
 
 _MAXWELL = "Maxwell, Treatise, art. 701: elliptic integrals over both sections"
 _OPEN = "the accuracy wanted; walls at eighty coil radii leave 2e-6"
@@ -20,7 +20,6 @@ _BALL = "3 µr B0/(µr + 2), corrected for the concentric sphere that holds φ"
 _BALL_REASON = "three intervals per edge leave 4e-3 locally, most of which averages out"
 _VM188 = "ANSYS VM188; closed form for thin strips"
 _STRIPS = "0.1 % of mesh, 0.02 % for the bars' thickness, 0.01 % for the walls"
-_TEAM20 = "TEAM problem 20, table 6 of COMPEL 14 (1995) 57"
 
 _KNOWN: tuple[Check, ...] = (
     Check(
@@ -212,40 +211,7 @@ _MODELS: tuple[Check, ...] = (
     ),
 )  # fmt: skip
 
-_MEASURED = (
-    "2 % is asked for; the measurement states no uncertainty, and this mesh (73 thousand unknowns) "
-    "is not the limit: see the row of both potentials' mean"
-)
-_MORE_FORCE = (
-    "the problem as defined has some 3 % more force at this current than was measured: with twice "
-    "the unknowns the vector potential gives 8.26 N and rises, the scalar potential 8.50 N and "
-    "falls.  No uncertainty is stated for the measurement; a pole 20 µm higher, of a gap of "
-    "1.5 mm, would have 2 % less"
-)
-
 _VALIDATION: tuple[Check, ...] = (
-    *(
-        Check(
-            f"TEAM20-A{1 + number}", "validation",
-            f"The pole of TEAM problem 20 is pulled as measured at {current:g} ampere-turns, by "
-            "second-order edge elements.",
-            force, "N", _TEAM20, 0.02, _MEASURED, partial(m.team20_force, current), heavy=True,
-        )
-        for number, (current, force) in enumerate(MEASURED_FORCE.items())
-    ),
-    *(
-        Check(
-            f"TEAM20-M{1 + number}", "validation",
-            f"So is the best estimate of the converged force at {current:g} ampere-turns, the mean "
-            "of both potentials, whose errors mostly have opposite signs.",
-            force, "N", _TEAM20, 0.02,
-            "2 % is asked for; on twice the unknowns the mean moves by 0.3 % at most",
-            partial(m.team20_best_force, current), heavy=True,
-            explained=_MORE_FORCE if current == 1000.0 else "",
-            known=0.036 if current == 1000.0 else 0.0,
-        )
-        for number, (current, force) in enumerate(MEASURED_FORCE.items())
-    ),
     Check(
         "PAP-9", "validation",
         "At 130 mA and the 0.2 mm gap the pull is the 110 mN of the spring.",
@@ -295,4 +261,6 @@ _VALIDATION: tuple[Check, ...] = (
 )  # fmt: skip
 
 #: Every row of the normal actuator.
-MAGNETIC_CHECKS: tuple[Check, ...] = (*_KNOWN, *_ROUTES, *_MODELS, *_VALIDATION)
+MAGNETIC_CHECKS: tuple[Check, ...] = (
+    *_KNOWN, *_ROUTES, *_MODELS, *TEAM20_CHECKS, *_VALIDATION,
+)  # fmt: skip

@@ -12,7 +12,6 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.layout import total_height
 from tactgen.geometry.device.parameters import Device, Limits, Steel
 from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
-from tactgen.geometry.reluctance.team20 import MEASURED_FORCE
 from tactgen.tmm.reluctance.coenergy.fit import fit
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples, closed_loop_work
 from tactgen.tmm.reluctance.coil_heat import largest_rms_current
@@ -27,7 +26,6 @@ from tactgen.validation.checks.cases.magnetics import (
 )
 from tactgen.validation.checks.cases.magnetics.long_conductors import conductors
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential, ball_error
-from tactgen.validation.checks.cases.magnetics.team20 import PoleForce, pole_forces
 from tactgen.validation.scene.scene import load_scene
 
 #: Currents (A) and gaps (m) of the device at which force and flux linkage are compared: the
@@ -126,22 +124,6 @@ def ball_mean(potential: str) -> float:
 def conductor_force(potential: str) -> float:
     """Force per length between the long strips by the stress in the air (N/m)."""
     return conductors(_potential(potential), 0.7)[0]
-
-
-@cache
-def _team20(potential: str) -> dict[float, PoleForce]:
-    found = pole_forces(_potential(potential), 1.0, tuple(MEASURED_FORCE))
-    return {at.current: at for at in found}
-
-
-def team20_force(current: float) -> float:
-    """Force on the pole by the vector potential (N)."""
-    return _team20("A")[current].force
-
-
-def team20_best_force(current: float) -> float:
-    """Return the mean of both potentials' forces on one mesh (N)."""
-    return 0.5 * sum(_team20(potential)[current].force for potential in ("A", "phi"))
 
 
 @cache

@@ -209,3 +209,22 @@ class MagneticField:
         """Flux linkage per turn (Wb), ∫ T0·B dV for one ampere-turn."""
         linked = np.einsum("cqa,cqa->cq", self.solid.source, self.flux_density)
         return self.solid.integral(linked)
+
+    def flux_density_at(self, points: Floats) -> Floats:
+        """Return B (n, 3) in T at points (n, 3) in m within the mesh.
+
+        On a straight cell curl A is linear, and so is grad φ: the values at its quadrature points
+        determine them.  On curved cells, and where T0 bends within a cell, the linear fit in
+        reference coordinates is an approximation of the same order as the field itself.
+        """
+        solid = self.solid
+        cells = solid.domain.element_finder(mapping=solid.mapping)(*points.T)
+        local = solid.mapping.invF(points.T[:, :, None], tind=cells)[:, :, 0]
+        fit = np.linalg.pinv(_linear(solid.reference_points))
+        coefficients = np.einsum("kq,cqa->cka", fit, self.flux_density[cells])
+        return np.asarray(np.einsum("ck,cka->ca", _linear(local), coefficients))
+
+
+def _linear(points: Floats) -> Floats:
+    """Return 1, x, y, z (n, 4) at points (3, n)."""
+    return np.concatenate([np.ones((1, points.shape[1])), points]).T

@@ -52,6 +52,19 @@ def test_threshold_and_stated_voltages():
     assert (highest.frequencies, highest.voltages) == ((75.0, 75.0), (22.0, 22.0))
 
 
+def test_flux_densities_of_team_20():
+    """Table 4 of COMPEL 14 (1995) 57, place by place from 1000 to 5000 ampere-turns."""
+    rows = [c for c in MAGNETIC_CHECKS if c.id.startswith("TEAM20-B")]
+    printed = {
+        "below the pole's centre": (0.36, 0.84, 0.99, 1.03),
+        "below its corner": (0.24, 0.63, 0.72, 0.74),
+        "section of the pole": (0.72, 1.75, 2.01, 2.05),
+        "yoke's leg": (0.13, 0.36, 0.43, 0.46),
+    }
+    for place, values in printed.items():
+        assert tuple(c.reference for c in rows if place in c.requirement) == values
+
+
 def test_states_of_the_normal_actuator():
     """Section 5.1: gap, force and currents in pulling in, holding and driving."""
     assert (stated.GAP, stated.FORCE) == (0.2e-3, 0.11)

@@ -24,6 +24,7 @@ from tactgen.validation.checks.cases.boxes import (
     natural_frequencies,
     statics,
 )
+from tactgen.validation.checks.known.bent_strip import BENT
 from tactgen.validation.checks.known.laminates import even
 
 _IEEE = "IEEE Std 176-1987, in closed form"
@@ -315,4 +316,4 @@ CUBE = case(
     ),
 )  # fmt: skip
 
-CASES: tuple[Case, ...] = (*_PLATES, *_BARS, _ADMITTANCE, _BLOCK)
+CASES: tuple[Case, ...] = (*_PLATES, *_BARS, _ADMITTANCE, _BLOCK, BENT)

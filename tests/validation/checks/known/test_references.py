@@ -18,7 +18,7 @@ from tactgen.validation.checks.cases.exact_laminate import (
     static_state,
 )
 from tactgen.validation.checks.cases.magnetics import coaxial_coils
-from tactgen.validation.checks.known import beams, coils, elastic, laminates, resonators
+from tactgen.validation.checks.known import beams, bent_strip, coils, elastic, laminates, resonators
 from tactgen.validation.checks.known.laminates import ply
 
 
@@ -212,6 +212,23 @@ def test_admittance():
         q = math.pi * f * length * math.sqrt(rho * s11)
         c = eps * (1 - k2) * ratio * length * (1 + k2 / (1 - k2) * math.tan(q) / q)
         assert 2 * math.pi * f * c == pytest.approx(value, rel=1e-8)
+
+
+def test_bent_strip():
+    """Constants at constant strain turned into compliances: a bar that only its bending stresses.
+
+    The manual's compliances have six digits, and its targets follow from them to five.
+    """
+    tensors = bent_strip.strip_material().piezo
+    strain = np.linalg.inv(
+        np.block([[tensors.c, -tensors.e.T], [tensors.e, tensors.eps]])
+    )  # of [stress, charge], with no charge: [strain, field]
+    stretch, thin, field = strain[2, 2], strain[0, 2], strain[6, 2]
+    h, l, slope = bent_strip.HEIGHT, bent_strip.LENGTH, bent_strip.SLOPE
+    along = stretch * slope * h * l
+    across = 0.5 * slope * (thin * h**2 - stretch * l**2)
+    potential = -0.5 * field * slope * h**2
+    assert references(resonators, "VM231") == pytest.approx([along, across, potential], rel=5e-5)
 
 
 def test_torsion():
