@@ -42,6 +42,27 @@ def test_every_path_named_exists():
     assert not [path for path in sorted(named) if not (ROOT / path).exists()]
 
 
+#: Files with a class whose instances gather something as they go; all others hold frozen values.
+GATHERERS = {
+    "geometry/store/sources.py", "geometry/store/store.py", "validation/engine/stages.py",
+    "fem/bimorph/reduction/parametric/family.py", "validation/export/animated_gltf.py",
+    "validation/studies/whatif/search/search.py", "validation/view/page/shown.py",
+    "validation/bench/bimorph/peers/job.py",
+}  # fmt: skip
+
+
+def test_values_are_frozen():
+    """What is passed from room to room cannot be changed there: a solution stays what it was."""
+    loose = {}
+    for package in PACKAGES:
+        for path in (ROOT / package).rglob("*.py"):
+            text = path.read_text(encoding="utf-8")
+            found = re.findall(r"^\s*@dataclass(?!\(frozen=True)", text, flags=re.MULTILINE)
+            if found:
+                loose[path.relative_to(ROOT).as_posix()] = len(found)
+    assert loose == dict.fromkeys(GATHERERS, 1)
+
+
 def test_rooms_are_small():
     """A folder with more files than a glance can take wants rooms of its own."""
     crowded = {str(room.relative_to(ROOT)): len(list(room.glob("*.py"))) - 1 for room in rooms()}

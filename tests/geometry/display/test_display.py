@@ -23,6 +23,7 @@ from tactgen.geometry.display.layout import (
     display_parts,
     levels,
     spacer_axes,
+    support_spacer_axes,
     unit_names,
 )  # fmt: skip
 from tactgen.geometry.display.units import drawn_units
@@ -207,6 +208,14 @@ def test_no_two_solids_overlap_and_gaps_are_as_stated():
     assert nearest["grub_screw", "sleeve"] == pytest.approx(0.0, abs=1e-6)  # both on the plate
     # the slot's corner beside the shim: half of both thicknesses' difference and the clearance
     assert nearest["piezo_top", "upper_board"] == pytest.approx(math.hypot(0.1, 0.6), abs=1e-3)
+
+
+def test_spacers_stand_in_the_four_corners():
+    """Mirrored in both middles, whichever plate they carry."""
+    for four in (spacer_axes(40e-3, 60e-3, DISPLAY), support_spacer_axes(DISPLAY)):
+        x, y = four[-1]
+        assert x > 0.0 < y
+        assert sorted(four) == [(-x, -y), (-x, y), (x, -y), (x, y)]
 
 
 def test_spacers_stand_clear_of_the_field():
