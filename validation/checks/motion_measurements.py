@@ -18,6 +18,7 @@ from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
 if TYPE_CHECKING:
     from tactgen.validation.models.generator.phases import Phase
     from tactgen.validation.models.generator.transient import Simulation
+    from tactgen.validation.scene.scene import Scene
 
 _ONE, _UNIT = np.ones(1), np.eye(1)
 
@@ -146,19 +147,22 @@ def held_to_pressed() -> float:
 
 def small_held_to_pressed() -> float:
     """Return the small-signal answer at the drive's frequency, held by 120 mA over pressed up."""
-    from tactgen.validation.engine.solve import solve
     from tactgen.validation.scene.scene import load_scene
 
-    asked = f"frequency={DRIVE.frequency} Hz"
-    held, pressed = (
-        load_scene("generator", [asked, f"coil.current={current} A", "coil.history=falling"])[0]
-        for current in (SQUARE.high, 0.0)
-    )
-    answers = [
-        solve(scene, ("tmm",), ("lateral_tip_per_voltage",)).quantities[0].value[0]
-        for scene in (held, pressed)
-    ]
-    return float(abs(answers[0]) / abs(answers[1]))
+    scene = load_scene("generator", [])[0]
+    return abs(small_tip(scene, SQUARE.high)) / abs(small_tip(scene, 0.0))
+
+
+def small_tip(scene: Scene, current: float) -> complex:
+    """Return the tip's lateral motion per volt (m/V) at the drive's frequency, in small motions.
+
+    Of a rod that `current` (A) holds down, or that the spring presses up.
+    """
+    from tactgen.validation.engine.solve import solve
+
+    coil = scene.coil.model_copy(update={"current": current, "history": "falling"})
+    resting = scene.model_copy(update={"coil": coil, "frequency": (DRIVE.frequency,)})
+    return complex(solve(resting, ("tmm",), ("lateral_tip_per_voltage",)).quantities[0].value[0])
 
 
 @lru_cache(maxsize=2)

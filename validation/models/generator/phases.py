@@ -29,7 +29,7 @@ class Phase:
         s.
     amplitude : float
         Half the way between the outermost positions of the tip in it, laterally (m); what drifts
-        counts too.  For the answer to the drive alone see :func:`oscillation`.
+        counts too.  For the answer to the drive alone see :func:`common_oscillation`.
     """
 
     name: str
@@ -67,27 +67,15 @@ def phases(found: Simulation) -> tuple[Phase, ...]:
     return tuple(result)
 
 
-def oscillation(found: Simulation, phase: Phase, frequency: float) -> float | None:
-    """Return the tip's lateral amplitude (m) at a frequency (Hz) within a phase.
-
-    That of the sine which, beside a straight line, comes nearest to the tip's motion: where a blow
-    has shifted the head, the finger lets the tip follow over milliseconds, which is no oscillation.
-    None if the phase is shorter than three quarters of a period: less can hardly be told from a
-    line.
-    """
-    if phase.end - phase.start < 0.75 / frequency:
-        return None
-    return abs(common_oscillation([(found, phase, 0.0)], frequency))
-
-
 def common_oscillation(
     seen: Sequence[tuple[Simulation, Phase, float]], frequency: float
 ) -> complex:
     """Return the complex amplitude (m) at a frequency (Hz) that phases of several runs share.
 
     The tip moves as its real part times e^{j(2π f t + angle)}, and in each phase beside a straight
-    line of that phase's own.  Of runs whose drives are a quarter of a period apart half a period
-    is enough: what resembles a line in one of them does not in the other.
+    line of that phase's own: where a blow has shifted the head, the finger lets the tip follow over
+    milliseconds, which is no oscillation.  Of runs whose drives are a quarter of a period apart
+    half a period is enough: what resembles a line in one of them does not in the other.
 
     Parameters
     ----------

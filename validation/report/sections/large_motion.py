@@ -19,6 +19,7 @@ from tactgen.validation.models.amplitude.states import RockingState, rocking_sta
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.papers_device import is_papers_bimorph
+from tactgen.validation.scene.scene import Scene
 
 #: Voltages of the free tip's curves (V); the last is that of the paper's Fig 14.
 _VOLTAGES = (0.1, 0.3, 1.0)
@@ -103,8 +104,8 @@ def _time(study: Study) -> Context | None:
     """Return the run of the paper's Fig 16; only words if quick."""
     if study.quick:
         return {"run": None}
-    from tactgen.validation.checks.motion_measurements import DRIVE, SOURCES
-    from tactgen.validation.models.generator.phases import oscillation, phases
+    from tactgen.validation.checks.motion_measurements import SOURCES
+    from tactgen.validation.models.generator.phases import phases
     from tactgen.validation.models.generator.transient import run_scene
     from tactgen.validation.studies.transient.plot import time_plot
 
@@ -117,23 +118,33 @@ def _time(study: Study) -> Context | None:
     except InputError as error:
         return {"run": None, "refused": str(error)}
     found = phases(run)
-    swings = [oscillation(run, phase, DRIVE.frequency) for phase in found]
-    sizes: dict[str, list[float]] = {name: [] for name in _TEXT}
-    for phase, swing in zip(found, swings, strict=True):
-        sizes[phase.name].append(phase.amplitude if swing is None else swing)
+    by_name = {name: [p for p in found if p.name == name] for name in _TEXT}
     return {
         "run": run,
         "loaded": scene.load.kind != "none",
         "picture": time_plot(run),
         "phases": found,
-        "swings": swings,
         "text": _TEXT,
-        "order": {name: max(found) for name, found in sizes.items() if found},
+        "order": {name: max(p.amplitude for p in ps) for name, ps in by_name.items() if ps},
+        "steady": _steady(scene),
         "pull_in": study.normal.switching[study.normal.pull_model].pull_in
         if study.normal
         else None,
         "drive": SOURCES,
     }
+
+
+def _steady(scene: Scene) -> dict[str, float]:
+    """Return the tip's steady amplitude (m) in small motions on either stop; {} if it has none."""
+    from tactgen.validation.checks.motion_measurements import DRIVE, SQUARE, small_tip
+
+    try:
+        return {
+            name: DRIVE.amplitude * abs(small_tip(scene, current))
+            for name, current in (("held", SQUARE.high), ("pressed", 0.0))
+        }
+    except InputError:
+        return {}
 
 
 #: What the text on Fig 16 says of each phase: when, and of the lateral amplitude.

@@ -26,7 +26,7 @@ from tactgen.tmm.generator.transient.waveform import Sine, Step
 from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.tmm.ports.springs_dampers_masses import chain_of
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.models.generator.phases import Phase, common_oscillation, oscillation
+from tactgen.validation.models.generator.phases import Phase, common_oscillation
 from tactgen.validation.models.generator.transient import (
     above_the_head,
     run_scene,
@@ -213,20 +213,15 @@ def test_bad_options_get_one_sentence(capsys, arguments, words):
 
 
 def test_an_oscillation_is_told_from_a_drift():
-    """A tip that swings by 3 µm while it drifts by 20: 3 µm; of half a turn: nothing."""
+    """Half a period of two tips that swing by 3 µm, one drifting by 20: the phase's own, 3 µm."""
     time = np.linspace(0.0, 4e-3, 3000) ** 2 / 4e-3  # steps of all lengths, as a run's
-    tip = 3e-6 * np.sin(2.0 * np.pi * 200.0 * time + 1.0) - 20e-6 * time / 4e-3
-    answer = SimpleNamespace(run=SimpleNamespace(time=time), outputs={"lateral_tip": tip})
-    found = SimpleNamespace(answer=answer)
-    assert oscillation(found, Phase("held", 0.1e-3, 4e-3, 0.0), 200.0) == pytest.approx(
-        3e-6, rel=1e-5
-    )
-    half = Phase("held", 0.5e-3, 3.1e-3, 0.0)
-    assert oscillation(found, half, 200.0) is None
-    later = 3e-6 * np.sin(2.0 * np.pi * 200.0 * time + 1.0 + 0.5 * np.pi) + 5e-6
-    answer = SimpleNamespace(run=SimpleNamespace(time=time), outputs={"lateral_tip": later})
-    both = [(found, half, 0.0), (SimpleNamespace(answer=answer), half, 0.5 * np.pi)]
-    amplitude = common_oscillation(both, 200.0)
+    half, seen = Phase("held", 0.5e-3, 3.1e-3, 0.0), []
+    for angle, drift in ((0.0, -20e-6), (0.5 * np.pi, 0.0)):
+        tip = 3e-6 * np.sin(2.0 * np.pi * 200.0 * time + 1.0 + angle) + drift * time / 4e-3
+        answer = SimpleNamespace(run=SimpleNamespace(time=time), outputs={"lateral_tip": tip})
+        seen.append((SimpleNamespace(answer=answer), half, angle))
+    # straight lines between the longest steps: (ω h)²/8 = 1.4e-6
+    amplitude = common_oscillation(seen, 200.0)
     assert amplitude == pytest.approx(3e-6 * np.exp(1j * (1.0 - 0.5 * np.pi)), rel=1e-5)
 
 

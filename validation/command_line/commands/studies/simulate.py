@@ -14,7 +14,6 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.generator.phases import Phase
     from tactgen.validation.models.generator.transient import Simulation
 
 
@@ -52,7 +51,6 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.tmm.generator.transient.march import Sources
-    from tactgen.tmm.generator.transient.waveform import Sine
     from tactgen.tmm.reluctance.coenergy.files import read_map
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.models.generator.transient import run_scene
@@ -98,20 +96,17 @@ def run(options: argparse.Namespace) -> int:
         warn([text])
     with announcer() as announce:
         _write(options, found, announce)
-    frequency = voltage.waveform.frequency if isinstance(voltage.waveform, Sine) else None
     if options.json:
-        json.dump(as_json(found, frequency), sys.stdout)
+        json.dump(as_json(found), sys.stdout)
         print()
     else:
-        _print(found, frequency)
+        _print(found)
     return 0
 
 
-def as_json(found: Simulation, frequency: float | None) -> dict[str, Any]:
-    """Return the run's summary: ends and extremes of what moved, phases, balance, errors.
-
-    With a drive's frequency (Hz) each phase has the tip's amplitude there, null where it is short.
-    """
+def as_json(found: Simulation) -> dict[str, Any]:
+    """Return the run's summary: ends and extremes of what moved, phases, balance, errors."""
+    from tactgen.validation.models.generator.phases import phases
     from tactgen.validation.studies.transient.files import series
 
     answer = found.answer
@@ -143,32 +138,22 @@ def as_json(found: Simulation, frequency: float | None) -> dict[str, Any]:
                 "start_s": phase.start,
                 "end_s": phase.end,
                 "lateral_amplitude_m": phase.amplitude,
-                "at_drive_frequency_m": swing,
             }
-            for phase, swing in _swings(found, frequency)
+            for phase in phases(found)
         ],
     }
 
 
-def _swings(found: Simulation, frequency: float | None) -> list[tuple[Phase, float | None]]:
-    """Return each phase, with the tip's amplitude (m) at the drive's frequency if known."""
-    from tactgen.validation.models.generator.phases import oscillation, phases
-
-    return [
-        (phase, None if frequency is None else oscillation(found, phase, frequency))
-        for phase in phases(found)
-    ]
-
-
-def _print(found: Simulation, frequency: float | None) -> None:
+def _print(found: Simulation) -> None:
     import numpy as np
 
-    title = "" if frequency is None else f"   at {frequency:g} Hz (um)"
-    print(f"{'phase':10} {'from (ms)':>10} {'to (ms)':>10}  lateral amplitude (um){title}")
-    for phase, swing in _swings(found, frequency):
+    from tactgen.validation.models.generator.phases import phases
+
+    print(f"{'phase':10} {'from (ms)':>10} {'to (ms)':>10}  lateral amplitude (um)")
+    for phase in phases(found):
         print(
             f"{phase.name:10} {1e3 * phase.start:10.3f} {1e3 * phase.end:10.3f}  "
-            f"{1e6 * phase.amplitude:<22.4g}" + ("" if swing is None else f"   {1e6 * swing:.4g}")
+            f"{1e6 * phase.amplitude:.4g}"
         )
     answer = found.answer
     last = int(np.searchsorted(answer.run.time, answer.certain_until))
