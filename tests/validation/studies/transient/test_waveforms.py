@@ -2,16 +2,21 @@
 
 import itertools
 import math
+from functools import lru_cache
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient.laws import Stop
 from tactgen.tmm.generator.transient.march import Sources, simulate
-from tactgen.tmm.generator.transient.system import Output, System
+from tactgen.tmm.generator.transient.system import Coil, Element, Output, System
 from tactgen.tmm.generator.transient.waveform import Chirp, Constant, Sampled, Sine, Square, Step
+from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
+from tactgen.validation.models.generator.transient import scene_machine
+from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.transient.waveforms import AMPERES, VOLTS, parsed
 
 
@@ -128,6 +133,97 @@ def test_whatever_is_written_gives_a_waveform_or_one_sentence(text):
         values = [waveform.value(t, middle) for t in (a, middle, b)]
         assert all(abs(v) <= waveform.peak * (1.0 + 1e-12) for v in values)
     assert waveform.shortest > 0.0
+
+
+class IdealGap:
+    """A gap alone: λ = C i/g, W' = C i²/(2 g)."""
+
+    def __init__(self, constant):
+        self.constant = constant
+
+    def at(self, current, gap):
+        linkage = self.constant * current / gap
+        force = 0.5 * linkage * current / gap
+        return CoenergyPoint(
+            0.5 * linkage * current, linkage, force, self.constant / gap, -linkage / gap,
+            -2.0 * force / gap,
+        )  # fmt: skip
+
+
+HERTZ = st.integers(1, 2000).map("{} Hz".format)
+MILLISECONDS = st.integers(0, 6).map(lambda k: f"{0.1 * k:.1f} ms")
+
+
+@st.composite
+def drives(draw, unit, most):
+    """Return a waveform's text that can be read: any level up to `most`, any kind, any option."""
+    level = most * draw(st.integers(-100, 100)) / 100.0
+    kind = draw(st.sampled_from(["constant", "sine", "square", "step", "chirp"]))
+    text = f"{level:g} {unit} {kind}"
+    if kind in ("sine", "square", "chirp"):
+        text += f" {draw(HERTZ)}"
+    if kind == "chirp":
+        return f"{text} to {draw(HERTZ)} in {draw(st.integers(1, 30)) / 10.0:g} ms"
+    options = {
+        "constant": [],
+        "sine": [f"phase {draw(st.integers(-360, 360))} deg", f"delay {draw(MILLISECONDS)}"],
+        "square": [
+            f"low {most * draw(st.integers(-100, 100)) / 100.0:g} {unit}",
+            f"duty {draw(st.integers(1, 99)) / 100.0:g}",
+            f"delay {draw(MILLISECONDS)}",
+        ],
+        "step": [f"at {draw(MILLISECONDS)}", "until 0.7 ms"],
+    }[kind]
+    text += "".join(f" {option}" for option in options if draw(st.booleans()))
+    return text
+
+
+def moved_or_refused(system, position, voltage, coil):
+    """Run 0.5 ms; the balance holds and all is finite, or one sentence says why there is none."""
+    sources = Sources(
+        parsed(voltage, "--voltage", (VOLTS,)).waveform,
+        parsed(coil, "--coil", (AMPERES,)).waveform,
+    )  # what is drawn can be read
+    refused, found = "", None
+    try:
+        found = simulate(system, sources, 5e-4, position=position, accuracy=0.5)
+    except InputError as error:
+        refused = str(error)
+    if found is None:
+        assert refused
+        assert "\n" not in refused
+        return
+    assert all(np.isfinite(values).all() for values in found.outputs.values())
+    assert found.run.worst_imbalance < 1e-10
+
+
+@settings(max_examples=8)
+@given(drives("V", 1e3), drives("A", 1.0))
+def test_any_drive_moves_a_mass_between_a_coil_and_a_stop(voltage, coil):
+    """An ideal gap of 1 mm, a stop, a piezoelectric push."""
+    one = np.eye(1)
+    gap = Coil(IdealGap(1e-6), -one[0], 1e-3, 1.0, "current", 1e-4, 2.0, (1e-4, 2e-3))
+    system = System(
+        1e-3 * one, 1e-3 * one, 100.0 * one, 0.0 * one[0], 1e-3 * one[0], 1e-9,
+        (Element("stop", Stop(1e4, 1e-2), one[0], -1e-4),), (), gap,
+        {"x": Output(one[0], "m", 1e-4)},
+    )  # fmt: skip
+    moved_or_refused(system, np.zeros(1), voltage, coil)
+
+
+@pytest.mark.heavy
+@settings(max_examples=25)
+@given(drives("V", 200.0), drives("A", 0.3))
+def test_any_drive_moves_the_machine_or_is_refused(voltage, coil):
+    """Up to 200 V and 0.3 A, free tip."""
+    machine = free_machine()
+    moved_or_refused(machine.system, machine.rest, voltage, coil)
+
+
+@lru_cache(maxsize=1)
+def free_machine():
+    scene, _ = load_scene("generator", ["load.kind=none"])
+    return scene_machine(scene, coil="current", volts=10.0)
 
 
 def test_what_switches_too_often_is_refused_before_it_is_tried():
