@@ -32,14 +32,13 @@ def made_up_stress(monkeypatch):
 def undrawn(monkeypatch):
     """Leave a report's figures blank, for tests of its words: drawing takes most of its time."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
 
-    from tactgen.validation.view import pictures
+    from tactgen.validation.view import figures, pictures
 
     def blank(_, file, **__):
         file.write("<svg></svg>")
 
-    monkeypatch.setattr(Figure, "savefig", blank)
+    monkeypatch.setattr(figures, "lay_out", lambda _: None)
     monkeypatch.setattr(FigureCanvasSVG, "print_svg", blank)
     monkeypatch.setattr(pictures, "solids_picture", lambda _: b"")
 

@@ -14,9 +14,11 @@ from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.models.bimorph.beam_theory_error import Band, expected_differences
 from tactgen.validation.models.comparison import ComparedRow
+from tactgen.validation.report.ahead import ahead
 from tactgen.validation.report.provenance.record import FILE, read_record, recorded
 from tactgen.validation.report.provenance.seal import seal, unseal
-from tactgen.validation.report.sections.contents import sections
+from tactgen.validation.report.sections.contents import alone, made_alone, sections
+from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study, check_report
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.browser import print_pdf
@@ -37,8 +39,13 @@ def write_report(
     out: Path,
     quick: bool,
     announce: Callable[[str], None],
+    *,
+    helper: bool = False,
 ) -> Path:
     """Write ``index.html`` into `out`, with what makes it checkable beside it; return its path.
+
+    With `helper` another process makes parts meanwhile, where there is a second core; a script
+    that asks for it needs the guard ``if __name__ == "__main__":``.
 
     Raises
     ------
@@ -48,8 +55,10 @@ def write_report(
     check_report(scene, quick=quick)
     writable_folder(out)
     started = time.perf_counter()
-    study = Study(scene, origins, announce, quick=quick)
-    page = _page(study, started)
+    names = alone(scene) if helper else ()
+    with ahead((scene, origins, quick), made_alone, names) as other:
+        study = Study(scene, origins, announce, quick=quick, ahead=other)
+        page = _page(study, started)
     unseal(out)
     written = write_text(out / PAGE, page)
     seal(out, recorded(study.solution), (PAGE,))
@@ -95,7 +104,7 @@ def _page(study: Study, started: float) -> str:
     environment = templates()
     shown = []
     for section in sections(study):
-        found = section.context(study)
+        found = _contents(section, study)
         if found is not None:
             study.shown[section.id] = found
             shown.append((section, found))
@@ -121,6 +130,14 @@ def _page(study: Study, started: float) -> str:
     viewer = assets() if any("viewer" in found for _, found in shown) else ""
     last = {"sections": bodies, "date": time.strftime("%Y-%m-%d"), "viewer_assets": viewer}
     return environment.get_template("page.html").render(common | _summary(study) | last)
+
+
+def _contents(section: Section, study: Study) -> Context | None:
+    def here() -> Context | None:
+        return section.context(study)
+
+    found: Context | None = study.alone(section.id, here) if section.alone else here()
+    return found
 
 
 def _summary(study: Study) -> dict[str, Any]:

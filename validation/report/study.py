@@ -31,11 +31,16 @@ if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge import Rung
     from tactgen.validation.models.bimorph.bridge.causes import Cause
     from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
+    from tactgen.validation.report.ahead import Ahead
+    from tactgen.validation.studies.uncertainty.propagation import Uncertainty
 
 #: Points of the frequency response in the report.
 _PLOT_POINTS = 400
 #: Accuracy that the quick version is content with.
 _QUICK_ACCURACY = 3e-3
+#: Error bar that the tetrahedra on the way into the rod may have.  The steps there are differences
+#: between solutions on one mesh, most of whose errors they share.
+_CHAIN_ACCURACY = 1e-2
 #: Asymmetry and negative dissipation (relative) that condensing a field model may leave by
 #: rounding; a wrong sign or a missing term shows at order one.
 INVARIANT_TOLERANCE = 1e-6
@@ -83,14 +88,29 @@ class Study:
     """One scene, solved for a report; everything is computed at most once."""
 
     def __init__(
-        self, scene: Scene, origins: dict[str, str], announce: Callable[[str], None], *, quick: bool
+        self,
+        scene: Scene,
+        origins: dict[str, str],
+        announce: Callable[[str], None],
+        *,
+        quick: bool,
+        ahead: Ahead | None = None,
     ) -> None:
         self.asked = scene.accuracy
         self.scene = _prepared(scene, quick)
         self.origins, self.announce, self.quick = origins, announce, quick
-        self.solution = solve(self.scene, announce=announce)
+        self._ahead = ahead
         #: What the sections before show, by their ids.
         self.shown: dict[str, dict[str, Any]] = {}
+
+    @cached_property
+    def solution(self) -> Solution:
+        """All quantities of the scene by all its models."""
+        return solve(self.scene, announce=self.announce)
+
+    def alone(self, name: str, here: Callable[[], Any]) -> Any:
+        """Return a part that needs no solution: by another process if it is at it, or here."""
+        return here() if self._ahead is None else self._ahead.take(name, here)
 
     @property
     def as_it_stands(self) -> bool:
@@ -140,23 +160,41 @@ class Study:
         model = models.get("solid", models.get("cad"))
         return model if isinstance(model, TwoMeshModel) else None
 
+    @property
+    def asks_field(self) -> bool:
+        """Whether the scene asks for a field model of the lateral actuator."""
+        return any(MODELS[name].theory == "solid" for name in self.scene.models)
+
     @cached_property
     def rungs(self) -> list[Rung] | None:
         """The bridge from TMM to the solid, for a piezoelectric bimorph on bricks."""
-        if "solid" not in self.solution.models or self.scene.piezo.d31 == 0.0:
+        if "solid" not in self.scene.models or self.scene.piezo.d31 == 0.0:
             return None
         from tactgen.validation.models.bimorph.bridge import bridge
 
-        return bridge(self.scene, self.announce, sections=not self.quick)
+        def here() -> list[Rung]:
+            return bridge(self.scene, self.announce, sections=not self.quick)
+
+        return list(self.alone("rungs", here))
+
+    @cached_property
+    def parameter_uncertainty(self) -> list[Uncertainty]:
+        """What the parameters' ranges do to the headline numbers."""
+        from tactgen.validation.studies.uncertainty.propagation import parameter_uncertainty
+
+        def here() -> list[Uncertainty]:
+            return parameter_uncertainty(self.scene, announce=self.announce)
+
+        return list(self.alone("parameter_uncertainty", here))
 
     @cached_property
     def chain(self) -> GeneratorChain | None:
         """The way from a clamp to the rod, where there is a solid and the rod takes it."""
-        if self.field is None or self.scene.piezo.d31 == 0.0:
+        if not self.asks_field or self.scene.piezo.d31 == 0.0:
             return None
         from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
 
-        return GeneratorChain(self.scene, self.announce)
+        return GeneratorChain(self.scene, self.announce, accuracy=_CHAIN_ACCURACY)
 
     @cached_property
     def causes(self) -> list[Cause] | None:

@@ -21,6 +21,8 @@ GREY, DARK = "#999999", "#1d2733"
 
 #: A logarithmic axis that spans more than this factor has labels at whole decades only.
 _WIDE = 30.0
+#: One that spans more than this factor has no numbers between the decades (matplotlib's rule).
+_NUMBERED = 10.0
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -61,11 +63,36 @@ def plain_numbers(*sides: Any) -> None:
 
 
 def svg(figure: Figure) -> str:
-    """Return a figure as an SVG element that can stand inside a page."""
+    """Return a figure as an SVG element that can stand inside a page.
+
+    It is laid out once and drawn once; matplotlib's own way to a file draws it twice.
+    """
     import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     buffer = io.StringIO()
     with mpl.rc_context({"svg.hashsalt": "tactgen"}):  # the same picture has the same ids
-        figure.savefig(buffer, format="svg", bbox_inches="tight", metadata={"Date": None})
+        lay_out(figure)
+        canvas: Any = FigureCanvasSVG(figure)
+        canvas.print_svg(buffer, metadata={"Date": None})
     text = buffer.getvalue()
     return text[text.index("<svg") :]
+
+
+def lay_out(figure: Figure) -> None:
+    """Give everything its place, for good; marks without a number take no room and no time."""
+    from matplotlib.ticker import NullFormatter, NullLocator
+
+    hidden = []
+    for side in (side for axis in figure.axes for side in (axis.xaxis, axis.yaxis)):
+        low, high = side.get_view_interval()
+        if side.get_scale() == "log" and high > _NUMBERED * low:
+            side.set_minor_formatter(NullFormatter())
+            hidden.append((side, side.get_minor_locator()))
+            side.set_minor_locator(NullLocator())
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
+    for side, locator in reversed(hidden):  # axes that share a scale share the locator
+        side.set_minor_locator(locator)

@@ -254,9 +254,11 @@ def test_report_of_both_actuators(tmp_path):
 
 LATERAL_ONLY = """
 import sys
-from matplotlib.figure import Figure
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 import tactgen.validation.report.study as study
-Figure.savefig = lambda _, file, **__: file.write("<svg></svg>")  # slow, of no concern here
+from tactgen.validation.view import figures
+figures.lay_out = lambda _: None  # slow, of no concern here, as drawing is
+FigureCanvasSVG.print_svg = lambda _, file, **__: file.write("<svg></svg>")
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.scene.scene import load_scene
 scene, origins = load_scene("prototype", ("models=lumped,tmm",))
@@ -269,9 +271,11 @@ print(*sys.modules)
 """
 NORMAL_ONLY = """
 import sys
-from matplotlib.figure import Figure
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 import tactgen.validation.report.study as study
-Figure.savefig = lambda _, file, **__: file.write("<svg></svg>")  # slow, of no concern here
+from tactgen.validation.view import figures
+figures.lay_out = lambda _: None  # slow, of no concern here, as drawing is
+FigureCanvasSVG.print_svg = lambda _, file, **__: file.write("<svg></svg>")
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.scene.scene import load_scene
 scene, origins = load_scene("reluctance", ("models=network",))

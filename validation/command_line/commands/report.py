@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
     warn(scene_warnings(scene, origins, report=True))
     browser = need_browser("--pdf") if options.pdf else ""  # refused before minutes of work
     with announcer() as announce:
-        page = write_report(scene, origins, Path(options.out), options.quick, announce)
+        page = write_report(scene, origins, Path(options.out), options.quick, announce, helper=True)
         print(page)
         if browser:
             announce("printing")

@@ -7,7 +7,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -73,7 +73,10 @@ def recorded(solution: Solution) -> Record:
 
 def record_text(record: Record) -> str:
     """Return the content of the file."""
-    return json.dumps({"format": FORMAT, **asdict(record)}, allow_nan=False) + "\n"
+    # field by field: asdict of the whole would copy every number of every response
+    plain = {field.name: getattr(record, field.name) for field in fields(record)}
+    plain["made_by"] = asdict(record.made_by)
+    return json.dumps({"format": FORMAT, **plain}, allow_nan=False) + "\n"
 
 
 def read_record(folder: Path) -> Record:
@@ -154,5 +157,7 @@ def _finite(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _finite(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
+        if value and isinstance(value[0], float):  # a row of numbers, which may be long
+            return [entry if entry is None or math.isfinite(entry) else None for entry in value]
         return [_finite(entry) for entry in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -98,6 +98,7 @@ def holding_section(study: Study) -> Context | None:
         "branches": chain.branches(),
         "plot": bridge_plot(rungs, "generator against clamp"),
         "free_tab": chain.free_tab,
+        "bar": chain.bar,
         **_support(study, chain),
     }
 
@@ -187,7 +188,7 @@ def _lateral_effect(study: Study) -> float:
 
 def material_section(study: Study) -> Context | None:
     """Return what the assumed constants of the full tensor are worth."""
-    if study.quick or study.field is None or study.scene.piezo.d31 == 0.0:
+    if study.quick or not study.asks_field or study.scene.piezo.d31 == 0.0:
         return None
     from tactgen.validation.models.bimorph.material_effects import material_effects
 

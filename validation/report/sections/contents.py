@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.engine.plan import asks_display
+from tactgen.validation.report.ahead import Asked
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import INVARIANT_TOLERANCE, Study
+from tactgen.validation.scene.scene import Scene
 
 
 def sections(study: Study) -> tuple[Section, ...]:
@@ -44,6 +49,42 @@ def sections(study: Study) -> tuple[Section, ...]:
 _RESPONSE = ("response",)
 #: ... what ends the story, and what belongs to the report of the lateral actuator alone.
 _LIMITS, _APART = ("drive_limits",), ("holding", "length", "voltage", "stress")
+
+
+#: What needs no solution, in the order in which another process makes it: first what others need,
+#: then what takes longest.
+_ALONE = (
+    "rungs", "stress", "holding", "material", "bridge", "parameter_uncertainty", "length", "load",
+    "voltage", "drive_limits", "audit",
+)  # fmt: skip
+
+
+def alone(scene: Scene) -> tuple[str, ...]:
+    """Return the names of a report's parts that need no solution."""
+    if not any(MODELS[name].actuator == "bimorph" for name in scene.models):
+        return ()
+    unused = _APART if scene.support.kind == "contact" else ()
+    return tuple(name for name in _ALONE if name not in unused)
+
+
+def made_alone(asked: Asked, name: str) -> Any:
+    """Return a part that needs no solution: a section's contents, or a value of the study."""
+    from tactgen.validation.report.sections.bimorph import LATERAL, PRINTED_FORMULAS
+
+    study = _study(asked)
+    found = {section.id: section for section in (*LATERAL, PRINTED_FORMULAS)}.get(name)
+    return found.context(study) if found else getattr(study, name)
+
+
+#: What the process that makes parts ahead was asked last, and its study: parts share much of it.
+_last: list[tuple[Asked, Study]] = []
+
+
+def _study(asked: Asked) -> Study:
+    if not _last or _last[0][0] != asked:
+        scene, origins, quick = asked
+        _last[:] = [(asked, Study(scene, origins, lambda _: None, quick=quick))]
+    return _last[0][1]
 
 
 def _machine(lateral: tuple[Section, ...]) -> tuple[list[Section], tuple[Section, ...]]:

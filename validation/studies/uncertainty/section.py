@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from typing import Any
 
 from tactgen.validation.catalogue.models import ranked
@@ -11,19 +11,18 @@ from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.uncertainty.detailed_numbers import detailed_numbers
 from tactgen.validation.studies.uncertainty.headline_numbers import actuator
 from tactgen.validation.studies.uncertainty.propagation import (
+    Uncertainty,
     affordable,
     base_samples,
-    parameter_uncertainty,
     uncertain_parameters,
 )
 from tactgen.validation.studies.uncertainty.varied_keys import left_out
 
 
-def section(scene: Scene, solution: Solution, announce: Callable[[str], None]) -> dict[str, Any]:
+def section(scene: Scene, solution: Solution, rows: Sequence[Uncertainty]) -> dict[str, Any]:
     """Return what the report shows of the headline numbers and their uncertainty."""
     from tactgen.validation.studies.uncertainty.plot import contributors_plot
 
-    rows = parameter_uncertainty(scene, announce=announce)
     parameters = uncertain_parameters(scene)
     detailed = ranked(solution.models_of("bimorph"))[-1]
     omitted = left_out(scene, actuator(scene))

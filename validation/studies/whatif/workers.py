@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import os
-import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from tactgen.validation.studies.processes import Workers
 from tactgen.validation.studies.whatif.answers import Answer, Busy, Question, answer
 from tactgen.validation.studies.whatif.schedule import Batch
 
 if TYPE_CHECKING:
-    from multiprocessing.connection import Connection
-
     from tactgen.validation.engine.solve import Solution
 
 
@@ -108,7 +105,7 @@ class _Pool:
         """Yield batches that were worked through; of a pool that broke note what was in it."""
         left = list(waiting)
         running: dict[Future[list[Found]], int] = {}
-        with _Workers(processes) as pool:
+        with Workers(processes) as pool:
             while left or running:
                 ready = [place for place in left if self.batches[place].after <= done]
                 try:
@@ -125,7 +122,7 @@ class _Pool:
 
     def _alone(self, number: int) -> Found:
         """Return one answer from a process of its own, whose death is the answer."""
-        with _Workers(1) as pool:
+        with Workers(1) as pool:
             try:
                 (found,) = pool.submit(_worked_through, [self.jobs[number]], self.options).result()
             except BrokenProcessPool:
@@ -135,48 +132,6 @@ class _Pool:
                     "memory runs out; take fewer --jobs or a coarser mesh",
                 )
         return found
-
-
-class _Workers:
-    """A pool whose processes end when this one does, or when the block is left by an error."""
-
-    def __init__(self, processes: int) -> None:
-        import multiprocessing
-
-        context = multiprocessing.get_context("spawn")
-        theirs, self.mine = context.Pipe(duplex=False)
-        self.theirs = theirs
-        self.executor = ProcessPoolExecutor(
-            processes, context, initializer=_begin, initargs=(theirs, os.getpid())
-        )
-
-    def __enter__(self) -> ProcessPoolExecutor:
-        return self.executor
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is not None:
-            self.mine.close()  # the processes see it, and end amid their work
-        self.executor.shutdown(wait=True, cancel_futures=True)
-        self.mine.close()
-        self.theirs.close()
-
-
-def _begin(line: Connection, parent: int) -> None:
-    """Prepare a worker: one solver thread, and an end when the line to the parent is cut."""
-    import signal
-
-    os.environ["TACTGEN_THREADS"] = "1"
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent is told as well, and ends this one
-
-    def watch() -> None:
-        try:
-            line.recv()
-        except (EOFError, OSError):
-            os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
-    if os.getppid() != parent:  # it died before the watch began
-        os._exit(1)
 
 
 def _worked_through(jobs: Sequence[Job], options: dict[str, bool]) -> list[Found]:

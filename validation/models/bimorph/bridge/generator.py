@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.device.parameters import Glue, Rod
@@ -23,6 +24,9 @@ from tactgen.validation.models.bimorph.bridge.solid_values import (
     solve_solid,
 )
 from tactgen.validation.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from tactgen.validation.models.bimorph.adaptive_meshes import AdaptedPair
 
 #: Tab of a scene that has none (m): that of the built-in scene ``bimorph_on_rod``.
 USUAL_TAB = 2e-3
@@ -44,11 +48,14 @@ class GeneratorChain:
         Told what is being solved.
     level : int
         Index of the division into bricks.
+    accuracy : float or None
+        Error bar that the tetrahedra may have; None takes what the scene asks for.
     """
 
     scene: Scene
     announce: Callable[[str], None]
     level: int = 2
+    accuracy: float | None = None
 
     @property
     def device(self) -> Scene:
@@ -88,12 +95,22 @@ class GeneratorChain:
         return self._bricks("clamped by the tab", self.tab_scene)
 
     @cached_property
-    def mesh(self) -> Mesh:
-        """The tetrahedra of bimorph, glue and rod: a quarter."""
+    def _adapted(self) -> AdaptedPair:
         from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
 
         self.announce("bridge: tetrahedra of the generator")
-        return adapted_pair(self.device, *level_limits(self.device)).fine.mesh
+        accuracy, most = level_limits(self.device)
+        return adapted_pair(self.device, max(accuracy, self.accuracy or 0.0), most)
+
+    @property
+    def mesh(self) -> Mesh:
+        """The tetrahedra of bimorph, glue and rod: a quarter."""
+        return self._adapted.fine.mesh
+
+    @property
+    def bar(self) -> float:
+        """Largest relative error bar of deflection, frequency and capacitance on them."""
+        return self._adapted.largest_bar
 
     @cached_property
     def in_rigid_slot(self) -> SolvedSolid:

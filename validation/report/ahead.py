@@ -1,0 +1,69 @@
+"""Parts of a report that need no solution, made by another process while this one solves.
+
+What that process has not begun when it is wanted is made here, and so is what it fails to hand
+over: a report is the same with it and without.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from threading import Lock
+from typing import Any
+
+from tactgen.validation.scene.scene import Scene
+
+#: What is asked of the other process: the scene, where its values are from, whether quick.
+Asked = tuple[Scene, dict[str, str], bool]
+#: What makes a part, in any process: what is asked, and the part's name.
+Maker = Callable[[Asked, str], Any]
+
+
+class Ahead:
+    """Parts by name: one after the other elsewhere, any of them here once it is wanted."""
+
+    def __init__(
+        self, pool: ProcessPoolExecutor, make: Maker, asked: Asked, names: Sequence[str]
+    ) -> None:
+        self._pool, self._make, self._asked = pool, make, asked
+        self._left, self._begun = deque(names), dict[str, Future[Any]]()
+        self._lock = Lock()
+        self._next()
+
+    def take(self, name: str, here: Callable[[], Any]) -> Any:
+        """Return a part: from the other process if it has begun it, else made by `here`."""
+        with self._lock:
+            future = self._begun.get(name)
+            if future is None and name in self._left:
+                self._left.remove(name)
+        # where it died, or its part cannot travel, what is wrong shows here
+        return here() if future is None or future.exception() else future.result()
+
+    def _next(self, _: object = None) -> None:
+        """Hand over the next part: one at a time, since what is handed over is not taken back."""
+        with self._lock:
+            if not self._left:
+                return
+            name = self._left.popleft()
+            try:
+                future = self._pool.submit(self._make, self._asked, name)
+            except RuntimeError:  # the pool is broken, or ends
+                self._left.clear()
+                return
+            self._begun[name] = future
+        future.add_done_callback(self._next)
+
+
+@contextmanager
+def ahead(asked: Asked, make: Maker, names: Sequence[str]) -> Iterator[Ahead | None]:
+    """Yield another process at work on parts; None where there is only one core to work on."""
+    if len(os.sched_getaffinity(0)) == 1 or not names:
+        yield None
+        return
+    from tactgen.validation.studies.processes import Workers
+
+    with Workers(1) as pool:
+        yield Ahead(pool, make, asked, names)
