@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device, Display
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError
@@ -23,6 +24,9 @@ from tactgen.tmm.reluctance.flux_ladder import Ladder, LadderSolution, solve
 
 #: Nearest neighbours in a square array.
 NEIGHBOURS = 4
+#: Phases from unit to unit over which the endless array's waves are averaged: the mean of a smooth
+#: periodic function, exact to rounding far below this.
+_PHASES = 128
 #: Share of the working gap's permeance with which its loss to a small further one is measured.
 _SMALL = 1e-3
 
@@ -35,12 +39,15 @@ class NetworkForces:
     ----------
     same, alternating : float
         Of one in an endless array, polarities equal or alternating.
+    single : float
+        Of one of the display's middle units, driven alone among others without current.
     passive : float
-        Of a nearest neighbour without current, where one of the display's middle units is driven.
+        Of its nearest neighbour, which has none.
     """
 
     same: float
     alternating: float
+    single: float
     passive: float
 
 
@@ -75,7 +82,20 @@ def network_forces(
     alone = circuit(device, np.array([gap]), FULL, cells)
     pull = _force(_solved(alone, current))
     alternating = _force(_solved(beside(alone, 2.0 * NEIGHBOURS * over), current))
-    return NetworkForces(pull, alternating, _passive(alone, current, pull, display, over))
+    single, passive = _one_driven(alone, current, pull, display, over)
+    return NetworkForces(pull, alternating, single, passive)
+
+
+def endless_share(ratio: float) -> float:
+    """Return the head's magnetic voltage of one driven unit over that of all driven alike.
+
+    In an endless square array whose heads are nodes, each on its own permeance and joined to four
+    neighbours by `ratio` of it: the mean of 1/(1 + 2 ratio (2 − cos k − cos l)) over all phases k,
+    l from unit to unit.  Driven all alike is k = l = 0, alternating k = l = π.
+    """
+    cosine = np.cos(2.0 * np.pi * np.arange(_PHASES) / _PHASES)
+    waves = 1.0 + 2.0 * ratio * (2.0 - cosine[:, None] - cosine)
+    return float((1.0 / waves).mean())
 
 
 def beside(ladder: Ladder, permeance: float) -> Ladder:
@@ -96,29 +116,39 @@ def _force(found: LadderSolution) -> float:
     return float(found.force[0, 0])
 
 
-def _passive(alone: Ladder, current: float, pull: float, display: Display, over: float) -> float:
-    """Return the pull (N) of an undriven neighbour: heads as nodes, each on its own permeance.
+def _one_driven(
+    alone: Ladder, current: float, pull: float, display: Display, over: float
+) -> tuple[float, float]:
+    """Return the pulls (N) of one driven unit and of its undriven neighbour, heads as nodes.
 
     A unit's permeance from head to sleeve, its iron and winding's path included, is what halves
     the head's magnetic voltage when as much is put beside it.
     """
     gap = 1.0 / float(alone.reluctance[0, -1])
     less = _force(_solved(beside(alone, _SMALL * gap), current))
-    if pull <= 0.0 or display.rows * display.columns < 2:
-        return 0.0
+    if pull <= 0.0:
+        return 0.0, 0.0
     own = _SMALL * gap / (math.sqrt(pull / less) - 1.0)
+    levels = head_levels(display, over / own)
+    at = (display.rows - 1) // 2 * display.columns + (display.columns - 1) // 2
+    passive = 0.0 if levels.size < 2 else pull * float(levels[at + min(display.columns, 1)]) ** 2
+    return pull * float(levels[at]) ** 2, passive
+
+
+def head_levels(display: Display, ratio: float) -> Floats:
+    """Return all heads' magnetic voltages (units,) over that of the driven middle one if alone.
+
+    `ratio` is the permeance between two heads over a unit's own.
+    """
     count = display.rows * display.columns
-    nodes = np.diag(np.full(count, own))
+    nodes = np.eye(count)
     for i in range(count):
         row, column = divmod(i, display.columns)
         following = [i + 1] if column + 1 < display.columns else []
         following += [i + display.columns] if row + 1 < display.rows else []
         for j in following:
-            nodes[[i, j], [i, j]] += over
-            nodes[[i, j], [j, i]] -= over
-    at = (display.rows - 1) // 2 * display.columns + (display.columns - 1) // 2
+            nodes[[i, j], [i, j]] += ratio
+            nodes[[i, j], [j, i]] -= ratio
     source = np.zeros(count)
-    source[at] = own
-    levels = np.linalg.solve(nodes, source)
-    nearest = at + (min(display.columns, 1))
-    return float(pull * levels[nearest] ** 2)
+    source[(display.rows - 1) // 2 * display.columns + (display.columns - 1) // 2] = 1.0
+    return np.asarray(np.linalg.solve(nodes, source))

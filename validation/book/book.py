@@ -33,6 +33,7 @@ SUBJECTS = {
     "reluctance": "The normal actuator: fields and circuits, TEAM problem 20, the paper",
     "motion": "The machine in time: oscillators with known motions, circuits, the paper's Fig 16",
     "amplitude": "Large amplitudes: oscillators with known answers, the paper's Figs 8, 14 and 15",
+    "display": "The display: crosstalk, units that differ, the field between units, what fits",
     "misprints": "Printed targets that are wrong or coarse, with the proof",
 }
 

@@ -86,6 +86,11 @@ ROWS = (
         _pulled(lambda field: field.per_neighbour()),
     ),
     QuantityRow(
+        "pull_one_driven", "N",
+        "pull of a single driven unit among others without current, at display.coil_current",
+        _pulled(lambda field: field.single),
+    ),
+    QuantityRow(
         "passive_pull", "N",
         "pull of an undriven unit beside a single driven one, by the network alone",
         _pulled(lambda field: field.passive),

@@ -160,4 +160,26 @@ PROBLEMS = {
         "small motions fixed. What stays unexplained is named in each row.",
         "harmonic balance on the ports of model tmm",
     ),
+    ("display", "ARR"): Problem(
+        "Generators on one board under one skin",
+        "Each is solved once by model tmm, placed on the upper board and tied at its tip to the "
+        "others. What goes in comes out or stays; what one does to another, the other does to it.",
+        "ports joined by name; board as a plate on its spacers, skin as a sheet",
+    ),
+    ("display", "SPR"): Problem(
+        "Units as they come out of the shop",
+        "Lengths drawn from a narrow scatter; what it does to the first frequencies of four units.",
+        "model tmm, each unit on its own contact",
+    ),
+    ("display", "NEI"): Problem(
+        "The field between units, by the network",
+        "Permeances between neighbouring heads beside each working gap. Far apart they vanish; one "
+        "driven unit among others without current is where one of an endless array is.",
+        "model network",
+    ),
+    ("display", "FIT"): Problem(
+        "Sixteen generators in the paper's room",
+        "All distances that could close, and the heights of all parts.",
+        "closed form, from the sizes of the parts",
+    ),
 }

@@ -43,6 +43,7 @@ GROUPS: dict[str, tuple[str, str]] = {
     "reluctance": ("tactgen.validation.checks.reluctance", "MAGNETIC_CHECKS"),
     "motion": ("tactgen.validation.checks.motion", "MOTION_CHECKS"),
     "amplitude": ("tactgen.validation.checks.amplitude", "AMPLITUDE_CHECKS"),
+    "display": ("tactgen.validation.checks.display", "DISPLAY_CHECKS"),
     "misprints": (_KNOWN + "misprints", "CASES"),
 }
 

@@ -7,20 +7,25 @@ from pathlib import Path
 
 import numpy as np
 
+from tactgen.geometry.arrays import Complex
 from tactgen.geometry.device.layout import MM
 from tactgen.geometry.display.layout import as_built, display_parts, unit_names
-from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.tmm.display.array import tip_motions
+from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.stages import Stages
-from tactgen.validation.models.display.crosstalk import MechanicalCrosstalk, display_ports
+from tactgen.validation.models.display.crosstalk import display_ports
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.view.films import check_ffmpeg, save_film
+from tactgen.validation.view.formats import engineering
 from tactgen.validation.view.page.display import DrawnPart, Swing, display_page
 from tactgen.validation.view.page.html import Still
 from tactgen.validation.view.pictures import assembly_picture
 
+#: Pictures of a film's one period, milliseconds that each is shown, and periods in an .mp4.
+_FRAMES, _SHOWN, _REPEATS = 24, 80, 4
 #: What swings with a unit's tip.
 _SWINGS = ("piezo_top", "piezo_bottom", "shim")
 #: Largest distance of a curved face from its triangles (mm), and their angle (rad).
@@ -32,27 +37,26 @@ _MODEL = "tmm"
 def view_display(
     scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
 ) -> list[Path]:
-    """Write the display's page or a still, and return their paths.
+    """Write the display's page, a still, and films of a travelling wave; return their paths.
 
     Parameters
     ----------
-    files : dict of {"out", "png"} to Path
+    files : dict of {"out", "png", "gif", "mp4"} to Path
         What to write where.
 
     Raises
     ------
     InputError
-        If a film is wanted, parts do not fit, or a file cannot be written.
+        If parts do not fit, a film cannot be made, or a file cannot be written.
     """
-    films = [kind for kind in files if kind not in ("out", "png")]
-    if films:
-        raise InputError(
-            f"--{films[0]} {files[films[0]]} is not there for the display; write --out FILE.html, "
-            "in which it moves, or --png FILE"
-        )
+    for path in files.values():
+        check_ffmpeg(path)
     announce("solids of the display")
     parts = drawn_parts(scene)
     for kind, path in files.items():
+        if kind in ("gif", "mp4"):
+            _write_film(path, scene, parts, announce)
+            continue
         announce("still" if kind == "png" else "page")
         picture = assembly_picture(parts)
         if kind == "png":
@@ -62,6 +66,45 @@ def view_display(
             still = Still(picture, f"{scene.name}: the display")
             write_text(path, display_page(scene.name, parts, swing(scene), still))
     return list(files.values())
+
+
+def _write_film(
+    path: Path, scene: Scene, parts: tuple[DrawnPart, ...], announce: Callable[[str], None]
+) -> None:
+    """Write one period of a wave that runs along x: each column a quarter period after the last."""
+    from tactgen.validation.view.assembly_frames import assembly_frames, enlargement
+
+    announce("motions of the display")
+    frequency, tips = travelling_wave(scene)
+    built = as_built(scene.device, scene.display)
+    ceramic = MM * built.ceramic_base, MM * built.bimorph.length
+    times = enlargement(tips, MM * scene.display.pitch)
+    largest = engineering(float(np.abs(tips).max()), "m", 3)
+    words = (
+        f"{scene.name}: {frequency:.4g} Hz, {scene.drive.voltage:g} V peak at every unit, each "
+        f"column\na quarter period later, tips up to {largest}, drawn × {times:.3g}"
+    )
+    phases = [2.0 * np.pi * k / _FRAMES for k in range(_FRAMES)]
+    images = assembly_frames(parts, tips, ceramic, times, words, phases, announce)
+    save_film(path, images, _SHOWN, _REPEATS)
+
+
+def travelling_wave(scene: Scene) -> tuple[float, Complex]:
+    """Return the tips' motions (units,) in m with all units driven, and at what frequency (Hz).
+
+    Each column lags a quarter period behind the one before it; of the scene's frequencies that at
+    which the tips move most.
+    """
+    units = unit_names(scene.display)
+    whole = _whole(scene)
+    column = np.arange(len(units)) % scene.display.columns
+    drives = scene.drive.voltage * (-1j) ** column
+    motions = sum(
+        drive * tip_motions(whole, unit, units)
+        for unit, drive in zip(units, drives.tolist(), strict=True)
+    )
+    at = int(np.abs(motions).max(axis=1).argmax())
+    return float(scene.frequency[at]), np.asarray(motions[at])
 
 
 def drawn_parts(scene: Scene) -> tuple[DrawnPart, ...]:
@@ -87,18 +130,22 @@ def drawn_parts(scene: Scene) -> tuple[DrawnPart, ...]:
 
 def swing(scene: Scene) -> Swing:
     """Return how the tips move where one unit is driven, by transfer matrices."""
-    from tactgen.validation.catalogue.display import CROSSTALK_LARGEST
-
-    plan = make_plan(scene, (_MODEL,), (CROSSTALK_LARGEST.name,))
-    ports = make_model(_MODEL, scene, Stages(plan.keys)).answer("crosstalk").ports
-    crosstalk = MechanicalCrosstalk(scene, ports)
     units = unit_names(scene.display)
-    row, column = crosstalk.driven
+    row, column = (scene.display.rows - 1) // 2, (scene.display.columns - 1) // 2
     driven = row * scene.display.columns + column
-    motions = tip_motions(display_ports(scene, ports.fine), units[driven], units)
+    motions = tip_motions(_whole(scene), units[driven], units)
     built = as_built(scene.device, scene.display)
     return Swing(
         units, driven, scene.drive.voltage, np.asarray(scene.frequency, dtype=float),
         scene.drive.voltage * motions, MM * built.ceramic_base, MM * built.bimorph.length,
         MM * scene.display.pitch,
     )  # fmt: skip
+
+
+def _whole(scene: Scene) -> Multiport:
+    """Return the display over each unit's tip and voltage, by transfer matrices."""
+    from tactgen.validation.catalogue.display import CROSSTALK_LARGEST
+
+    plan = make_plan(scene, (_MODEL,), (CROSSTALK_LARGEST.name,))
+    ports = make_model(_MODEL, scene, Stages(plan.keys)).answer("crosstalk").ports
+    return display_ports(scene, ports.fine)

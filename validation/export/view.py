@@ -17,6 +17,7 @@ from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.shading import Shade, shades_of, words_of
 
 if TYPE_CHECKING:
+    from tactgen.validation.fields.lengths import LengthRange
     from tactgen.validation.view.page.html import Still
 
 #: Endings of each kind of file.
@@ -29,12 +30,16 @@ _STILL = 480, 400
 
 @dataclass(frozen=True)
 class Look:
-    """What is wanted: models (none: the fastest solid, and TMM beside it), state and colour."""
+    """What is wanted: models (none: the fastest solid, and TMM beside it), state and colour.
+
+    `lengths` (m) are the ends of the page's length slider; None leaves it out.
+    """
 
     models: tuple[str, ...] = ()
     frequencies: tuple[float, ...] | None = None
     state: str = ""
     shade: str = ""
+    lengths: tuple[float, float] | None = None
 
 
 def view(
@@ -59,13 +64,14 @@ def view(
         from tactgen.validation.export.display_view import view_display
 
         return view_display(scene, files, announce)
+    ranges = _ranges(scene, look, files, announce)
     results = looked_at(scene, look, announce)
     pictured = results[0], _state(results[0], look), _shade(results[0], look)
     _check_films(files, pictured[1])
     for kind, path in files.items():
         if kind == "out":
             announce("page")
-            write_page(path, results, announce)
+            write_page(path, results, announce, ranges)
         else:
             _write_picture(kind, path, *pictured, announce)
     return list(files.values())
@@ -76,6 +82,31 @@ def looked_at(scene: Scene, look: Look, announce: Callable[[str], None]) -> list
     return gather(
         scene, look.models or _models(scene), Request(look.frequencies, "edges"), announce
     )
+
+
+def _ranges(
+    scene: Scene, look: Look, files: dict[str, Path], announce: Callable[[str], None]
+) -> list[LengthRange | None]:
+    """Return the modes over the lengths that the page's slider has, by model."""
+    if look.lengths is None:
+        return []
+    from tactgen.validation.fields.lengths import length_range
+
+    if "out" not in files:
+        raise InputError("--lengths makes a slider in the page; give --out FILE.html too")
+    models = look.models or _models(scene)
+    if MAGNETIC in models:
+        raise InputError(
+            f"--lengths is about the bimorph, which the model {MAGNETIC} does not know; name a "
+            "model of the lateral actuator"
+        )
+    found = [length_range(scene, name, look.lengths, announce) for name in models]
+    if not any(found):
+        raise InputError(
+            f"--lengths needs a model with a fast way to many lengths, which {', '.join(models)} "
+            "has not in this scene; add --model tmm"
+        )
+    return found
 
 
 def _models(scene: Scene) -> tuple[str, ...]:
@@ -129,19 +160,28 @@ def _write_picture(
     write_film(path, result, state, Picture(800, 480, shade), announce)
 
 
-def write_page(path: Path, results: Sequence[FieldResult], announce: Callable[[str], None]) -> Path:
+def write_page(
+    path: Path,
+    results: Sequence[FieldResult],
+    announce: Callable[[str], None],
+    ranges: Sequence[LengthRange | None] = (),
+) -> Path:
     """Write the page in which the results move."""
-    return write_text(path, page_of(results, announce))
+    return write_text(path, page_of(results, announce, ranges))
 
 
-def page_of(results: Sequence[FieldResult], announce: Callable[[str], None]) -> str:
+def page_of(
+    results: Sequence[FieldResult],
+    announce: Callable[[str], None],
+    ranges: Sequence[LengthRange | None] = (),
+) -> str:
     """Return the page in which the results move: HTML that holds all it needs."""
     from tactgen.validation.view.page.html import page
     from tactgen.validation.view.page.shown import payload
 
     stills = page_stills(results[0], announce)
     title = f"{results[0].scene}: modes and fields"
-    return page(title, payload(results), stills)
+    return page(title, payload(results, ranges), stills)
 
 
 def page_stills(result: FieldResult, announce: Callable[[str], None]) -> list[Still]:

@@ -19,7 +19,7 @@ from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.checks.row import Outcome, run_check
 from tactgen.validation.checks.verification import group_rows
-from tactgen.validation.engine.plan import Plan, check_models
+from tactgen.validation.engine.plan import Plan, asks_display, check_models
 from tactgen.validation.engine.solve import Solution, check_request, solve
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.models.comparison import ComparedRow, compare
@@ -228,6 +228,7 @@ class Study:
             ("bimorph", self.lateral),
             ("reluctance", self.normal is not None),
             ("motion", self.machine),
+            ("display", asks_display(self.scene.quantities)),
         )
         groups = [group for group, asked in about if asked]
         rows = [c for g in groups for c in group_rows(g) if c.scene == self.scene.name]

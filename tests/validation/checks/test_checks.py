@@ -8,11 +8,12 @@ import pytest
 from tactgen.validation.checks.amplitude import AMPLITUDE_CHECKS
 from tactgen.validation.checks.bimorph import CHECKS
 from tactgen.validation.checks.cases.magnetics import coaxial_coils, square_law
+from tactgen.validation.checks.display import DISPLAY_CHECKS
 from tactgen.validation.checks.motion import MOTION_CHECKS
 from tactgen.validation.checks.reluctance import MAGNETIC_CHECKS
 from tactgen.validation.checks.row import run_check
 
-ALL = (*CHECKS, *MAGNETIC_CHECKS, *AMPLITUDE_CHECKS, *MOTION_CHECKS)
+ALL = (*CHECKS, *MAGNETIC_CHECKS, *AMPLITUDE_CHECKS, *MOTION_CHECKS, *DISPLAY_CHECKS)
 
 
 #: Rows that cost seconds and whose like is asked elsewhere: of job J1's default mesh on level 2

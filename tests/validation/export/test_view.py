@@ -43,6 +43,8 @@ def test_a_notebook_holds_the_page():
         (Look(shade="stress_zz"), {"png": "a.png"}, "not a field of the model tmm, which has size"),
         (Look(models=("network",)), {"out": "a.html"}, "network has no motion or field to show"),
         (Look(), {"out": "a.txt"}, r"--out .* must end in .html"),
+        (Look(lengths=(2e-2, 1e-2)), {"out": "a.html"}, "20 mm to 10 mm; begin below"),
+        (Look(lengths=(1e-2, 2e-2)), {"png": "a.png"}, "slider in the page; give --out"),
         (Look(), {"gif": "none/a.gif"}, "its folder does not exist"),
     ],
 )
@@ -64,6 +66,17 @@ def test_frequencies_of_driven_states():
 def test_a_scene_with_nothing_that_moves_ends_with_2(capsys):
     assert main(["view", "reluctance", "--set", "models=network"]) == 2
     assert "neither a bimorph that moves nor a field" in capsys.readouterr().err
+
+
+def test_lengths_that_no_scene_has_end_with_2(capsys):
+    """No range, no unit, no length of a bimorph."""
+    for given, words in (
+        ("20mm", "--lengths 20mm is no range"),
+        ("1:2mm", "bimorph.length = 1 has no unit"),
+        ("-1mm:9mm", "bimorph.length"),
+    ):
+        assert main(["view", *QUICK, f"--lengths={given}"]) == 2
+        assert words in capsys.readouterr().err
 
 
 def test_a_browser_that_is_not_there_is_said(monkeypatch):

@@ -12,7 +12,9 @@ from tactgen.validation.scene.scene import load_scene
 
 CROSSTALK = tuple(q for q in quantities_of("display") if q.startswith("crosstalk"))
 SPREAD = ("unit_frequencies", "frequency_spread", "screw_turns", "tuned_spread", "tuning_range")
-FIELD = ("pull_all_driven", "pull_alternating", "magnetic_crosstalk", "passive_pull")
+FIELD = (
+    "pull_all_driven", "pull_alternating", "pull_one_driven", "magnetic_crosstalk", "passive_pull",
+)  # fmt: skip
 SMALL = ("display.rows=2", "display.columns=3", "frequency=10,100,430,1000")
 
 
@@ -92,7 +94,8 @@ def test_equal_units_need_no_screw():
 def test_pulls_and_crosstalk_hang_together():
     """By the network: an eighth of their difference over the current."""
     found = answers(FIELD, model="network")
-    same, alternating = (found[q].value for q in FIELD[:2])
+    same, alternating, single = (found[q].value for q in FIELD[:3])
+    assert alternating < single < same
     assert found["magnetic_crosstalk"].value == pytest.approx((same - alternating) / (8.0 * 50e-3))
     assert found["magnetic_crosstalk"].uncertainty < 0.01 * found["magnetic_crosstalk"].value
 
@@ -102,7 +105,7 @@ def test_the_field_bears_the_network_out():
     """A third: the network knows no flux between a head and another's sleeve, nor how equal
     neighbours press the field together."""
     network, field = answers(FIELD, model="network"), answers(FIELD, model="magnetic3d")
-    for name in FIELD[:3]:
+    for name in FIELD[:4]:
         assert network[name].value == pytest.approx(field[name].value, rel=0.33), name
         assert field[name].uncertainty < 0.07 * field[name].value
     assert np.isnan(field["passive_pull"].value)

@@ -4,9 +4,10 @@ none; and its page and still."""
 import json
 import re
 
+import numpy as np
 import pytest
 
-from tactgen.geometry.errors import InputError
+from tactgen.validation.export.display_view import swing, travelling_wave
 from tactgen.validation.export.view import Look, view
 from tactgen.validation.report.page import templates
 from tactgen.validation.report.sections.contents import sections
@@ -47,7 +48,7 @@ def test_the_study_of_a_display_leaves_the_normal_actuators_sections_out(study):
 
 
 def test_page_and_still(tmp_path):
-    """Each distinct part is in the page once, all units with their motions; no films."""
+    """Each distinct part is in the page once, all units with their motions."""
     scene, _ = load_scene("display", SMALL)
     files = {"out": tmp_path / "d.html", "png": tmp_path / "d.png"}
     view(scene, Look(), files, lambda _: None)
@@ -60,5 +61,29 @@ def test_page_and_still(tmp_path):
     assert [len(row) for row in data["motions"]] == [2, 2, 2]
     assert data["units"] == ["r1c1", "r1c2"]
     assert files["png"].read_bytes().startswith(b"\x89PNG")
-    with pytest.raises(InputError, match="not there for the display"):
-        view(scene, Look(), {"gif": tmp_path / "d.gif"}, lambda _: None)
+
+
+def test_a_wave_runs_along_the_display():
+    """Of two units, alike and opposite each other: what each drive does, added with its phase."""
+    scene, _ = load_scene("display", SMALL)
+    frequency, tips = travelling_wave(scene)
+    own, passed = swing(scene).tips[scene.frequency.index(frequency)]
+    expected = [own - 1j * passed, passed - 1j * own]
+    assert tips == pytest.approx(np.array(expected), rel=1e-6)
+
+
+@pytest.mark.heavy
+def test_the_display_moves_in_a_film(tmp_path):
+    """A period of 24 pictures; they differ where the tips are, and the words say how much."""
+    from PIL import Image
+
+    scene, _ = load_scene("display", SMALL)
+    film = tmp_path / "d.gif"
+    view(scene, Look(), {"gif": film}, lambda _: None)
+    with Image.open(film) as opened:
+        assert opened.n_frames == 24
+        pictures = []
+        for k in (0, 12):
+            opened.seek(k)
+            pictures.append(np.asarray(opened.convert("RGB"), dtype=int))
+    assert (np.abs(pictures[0] - pictures[1]).max(axis=2) > 60).sum() > 200

@@ -9,7 +9,14 @@ import zlib
 import numpy as np
 import pytest
 
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.fields.gather import Request, gather
+from tactgen.validation.fields.lengths import (
+    LengthRange,
+    ModeOverLength,
+    lagrange_weights,
+    length_range,
+)
 from tactgen.validation.fields.result import at_phase
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.view.browser import find_browser, run_browser
@@ -96,6 +103,48 @@ def test_the_page_is_small_and_whole(text):
     assert "default-src 'none'" in text
 
 
+@pytest.fixture(scope="module")
+def over_length(seen):
+    """Return the first result at made-up lengths: it grows, and its modes become stiffer."""
+    result = seen[0]
+    known, solved = np.linspace(0.01, 0.02, 6), np.linspace(0.011, 0.019, 5)
+    shapes = [s for s in result.states if s.kind == "mode" and s.motion == "bending_x"]
+    stretch = solved / np.ptp(result.mesh.points[:, 2])
+    own = [np.real(s.fields["displacement"]) for s in shapes]
+    modes = [
+        ModeOverLength(
+            state.circuit, "bending_x", [s.circuit for s in shapes[:n]].count(state.circuit),
+            np.append(state.frequency / known[:-1], np.nan), np.append(0.01 / known[:-1], np.nan),
+            np.stack([(1.0 + k) * own[n] for k in range(5)]),
+        )
+        for n, state in enumerate(shapes)
+    ]  # fmt: skip
+    points = np.stack([result.mesh.points * [1.0, 1.0, s] for s in stretch])
+    return LengthRange("solid", 0.014, result.mesh, known, solved, points, tuple(modes), 1e-3, "m")
+
+
+def test_lengths_of_the_page_are_the_solvers(seen, over_length):
+    """Points and shapes at a solved length, what is written at each, where nothing is known."""
+    data = payload(seen, [over_length, None])
+    read, own = unpacked(data), data["results"][0]["lengths"]
+    assert data["results"][1]["lengths"] is None
+    assert own["here"] == 0.014
+    for k, shape in enumerate(own["shapes"]):
+        assert read(shape).reshape(-1, 3) == pytest.approx(over_length.points[k], abs=1e-9)
+    assert [m["name"] for m in own["modes"]] == [
+        s.name for s in seen[0].states if s.motion == "bending_x" and s.kind == "mode"
+    ]
+    for mode, packed in zip(over_length.modes, own["modes"], strict=True):
+        for k, shape in enumerate(mode.shapes):
+            found = (read(packed["middle"]) + read(packed["apart"][k])).reshape(-1, 3)
+            assert np.abs(found - shape).max() < 1e-4 * np.abs(mode.shapes).max()
+        assert packed["texts"][:-1] == [
+            with_bar(f, b, "Hz") for f, b in zip(mode.frequency[:-1], mode.bar[:-1], strict=True)
+        ]
+        assert packed["texts"][-1] == "above the lowest"
+    assert "off by up to 0.1 %" in own["note"]
+
+
 def test_pictures_can_be_coloured_by_what_a_model_has(seen):
     solid, tmm = (tuple(s.key for s in shades_of(result)) for result in seen)
     assert solid == tuple(s.key for s in SHADES if s.key != "flux_density")
@@ -151,6 +200,48 @@ def test_the_shader_puts_the_tip_where_the_solver_does(tested, seen):
         expected = [points[tip] + enlarged * at_phase(own[tip], p) for p in PHASES]
         drawn = enlarged * np.abs(own).max()
         assert np.array(found["tip"]) == pytest.approx(np.array(expected), abs=1e-4 * drawn)
+
+
+@pytest.fixture(scope="module")
+def lengths(seen):
+    """Return the scene, and both models over a range of lengths."""
+    scene, _ = load_scene("j1", ["mesh.level=2", "modes=3", "models=solid,tmm"])
+    return scene, [length_range(scene, r.model, (0.012, 0.018), known=11) for r in seen]
+
+
+@pytest.mark.heavy
+def test_the_slider_of_the_length(browser, seen, lengths, tmp_path):
+    """Pixels, shape and numbers follow it; a number is the quantity at that length to its bars."""
+    scene, ranges = lengths
+    text = page("j1", payload(seen, ranges), [Still(PIXEL, "one pixel")])
+    assert len(text.encode()) < 1.2e6
+    report, messages = selftest(browser, text, tmp_path / "lengths.html")
+    assert "CONSOLE" not in messages
+    assert report["errors"] == []
+    assert [name for name, changed in report["changes"].items() if not changed] == []
+    assert len({found["sum"] for found in report["lengths"]}) == 3
+    name = "short_circuit_frequencies"
+    for found in report["lengths"]:
+        length = float(ranges[0].lengths[found["k"]])
+        assert found["said"] in found["label"]
+        assert found["height"] == pytest.approx(length, rel=1e-5)
+        bimorph = scene.bimorph.model_copy(update={"length": length})
+        at = scene.model_copy(update={"bimorph": bimorph})
+        first = solve(at, ("solid",), (name,)).get(name, "solid")
+        mode = next(m for m in ranges[0].modes if (m.circuit, m.motion) == ("short", "bending_x"))
+        assert found["texts"]["mode 1, short circuit"] == with_bar(
+            mode.frequency[found["k"]], mode.bar[found["k"]], "Hz"
+        )
+        apart = abs(mode.frequency[found["k"]] - first.value[0])
+        assert apart <= mode.bar[found["k"]] + first.uncertainty[0]
+        # the tip is where its polynomial is, enlarged
+        weights = lagrange_weights(ranges[0].solved, length)
+        shape, points = (np.tensordot(weights, v, 1) for v in (mode.shapes, ranges[0].points))
+        top = int(np.argmin(np.hypot(points[:, 0], points[:, 1]) - 1e3 * points[:, 2]))
+        drawn = found["enlarge"] * np.abs(shape).max()
+        assert np.array(found["tip"]) == pytest.approx(
+            points[top] + found["enlarge"] * shape[top], abs=2e-3 * drawn
+        )
 
 
 @pytest.mark.heavy

@@ -10,7 +10,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
 
 #: Options that ask something of a scene, which a run's file has answered.
-_OF_A_SCENE = ("model", "frequency", "png", "gif", "mp4", "state", "field")
+_OF_A_SCENE = ("model", "frequency", "lengths", "png", "gif", "mp4", "state", "field")
 
 
 def add(commands: Commands) -> None:
@@ -24,6 +24,12 @@ def add(commands: Commands) -> None:
         "--frequency",
         metavar="LIST|START:STOP:N[:log]",
         help="of driven states, in Hz (default: half the first natural frequency, and that)",
+    )
+    parser.add_argument(
+        "--lengths",
+        metavar="LOW:HIGH",
+        help="put a slider of the bimorph's length into the page, such as 15mm:30mm: shapes and "
+        "frequencies with their bars at any of them",
     )
     parser.add_argument("--out", metavar="FILE.html", help="the page (default view.html)")
     parser.add_argument(
@@ -64,6 +70,7 @@ def run(options: argparse.Namespace) -> int:
         frequencies=harmonic_frequencies(scene) if asked else None,
         state=options.state or "",
         shade=options.field or "",
+        lengths=_lengths(options),
     )
     with announcer() as announce:
         for path in view(scene, look, files, announce):
@@ -98,3 +105,21 @@ def _show_run(options: argparse.Namespace) -> int:
 def _open(page: Path) -> None:
     if not webbrowser.open(page.resolve().as_uri()):
         warn([f"no browser could be started; open {page} yourself"])
+
+
+def _lengths(options: argparse.Namespace) -> tuple[float, float] | None:
+    """Return the ends (m) of the slider: lengths that the scene may have."""
+    if options.lengths is None:
+        return None
+    from tactgen.validation.scene.scene import load_scene
+
+    ends = options.lengths.split(":")
+    if len(ends) != 2:
+        raise InputError(
+            f"--lengths {options.lengths} is no range; write its two ends, such as 15mm:30mm"
+        )
+    low, high = (
+        load_scene(options.scene, [*options.overrides, f"bimorph.length={end}"])[0].bimorph.length
+        for end in ends
+    )
+    return low, high

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from tactgen.geometry.store.values import storable
@@ -25,8 +26,10 @@ class NeighbourField:
         Polarities equal, or opposite to all nearest neighbours (N).
     difference : Measured
         The first less the second (N), which shares much of their errors.
+    single : Measured
+        Pull of one unit driven among others without current (N).
     passive : Measured
-        Pull of an undriven neighbour of a single driven unit (N); nan where that is not known.
+        Pull of its undriven neighbour (N); nan where that is not known.
     method : str
         How the bars come about.
     """
@@ -35,6 +38,7 @@ class NeighbourField:
     same: Measured
     alternating: Measured
     difference: Measured
+    single: Measured
     passive: Measured
     method: str
 
@@ -68,6 +72,7 @@ def by_network(scene: Scene) -> NeighbourField:
         judged(fine.same, coarse.same),
         judged(fine.alternating, coarse.alternating),
         judged(fine.same - fine.alternating, coarse.same - coarse.alternating),
+        judged(fine.single, coarse.single),
         judged(fine.passive, coarse.passive),
         "difference from half as many ladder cells; the network's own error is not included",
     )
@@ -84,6 +89,8 @@ def by_field(scene: Scene) -> NeighbourField:
     width = max(abs(a - b) / (a + b) for a, b in pairs)
     difference = [a - b for a, b in zip(*pairs, strict=True)]
     mean = 0.5 * sum(difference)
+    single = [_single(a, b) for a, b in zip(*pairs, strict=True)]
+    middle = 0.5 * sum(single)
 
     def judged(pair: tuple[float, float]) -> Measured:
         value = 0.5 * sum(pair)
@@ -94,6 +101,21 @@ def by_field(scene: Scene) -> NeighbourField:
         judged(found.same),
         judged(found.alternating),
         Measured(mean, max(0.5 * abs(difference[0] - difference[1]), width * abs(mean))),
+        Measured(middle, max(0.5 * abs(single[0] - single[1]), width * abs(middle))),
         Measured(float("nan"), float("nan")),
-        "half the difference of vector and scalar potential, of either polarity the larger",
+        "half the difference of vector and scalar potential, of either polarity the larger; of one "
+        "driven unit by its waves from unit to unit, of which the two polarities are the ends",
     )
+
+
+def _single(same: float, alternating: float) -> float:
+    """Return the pull of one driven unit of an endless array from those of all driven.
+
+    Each unit passes its flux on to its four neighbours: how much, the two polarities tell.
+    """
+    from tactgen.tmm.display.field import endless_share
+
+    if not 0.0 < alternating <= same:
+        return float("nan")
+    ratio = (math.sqrt(same / alternating) - 1.0) / 8.0
+    return same * endless_share(ratio) ** 2

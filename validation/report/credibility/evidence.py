@@ -32,7 +32,7 @@ SPEAKS_FOR: dict[str, dict[str, tuple[str, ...]]] = {
         "VM213": ("network",), "LOOP": ("network", "axisymmetric"),
         "BALL": ("magnetic3d",), "VM188": ("magnetic3d",),
     },
-    "motion": {}, "amplitude": {}, "misprints": {},
+    "motion": {}, "amplitude": {}, "display": {}, "misprints": {},
 }  # fmt: skip
 
 

@@ -13,12 +13,15 @@ import numpy as np
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.surface import Surface, surface_of
+from tactgen.validation.fields.lengths import LengthRange, ModeOverLength
 from tactgen.validation.fields.result import Array, FieldResult, State
+from tactgen.validation.view.formats import share, with_bar
 from tactgen.validation.view.palettes import COLOURS, magnitude_stops, signed_stops
 from tactgen.validation.view.shading import (
     MODELS,
     REGIONS,
     Shade,
+    drawn_size,
     enlargement,
     shades_of,
     words_of,
@@ -76,19 +79,47 @@ class Block:
         return base64.b64encode(deflate.compress(bytes(self.data)) + deflate.flush()).decode()
 
 
-def payload(results: Sequence[FieldResult]) -> dict[str, Any]:
-    """Return what the page gets, as plain JSON values."""
+def payload(
+    results: Sequence[FieldResult], ranges: Sequence[LengthRange | None] = ()
+) -> dict[str, Any]:
+    """Return what the page gets, as plain JSON values.
+
+    Parameters
+    ----------
+    ranges : sequence of LengthRange or None
+        Of each result what it is at other lengths; none at all where no length is moved.
+    """
     block = Block()
+    others = ranges or (None,) * len(results)
     return {
         "scene": results[0].scene,
         "palettes": {"magnitude": magnitude_stops(), "signed": signed_stops()},
-        "results": [_result(block, result) for result in results],
+        "results": [
+            _result(block, result, other) for result, other in zip(results, others, strict=True)
+        ],
         "blob": block.text(),
     }
 
 
-def _result(block: Block, result: FieldResult) -> dict[str, Any]:
-    mesh, surface = result.mesh, surface_of(result.mesh)
+def _result(block: Block, result: FieldResult, other: LengthRange | None) -> dict[str, Any]:
+    shades = shades_of(result)
+    geometry, used = _geometry(block, result.mesh)
+    return {
+        "model": result.model,
+        "title": MODELS.get(result.model, result.model),
+        "regions": [_region(name) for name in result.mesh.regions],
+        **geometry,
+        "lines": None if result.lines is None else block.plain(result.lines.reshape(-1, 3)),
+        "opened": result.lines is not None,
+        "fields": [_shade(shade) for shade in shades],
+        "states": [_state(block, result, state, shades, used) for state in result.states],
+        "lengths": None if other is None else _lengths(block, result, other),
+    }
+
+
+def _geometry(block: Block, mesh: Mesh) -> tuple[dict[str, Any], Ints]:
+    """Return points and what is drawn between them, and which of the mesh's points they are."""
+    surface = surface_of(mesh)
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     region = np.zeros(len(mesh.points), dtype=np.int64)
     region[mesh.cells] = mesh.region_of_cell[:, None]
@@ -97,11 +128,7 @@ def _result(block: Block, result: FieldResult) -> dict[str, Any]:
     used = np.unique(surface.triangles) if hollow else np.arange(len(mesh.points))
     place = np.full(len(mesh.points), -1)
     place[used] = np.arange(used.size)
-    shades = shades_of(result)
     return {
-        "model": result.model,
-        "title": MODELS.get(result.model, result.model),
-        "regions": [_region(name) for name in mesh.regions],
         "points": block.plain(mesh.points[used]),
         "regionOfPoint": block.plain(region[used]),
         "triangles": block.plain(place[surface.triangles].ravel()),
@@ -109,17 +136,53 @@ def _result(block: Block, result: FieldResult) -> dict[str, Any]:
         "outline": block.plain(place[outline(mesh, surface)].ravel()),
         "cells": None if hollow else block.plain(mesh.cells.ravel()),
         "cellSize": mesh.cells.shape[1],
-        "lines": None if result.lines is None else block.plain(result.lines.reshape(-1, 3)),
-        "opened": result.lines is not None,
         "tip": int(place[tip_point(mesh.points)]),
         "height": float(high[2] - low[2]),
         "box": {
             "low": low.tolist(), "high": high.tolist(), "centre": (0.5 * (low + high)).tolist(),
             "height": float(high[2] - low[2]), "width": float((high - low)[:2].max()),
         },
-        "fields": [_shade(shade) for shade in shades],
-        "states": [_state(block, result, state, shades, used) for state in result.states],
-    }  # fmt: skip
+    }, used  # fmt: skip
+
+
+def _lengths(block: Block, result: FieldResult, other: LengthRange) -> dict[str, Any]:
+    """Return a result at other lengths: numbers at each, points and shapes at those solved."""
+    geometry, used = _geometry(block, other.mesh)
+    names: dict[tuple[str, str, int], str] = {}
+    for state in (s for s in result.states if s.kind == "mode"):
+        place = sum(key[:2] == (state.circuit, state.motion) for key in names)
+        names[state.circuit, state.motion, place] = state.name
+    modes = [(names.get((m.circuit, m.motion, m.place)), m) for m in other.modes]
+    return {
+        **geometry,
+        "here": other.here,
+        "at": other.lengths.tolist(),
+        "solved": other.solved.tolist(),
+        "shapes": [block.plain(points[used]) for points in other.points],
+        "note": f"Frequencies: {other.method}. Shapes: solved at {other.solved.size} lengths, "
+        f"between them off by up to {share(other.missed)}.",
+        "modes": [_over_length(block, name, mode, other, used) for name, mode in modes if name],
+    }
+
+
+def _over_length(
+    block: Block, name: str, mode: ModeOverLength, other: LengthRange, used: Ints
+) -> dict[str, Any]:
+    middle = mode.shapes.mean(axis=0)
+    top = float(np.abs(mode.shapes).max())
+    sizes = np.linalg.norm(mode.shapes, axis=2).max(axis=1)
+    drawn = [drawn_size(p, u) for p, u in zip(other.points, mode.shapes, strict=True)]
+    return {
+        "name": name,
+        # of one scale, so that the small differences pack well
+        "middle": block.small(middle[used], top),
+        "apart": [block.small((shape - middle)[used], top) for shape in mode.shapes],
+        "drawn": (np.array(drawn) / sizes).tolist(),
+        "texts": [
+            with_bar(float(f), float(bar), "Hz") if np.isfinite(f) else "above the lowest"
+            for f, bar in zip(mode.frequency, mode.bar, strict=True)
+        ],
+    }
 
 
 def _region(name: str) -> dict[str, Any]:

@@ -98,6 +98,44 @@
     };
   }
 
+  /** A result at the k-th of its lengths: points and shapes are polynomials in the length. */
+  function stretched(result, k) {
+    const own = result.lengths, at = own.at[k];
+    const weights = own.solved.map((node, j) => own.solved.reduce(
+      (w, other, i) => (i === j ? w : w * (at - other) / (node - other)), 1));
+    const mix = (start, parts) => {
+      const out = Float32Array.from(start);
+      parts.forEach((part, j) => { for (let i = 0; i < out.length; i++) out[i] += weights[j] * part[i]; });
+      return out;
+    };
+    const points = mix(new Float32Array(own.shapes[0].length), own.shapes);
+    const fields = result.fields.filter((f) => f.along || f.source === 1);
+    const states = own.modes.map((mode) => {
+      const moved = mix(mode.middle, mode.apart), tops = {};
+      for (const field of fields) {
+        let top = 0;
+        for (let i = 0; i < moved.length; i += 3) {
+          const u = [moved[i], moved[i + 1], moved[i + 2]];
+          top = Math.max(top, field.source === 1 ? Math.hypot(...u) : Math.abs(u.reduce((s, v, c) => s + v * field.along[c], 0)));
+        }
+        tops[field.key] = top;
+      }
+      const here = result.states.find((s) => s.name === mode.name);
+      return { ...here, text: mode.texts[k], tops, arrays: { displacement: [moved] },
+        title: `${here.title}, ${millimetres(at)} long`,
+        drawn: mode.drawn.reduce((sum, v, j) => sum + weights[j] * v, 0) };
+    });
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    points.forEach((v, i) => { low[i % 3] = Math.min(low[i % 3], v); high[i % 3] = Math.max(high[i % 3], v); });
+    const height = high[2] - low[2];
+    const box = { low, high, height, centre: low.map((v, c) => 0.5 * (v + high[c])), width: own.box.width };
+    return { ...result, ...own, points, fields, states, height, box };
+  }
+
+  const nearest = (values, wanted) => values.reduce(
+    (best, v, k) => (Math.abs(v - wanted) < Math.abs(values[best] - wanted) ? k : best), 0);
+  const millimetres = (metres) => +(1e3 * metres).toFixed(3) + ' mm';
+
   function paletteTexture(stops) {
     const T = window.THREE, data = new Uint8Array(4 * 256);
     for (let k = 0; k < 256; k++) {
@@ -153,6 +191,12 @@
         part.frustumCulled = false; this.scene.add(part);
       }
       if (result.lines) this.addLines(material);
+    }
+
+    /** Let go of what the graphics processor holds. */
+    clear() {
+      this.scene.traverse((part) => { if (part.geometry) { part.geometry.dispose(); part.material.dispose(); } });
+      this.scene.clear();
     }
 
     geometry(index) {
@@ -351,6 +395,7 @@
       this.isDark = () => !light && this.scheme.matches;
       this.dark = this.isDark();
       this.panes = []; this.last = null; this.frames = 0;
+      this.length = -1; // as in the scene; else which of the lengths
     }
 
     async start() {
@@ -383,7 +428,14 @@
         ...result, states, points: at(result.points), triangles: at(result.triangles),
         edges: at(result.edges), outline: at(result.outline), cells: at(result.cells),
         regionOfPoint: at(result.regionOfPoint), lines: at(result.lines),
+        lengths: result.lengths && this.loadedLengths(result.lengths, at),
       };
+    }
+
+    loadedLengths(own, at) {
+      const drawn = Object.fromEntries(['triangles', 'edges', 'outline', 'cells', 'regionOfPoint'].map((k) => [k, at(own[k])]));
+      return { ...own, ...drawn, shapes: own.shapes.map(at),
+        modes: own.modes.map((m) => ({ ...m, middle: at(m.middle), apart: m.apart.map(at) })) };
     }
 
     // ---- what is shown -------------------------------------------------------------------
@@ -391,9 +443,25 @@
     choose(left, right) {
       this.chosen = [left, right];
       const wanted = right < 0 || right === left ? [left] : [left, right];
-      for (const pane of this.panes) pane.scene.clear();
-      this.panes = wanted.map((k) => new Pane(this, this.results[k]));
+      for (const pane of this.panes) pane.clear();
+      this.panes = wanted.map((k) => new Pane(this, this.at(k)));
       this.listStates(); this.select(this.stateName || this.results[left].states[0].name);
+    }
+
+    /** A result at the length of the slider, where it has others. */
+    at(k) {
+      const result = this.results[k];
+      return this.length < 0 || !result.lengths ? result : stretched(result, this.length);
+    }
+
+    /** Show the k-th length; -1 is the scene's own, with all its states and colours. */
+    stretch(k) {
+      const { coloured } = this.chosen, own = this.results.find((r) => r.lengths).lengths;
+      this.length = k;
+      this.inputs.lengthText.textContent = k < 0 ? 'as in the scene' : millimetres(own.at[k]);
+      if (k >= 0) this.inputs.length.value = k;
+      this.inputs.ownLength.setAttribute('aria-pressed', String(k < 0));
+      this.choose(...this.chosen); this.chosen.coloured = coloured;
     }
 
     /** States of the first result; a second one shows its own of that kind and place. */
@@ -640,9 +708,16 @@
         type: 'button', onclick: () => this.look(from),
         title: { home: 'the first view', upright: 'z up' }[from] || `along ${from}`,
       }, { home: 'Home', upright: 'Upright' }[from] || from));
+      const own = (this.results.find((r) => r.lengths) || {}).lengths;
+      const lengths = !own ? [] : [group('Length',
+        slider('length', 'Length', 0, own.at.length - 1, 1, nearest(own.at, own.here), () => 'as in the scene', (v) => this.stretch(v)),
+        element('div', { class: 'tv-buttons' }, inputs.ownLength = element('button', { type: 'button', 'aria-pressed': 'true',
+          onclick: () => this.stretch(-1) }, 'As in the scene')),
+        element('p', { class: 'tv-help' }, own.note))];
       const isMoving = this.results.some((r) => r.states.some((s) => s.moves));
       this.panel.append(
         group('State', ...several, ...(isMoving ? [this.circuits] : []), this.stateList),
+        ...lengths,
         group('Colour', pick('field', 'Colour by', [['', 'part']], (v) => { this.options.field = v; this.refresh(); })),
         ...(isMoving ? [group('Motion', inputs.play,
           slider('phase', 'Phase', 0, 359, 1, 0, (v) => v + '°', (v) => { this.pause(); this.options.phase = v * Math.PI / 180; this.draw(); }),
@@ -916,6 +991,20 @@
       report.captions = [...view.captions.children].map((c) => c.textContent);
       set('other', -1);
     }
+    if (view.inputs.length) {
+      view.pause();
+      drag('phase', 0);
+      const count = view.results.find((r) => r.lengths).lengths.at.length;
+      differs('length', () => drag('length', 0), () => view.inputs.ownLength.click());
+      report.lengths = [0, Math.floor(count / 3), count - 1].map((k) => {
+        drag('length', k);
+        return { k, sum: view.fingerprint().sum, height: view.panes[0].result.box.height, said: view.inputs.lengthText.textContent,
+          tip: view.probe(0, view.panes[0].result.tip, [0])[0], enlarge: view.panes[0].enlargement(),
+          label: view.renderer.domElement.getAttribute('aria-label'),
+          texts: Object.fromEntries(view.panes[0].result.states.map((s) => [s.name, s.text])) };
+      });
+      view.inputs.ownLength.click();
+    }
     if (several) {
       const circuit = view.options.circuit;
       send('o'); report.opened = view.state.name; send('o');
@@ -957,6 +1046,7 @@
         if (wanted.get('field')) { view.options.field = wanted.get('field'); view.listFields(); view.refresh(); }
         if (wanted.get('beside')) { view.choose(0, +wanted.get('beside')); view.inputs.other.value = wanted.get('beside'); view.look('home'); }
         if (wanted.get('cut')) view.cut(wanted.get('cut'));
+        if (wanted.get('length')) view.stretch(+wanted.get('length'));
         if (wanted.get('phase')) { view.pause(); view.options.phase = +wanted.get('phase') * Math.PI / 180; view.draw(); }
       }
       if (view && location.hash === '#selftest') await selftest(view);
