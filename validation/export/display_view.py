@@ -26,6 +26,8 @@ from tactgen.validation.view.pictures import assembly_picture
 
 #: Pictures of a film's one period, milliseconds that each is shown, and periods in an .mp4.
 _FRAMES, _SHOWN, _REPEATS = 24, 80, 4
+#: What a film leaves out, since it stands round the bimorphs.
+_HIDES = ("support_plate", "support_spacer", "adjusting_spring")
 #: What swings with a unit's tip.
 _SWINGS = ("piezo_top", "piezo_bottom", "shim")
 #: Largest distance of a curved face from its triangles (mm), and their angle (rad).
@@ -82,10 +84,11 @@ def _write_film(
     largest = engineering(float(np.abs(tips).max()), "m", 3)
     words = (
         f"{scene.name}: {frequency:.4g} Hz, {scene.drive.voltage:g} V peak at every unit, each "
-        f"column\na quarter period later, tips up to {largest}, drawn × {times:.3g}"
+        f"column\na quarter period later, tips up to {largest}, drawn × {times:.3g}; without the support plate"
     )
     phases = [2.0 * np.pi * k / _FRAMES for k in range(_FRAMES)]
-    images = assembly_frames(parts, tips, ceramic, times, words, phases, announce)
+    seen = [part for part in parts if part.name not in _HIDES]
+    images = assembly_frames(seen, tips, ceramic, times, words, phases, announce)
     save_film(path, images, _SHOWN, _REPEATS)
 
 
