@@ -17,7 +17,7 @@ from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.shading import Shade, shades_of, words_of
 
 if TYPE_CHECKING:
-    from tactgen.validation.fields.lengths import LengthRange
+    from tactgen.validation.fields.over_length import LengthRange
     from tactgen.validation.view.page.html import Still
 
 #: Endings of each kind of file.

@@ -8,7 +8,6 @@ these are the polynomials in the length through them.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,6 +20,12 @@ from tactgen.validation.engine.families import answer_family, find_families
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.fields.gather import Request, gather
+from tactgen.validation.fields.over_length import (
+    LengthRange,
+    ModeKey,
+    ModeOverLength,
+    lagrange_weights,
+)
 from tactgen.validation.fields.result import Circuit, FieldResult
 from tactgen.validation.scene.scene import Scene
 
@@ -34,68 +39,6 @@ _NAMES: dict[Circuit, str] = {
     "short": SHORT_CIRCUIT_FREQUENCIES.name,
     "open": OPEN_CIRCUIT_FREQUENCIES.name,
 }
-#: A mode: its circuit, its class of motion, and its place among those of this class.
-ModeKey = tuple[Circuit, str, int]
-
-
-@dataclass(frozen=True)
-class ModeOverLength:
-    """One mode over the length.
-
-    Attributes
-    ----------
-    circuit, motion, place : str, str, int
-        Which it is: the place counts modes of one class of motion, from 0.
-    frequency, bar : (n,) array
-        Hz; nan where it is not among the lowest that the scene asks for.
-    shapes : (k, points, 3) array
-        Displacements at the solved lengths (m).
-    """
-
-    circuit: Circuit
-    motion: str
-    place: int
-    frequency: Floats
-    bar: Floats
-    shapes: Floats
-
-
-@dataclass(frozen=True)
-class LengthRange:
-    """A model's bimorph over a range of lengths.
-
-    Attributes
-    ----------
-    model : str
-        Its name.
-    here : float
-        The scene's own length (m).
-    mesh : Mesh
-        Points and cells at the length in the middle.
-    lengths : (n,) array
-        Where frequencies are known, ascending (m).
-    solved : (k,) array
-        Where shapes are (m).
-    points : (k, points, 3) array
-        The points at the solved lengths (m).
-    modes : tuple of ModeOverLength
-        Those with a shape everywhere in the range.
-    missed : float
-        Largest part of a displacement by which an interpolated shape was off at a length that
-        was solved to judge it.
-    method : str
-        How the frequencies' bars come about.
-    """
-
-    model: str
-    here: float
-    mesh: Mesh
-    lengths: Floats
-    solved: Floats
-    points: Floats
-    modes: tuple[ModeOverLength, ...]
-    missed: float
-    method: str
 
 
 def length_range(
@@ -148,14 +91,6 @@ def length_range(
         model, scene.bimorph.length, base.mesh, lengths, solved, points[:-1], tuple(modes), missed,
         _method(scene, model),
     )  # fmt: skip
-
-
-def lagrange_weights(nodes: Floats, at: float) -> Floats:
-    """Return what values at nodes (k,) count with in their polynomial at a place, (k,)."""
-    apart = nodes[:, None] - nodes[None, :] + np.eye(nodes.size)
-    ratios = (at - nodes[None, :]) / apart
-    np.fill_diagonal(ratios, 1.0)
-    return np.asarray(ratios.prod(axis=1))
 
 
 def _at(scene: Scene, length: float) -> Scene:
@@ -262,7 +197,7 @@ def _columns(mesh: Mesh) -> dict[int, tuple[Ints, Floats]]:
     """Return by region its points as columns (c, nz), ascending, and their heights (nz,)."""
     region = np.zeros(len(mesh.points), dtype=np.int64)
     region[mesh.cells] = mesh.region_of_cell[:, None]
-    found = {}
+    found: dict[int, tuple[Ints, Floats]] = {}
     for number in range(len(mesh.regions)):
         chosen = np.flatnonzero(region == number)
         x, y, z = (np.round(mesh.points[chosen, k] / 1e-12) for k in range(3))

@@ -6,7 +6,8 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.fields.gather import Request, gather
-from tactgen.validation.fields.lengths import lagrange_weights, length_range
+from tactgen.validation.fields.lengths import length_range
+from tactgen.validation.fields.over_length import lagrange_weights
 from tactgen.validation.scene.scene import load_scene
 
 ENDS = 15e-3, 25e-3

@@ -11,12 +11,8 @@ import pytest
 
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.fields.gather import Request, gather
-from tactgen.validation.fields.lengths import (
-    LengthRange,
-    ModeOverLength,
-    lagrange_weights,
-    length_range,
-)
+from tactgen.validation.fields.lengths import length_range
+from tactgen.validation.fields.over_length import LengthRange, ModeOverLength, lagrange_weights
 from tactgen.validation.fields.result import at_phase
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.view.browser import find_browser, run_browser

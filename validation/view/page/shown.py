@@ -13,7 +13,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.surface import Surface, surface_of
-from tactgen.validation.fields.lengths import LengthRange, ModeOverLength
+from tactgen.validation.fields.over_length import LengthRange, ModeOverLength
 from tactgen.validation.fields.result import Array, FieldResult, State
 from tactgen.validation.view.formats import share, with_bar
 from tactgen.validation.view.palettes import COLOURS, magnitude_stops, signed_stops
