@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 #: Size in pixels, and where the eye is: far enough up that all tips are seen.
 _SIZE = 640, 720
 _VIEW = (2.2, -3.0, 2.0)
+#: Half the picture's height over the size of what moves.
+_ROOM = 0.62
 #: Share of the pitch that the largest deflection is drawn as.
 _REACH = 0.3
 
@@ -70,6 +72,8 @@ def assembly_frames(
     plotter.camera_position = [_VIEW, (0.0, 0.0, 0.0), (0, 0, 1)]
     plotter.camera.parallel_projection = True
     plotter.reset_camera()
+    swinging = [rest.reshape(-1, 3) for _, rest, shares in moving if shares is not None]
+    _look_at(plotter, np.concatenate(swinging))
     font = ImageFont.truetype(typeface(), 15)
     images = []
     for number, phase in enumerate(phases, start=1):
@@ -86,6 +90,16 @@ def assembly_frames(
         images.append(image)
     plotter.close()
     return images
+
+
+def _look_at(plotter: Any, points: Floats) -> None:
+    """Fill the picture with what moves (mm); what stands round it may be cut off."""
+    camera = plotter.camera
+    shift = 0.5 * (points.min(axis=0) + points.max(axis=0)) - np.array(camera.focal_point)
+    for name in ("focal_point", "position"):
+        setattr(camera, name, tuple(np.array(getattr(camera, name)) + shift))
+    camera.parallel_scale = _ROOM * float(np.linalg.norm(np.ptp(points, axis=0)))
+    plotter.renderer.ResetCameraClippingRange()
 
 
 def _placed(
