@@ -27,6 +27,8 @@ DEVICE = COLLARED
 GAP, CURRENT = 0.2e-3, 0.13
 TURNS = DEVICE.coil.turns
 COARSEST, COARSE = Sector(refinement=0.5), Sector(refinement=0.7)
+#: Where a solution is held against another one on the same mesh.
+TINY = Sector(refinement=0.3)
 UP = np.array([0.0, 0.0, 1.0])
 QUANTITIES = ("force", "flux_linkage", "coenergy", "incremental_inductance")
 
@@ -164,7 +166,7 @@ def test_virtual_work_is_the_stress_in_the_air(potential):
     On curved cells both are one derivative; the quotient's error is of second order in a
     thousandth of the gap, and of the rounding of co-energies over their change, 1e-6.
     """
-    whole = problem(COARSEST)
+    whole = problem(TINY)
     solid = sample(whole)
     weight = harmonic_weight(solid, "sleeve", ("near", "air"))
     field = potential(solid).solve(TURNS * CURRENT)
@@ -195,7 +197,7 @@ def test_any_sector_will_do(potential):
 
 def test_no_current_no_force():
     """At rest: no flux and no force with bars of zero; the inductance is that of small currents."""
-    rest, small = solved(0.0, GAP, COARSEST), solved(1e-6, GAP, COARSEST)
+    rest, small = solved(0.0, GAP, TINY), solved(1e-6, GAP, TINY)
     assert rest.force == rest.coenergy == rest.errors.force == 0.0
     # up to a milliampere-turn λ/i is its limit to 1e-4
     assert rest.incremental_inductance == pytest.approx(small.flux_linkage / 1e-6, rel=1e-4)
@@ -211,9 +213,9 @@ def test_inductance_without_current_is_the_half_sections():
 
 def test_a_row_is_its_points():
     """All currents of a gap, each started from the one before, are what single points are."""
-    row = solve_row(DEVICE, GAP, np.array([0.0, CURRENT]), COARSEST)
+    row = solve_row(DEVICE, GAP, np.array([0.0, CURRENT]), TINY)
     for point, current in zip(row, (0.0, CURRENT), strict=True):
-        alone = solved(current, GAP, COARSEST)
+        alone = solved(current, GAP, TINY)
         for name in QUANTITIES:
             # Newton stops at 1e-7 of the field; a difference of two fields has a hundred times it
             assert getattr(point, name) == pytest.approx(getattr(alone, name), rel=1e-4)
@@ -221,7 +223,7 @@ def test_a_row_is_its_points():
 
 def test_reversed_current():
     """The force keeps its direction, the flux turns; Newton stops at 1e-7 of the field."""
-    one, other = solved(CURRENT, GAP, COARSEST), solved(-CURRENT, GAP, COARSEST)
+    one, other = solved(CURRENT, GAP, TINY), solved(-CURRENT, GAP, TINY)
     assert other.force == pytest.approx(one.force, rel=1e-6)
     assert other.flux_linkage == pytest.approx(-one.flux_linkage, rel=1e-6)
     assert other.errors.flux_linkage == pytest.approx(one.errors.flux_linkage, rel=1e-3)

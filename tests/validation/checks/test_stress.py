@@ -22,8 +22,13 @@ from tactgen.validation.command_line.commands.evidence import stress as command
 
 @pytest.fixture(scope="module")
 def found():
-    """Return the quick run of the transfer-matrix model's part."""
-    return beam.run(True, lambda _: None)
+    """Return the quick run of the transfer-matrix model's part, on grids of a quarter its points.
+
+    Over the same ranges; the heavy tests have its own grids.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(beam, "_QUICK", (6, 4))
+        return beam.run(True, lambda _: None)
 
 
 def row(found, family):
@@ -77,9 +82,10 @@ def test_the_naive_formulas_fail(found):
 
 
 @pytest.mark.heavy
-def test_full_grid():
-    """The full run finds no family that fails."""
-    assert all(r.verdict != "fails" for r in beam.run(False, lambda _: None).rows)
+@pytest.mark.parametrize("quick", [True, False])
+def test_whole_grids(quick):
+    """Neither the quick nor the full run finds a family that fails."""
+    assert all(r.verdict != "fails" for r in beam.run(quick, lambda _: None).rows)
 
 
 def synthetic(error, condition=1.0):

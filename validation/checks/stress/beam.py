@@ -40,6 +40,8 @@ from tactgen.validation.checks.stress.result import (
 from tactgen.validation.view.formats import engineering
 
 _LENGTH = 20e-3
+#: Frequencies above 0 Hz and lengths of the grids, of a quick run and of a full one.
+_QUICK, _FULL = (12, 8), (25, 13)
 _PAPER = ends_of(Support(), Load())
 _CLAMPED_FREE = Ends()
 
@@ -98,7 +100,7 @@ def beam_of(device: Device | None = None, *, lossy: bool = True) -> Section:
 
 
 def _grid(lossy: bool, quick: bool) -> tuple[ErrorMap, Row]:
-    n_f, n_l = (12, 8) if quick else (25, 13)
+    n_f, n_l = _QUICK if quick else _FULL
     frequencies = np.array([0.0, *np.geomspace(1e-6, 1e6, n_f)])
     lengths = np.geomspace(1e-4, 10.0, n_l)
     beam, ends = beam_of(lossy=lossy), _PAPER if lossy else _CLAMPED_FREE
