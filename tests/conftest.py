@@ -52,8 +52,8 @@ def own_store(tmp_path, monkeypatch):
     return tmp_path / "own store"
 
 
-@pytest.fixture(scope="module")
-def coarse_bricks():
+@pytest.fixture
+def coarse_bricks(monkeypatch):
     """Divide the solid far more coarsely than any answer needs: for tests of what runs and when.
 
     Keys in the store do not know: who asks for this has a store of its own.
@@ -66,9 +66,7 @@ def coarse_bricks():
         BrickMeshing((2, 2, 2), smallest=1.0, **plain),
         BrickMeshing((2, 2, 3), smallest=0.5, **plain),
     )
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(solid, "LEVELS", levels)
-        yield
+    monkeypatch.setattr(solid, "LEVELS", levels)
 
 
 @pytest.fixture(scope="session")

@@ -12,6 +12,7 @@ def lateral(model, *overrides, scene="j1"):
     return load_scene(scene, ["mesh.level=2", "frequency=0,100,1500", *overrides])[0], (model,)
 
 
+@pytest.mark.usefixtures("coarse_solid")
 @pytest.mark.parametrize("model", ["lumped", "tmm", "beam", "solid"])
 def test_ports_are_reciprocal_and_passive(model):
     """What one port does to another is mutual, and no port gives off power."""
@@ -22,6 +23,7 @@ def test_ports_are_reciprocal_and_passive(model):
     assert passivity_margin(port).min() > -1e-6
 
 
+@pytest.mark.usefixtures("coarse_solid")
 @pytest.mark.parametrize("model", ["lumped", "tmm", "beam", "solid"])
 def test_open_circuit_is_stiffer_and_the_held_capacitor_smaller(model):
     """f_open above f_short, C_blocked below C_free: energy that turns back into voltage."""

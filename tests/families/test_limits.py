@@ -14,6 +14,7 @@ def values(model, names, *overrides, scene="j1"):
     return [q.value for q in found.quantities]
 
 
+@pytest.mark.usefixtures("coarse_solid")
 @pytest.mark.parametrize("model", MODELS)
 def test_response_at_rest_is_the_static_one(model):
     """Ω = 0 with next to no loss: the response's amplitude is the static deflection."""
@@ -23,6 +24,7 @@ def test_response_at_rest_is_the_static_one(model):
     assert abs(response[0].imag) < 1e-5 * abs(static)
 
 
+@pytest.mark.usefixtures("coarse_solid")
 @pytest.mark.parametrize("model", MODELS)
 def test_without_piezoelectricity_nothing_moves(model):
     """d31 = 0: no deflection, no coupling, one capacitance."""

@@ -9,6 +9,7 @@ FACTOR = 1e-2
 LENGTHS = ("length", "width", "piezo_thickness", "shim_thickness")
 
 
+@pytest.mark.usefixtures("coarse_solid")
 @pytest.mark.parametrize("model", ["lumped", "tmm", "beam", "solid"])
 def test_bimorph(model):
     """All lengths by a hundredth, s, at the same voltage: deflection as before, frequencies by 1/s,

@@ -17,7 +17,7 @@ from tactgen.validation.scene.scene import load_scene
 
 #: Scenes whose answers leave entries behind, by what they cost.
 LIGHT = [
-    ("prototype", ["models=beam", "modes=2"], "all"),
+    ("prototype", ["models=beam", "modes=2", "frequency=100,500"], "all"),
     ("reluctance", ["models=network"], "magnetic_force,pull_in_current"),
 ]
 HEAVY = [

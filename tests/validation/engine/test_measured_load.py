@@ -36,6 +36,7 @@ def solved(scene, models, quantity, *overrides):
     return solve(load_scene(scene, overrides)[0], models, (quantity,))
 
 
+@pytest.mark.usefixtures("coarse_bricks", "own_store")
 @pytest.mark.parametrize(
     ("scene", "models", "quantities"),
     [

@@ -128,7 +128,7 @@ def test_a_quantity_costs_what_its_stages_cost():
         assert solution.get("coupling_factor", model).seconds == seconds[f"{model}.modes"]
 
 
-@pytest.mark.usefixtures("own_store")
+@pytest.mark.usefixtures("coarse_bricks", "own_store")
 def test_solid_plan_runs_as_planned():
     """The same for the solid, all quantities at once."""
     scene, _ = load_scene("j1", ["frequency=100", "mesh.level=2", "modes=2"])

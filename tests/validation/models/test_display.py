@@ -1,5 +1,7 @@
 """The display by models of its generators: crosstalk, units that differ, screws that tune them."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -18,6 +20,7 @@ FIELD = (
 SMALL = ("display.rows=2", "display.columns=3", "frequency=10,100,430,1000")
 
 
+@cache
 def answers(quantities, *overrides, model="tmm"):
     scene, _ = load_scene("display", [*SMALL, *overrides])
     return {q.name: q for q in solve(scene, (model,), quantities).quantities}

@@ -1,6 +1,7 @@
 """The machine's quantities by the models of the bimorph."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ HELD = ("support.kind=contact", "coil.current=50mA", "coil.history=falling", *UP
 NAMES = tuple(row.name for row in ROWS)
 
 
+@cache
 def answers(*overrides, models=("tmm",), quantities=NAMES):
     scene, _ = load_scene("paper", overrides)
     solution = solve(scene, models, quantities)

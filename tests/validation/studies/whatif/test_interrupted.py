@@ -102,7 +102,7 @@ def killed_study(start, tmp_path, store, count, points, model):
 
 def test_a_study_survives_kills(start, tmp_path, own_store):
     """One kill: nothing lost or changed, at most the point in flight repeated."""
-    assert killed_study(start, tmp_path, own_store, 1, 20, "tmm") == 1
+    assert killed_study(start, tmp_path, own_store, 1, 12, "tmm") == 1
 
 
 @pytest.mark.heavy

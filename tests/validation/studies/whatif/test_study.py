@@ -43,11 +43,11 @@ def test_a_point_says_what_solve_says(solved):
     """Bit for bit, by every quick model, complex and real."""
     study = run_study(
         statement(
-            "bimorph.length=14mm:20mm:3", "load.kind=none,finger", models=("lumped", "tmm"),
+            "bimorph.length=14mm:20mm:2", "load.kind=none,finger", models=("lumped", "tmm"),
             quantities=("tip_displacement", "short_circuit_frequencies", "capacitance_free"),
         )
     )  # fmt: skip
-    assert len(study.points) == 6
+    assert len(study.points) == 4
     for point, model, answer in study.rows:
         sets = [f"{k}={v!r} m" if k == "bimorph.length" else f"{k}={v}" for k, v in point.items()]
         scene, _ = load_scene("prototype", ["frequency=100,500", *sets])
@@ -166,6 +166,7 @@ def test_what_is_shared_is_scheduled_once():
     assert [set(batch.after) for batch in many] == [set(), {0}, {0}]
 
 
+@pytest.mark.usefixtures("coarse_bricks")
 def test_one_field_solution_for_all_loads_and_voltages(own_store, monkeypatch):
     """Ten points that differ in load and voltage cost the solid one mesh and one reduction."""
     ran = []
