@@ -98,7 +98,10 @@ def test_one_co_energy_map_gives_force_and_inductance():
 NETWORK = ("magnetic_force", "flux_linkage", "inductance")
 
 
-@pytest.mark.parametrize("key", ["gap", "coil.turns"])
+@pytest.mark.parametrize(
+    "key", [*(pytest.param(key, marks=pytest.mark.heavy) for key in ("gap", "coil.turns")),
+            "coil.current"]
+)  # fmt: skip
 def test_the_networks_bars_cover_a_finer_ladder_and_are_narrow(key):
     """Against 16 times the cells; and a tenth of what independent errors would leave open."""
     sets = ["models=network"]

@@ -7,6 +7,7 @@ import pytest
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.command_line.commands.studies import whatif
 from tactgen.validation.models import ladder as ladders
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.ladder import Rung, choose_for
@@ -104,23 +105,31 @@ def test_what_the_judge_does_not_compute_is_refused():
 
 
 def test_a_study_says_why_and_remembers_that_none_was_named(
-    own_store, monkeypatch, capsys, tmp_path
+    forms, own_store, monkeypatch, capsys, tmp_path
 ):
-    """By the real ladder on coarse bricks; a resumed study is judged anew, a named model is not."""
-    monkeypatch.setattr(solid, "LEVELS", QUICK)
+    """A study that is gone on with is judged anew, one with a model named is not."""
+    monkeypatch.setattr(whatif, "_write", lambda *_: None)  # the pictures take longest
     out = tmp_path / "study"
     asked = ["--quantity", *STATIC, "--vary", "bimorph.length=14mm:18mm:3", "--out", str(out)]
-    code = main(["whatif", "prototype", "--set", "accuracy=50%", *asked, "--json"])
+    assert main(["whatif", "prototype", "--set", "accuracy=3%", *asked, "--json"]) == 0
     said = capsys.readouterr()
-    assert code == 0
     answer = json.loads(said.out)
-    assert {point["model"] for point in answer["points"]} == {"lumped"}
-    assert [rung["model"] for rung in answer["ladders"][0]] == ["lumped", "tmm", "solid"]
-    assert said.err.count("lumped meets it: model form") == 1
+    assert {point["model"] for point in answer["points"]} == {"tmm"}
+    assert [rung["model"] for rung in answer["ladders"][0]] == ["tmm", "solid"]
+    assert said.err.count("tmm meets it: model form 2 %") == 1
     assert read_statement(out).by_accuracy
-    grown = ["--vary", "bimorph.length=14mm:18mm:5", "--resume", "--out", str(out)]
+    grown = ["--vary", "bimorph.length=12mm:18mm:3", "--resume", "--out", str(out)]
     assert main(["whatif", *grown]) == 0
-    assert "lumped meets it: model form" in capsys.readouterr().err
+    assert "tmm meets it: model form 2.3 %" in capsys.readouterr().err
     assert main(["whatif", *grown, "--model", "tmm"]) == 0
     assert "meets it" not in capsys.readouterr().err
     assert not read_statement(out).by_accuracy
+
+
+@pytest.mark.heavy
+def test_by_the_real_ladder_on_coarse_bricks(monkeypatch):
+    monkeypatch.setattr(solid, "LEVELS", QUICK)
+    statement, choice = under_contract(stated("bimorph.length=14mm:18mm:3", sets=["accuracy=50%"]))
+    assert statement.models == ("lumped",)
+    assert [rung.model for rung in choice.ladders[0]] == ["lumped", "tmm", "solid"]
+    assert choice.scenes == 3

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.validation.engine.results import Quantity
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import solid_family
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif import questions, sweep
 from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.run import run_study
+from tactgen.validation.studies.whatif.run import Counts, run_study
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
@@ -23,6 +24,41 @@ def statement(*vary, models=("tmm", "solid"), quantities=("short_circuit_frequen
     return Statement("prototype", values, vary, models, quantities)
 
 
+class Reduced:
+    """Says of each member its length."""
+
+    def __init__(self, model, scene, ranges, quantities, members, announce):
+        self.asked = (model, ranges, quantities, members)
+
+    def answers(self, values):
+        return [
+            (Quantity("static_tip_displacement", "solid", np.array(length), "m", np.array(0.0),
+                      "", 0.1),)
+            for length in values["bimorph.length"]
+        ]  # fmt: skip
+
+
+def test_parts_are_read_off_in_blocks_once(own_store, monkeypatch):
+    """Two loads of nine lengths, whatever the coil's current; a load that makes no scene."""
+    made = []
+    monkeypatch.setattr(sweep, "MANY", 9)
+    monkeypatch.setattr(sweep, "_BLOCK", 4)
+    monkeypatch.setattr(sweep, "reduce_family", lambda *a: made.append(Reduced(*a)) or made[-1])
+    monkeypatch.setattr(questions, "question", lambda *_: pytest.fail("a point was asked alone"))
+    asked = statement(*AXES, models=("solid",), quantities=("static_tip_displacement",))
+    study = run_study(asked, 1)
+    ranges = {"bimorph.length": (0.014, 0.018)}
+    assert [each.asked for each in made] == [("solid", ranges, ("static_tip_displacement",), 9)] * 2
+    assert study.counts == Counts(0, 18, 0, 18, 18)
+    for point, _, answer in study.rows:
+        if point["load.kind"] == "table":
+            assert answer.status == "refused"
+            assert "load.file" in answer.reason
+        else:
+            assert answer.quantities[0].value == point["bimorph.length"]
+
+
+@pytest.mark.heavy
 def test_blocks_say_what_points_one_by_one_say(own_store, monkeypatch):
     """With loads, an axis that is not read, and a load that makes no scene; asked of none."""
     for module in (solid, solid_family):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,10 +53,15 @@ def for_many(
     }
     circuits = {c for row in rows if isinstance(row.read, ModalReadout) for c in row.read.circuits}
     at_rest = any(not isinstance(row.read, ModalReadout) for row in rows)
+    counts = family.counts(scene.modes)
+    levels = [
+        replace(level, motions={motion: level.motions[motion] for motion in counts})
+        for level in (family.fine, family.coarse)
+    ]
 
     def states(motion: Motion, members: Members) -> Floats:
         found = [
-            mode_states(members, scene.ends, scene.modes, open_circuit=circuit == "open")
+            mode_states(members, scene.ends, counts[motion], open_circuit=circuit == "open")
             for circuit in sorted(circuits)
         ]
         if at_rest and members.ports is not None:
@@ -66,10 +72,7 @@ def for_many(
     least = _LEFT_OUT * float(np.sqrt(max(family.fine.bound, family.coarse.bound)))
     for _ in range(_ROUNDS):
         fewer = SolidFamily(
-            *(
-                compressed(level, scene.device, looked_at, states, least)
-                for level in (family.fine, family.coarse)
-            )
+            *(compressed(level, scene.device, looked_at, states, least) for level in levels)
         )
         after = family_values(scene, fewer, tried, quantities)
         if all(_as_good(after[name], before[name], scene.accuracy) for name in quantities):

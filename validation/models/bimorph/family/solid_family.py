@@ -73,6 +73,13 @@ class SolidFamily:
             f"{self.fine.asked} and {self.coarse.asked} bimorphs"
         )
 
+    def counts(self, modes: int) -> dict[Motion, int]:
+        """Return of which classes of motion modes are wanted, and how many of each at most.
+
+        The finer level has those that any member needs.
+        """
+        return {motion: min(modes, own.modes) for motion, own in self.fine.motions.items()}
+
     def covers(self, ranges: Ranges) -> bool:
         """Return whether all of a range lies within the family's."""
         return all(

@@ -169,23 +169,18 @@ class _Chunk:
 
     def _levels(self, *, open_circuit: bool) -> tuple[_Level, _Level]:
         if open_circuit not in self._modes:
-            motions = tuple(self._family.fine.motions)
             fine, coarse = (
-                self._level(level, motions, open_circuit=open_circuit)
+                self._level(level, open_circuit=open_circuit)
                 for level in (self._family.fine, self._family.coarse)
             )
             self._modes[open_circuit] = fine, coarse
         return self._modes[open_circuit]
 
-    def _level(
-        self, level: ReducedFamily, motions: tuple[Motion, ...], *, open_circuit: bool
-    ) -> _Level:
+    def _level(self, level: ReducedFamily, *, open_circuit: bool) -> _Level:
         frequencies, bounds, kinds = {}, {}, {}
-        for motion in motions:
+        for motion, count in self._family.counts(self._scene.modes).items():
             members = level.members(motion, self._scene.device, self._values)
-            found = family_modes(
-                members, self._scene.ends, self._scene.modes, open_circuit=open_circuit
-            )
+            found = family_modes(members, self._scene.ends, count, open_circuit=open_circuit)
             frequencies[motion], bounds[motion] = found.frequencies, found.bars
             if level is self._family.fine:
                 kinds[motion] = np.where(found.shares(members) >= 0.5, motion, "mixed")
