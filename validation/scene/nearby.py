@@ -79,5 +79,5 @@ class ScenesNearby:
             return None
         scene = base.model_copy(update=read)
         scene._tolerances = tolerances
-        check_together(scene)
+        check_together(scene, changed=groups)
         return scene

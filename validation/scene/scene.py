@@ -6,7 +6,7 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -253,12 +253,18 @@ def checked_scene(values: dict[str, Any]) -> Scene:
     return scene
 
 
-def check_together(scene: Scene) -> None:
-    """Refuse values that do not fit together; InputError."""
-    scene.piezo.ceramic().check_admissible()
+def check_together(scene: Scene, changed: Container[str] = ("piezo",)) -> None:
+    """Refuse values that do not fit together; InputError.
+
+    Of a scene next to one that was checked only the groups that `changed` need a check of
+    their own; what concerns several is checked in any case.
+    """
+    if "piezo" in changed:
+        scene.piezo.ceramic().check_admissible()
+    device = scene.device
     if set(scene.models) & set(models_of("bimorph")) or scene.support.kind == "rod":
-        check_bimorph(scene.device, scene.support)
-    check_actuator(scene.device)
+        check_bimorph(device, scene.support)
+    check_actuator(device)
     if scene.load.kind == "table":
         load_table(scene.load)
     threshold_of(scene.threshold)
