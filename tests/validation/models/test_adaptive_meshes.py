@@ -1,9 +1,12 @@
 """Meshes refined for a goal: sizes from errors, slender elements, the loop itself."""
 
+from types import SimpleNamespace
+
 import cadquery as cq
 import numpy as np
 import pytest
 
+from tactgen.fem.bimorph.refinement.error_indicator import GoalError
 from tactgen.geometry.cad.tessellation import tessellate
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import Mesh
@@ -15,7 +18,13 @@ from tactgen.geometry.meshing.tetwild.run import sizing_along_z, sizing_at_point
 from tactgen.geometry.meshing.tetwild.sizing import limited_growth, sizing_for
 from tactgen.geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
 from tactgen.geometry.store.values import fingerprint
-from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair
+from tactgen.validation.engine.refinement import SAFETY
+from tactgen.validation.models.bimorph.adaptive_meshes import (
+    AdaptedPair,
+    Solved,
+    _judged,
+    adapted_pair,
+)
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -206,6 +215,37 @@ def test_loop_meets_its_accuracy_and_the_bars_hold(pair):
     for name, value, bar in bars(pair):
         if name in known:
             assert abs(value - known[name]) <= bar + 3e-5 * abs(value), name
+
+
+def solved_with(size, error, **errors):
+    """A mesh of so many unknowns that nobody made, with the errors that were estimated on it."""
+    names = ("tip_displacement", "tip_compliance", "capacitance", "bending_1", "bending_2")
+    goals = {n: GoalError(1.0, errors.get(n, error), np.zeros(0)) for n in names}
+    return Solved(None, SimpleNamespace(size=size), goals)
+
+
+def test_the_mesh_that_judges_is_the_last_that_is_far_enough():
+    """One goal that gained less than the rest does not send the judge back to the first mesh."""
+    first, second = solved_with(3_000, 1e-2), solved_with(10_000, 1e-3)
+    last = solved_with(30_000, 2e-4, bending_2=1e-3 / 1.6)
+    assert _judged([first, second, last]).coarse is second
+    nearer = solved_with(30_000, 2e-4, bending_2=1e-3 / 1.4)
+    assert _judged([first, second, nearer]).coarse is first
+
+
+def test_no_gain_beyond_what_a_mesh_is_aimed_at_is_believed():
+    """Bars per difference stop falling: of static numbers at a gain of 5, of modes before."""
+    coarse = solved_with(3_000, 1e-2)
+    static, modes = zip(
+        *(
+            (pair.static_factor, pair.mode_factors[0])
+            for gain in (2.0, 3.0, 5.0, 50.0)
+            for pair in [AdaptedPair(solved_with(60_000, 1e-2 / gain), coarse)]
+        ),
+        strict=True,
+    )
+    assert static == pytest.approx([SAFETY, SAFETY / 2.0, SAFETY / 4.0, SAFETY / 4.0])
+    assert modes == pytest.approx([SAFETY, SAFETY / 2.0, SAFETY / 2.3, SAFETY / 2.3])
 
 
 def test_stopped_study_goes_on_from_the_cache(pair, monkeypatch):
