@@ -5,14 +5,14 @@ Shares with the bricks of the model solid the equations and nothing of mesh or a
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from tactgen.geometry.device.checks import check_plain_layers
-from tactgen.validation.models.bimorph.adaptive_meshes import (
-    AdaptedPair,
-    adapted_pair,
-    level_limits,
-)
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from tactgen.validation.models.bimorph.adaptive_meshes import AdaptedPair
 
 
 class CadModel(TwoMeshModel):
@@ -26,5 +26,8 @@ class CadModel(TwoMeshModel):
         check_plain_layers(scene.device)
 
     def make_pair(self) -> AdaptedPair:
-        """Return the last mesh of the refinement, and the one that it was refined from."""
+        """Return the last mesh of the refinement, and an earlier one to judge it by."""
+        # an answer from the store needs none of what makes meshes
+        from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
+
         return adapted_pair(self.scene, *level_limits(self.scene))
