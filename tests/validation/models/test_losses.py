@@ -34,7 +34,6 @@ def test_each_part_takes_energy_by_both_beam_models(key):
     assert abs(values[1][1] / values[0][1] - 1.0) > 1e-6
 
 
-@pytest.mark.usefixtures("coarse_bricks", "own_store")
 @pytest.mark.parametrize("model", ["lumped", "tmm", "beam", "solid"])
 def test_reciprocal_and_passive(model):
     """Losses turn no matrix over ports unsymmetric, and give no energy."""
