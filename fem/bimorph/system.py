@@ -57,6 +57,8 @@ class SolidSystem:
         Gives the same body in another class of motion; None for a body taken whole.
     elimination : (n - 3,) int array, optional
         A good order in which to eliminate all but the last three unknowns.
+    translation : (n,) array, optional
+        A translation of 1 in x where some unknowns are not values at nodes; not 1 in these.
     """
 
     stiffness: Bordered
@@ -70,6 +72,7 @@ class SolidSystem:
     motion: Motion = "all"
     related: Callable[[Motion], SolidSystem] | None = None
     elimination: Ints | None = None
+    translation: Floats | None = None
 
     @property
     def has_ports(self) -> bool:
@@ -98,10 +101,13 @@ class SolidSystem:
         A translation in x needs no force; this is the sum of those it seems to need at all
         unknowns.  In a slender body, (L/h)⁴ times stiffer across than in bending, it counts.
         """
-        n = self.nodes.shape[0]
-        moved = np.asarray(np.abs(self.expand[:n]).sum(axis=0)).ravel() > 0.0
+        moved = self.translation
+        if moved is None:
+            n = self.nodes.shape[0]
+            moved = (np.abs(self.expand[:n]).sum(axis=0) > 0.0).astype(float)
+        moved = np.asarray(moved).ravel()
         forces = self.stiffness.wide_product(moved.astype(np.longdouble))
-        return float(np.abs(forces.real[moved]).sum())
+        return float(np.abs(forces.real[moved == 1.0]).sum())
 
     def nodal_displacement(self, columns: Floats) -> Floats:
         """Return the displacement of the nodes (n_nodes, 3, k) in k states of y (m, k).

@@ -60,11 +60,17 @@ class Axis:
 
 @dataclass(frozen=True)
 class Slab:
-    """Bricks of one material: intervals along x and along z; along y all of them."""
+    """Bricks of one material: intervals along x, along z and, by default all, along y.
+
+    What is round ends within bricks: only what lies inside `radius` (m) about the z axis is
+    there.
+    """
 
     region: str
     x: tuple[int, int]
     z: tuple[int, int]
+    y: tuple[int, int] | None = None
+    radius: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -121,8 +127,23 @@ class Bricks:
         mask = np.zeros(self.shape, dtype=bool)
         for slab in self.slabs:
             if slab.region in regions:
-                mask[self.x.nodes_of(*slab.x), :, self.z.nodes_of(*slab.z)] = True
+                along_z = self.z.nodes_of(*slab.z)
+                for x, y in self.columns(slab):
+                    mask[self.x.nodes_of(*x), self.y.nodes_of(*y), along_z] = True
         return mask
+
+    def columns(self, slab: Slab) -> list[tuple[tuple[int, int], tuple[int, int]]]:
+        """Return intervals along x and y that the slab fills, or reaches into if it is round."""
+        across = slab.y or (0, self.y.intervals)
+        if np.isinf(slab.radius):
+            return [(slab.x, across)]
+        x, y = self.x.breaks, self.y.breaks
+        return [
+            ((i, i + 1), (j, j + 1))
+            for i in range(*slab.x)
+            for j in range(*across)
+            if np.hypot(x[i], y[j]) < slab.radius
+        ]
 
     def base(self) -> Bools:
         """Return a mask (nx, ny, nz) of the nodes of the base section."""
@@ -138,12 +159,13 @@ class Bricks:
     def electrodes(self) -> tuple[Bools, Bools]:
         """Return masks (nx, ny, nz) of the nodes of the outer and of the inner electrode."""
         piezo = self.slabs_of("piezo")
+        across = self.y.nodes_of(*(piezo[0].y or (0, self.y.intervals)))
         outer, inner = np.zeros(self.shape, dtype=bool), np.zeros(self.shape, dtype=bool)
-        outer[max(s.x[1] for s in piezo) * self.x.degree, :, self.z.nodes_of(*self.electrode)] = (
-            True
-        )
+        top = max(s.x[1] for s in piezo) * self.x.degree
+        bottom = min(s.x[0] for s in piezo) * self.x.degree
+        outer[top, across, self.z.nodes_of(*self.electrode)] = True
         low, high = min(s.z[0] for s in piezo), max(s.z[1] for s in piezo)
-        inner[min(s.x[0] for s in piezo) * self.x.degree, :, self.z.nodes_of(low, high)] = True
+        inner[bottom, across, self.z.nodes_of(low, high)] = True
         return outer, inner
 
     def used(self) -> Bools:
@@ -183,6 +205,8 @@ def _mirrored(bricks: Bricks, half: tuple[Floats, ...], cuts: tuple[int, ...]) -
 
     `cuts` is the number of cells per interval along each axis.
     """
+    if any(slab.y or np.isfinite(slab.radius) for slab in bricks.slabs):
+        raise ValueError("bricks that a circle cuts, or of several widths, are no cells to show")
     x, y, z = mirrored_axis(half[0])[0], mirrored_axis(half[1])[0], half[2]
     nx, ny, nz = x.size, y.size, z.size
     middle = nx // 2

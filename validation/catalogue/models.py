@@ -193,7 +193,7 @@ _ROWS = (
         kept=("ports", "static", "modes"),
     ),
     ModelRow(
-        "solid", "3D piezoelectric solid on bricks of high order, the bimorph alone", "bimorph",
+        "solid", "3D piezoelectric solid on bricks of high order", "bimorph",
         "tactgen.validation.models.bimorph.solid", "SolidModel", theory="solid", rank=5,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
         remedy="raise mesh.level (at most 5) or accept the bar", kept=_SOLID_KEPT,

@@ -54,8 +54,8 @@ class Derivatives:
 class DerivativesModule(Protocol):
     """What a module for better derivatives of a model has: exact ones, or between two levels."""
 
-    def gives_derivatives(self, quantity: str) -> bool:
-        """Return whether it gives those of a quantity."""
+    def gives_derivatives(self, scene: Scene, quantity: str) -> bool:
+        """Return whether it gives those of a quantity of a scene."""
 
     def exact_derivatives(
         self,
@@ -87,7 +87,7 @@ def derivatives(
     exact: list[Derivatives] = []
     if module:
         giver = cast(DerivativesModule, importlib.import_module(module))
-        given = [name for name in quantities if giver.gives_derivatives(name)]
+        given = [name for name in quantities if giver.gives_derivatives(scene, name)]
         if given:
             exact = giver.exact_derivatives(scene, changed, given, keys, announce)
     done = {found.quantity.name: found for found in exact}

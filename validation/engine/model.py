@@ -90,6 +90,11 @@ class Model(ABC):
             With the remedy.
         """
 
+    @classmethod
+    def finest(cls, scene: Scene) -> float:
+        """Return the relative error bar that its finest mesh keeps to."""
+        return MODELS[cls.name].finest
+
     @abstractmethod
     def answer(self, need: Need) -> Any:
         """Return what quantities with this need are read from."""

@@ -191,7 +191,7 @@ def ladder(
             model, form.get(worst, math.inf), numerical,
             sum(found.stages.seconds.values()), total <= scene.accuracy, worst,
         ))  # fmt: skip
-    finest = MODELS[judge].finest
+    finest = model_class(judge).finest(scene)
     stages = {s for q in quantities for s in MODELS[judge].stages_for(QUANTITIES[q])}
     known = [costs[stage] for stage in stages if stage in costs]
     rungs.append(Rung(

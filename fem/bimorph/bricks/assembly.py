@@ -13,9 +13,10 @@ import numpy as np
 
 from tactgen.fem.bimorph.bricks.matrices import brick_matrices
 from tactgen.fem.bimorph.bricks.order import elimination_order
+from tactgen.fem.bimorph.bricks.stacked import stacked_matrices
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.symmetry import SIGNS, Unknowns, lumped, mirror_signs
-from tactgen.fem.bimorph.system import SolidSystem, materials, volts_per_unit
+from tactgen.fem.bimorph.system import Material, SolidSystem, materials, volts_per_unit
 from tactgen.fem.elements.line_basis import line_weights
 from tactgen.geometry.arrays import Bools, Floats, Sparse
 from tactgen.geometry.bimorph.bricks import Bricks, mirrored_axis
@@ -49,8 +50,17 @@ def assemble_bricks(
     """
     known = materials(device, bricks.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
     unit = volts_per_unit(known)
-    quarter = _Quarter(bricks, unit, *brick_matrices(bricks, known, unit), uniform_field)
+    quarter = _Quarter(bricks, unit, *quarter_matrices(bricks, known, unit), uniform_field)
     return quarter.system(motion)
+
+
+def quarter_matrices(
+    bricks: Bricks, known: dict[str, Material], unit: float
+) -> tuple[Sparse, Sparse]:
+    """Return stiffness and mass (4 n, 4 n) of the whole body by the values on its quarter."""
+    stepped = any(slab.y or np.isfinite(slab.radius) for slab in bricks.slabs)
+    make = stacked_matrices if stepped else brick_matrices
+    return make(bricks, known, unit)
 
 
 @dataclass(frozen=True)
@@ -67,12 +77,12 @@ class _Quarter:
         """Return the system of one class of motion, of the whole body."""
         bricks, unit, mass = self.bricks, self.unit, self.mass
         unknowns = quarter_unknowns(bricks, motion, unit, uniform_field=self.uniform_field)
-        nodes, expand, node_mass = _whole(bricks, unknowns, motion, unit, lumped(mass))
+        nodes, expand, node_mass = whole_nodes(bricks, unknowns, motion, unit, lumped(mass))
         place = elimination_order(bricks)
         return SolidSystem(
             stiffness=unknowns.bordered(self.stiffness),
             mass=unknowns.bordered(mass),
-            tip=unknowns.seen(_tip_functionals(bricks)),
+            tip=unknowns.seen(tip_functionals(bricks)),
             expand=expand,
             nodes=nodes,
             node_mass=node_mass,
@@ -85,14 +95,20 @@ class _Quarter:
 
 
 def quarter_unknowns(
-    bricks: Bricks, motion: Motion, unit: float, *, uniform_field: bool = False
+    bricks: Bricks,
+    motion: Motion,
+    unit: float,
+    *,
+    uniform_field: bool = False,
+    has_base: bool = True,
 ) -> Unknowns:
     """Return what is free in one class of motion, and what base and electrodes prescribe.
 
-    Over (u_x, u_y, u_z, φ) node by node, z fastest; `unit` is that of the potential (V).
+    Over (u_x, u_y, u_z, φ) node by node, z fastest; `unit` is that of the potential (V).  Without
+    a base the lowest section is free as well.
     """
     x, y = bricks.x.nodes, bricks.y.nodes
-    base, piezo = bricks.base(), bricks.nodes_of("piezo")
+    base, piezo = bricks.base() & has_base, bricks.nodes_of("piezo")
     outer, inner = bricks.electrodes()
     field = piezo & ~outer & ~inner & (not uniform_field)
     used = bricks.used() & ~base
@@ -119,13 +135,13 @@ def _linear_potential(bricks: Bricks, outer: Bools, inner: Bools, piezo: Bools) 
     return np.where(piezo & outer.any(axis=0), share[:, None, None], 0.0)
 
 
-def _tip_functionals(bricks: Bricks) -> Floats:
+def tip_functionals(bricks: Bricks) -> Floats:
     """Return (4 n, 2): mean u_x over the tip face, and mean rotation from u_z = x ψ."""
     plain, levered = np.zeros((2, bricks.x.nodes.size))
     for slab in bricks.tip_slabs():
         more = line_weights(bricks.x, *slab.x)
         plain, levered = plain + more[0], levered + more[1]
-    across, _ = line_weights(bricks.y)
+    across, _ = line_weights(bricks.y, *(bricks.tip_slabs()[0].y or ()))
     out = np.zeros((*bricks.shape, 4, 2))
     out[:, :, -1, 0, 0] = np.outer(plain, across) / (plain.sum() * across.sum())
     inertia = levered @ bricks.x.nodes
@@ -133,7 +149,7 @@ def _tip_functionals(bricks: Bricks) -> Floats:
     return out.reshape(-1, 2)
 
 
-def _whole(
+def whole_nodes(
     bricks: Bricks, unknowns: Unknowns, motion: Motion, unit: float, nodal: Floats
 ) -> tuple[Floats, Sparse, Floats]:
     """Return nodes, expansion and nodal masses of the whole body, mirrored from the quarter.

@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
+from tactgen.fem.bimorph.bricks.round_slabs import round_matrices
 from tactgen.fem.bimorph.system import VOIGT, Material
 from tactgen.fem.elements.line_basis import LineMatrices, line_matrices
 from tactgen.geometry.arrays import Floats, Ints, Numbers, Sparse
@@ -49,7 +50,10 @@ def brick_matrices(
         material has are there, with zeros.
     """
     pairs = _Pairs(bricks.shape, *(line_matrices(axis) for axis in bricks.axes))
-    layers = [_Layer.of(bricks, slab, known[slab.region], unit) for slab in bricks.slabs]
+    layers: list[_Layer | _RoundLayer] = []
+    for slab in bricks.slabs:
+        kind = _Layer if np.isinf(slab.radius) else _RoundLayer
+        layers.append(kind.of(bricks, slab, known[slab.region], unit))
     dtype = np.result_type(*(layer.weights.dtype for layer in layers))
     values = np.zeros((4 * pairs.count, 4), dtype=dtype)
     columns = np.empty((4 * pairs.count, 4), dtype=np.int32)
@@ -149,7 +153,7 @@ class _Layer:
     @classmethod
     def of(cls, bricks: Bricks, slab: Slab, material: Material, unit: float) -> _Layer:
         x, z = line_matrices(bricks.x, *slab.x), line_matrices(bricks.z, *slab.z)
-        y = line_matrices(bricks.y)
+        y = line_matrices(bricks.y, *(slab.y or ()))
 
         def product(a: int, b: int) -> Floats:
             along_y, along_z = ((int(a == k), int(b == k)) for k in (1, 2))
@@ -177,6 +181,50 @@ class _Layer:
     def inertia(self, pair: int) -> Floats:
         """Return the mass (m,) of one pair along x with all along y and z."""
         return np.asarray(self.along_x[_PLAIN, pair] * self.areas)
+
+
+@dataclass(frozen=True)
+class _RoundLayer:
+    """One slab that ends within its bricks: integrals over x and y together, and along z.
+
+    `plane` (9, pairs along x, pairs along y) goes with `along_z` (9, pairs along z); `area` is
+    that of N_i N_j without what keeps unknowns apart that hardly any material has.
+    """
+
+    plane: Floats
+    along_z: Floats
+    weights: Numbers
+    area: Floats
+    density: float
+
+    @classmethod
+    def of(cls, bricks: Bricks, slab: Slab, material: Material, unit: float) -> _RoundLayer:
+        z = line_matrices(bricks.z, *slab.z)
+        axes = [(a, b) for a in range(3) for b in range(3)]
+        area, plane = round_matrices(bricks, slab)
+        return cls(
+            plane=np.array(
+                [plane[int(a == 0), int(b == 0), int(a == 1), int(b == 1)] for a, b in axes]
+            ),
+            along_z=np.array([z.integrals[int(a == 2), int(b == 2)] for a, b in axes]),
+            weights=_COPIES * _weights(material, unit),
+            area=area,
+            density=_COPIES * material.density,
+        )
+
+    def reaches(self, pair: int) -> bool:
+        """Return whether the slab has this pair of functions along x."""
+        return bool(self.plane[:, pair].any())
+
+    def blocks(self, pair: int) -> Numbers:
+        """Return the 4 x 4 blocks (m, 4, 4) of one pair along x with all along y and z."""
+        gram = self.plane[:, pair, :, None] * self.along_z[:, None, :]
+        product = gram.reshape(9, -1).T @ self.weights.view(float)
+        return np.asarray(product.view(self.weights.dtype)).reshape(-1, 4, 4)
+
+    def inertia(self, pair: int) -> Floats:
+        """Return the mass (m,) of one pair along x with all along y and z."""
+        return np.asarray(self.density * np.outer(self.area[pair], self.along_z[_PLAIN]).ravel())
 
 
 def _weights(material: Material, unit: float) -> Numbers:

@@ -8,6 +8,7 @@ from tactgen.fem.bimorph.reduction.krylov import ReducedSolid, reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.bimorph.system import materials
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.meshing.mesh import Mesh
@@ -19,7 +20,7 @@ _MADE_OF = ("tactgen.fem.bimorph.reduction.kept",)
 
 
 def reduced_solid(
-    device: Device, mesh: Mesh | Bricks, frequencies: Floats, *, tolerance: float
+    device: Device, mesh: Mesh | Bricks | BrickParts, frequencies: Floats, *, tolerance: float
 ) -> ReducedSolid:
     """Return the lossy solid reduced to its ports, from the store if it was reduced before.
 
@@ -44,6 +45,6 @@ def reduced_solid(
     )
 
 
-def made_from(device: Device, mesh: Mesh | Bricks) -> str:
+def made_from(device: Device, mesh: Mesh | Bricks | BrickParts) -> str:
     """Return what stands for the solid: tensors, poling, all that is in the mesh."""
     return fingerprint(materials(device, mesh.regions, device.piezo.ceramic(), lossy=True), mesh)

@@ -71,7 +71,7 @@ def test_files_get_the_whole_body():
 @pytest.mark.parametrize(
     ("name", "override", "model", "words"),
     [
-        ("bimorph_on_rod", "modes=2", "solid", ("support.kind", "models=lumped,tmm,beam,cad")),
+        ("bimorph_on_rod", "bimorph.bare_below=1mm", "solid", ("bare_below", "CAD", "solid")),
         ("paper", "bimorph.bare_below=1mm", "cad", ("bare_below", "CAD", "solid")),
         ("paper", "bimorph.width_profile=0mm:2mm,20mm:1mm", "cad", ("width_profile", "beam")),
     ],

@@ -405,7 +405,7 @@ def test_scene_is_frozen():
     ],
 )
 def test_models_are_those_that_can_unless_they_are_named(name, overrides, models):
-    """Bricks are not round and CAD has plain layers; what is named is never changed."""
+    """On the rod bricks are named or not there, CAD has plain layers; a choice is never changed."""
     assert load_scene(name, overrides)[0].models == models
 
 

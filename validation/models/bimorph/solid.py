@@ -1,4 +1,8 @@
-"""The solid on bricks of high order, the fast reference, on two levels of a family."""
+"""The solid on bricks of high order, the fast reference, on two levels of a family.
+
+The bimorph alone is one body.  On its rod it is two: the foot, reduced once and kept, and the free
+part, so that another length asks for the free part only.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +11,15 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
-from tactgen.geometry.device.checks import check_bonded, check_constant_section
+from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_parts
+from tactgen.geometry.device.checks import (
+    check_bonded,
+    check_constant_section,
+    check_plain_layers,
+)
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.refinement import ASSUMED_GAIN, BRICK_FACTOR, SAFETY
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.scene.scene import Scene
@@ -22,22 +31,28 @@ if TYPE_CHECKING:
 #: stays below on the paper's bimorph and on job J1 (tests/validation/engine/test_refinement.py).
 _BRICK_BARS = (1e-1, 3e-3, 8e-4, 2.5e-4, 6e-5)
 
+#: The same of the bimorph on its rod, first frequencies and static deflection of the built-in
+#: scene (tests/validation/models/test_solid_on_rod.py).
+_ROD_BARS = (1e-1, 1e-2, 3e-3, 1e-3, 5e-4)
+
 
 class SolidModel(TwoMeshModel):
-    """The bimorph alone on bricks."""
+    """The bimorph alone, or glued into its rod, on bricks."""
 
     name = "solid"
 
     @classmethod
     def check(cls, scene: Scene) -> None:
-        """Refuse what bricks do not know: profiles, layers that slide, the rod."""
+        """Refuse what bricks do not know: profiles, layers that slide; on the rod also others."""
         check_constant_section(scene.device)
         check_bonded(scene.device)
         if scene.support.kind == "rod":
-            raise InputError(
-                'support.kind = "rod" is round, which the bricks of the model solid are not; ask '
-                "for models=lumped,tmm,beam,cad"
-            )
+            check_plain_layers(scene.device)
+
+    @classmethod
+    def finest(cls, scene: Scene) -> float:
+        """Return the relative error bar that the finest bricks keep to."""
+        return _ROD_BARS[-1] if scene.support.kind == "rod" else super().finest(scene)
 
     def make_pair(self) -> BrickPair:
         """Return the level that the accuracy asks for, and the next coarser one."""
@@ -49,14 +64,14 @@ class BrickPair:
     """Bricks of two neighbouring levels, the coarser to judge the finer by."""
 
     device: Device
-    meshes: tuple[Bricks, Bricks]
+    meshes: tuple[Bricks | BrickParts, Bricks | BrickParts]
 
     @cached_property
     def systems(self) -> tuple[SolidSystem, SolidSystem]:
         """The lossless systems on the finer and the coarser mesh."""
-        from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+        from tactgen.fem.bimorph.solid import assemble
 
-        fine, coarse = (assemble_bricks(self.device, m, lossy=False) for m in self.meshes)
+        fine, coarse = (assemble(self.device, mesh, lossy=False) for mesh in self.meshes)
         return fine, coarse
 
     @property
@@ -86,16 +101,22 @@ class BrickPair:
 
 def brick_pair(scene: Scene) -> BrickPair:
     """Return the bricks that the scene asks for, and those to judge them by."""
-    fine = level_for(scene)
-    bricks = [bimorph_bricks(scene.device, LEVELS[number]) for number in (fine, fine - 1)]
-    return BrickPair(scene.device, (bricks[0], bricks[1]))
+    finer = level_for(scene)
+
+    def bricks(number: int) -> Bricks | BrickParts:
+        if scene.support.kind == "rod":
+            return rod_parts(scene.device, ROD_LEVELS[number])
+        return bimorph_bricks(scene.device, LEVELS[number])
+
+    return BrickPair(scene.device, (bricks(finer), bricks(finer - 1)))
 
 
 def level_for(scene: Scene) -> int:
     """Return the index (0 to 4) of the finer bricks' level; never the coarsest."""
     if scene.mesh.level:
         return max(scene.mesh.level - 1, 1)
-    for index, error in enumerate(_BRICK_BARS):
+    bars = _ROD_BARS if scene.support.kind == "rod" else _BRICK_BARS
+    for index, error in enumerate(bars):
         if index and error <= scene.accuracy:
             return index
-    return len(_BRICK_BARS) - 1
+    return len(bars) - 1

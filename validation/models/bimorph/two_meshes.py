@@ -24,6 +24,7 @@ from tactgen.validation.models.bimorph.model import BimorphModel
 if TYPE_CHECKING:
     from tactgen.fem.bimorph.reduction.modal_model import BareMode
     from tactgen.fem.bimorph.system import SolidSystem
+    from tactgen.geometry.bimorph.brick_parts import BrickParts
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
 
@@ -34,7 +35,7 @@ class MeshPair(Protocol):
     """A finer mesh, a coarser one to judge it by, and what their difference says."""
 
     @property
-    def meshes(self) -> tuple[Mesh | Bricks, Mesh | Bricks]:
+    def meshes(self) -> tuple[Mesh | Bricks | BrickParts, Mesh | Bricks | BrickParts]:
         """The finer and the coarser mesh."""
 
     @property
@@ -98,7 +99,7 @@ class TwoMeshModel(BimorphModel):
         """The finer mesh, and a coarser one to judge it by."""
         return self.run("mesh", self.make_pair)
 
-    def meshes(self) -> tuple[Mesh | Bricks, Mesh | Bricks]:
+    def meshes(self) -> tuple[Mesh | Bricks | BrickParts, Mesh | Bricks | BrickParts]:
         """Return the finer and the coarser mesh."""
         return self.mesh_pair.meshes
 

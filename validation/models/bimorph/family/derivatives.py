@@ -51,7 +51,10 @@ _DISTANCE = 3e-3
 #: Relative rounding of a value of a small system.
 _ROUNDING = 1e-9
 
-gives_derivatives = gives_family
+
+def gives_derivatives(scene: Scene, quantity: str) -> bool:
+    """Return whether a quantity has exact derivatives: of the bimorph alone, in one part."""
+    return scene.support.kind != "rod" and gives_family(quantity)
 
 
 def exact_derivatives(

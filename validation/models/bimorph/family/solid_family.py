@@ -210,7 +210,12 @@ def reading(scene: Scene, quantities: Sequence[str]) -> tuple[bool, tuple[float,
 
 
 def is_family_key(scene: Scene, key: str) -> bool:
-    """Return whether a scene key may vary within a family: a number that the bricks read."""
+    """Return whether a scene key may vary within a family: a number that the bricks read.
+
+    On its rod the bimorph is in two parts, of which there are no families.
+    """
+    if scene.support.kind == "rod":
+        return False
     group, _, name = key.partition(".")
     if group not in GROUPS or name not in type(getattr(scene, group)).model_fields:
         return False

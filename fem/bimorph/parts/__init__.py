@@ -1,0 +1,1 @@
+"""The solid in two parts joined at a section: a foot that is kept, and the rest."""

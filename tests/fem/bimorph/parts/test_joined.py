@@ -1,0 +1,113 @@
+"""A bimorph in two parts against the same bricks whole."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.parts import joined
+from tactgen.fem.bimorph.parts.joined import joined_system
+from tactgen.fem.bimorph.ports import direct_multiport, static_multiport
+from tactgen.fem.bimorph.reduction.krylov import port_error
+from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.brick_parts import in_parts
+from tactgen.geometry.bimorph.bricks import Axis
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.parameters import Bimorph, Device, Shim
+from tactgen.geometry.store.values import fingerprint
+from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
+
+DEVICE = Device(bimorph=Bimorph(length=8e-3))
+BRICKS = bimorph_bricks(
+    DEVICE, BrickMeshing((2, 2, 3), smallest=0.8, tip=1.0, longest=1.0, pieces=(2.0, 30.0))
+)
+#: The break point next above two thicknesses.
+SECTION = int(np.searchsorted(BRICKS.z.breaks, 2.0 * DEVICE.bimorph.thickness))
+MOTIONS = ("bending_x", "bending_y", "torsion", "axial")
+
+
+@pytest.fixture(autouse=True)
+def _nothing_kept(monkeypatch):
+    """Each foot is reduced anew."""
+    monkeypatch.setattr(joined, "kept", lambda kind, inputs, made_of, work: work())
+
+
+def in_two(share, *, lossy=False):
+    """The system joined of two parts."""
+    return joined_system(DEVICE, in_parts(BRICKS, 0, SECTION, share), lossy=lossy)
+
+
+def whole(*, lossy=False, motion="bending_x"):
+    """The system of the same bricks, uncut."""
+    return assemble_bricks(DEVICE, BRICKS, lossy=lossy, motion=motion)
+
+
+def test_two_parts_are_the_whole_to_what_the_section_leaves_out():
+    """Fields kept down to 1e-4: their squares count, and the fewer are kept the stiffer it is."""
+    exact = static_multiport(whole())
+    errors = [port_error(static_multiport(in_two(share)), exact)[0] for share in (1e-1, 1e-2, 1e-4)]
+    assert errors[2] < 1e-6
+    assert errors[2] < 0.1 * errors[1] < 0.1 * errors[0]
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_modes_of_every_class(motion):
+    """Two modes each; a joint that leaves fields out can only be stiffer.
+
+    The fields kept are static ones to 1e-4 of amplitude, whose squares count.  Inertia adds to
+    them by some (2 π h / wavelength)² of what is left out: 1e-5 in all while waves are long.
+    """
+    exact = [m.frequency for m in natural_modes(whole(motion=motion), Ends(), 2)]
+    system = in_two(1e-4)
+    joint = system if motion == "bending_x" else system.related(motion)
+    found = natural_modes(joint, Ends(), 2)
+    apart = np.array([m.frequency for m in found]) / exact - 1.0
+    assert apart.min() > -1e-9
+    assert apart.max() < 1e-5
+    assert found[0].kind == motion
+
+
+def test_driven_with_losses():
+    """D(Ω) with losses, up to the first mode, reciprocal and passive like the whole.
+
+    What losses of 1 % do to the fields at the section is left out and counts by its square, too.
+    """
+    frequencies = np.array([100.0, 2.3e3])
+    exact, found = (
+        direct_multiport(system, frequencies)
+        for system in (whole(lossy=True), in_two(1e-4, lossy=True))
+    )
+    assert port_error(found, exact).max() < 1e-5
+    assert reciprocity_error(found).max() < 1e-9
+    assert passivity_margin(found).min() > -1e-9
+
+
+def test_a_translation_needs_no_force():
+    """The section has the rigid motions to rounding."""
+    assert in_two(1e-1).spurious_stiffness < 10.0 * whole().spurious_stiffness
+
+
+def test_another_length_asks_for_the_same_foot_another_shim_for_another(monkeypatch):
+    """By the inputs that it is kept under."""
+
+    def asked(device, bricks):
+        found = []
+
+        def noted(kind, inputs, made_of, work):
+            found.append(fingerprint(inputs))
+            raise InterruptedError
+
+        monkeypatch.setattr(joined, "kept", noted)
+        with pytest.raises(InterruptedError):
+            joined_system(device, in_parts(bricks, 0, SECTION, 1e-2), lossy=False)
+        return found[0]
+
+    breaks = BRICKS.z.breaks.copy()
+    breaks[-1] += 1e-3
+    longer = replace(BRICKS, z=Axis(breaks, BRICKS.z.degree))
+    stiffer = DEVICE.model_copy(update={"shim": Shim(youngs_modulus=150e9)})
+    first = asked(DEVICE, BRICKS)
+    assert asked(DEVICE, longer) == first
+    assert asked(stiffer, BRICKS) != first

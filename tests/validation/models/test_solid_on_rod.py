@@ -1,0 +1,56 @@
+"""The bimorph on its rod by the model solid: in parts, on two levels."""
+
+import numpy as np
+import pytest
+
+from tactgen.fem.bimorph.modes import natural_modes
+from tactgen.fem.bimorph.parts import joined
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.rod_bricks import RodMeshing, rod_bricks, rod_parts
+from tactgen.geometry.errors import InputError
+from tactgen.validation.fields.solid import SolidFields
+from tactgen.validation.models.bimorph.family.derivatives import gives_derivatives
+from tactgen.validation.models.bimorph.family.solid_family import is_family_key
+from tactgen.validation.models.bimorph.solid import SolidModel, level_for
+from tactgen.validation.scene.scene import load_scene
+
+COARSE = RodMeshing((2, 2, 2), 0.8, 1.0, tip=2.0, share=1e-3)
+FREQUENCIES = "short_circuit_frequencies"
+
+
+def scene_with(*overrides: str):
+    """The built-in scene."""
+    return load_scene("bimorph_on_rod", list(overrides))[0]
+
+
+def test_the_foot_joined_is_the_whole(monkeypatch):
+    """On coarse bricks: of the fields left out at the section, 1e-3 at most, the squares count."""
+    monkeypatch.setattr(joined, "kept", lambda kind, inputs, made_of, work: work())
+    device = scene_with().device
+    whole, parts = (
+        natural_modes(assemble(device, make(device, COARSE), lossy=False), Ends(), 2)
+        for make in (rod_bricks, rod_parts)
+    )
+    apart = np.array([a.frequency / b.frequency for a, b in zip(parts, whole, strict=True)]) - 1.0
+    assert apart.min() > -1e-9
+    assert apart.max() < 1e-5
+
+
+def test_accuracy_and_level_choose_the_bricks():
+    """The level is what it says; what is wanted finer is finer."""
+    assert [level_for(scene_with(f"mesh.level={n}")) for n in (1, 2, 3, 4, 5)] == [1, 1, 2, 3, 4]
+    levels = [level_for(scene_with(f"accuracy={a:g}")) for a in (1e-1, 1e-2, 1e-3, 1e-4)]
+    assert levels == sorted(levels)
+    assert levels[0] < levels[-1]
+
+
+def test_what_only_the_bimorph_alone_has_is_not_promised():
+    """Families of reduced bases, exact derivatives, and fields in pictures."""
+    scene = scene_with()
+    assert not is_family_key(scene, "bimorph.length")
+    assert not gives_derivatives(scene, FREQUENCIES)
+    assert SolidModel.finest(scene) > SolidModel.finest(load_scene("paper")[0])
+    model = SolidModel(scene, None)
+    with pytest.raises(InputError, match="--model cad"):
+        SolidFields(model, "nodes")
