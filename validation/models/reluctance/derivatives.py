@@ -42,7 +42,7 @@ _TINY = float(np.finfo(float).tiny)
 _ROUNDING = 1e-11
 
 
-def gives_derivatives(quantity: str) -> bool:
+def gives_derivatives(scene: Scene, quantity: str) -> bool:
     """Return whether it is a value at one current and gap."""
     return QUANTITIES[quantity].needs == ("magnetic_point",)
 
