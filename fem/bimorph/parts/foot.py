@@ -1,9 +1,13 @@
 """The foot of a bimorph reduced to its base, its voltage and the shapes at a section.
 
-Unknowns are amplitudes of fields, displacement and potential apart, so that the small system
-has a definite mass and is as passive as the large one.  To each amplitude at a port belongs the
-static field that it makes (Craig and Bampton's constraint modes); what inertia and what losses
-add to these fields, one step of each, are fields with amplitudes of their own.
+To each amplitude at a port belongs the static field that it makes (Craig and Bampton's constraint
+modes).  What inertia and losses add to it, one step of each, are fields x with amplitudes of
+their own.  All are K⁻¹ r of known loads r, so no product with K is needed and nothing cancels:
+
+    K x = r,   xᵀ K x' = xᵀ r',   and with the static fields nothing: they balance inside.
+
+What a voltage moves inside the foot is left out of the inertia, as if it came at once: of a
+body this short it does, up to some (f / 50 kHz)².
 """
 
 from __future__ import annotations
@@ -17,46 +21,43 @@ from tactgen.fem.bimorph.bordered import PORTS, Bordered
 from tactgen.fem.bimorph.bricks.assembly import quarter_matrices, quarter_unknowns
 from tactgen.fem.bimorph.bricks.order import elimination_order
 from tactgen.fem.bimorph.motions import Motion
-from tactgen.fem.bimorph.parts.section_functions import (
-    SectionFunctions,
-    section_functions,
-)
+from tactgen.fem.bimorph.parts.section_functions import section_functions
 from tactgen.fem.bimorph.symmetry import Unknowns
 from tactgen.fem.bimorph.system import Material, volts_per_unit
 from tactgen.fem.solvers.linear_solver import factorise
-from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
+from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
 from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.device.materials import PiezoTensors
 from tactgen.geometry.store.values import storable
 
-#: A unit vector of which less than this is new is rounding.
+#: A field of which less than this of its energy is new is rounding.
 _NOISE = 1e-9
 
 
 @storable
 @dataclass(frozen=True)
 class ReducedFoot:
-    """Matrices over [q_u, q_φ, section, w_base, ψ_base, U], symmetric.
+    """Matrices over [own fields, section, w_base, ψ_base, U], symmetric.
 
     Attributes
     ----------
     stiffness, mass : (k, k) array
         Lossless; the last row of the stiffness is minus the charge.
-    lossy : (k, k) complex array
-        The stiffness with losses; empty (0, 0) where no port takes part.
-    moving, still : int
-        How many fields of displacement and of potential come first.
+    losses : (k, k) array
+        Imaginary part of the stiffness; zero where no port takes part.
+    own : int
+        How many fields of the foot's own come first.
     section : (4 m, s) array
-        Shapes at the section, see :class:`SectionFunctions`.
+        Shapes at the section, see :class:`fem.bimorph.parts.section_functions.SectionFunctions`.
     section_moving : int
         How many of them are of displacement.
     """
 
     stiffness: Floats
     mass: Floats
-    lossy: Numbers
-    moving: int
-    still: int
+    losses: Floats
+    own: int
     section: Floats
     section_moving: int
 
@@ -88,21 +89,37 @@ class Foot:
         functions = section_functions(parts.middle, self.lossless, unit, motion, parts.share)
         unknowns = joined_unknowns(parts.foot, motion, unit, functions.values, top=True)
         stiffness, mass = (unknowns.bordered(matrix) for matrix in self.matrices)
-        damped = None
+        losses = None
         if motion == "bending_x":
-            damped = unknowns.bordered(self._matrices(self.lossy)[0])
+            imaginary = {name: _losses(material) for name, material in self.lossy.items()}
+            losses = unknowns.bordered(self._matrices(imaginary)[0])
         at = unknowns.index
         order = np.argsort(4 * elimination_order(parts.foot)[at // 4] + at % 4)
-        fields, moving, still = _fields(stiffness, mass, damped, functions, order, at % 4 == 3)
+        ports = stiffness.border.shape[1]
+        moves = np.arange(ports) < functions.moving
+        moves[-PORTS:-1] = True
+        static, own = _fields(stiffness, mass, losses, moves, order, at % 4 == 3)
+        k = own.shape[1]
+        stiff = np.eye(k + ports)
+        stiff[k:, k:] = stiffness.corner + stiffness.border.T @ static
         return ReducedFoot(
-            stiffness=_projected(stiffness, fields),
-            mass=_projected(mass, fields),
-            lossy=np.zeros((0, 0), complex) if damped is None else _projected(damped, fields),
-            moving=moving,
-            still=still,
+            stiffness=0.5 * (stiff + stiff.T),
+            mass=_projected(mass, own, static * moves, np.diag(moves.astype(float))),
+            losses=np.zeros((k + ports, k + ports))
+            if losses is None
+            else _projected(losses, own, static, np.eye(ports)),
+            own=k,
             section=functions.values,
             section_moving=functions.moving,
         )
+
+
+def _losses(material: Material) -> Material:
+    """Return the imaginary parts of a material's tensors, as a material."""
+    piezo = material.piezo
+    if piezo is not None:
+        piezo = PiezoTensors(np.imag(piezo.c), np.imag(piezo.e), np.imag(piezo.eps))
+    return Material(np.imag(material.c), material.density, piezo)
 
 
 def joined_unknowns(
@@ -134,52 +151,33 @@ def section_shape(bricks: Bricks) -> tuple[int, int]:
 def _fields(
     stiffness: Bordered,
     mass: Bordered,
-    damped: Bordered | None,
-    functions: SectionFunctions,
+    losses: Bordered | None,
+    moves: Bools,
     order: Ints,
     potential: Bools,
-) -> tuple[Floats, int, int]:
-    """Return the fields (n + s + 3, k) of all amplitudes, and how many move and are still.
-
-    Over the inner unknowns, then the ports.
-    """
-    n, ports = stiffness.border.shape
+) -> tuple[Floats, Floats]:
+    """Return the static fields (n, ports), and the foot's own ones (n, k) of unit stiffness."""
     factor = factorise(stiffness.inner, order=order)
     static = -factor.solve(stiffness.border)
-    more = [static, factor.solve(mass.inner @ static + mass.border)]
-    if damped is not None:
-        more.append(factor.solve((damped.inner @ static + damped.border).imag))
-    # amplitudes of displacement carry displacement along, those of potential potential
-    moves = np.arange(ports) < functions.moving
-    moves[-PORTS:-1] = True
-    attached = np.where(potential[:, None] != moves, static, 0.0)
-    left = np.hstack([static - attached, *more[1:]])
-    u = _orthonormal(np.where(potential[:, None], 0.0, left))
-    phi = _orthonormal(np.where(potential[:, None], left, 0.0))
-    k = u.shape[1] + phi.shape[1]
-    fields = np.zeros((n + ports, k + ports))
-    fields[:n] = np.hstack([u, phi, attached])
-    fields[n:, k:] = np.eye(ports)
-    return fields, u.shape[1], phi.shape[1]
+    loads = [(mass.inner @ static + mass.border)[:, moves]]
+    if losses is not None:
+        # forces alone: what charges would add has the sign of a capacitance
+        loads.append(np.where(potential[:, None], 0.0, losses.inner @ static + losses.border))
+    right = np.hstack(loads)
+    fields = factor.solve(right)
+    work = np.einsum("ij,ij->j", fields, right)
+    chosen = work > 0.0
+    fields, right = (v[:, chosen] / np.sqrt(work[chosen]) for v in (fields, right))
+    energy, turn = np.linalg.eigh(0.5 * (fields.T @ right + right.T @ fields))
+    kept = energy > _NOISE
+    return static, fields @ (turn[:, kept] / np.sqrt(energy[kept]))
 
 
-def _orthonormal(columns: Floats) -> Floats:
-    """Return an orthonormal basis of what columns span, each counted alike."""
-    from scipy.linalg import qr
-
-    sizes = np.linalg.norm(columns, axis=0)
-    columns = columns[:, sizes > 0.0] / sizes[sizes > 0.0]
-    if columns.shape[1] == 0:
-        return columns
-    q, r, _ = qr(columns, mode="economic", pivoting=True)
-    return np.asarray(q[:, np.abs(np.diag(r)) > _NOISE])
-
-
-def _projected(matrix: Bordered, fields: Floats) -> Numbers:
-    """Return fieldsᵀ matrix fields."""
-    n = matrix.inner.shape[0]
-    inside, ports = fields[:n], fields[n:]
-    product = inside.T @ (matrix.inner @ inside)
-    across = inside.T @ (matrix.border @ ports)
-    product = product + across + across.T + ports.T @ matrix.corner @ ports
+def _projected(matrix: Bordered, own: Floats, static: Floats, ports: Floats) -> Floats:
+    """Return the matrix over the foot's own fields, and static ones with their ports' values."""
+    inside = np.hstack([own, static])
+    there = np.hstack([np.zeros((ports.shape[0], own.shape[1])), ports])
+    across = inside.T @ (matrix.border @ there)
+    product = inside.T @ (matrix.inner @ inside) + there.T @ matrix.corner @ there
+    product = product + across + across.T
     return np.asarray(0.5 * (product + product.T))

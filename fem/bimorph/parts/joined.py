@@ -81,11 +81,14 @@ class _Joined:
         stiffness, mass = self.matrices
         unknowns = joined_unknowns(bricks, motion, unit, foot.section, top=False)
         nodes, expand, node_mass = whole_nodes(bricks, unknowns, motion, unit, lumped(mass))
-        at, own, shapes = unknowns.index, foot.moving + foot.still, foot.section.shape[1]
+        at, own, shapes = unknowns.index, foot.own, foot.section.shape[1]
         order = np.argsort(4 * elimination_order(bricks)[at // 4] + at % 4)
         seen = unknowns.seen(tip_functionals(bricks))
         nothing = sparse.csr_matrix((expand.shape[0], own))
-        small = foot.lossy if self.known is self.foot.lossy else foot.stiffness
+        lossy = self.known is self.foot.lossy
+        if lossy and motion != "bending_x":
+            raise ValueError("losses of the foot are known of the motions that ports drive only")
+        small = foot.stiffness + 1j * foot.losses if lossy else foot.stiffness
         return SolidSystem(
             stiffness=_joined(unknowns.bordered(stiffness), foot, small),
             mass=_joined(unknowns.bordered(mass), foot, foot.mass),
@@ -93,7 +96,7 @@ class _Joined:
             expand=sparse.hstack([expand[:, :-PORTS], nothing, expand[:, -PORTS:]], format="csr"),
             nodes=nodes,
             node_mass=node_mass,
-            potentials=int(unknowns.free[:, 3].sum()) + foot.still + shapes - foot.section_moving,
+            potentials=int(unknowns.free[:, 3].sum()) + shapes - foot.section_moving,
             volts_per_unit=unit,
             motion=motion,
             related=self.system,
@@ -114,12 +117,12 @@ class _Joined:
 def _translation(along_x: Bools, foot: ReducedFoot) -> Floats:
     """Return a translation in x of free part and section; the foot's own fields are no part."""
     shapes = foot.section[0::4].sum(axis=0)  # orthonormal, so these are the amplitudes
-    return np.concatenate([along_x, shapes, np.zeros(foot.moving + foot.still + PORTS)])
+    return np.concatenate([along_x, shapes, np.zeros(foot.own + PORTS)])
 
 
 def _joined(free: Bordered, foot: ReducedFoot, small: Floats | Numbers) -> Bordered:
     """Add the foot's small matrix to the free part's, over [free, section, foot's own, ports]."""
-    own, shapes = foot.moving + foot.still, foot.section.shape[1]
+    own, shapes = foot.own, foot.section.shape[1]
     n = free.inner.shape[0]
     # section and ports after the foot's own fields, there and here
     both = np.array(small)

@@ -62,7 +62,7 @@ def section_functions(
     motion : str
         Class of motion.
     share : float
-        Least singular value, relative to the largest, of a shape that counts.
+        Least singular value of a shape that counts, relative to the largest of displacement.
     """
     stiffness, _ = quarter_matrices(middle, known, unit)
     unknowns = quarter_unknowns(middle, motion, unit, has_base=False)
@@ -82,8 +82,10 @@ def section_functions(
     seen = values.reshape(*free.shape, -1)[:, :, middle.shape[2] // 2].reshape(-1, _TRIED + 1)
     potential = np.arange(seen.shape[0]) % 4 == 3
     rigid = _rigid(middle, motion)
+    # potential is in units that give it the size of a displacement: one measure for both
+    least = share * float(np.linalg.norm(seen[~potential, :-1], 2))
     u, phi = (
-        _strongest(seen, rows, own, share)
+        _strongest(seen, rows, own, share, least)
         for rows, own in ((~potential, rigid), (potential, rigid[:, :0]))
     )
     return SectionFunctions(np.hstack([u, phi]), u.shape[1])
@@ -117,17 +119,16 @@ def _rigid(middle: Bricks, motion: Motion) -> Floats:
     return np.asarray(np.linalg.qr(columns)[0])
 
 
-def _strongest(seen: Floats, rows: Bools, rigid: Floats, share: float) -> Floats:
-    """Return the strongest shapes among some rows of what random ends and a voltage show.
+def _strongest(seen: Floats, rows: Bools, rigid: Floats, share: float, least: float) -> Floats:
+    """Return the shapes above `least` in some rows of what random ends and a voltage show.
 
     Rigid motions come first: they must be there to rounding, or the joint would resist them.
     """
     here = np.where(rows[:, None], seen, 0.0)
-    largest = np.linalg.norm(here[:, :-1], 2)
     here = here - rigid @ (rigid.T @ here)
     by_ends, by_voltage = here[:, :-1], here[:, -1]
     shapes, sizes, _ = np.linalg.svd(by_ends, full_matrices=False)
-    shapes = np.hstack([rigid, shapes[:, sizes > share * largest]])
+    shapes = np.hstack([rigid, shapes[:, sizes > least]])
     left = by_voltage - shapes @ (shapes.T @ by_voltage)
     if np.linalg.norm(left) > share * np.linalg.norm(by_voltage):
         left -= shapes @ (shapes.T @ left)
