@@ -47,8 +47,8 @@ class RodMeshing:
     side : float
         Interval at the side edge, as a share of the shim's thickness.
     core, bond, layer : tuple of float
-        Intervals of half the shim, of the bond line and of what is left of a piezo layer beside
-        it, outwards, as shares of each.
+        Intervals along x of half the shim, of the bond line and of what is left of a piezo layer
+        beside it, outwards, as shares of each.
     share : float
         Least share of a field at the section, see :class:`BrickParts`.
     """
@@ -107,7 +107,7 @@ def rod_bricks(device: Device, meshing: RodMeshing) -> Bricks:
     x = _lines(lines, reach)
     side = meshing.side * b.shim_thickness
     inside = _graded(width, None, side, width) / width
-    y = _lines({width: np.diff(inside), width + bond: meshing.bond}, reach)
+    y = _lines({width: np.diff(inside), width + bond: (1.0,)}, reach)
     z, at = _along(device, meshing)
     nx, ny = x.size - 1, y.size - 1
     shim, slot, piezo = (int(np.argmin(np.abs(x - end))) for end in (half, half + bond, outer))

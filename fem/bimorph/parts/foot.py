@@ -25,7 +25,7 @@ from tactgen.fem.bimorph.parts.section_functions import section_functions
 from tactgen.fem.bimorph.symmetry import Unknowns
 from tactgen.fem.bimorph.system import Material, volts_per_unit
 from tactgen.fem.solvers.linear_solver import factorise
-from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
+from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Numbers, Sparse
 from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.materials import PiezoTensors
@@ -44,8 +44,8 @@ class ReducedFoot:
     ----------
     stiffness, mass : (k, k) array
         Lossless; the last row of the stiffness is minus the charge.
-    losses : (k, k) array
-        Imaginary part of the stiffness; zero where no port takes part.
+    losses : (k, k) complex array
+        What losses add to the stiffness; zero where no port takes part.
     own : int
         How many fields of the foot's own come first.
     section : (4 m, s) array
@@ -56,7 +56,7 @@ class ReducedFoot:
 
     stiffness: Floats
     mass: Floats
-    losses: Floats
+    losses: Complex
     own: int
     section: Floats
     section_moving: int
@@ -91,8 +91,10 @@ class Foot:
         stiffness, mass = (unknowns.bordered(matrix) for matrix in self.matrices)
         losses = None
         if motion == "bending_x":
-            imaginary = {name: _losses(material) for name, material in self.lossy.items()}
-            losses = unknowns.bordered(self._matrices(imaginary)[0])
+            added = {r: _difference(self.lossy[r], of) for r, of in self.lossless.items()}
+            lost, _ = self._matrices(added)
+            lost.eliminate_zeros()  # most of the foot is steel without losses
+            losses = unknowns.bordered(lost)
         at = unknowns.index
         order = np.argsort(4 * elimination_order(parts.foot)[at // 4] + at % 4)
         ports = stiffness.border.shape[1]
@@ -105,7 +107,7 @@ class Foot:
         return ReducedFoot(
             stiffness=0.5 * (stiff + stiff.T),
             mass=_projected(mass, own, static * moves, np.diag(moves.astype(float))),
-            losses=np.zeros((k + ports, k + ports))
+            losses=np.zeros((k + ports, k + ports), dtype=complex)
             if losses is None
             else _projected(losses, own, static, np.eye(ports)),
             own=k,
@@ -114,12 +116,13 @@ class Foot:
         )
 
 
-def _losses(material: Material) -> Material:
-    """Return the imaginary parts of a material's tensors, as a material."""
-    piezo = material.piezo
-    if piezo is not None:
-        piezo = PiezoTensors(np.imag(piezo.c), np.imag(piezo.e), np.imag(piezo.eps))
-    return Material(np.imag(material.c), material.density, piezo)
+def _difference(lossy: Material, lossless: Material) -> Material:
+    """Return what losses add to a material's tensors, as a material."""
+    piezo = None
+    if lossy.piezo is not None and lossless.piezo is not None:
+        of, less = lossy.piezo, lossless.piezo
+        piezo = PiezoTensors(of.c - less.c, of.e - less.e, of.eps - less.eps)
+    return Material(lossy.c - lossless.c, lossy.density, piezo)
 
 
 def joined_unknowns(
@@ -162,7 +165,8 @@ def _fields(
     loads = [(mass.inner @ static + mass.border)[:, moves]]
     if losses is not None:
         # forces alone: what charges would add has the sign of a capacitance
-        loads.append(np.where(potential[:, None], 0.0, losses.inner @ static + losses.border))
+        lost = (losses.inner @ static + losses.border).imag
+        loads.append(np.where(potential[:, None], 0.0, lost))
     right = np.hstack(loads)
     fields = factor.solve(right)
     work = np.einsum("ij,ij->j", fields, right)
@@ -173,7 +177,7 @@ def _fields(
     return static, fields @ (turn[:, kept] / np.sqrt(energy[kept]))
 
 
-def _projected(matrix: Bordered, own: Floats, static: Floats, ports: Floats) -> Floats:
+def _projected(matrix: Bordered, own: Floats, static: Floats, ports: Floats) -> Numbers:
     """Return the matrix over the foot's own fields, and static ones with their ports' values."""
     inside = np.hstack([own, static])
     there = np.hstack([np.zeros((ports.shape[0], own.shape[1])), ports])

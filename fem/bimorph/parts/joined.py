@@ -88,7 +88,7 @@ class _Joined:
         lossy = self.known is self.foot.lossy
         if lossy and motion != "bending_x":
             raise ValueError("losses of the foot are known of the motions that ports drive only")
-        small = foot.stiffness + 1j * foot.losses if lossy else foot.stiffness
+        small = foot.stiffness + foot.losses if lossy else foot.stiffness
         return SolidSystem(
             stiffness=_joined(unknowns.bordered(stiffness), foot, small),
             mass=_joined(unknowns.bordered(mass), foot, foot.mass),
