@@ -24,7 +24,7 @@ from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.parts.section_functions import section_functions
 from tactgen.fem.bimorph.symmetry import Unknowns
 from tactgen.fem.bimorph.system import Material, volts_per_unit
-from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Numbers, Sparse
 from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
@@ -100,13 +100,19 @@ class Foot:
         ports = stiffness.border.shape[1]
         moves = np.arange(ports) < functions.moving
         moves[-PORTS:-1] = True
-        static, own = _fields(stiffness, mass, losses, moves, order, at % 4 == 3)
+        static, fields = _fields(stiffness, mass, losses, moves, order, at % 4 == 3)
+        own = np.hstack([group.fields for group in fields])
+        # charges raise fields that have no inertia, like the potential that they are mostly of
+        heavy = np.concatenate(
+            [np.full(g.fields.shape[1], g.sign > 0.0, dtype=float) for g in fields]
+        )
         k = own.shape[1]
-        stiff = np.eye(k + ports)
+        stiff = np.zeros((k + ports, k + ports))
+        stiff[:k, :k] = own.T @ np.hstack([group.loads for group in fields])
         stiff[k:, k:] = stiffness.corner + stiffness.border.T @ static
         return ReducedFoot(
             stiffness=0.5 * (stiff + stiff.T),
-            mass=_projected(mass, own, static * moves, np.diag(moves.astype(float))),
+            mass=_projected(mass, own * heavy, static * moves, np.diag(moves.astype(float))),
             losses=np.zeros((k + ports, k + ports), dtype=complex)
             if losses is None
             else _projected(losses, own, static, np.eye(ports)),
@@ -151,6 +157,27 @@ def section_shape(bricks: Bricks) -> tuple[int, int]:
     return max(s.x[1] for s in slabs) * bricks.x.degree + 1, deep * bricks.y.degree + 1
 
 
+@dataclass(frozen=True)
+class _Group:
+    """Fields (n, k) of unit energy, positive or negative, and the loads (n, k) that make them."""
+
+    fields: Floats
+    loads: Floats
+    sign: float
+
+    @classmethod
+    def of(cls, factor: Factor, loads: Floats, sign: float) -> _Group:
+        """Return what loads make: forces (sign 1), or charges (sign −1, as a capacitance has)."""
+        fields = factor.solve(loads)
+        work = sign * np.einsum("ij,ij->j", fields, loads)
+        there = work > 0.0
+        fields, loads = (v[:, there] / np.sqrt(work[there]) for v in (fields, loads))
+        energy, turn = np.linalg.eigh(0.5 * sign * (fields.T @ loads + loads.T @ fields))
+        kept = energy > _NOISE
+        turn = turn[:, kept] / np.sqrt(energy[kept])
+        return cls(fields @ turn, loads @ turn, sign)
+
+
 def _fields(
     stiffness: Bordered,
     mass: Bordered,
@@ -158,23 +185,17 @@ def _fields(
     moves: Bools,
     order: Ints,
     potential: Bools,
-) -> tuple[Floats, Floats]:
-    """Return the static fields (n, ports), and the foot's own ones (n, k) of unit stiffness."""
+) -> tuple[Floats, list[_Group]]:
+    """Return the static fields (n, ports), and the foot's own ones."""
     factor = factorise(stiffness.inner, order=order)
     static = -factor.solve(stiffness.border)
-    loads = [(mass.inner @ static + mass.border)[:, moves]]
-    if losses is not None:
-        # forces alone: what charges would add has the sign of a capacitance
-        lost = (losses.inner @ static + losses.border).imag
-        loads.append(np.where(potential[:, None], 0.0, lost))
-    right = np.hstack(loads)
-    fields = factor.solve(right)
-    work = np.einsum("ij,ij->j", fields, right)
-    chosen = work > 0.0
-    fields, right = (v[:, chosen] / np.sqrt(work[chosen]) for v in (fields, right))
-    energy, turn = np.linalg.eigh(0.5 * (fields.T @ right + right.T @ fields))
-    kept = energy > _NOISE
-    return static, fields @ (turn[:, kept] / np.sqrt(energy[kept]))
+    forces = (mass.inner @ static + mass.border)[:, moves]
+    if losses is None:
+        return static, [_Group.of(factor, forces, 1.0)]
+    lost = (losses.inner @ static + losses.border).imag
+    forces = np.hstack([forces, np.where(potential[:, None], 0.0, lost)])
+    charges = np.where(potential[:, None], lost, 0.0)
+    return static, [_Group.of(factor, forces, 1.0), _Group.of(factor, charges, -1.0)]
 
 
 def _projected(matrix: Bordered, own: Floats, static: Floats, ports: Floats) -> Numbers:
