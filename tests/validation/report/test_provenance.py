@@ -70,6 +70,17 @@ def test_a_report_is_computed_again_to_the_last_digit(sealed, named):
     }
 
 
+@pytest.mark.heavy
+def test_a_whole_report_with_the_solid_is_computed_again(tmp_path, capsys):
+    """What the command wrote, with two models and all that a quick report asks."""
+    assert (
+        main(["report", "j1", "--quick", "--set", "models=tmm,solid", "--out", str(tmp_path)]) == 0
+    )
+    capsys.readouterr()
+    assert main(["report", "--reproduce", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.splitlines()[-1].endswith(" 0 differs")
+
+
 def test_nothing_kept_answers_for_it(sealed, monkeypatch):
     """The second run has an empty store of its own, and leaves the user's alone."""
     seen = []

@@ -27,7 +27,7 @@ from tactgen.validation.studies.design.length_map import (
 from tactgen.validation.studies.design.length_scan import lowest_margin
 from tactgen.validation.studies.design.length_section import section
 from tactgen.validation.studies.design.plots import length_plot
-from tactgen.validation.studies.design.wording import sentences, signed
+from tactgen.validation.studies.design.wording import changed_setting, sentences, signed
 from tactgen.validation.studies.identification.fit_parameters import fit_parameter
 
 BAND = (10.0, 1000.0)
@@ -293,6 +293,23 @@ def test_another_device_is_asked_its_own_question():
     assert is_papers_bimorph(load_scene("prototype", ["bimorph.wiring=series"])[0])
     short, _ = load_scene("paper", [*OWN, "bimorph.bare_above=10mm"])
     assert length_section._own_question(short)[1][0].lengths[0] == pytest.approx(15e-3)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "said"),
+    [
+        ([], ""),
+        (["drive.voltage=40V"], "at 40 V instead of this scene's 50 V"),
+        (["load.kind=none"], "with a free tip instead of this scene's under the finger"),
+        (
+            ["drive.voltage=40V", "load.kind=none"],
+            "at 40 V with a free tip instead of this scene's 50 V, under the finger",
+        ),
+    ],
+)
+def test_what_is_asked_otherwise_is_said(paper, overrides, said):
+    """Voltage and load, each only where it differs, the scene's own beside it."""
+    assert changed_setting(paper[0], load_scene("paper", overrides)[0]) == said
 
 
 @pytest.mark.heavy

@@ -26,6 +26,7 @@ from tactgen.tmm.generator.transient.waveform import Sine, Step
 from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.tmm.ports.springs_dampers_masses import chain_of
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.command_line.commands.studies import simulate
 from tactgen.validation.models.generator.phases import Phase, common_oscillation
 from tactgen.validation.models.generator.transient import (
     above_the_head,
@@ -318,3 +319,20 @@ def test_friction_creeps_where_small_motions_have_a_spring(scene):
     apart = np.abs(tips[1] / tips[0] - 1.0)
     assert apart[0] > 0.02
     assert np.all(apart[1:] < 0.01)
+
+
+@pytest.mark.parametrize(
+    ("of", "taken", "refused"),
+    [
+        (simulate._until, ("1 us", "10 s"), ("0.995 us", "10.05 s")),
+        (simulate._accuracy, ("1e-6", "0.5"), ("0.995e-6", "0.505")),
+    ],
+    ids=["until", "accuracy"],
+)
+def test_where_options_are_refused(of, taken, refused):
+    """At the stated limits they are taken, half a percent beyond they are not."""
+    for text in taken:
+        assert of(text) > 0.0
+    for text in refused:
+        with pytest.raises(InputError, match="is not between"):
+            of(text)
