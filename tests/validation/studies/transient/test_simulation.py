@@ -88,6 +88,7 @@ def test_without_drive_the_generator_stays(scene):
     run = found.answer.run
     assert np.ptp(run.position[:, 0]) < 1e-15
     assert np.abs(run.velocity).max() < 1e-9
+    assert run.worst_imbalance < 1e-10  # of what is stored: what it exchanges is rounding
     spring = scene.device.spring
     expected = spring.preload - spring.stiffness * run.position[0, 0]
     assert found.stop_force["upper_stop"] == pytest.approx(expected, rel=1e-9)
