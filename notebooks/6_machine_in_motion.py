@@ -5,14 +5,20 @@
 # voltages move, what changes when the voltage grows, and what happens in time?
 
 # %%
+import warnings
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
 import matplotlib.pyplot as plt
 import numpy as np
+from scipy import signal
 
 import tactgen
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import axial_forces, position_loop
 from tactgen.tmm.generator.transient.march import Sources
 from tactgen.tmm.generator.transient.waveform import Sine, Square
+from tactgen.validation.export.files import export
 from tactgen.validation.models.amplitude.backbone import backbone
 from tactgen.validation.models.amplitude.held_head import held_head
 from tactgen.validation.models.generator.phases import phases
@@ -63,6 +69,52 @@ _ = axis.legend()
 first = [float(f.get(asked[0], "tmm").value.flat[0]) for f in (up, down)]
 print(f"f1 up {first[0]:.0f} Hz, held {first[1]:.0f} Hz")
 assert first[1] > 1.2 * first[0]
+
+# %% [markdown]
+# The same for control engineers: `tactgen export generator --machine machine.npz` writes
+# x' = a x + b u, y = c x + d u. An upright head keeps the axial motion to itself, so three of the
+# states are a system of their own; in `scipy.signal` its poles are one line, and so is the Bode
+# plot of what the coil's voltage does. With python-control the whole would read
+#
+#     saved = np.load("machine.npz")
+#     control.bode_plot(control.ss(saved["a"], saved["b"], saved["c"], saved["d"]))
+
+# %%
+driven_scene, _ = tactgen.load_scene(
+    "generator",
+    [
+        "load.kind=none", "frequency=10:20000:80:log", "coil.current=50mA", "coil.history=falling",
+        "coil.supply=voltage",
+    ],
+)  # fmt: skip
+with TemporaryDirectory() as folder:
+    file = Path(folder) / "machine.npz"
+    export(driven_scene, {"machine": file}, lambda _: None)
+    with np.load(file) as opened:
+        saved = dict(opened)
+print(*saved["inputs"], "to", *saved["outputs"])
+
+states = len(saved["a"])
+axial = [2, (states - 1) // 2 + 2, states - 1]  # lift, its rate, flux linkage
+a, b, c = saved["a"][np.ix_(axial, axial)], saved["b"][axial, 2:], saved["c"][1:2, axial]
+plant = signal.StateSpace(a, b, c, [[0.0]])
+# scipy warns of every system without feed-through
+warnings.filterwarnings("ignore", category=signal.BadCoefficients)
+frequencies = np.array(driven_scene.frequency)
+_, decibels, degrees = plant.bode(2.0 * np.pi * frequencies)
+figure, axes = plt.subplots(2, 1, figsize=(7.0, 4.2), sharex=True)
+axes[0].semilogx(frequencies, decibels)
+axes[0].set_ylabel("lift per coil voltage (dB, m/V)")
+axes[1].semilogx(frequencies, degrees)
+axes[1].set(ylabel="phase (°)", xlabel="frequency (Hz)")
+
+known = tactgen.solve(driven_scene, ["tmm"], ["axial_poles", "axial_tip_per_coil_voltage"])
+for pole in known.get("axial_poles", "tmm").value:
+    assert np.abs(plant.poles - pole).min() < 1e-9 * abs(pole)
+    assert np.abs(np.linalg.eigvals(saved["a"]) - pole).min() < 1e-9 * abs(pole)
+# scipy draws by way of a transfer function, whose coefficients lose some digits
+exact = np.abs(known.get("axial_tip_per_coil_voltage", "tmm").value)
+assert np.allclose(10.0 ** (decibels / 20.0), exact, rtol=1e-6, atol=0.0)
 
 # %% [markdown]
 # ## Amplitude

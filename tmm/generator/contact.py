@@ -27,6 +27,11 @@ from tactgen.geometry.arrays import Floats
 
 #: Largest exponent of a pressure: a solver's stray guess gives a huge number, not an overflow.
 _LARGEST = 500.0
+#: Exponent of a pressure that is nothing.
+_APART = -92.0
+#: Below this tilt, in decay lengths over the radius, a ring's third derivative is its series
+#: (to 1e-9).
+_SMALL_TILT = 0.05
 
 
 @dataclass(frozen=True)
@@ -80,6 +85,44 @@ class RoughContact:
         rows = np.array([[value, r * slope], [r * slope, r * r * bend]])
         scale = self._scale(approach, tilt) / self.decay_length
         return np.asarray(np.moveaxis(rows * scale, (0, 1), (-2, -1)))
+
+    def moving(self, approach: Floats, tilt: Floats, rate: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return efforts, stiffness and what both change by, in one go, at n instants.
+
+        Parameters
+        ----------
+        approach, tilt : (n,) array
+        rate : (n, 2) array
+            Of approach and tilt (m/s, rad/s).
+
+        Returns
+        -------
+        efforts : (n, 2) array
+            Load and moment.
+        stiffness : (n, 2, 2) array
+            As :meth:`tangent`.
+        change : (n, 2, 2) array
+            The stiffness's rate in time.
+        """
+        value, slope, bend = self._shape(tilt)
+        r, scale = self.radius, self._scale(approach, tilt)
+        efforts = np.empty((scale.size, 2))
+        efforts[:, 0], efforts[:, 1] = scale * value, r * scale * slope
+        near, turn = rate[:, 0] / self.decay_length, r * rate[:, 1] / self.decay_length
+        # S, S', S'' and their rates: the pressures' grow with the approach, too
+        stiff, third = scale / self.decay_length, self._third(tilt)
+        entries = (value, r * slope, r * r * bend)
+        rates = (
+            near * value + turn * slope,
+            r * (near * slope + turn * bend),
+            r * r * (near * bend + turn * third),
+        )
+        return efforts, *(_symmetric(*(stiff * e for e in of)) for of in (entries, rates))
+
+    def is_apart(self, approach: Floats, tilt: Floats) -> bool:
+        """Return whether at all of these places less than 1e-40 of the reference load acts."""
+        at = np.max(np.asarray(approach) / self.decay_length + np.abs(self._relative(tilt)))
+        return bool(at < _APART)
 
     def approach(self, load: Floats | float, tilt: Floats | float = 0.0) -> Floats:
         """Return the approach (m) at which the tilted head carries a load above 0."""
@@ -143,3 +186,24 @@ class RoughContact:
         i0, i1, i2, i3, i4 = (ive(n, a) for n in range(5))
         second = (i0 - i2) / 8.0 - (i2 - i4) / 24.0  # I₂/a²
         return i0 - i2, 0.5 * (i1 - i3), (i0 - i2) - 6.0 * second
+
+    def _third(self, tilt: Floats | float) -> Floats:
+        """Return the third derivative of S at a = R ψ/u₀, times e^{-|a|}."""
+        from scipy.special import i0e, i1e, ive
+
+        a = self._relative(tilt)
+        if self.shape == "disc":
+            return np.asarray((2.0 * ive(1, a) - ive(3, a) - ive(5, a)) / 8.0)
+        small = np.abs(a) < _SMALL_TILT
+        over = np.where(small, 1.0, a)
+        series = a * (3.0 / 8.0 + a * a * (5.0 / 96.0 + 7.0 / 3072.0 * a * a))
+        i0, i1 = i0e(a), i1e(a)
+        return np.where(small, series * np.exp(-np.abs(a)), i1 - (i0 - 2.0 * i1 / over) / over)
+
+
+def _symmetric(first: Floats, both: Floats, second: Floats) -> Floats:
+    """Return matrices (n, 2, 2) of their entries (n,)."""
+    out = np.empty((first.size, 2, 2))
+    out[:, 0, 0], out[:, 1, 1] = first, second
+    out[:, 0, 1] = out[:, 1, 0] = both
+    return out

@@ -17,19 +17,18 @@ from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.ends import Law as TipLaw
 from tactgen.geometry.bimorph.ends import TipLoad
 from tactgen.geometry.device.parameters import Support
-from tactgen.tmm.generator.contact import RoughContact
 from tactgen.tmm.generator.guide import tilt_guide
 from tactgen.tmm.generator.held_base import pressed_support
 from tactgen.tmm.generator.moving_mass import moving_rod
 from tactgen.tmm.generator.positions import AxialForces, RestingPlace
 from tactgen.tmm.generator.stops import Stops
 from tactgen.tmm.harmonic_balance.oscillator import LawPoint, Orbit, Oscillator
-from tactgen.tmm.ports.multiport import Multiport, Response, reduce, respond, terminate
+from tactgen.tmm.harmonic_balance.tabulated import Tabulated
+from tactgen.tmm.ports.multiport import Multiport, Response, eliminated, terminate
 from tactgen.tmm.ports.terminations import tip_stiffness
 
-#: Over this share of the contact's decay length its stiffness is differentiated along a motion;
-#: the error goes with its square.
-_STEP = 1e-4
+#: What is given, and what follows, of the bimorph's ports.
+_DRIVEN, _FREE = ("psi_base", "voltage"), ("w_base", "w_tip", "psi_tip")
 
 
 @dataclass(frozen=True)
@@ -46,22 +45,29 @@ class RockingHead:
         In lift from that place (m) and tilt (rad) of the head; the drive is the voltage (V).
     stops : Stops
         What the head touches.
-    attached : callable
-        From frequencies (n,) in Hz to the bimorph's ports with load, lateral support and the
-        head's inertia, but not what resists the tilt.
+    attached : Tabulated
+        From frequencies (n,) in Hz to what the bimorph with load, lateral support and the head's
+        inertia, but not what resists the tilt, does when tilt and voltage are given, (n, 10): the
+        efforts there, then the other motions, see :func:`_seen`.
     """
 
     place: RestingPlace
     support: Support
     oscillator: Oscillator
     stops: Stops
-    attached: Callable[[Floats], Multiport]
+    attached: Tabulated
 
     def response(self, orbit: Orbit) -> Response:
         """Return all motions and the charge at the harmonics (H + 1,) of an orbit."""
         n = np.arange(orbit.harmonics + 1)
-        drive = {"psi_base": orbit.spectrum[:, 1], "voltage": orbit.level * (n == 1)}
-        return respond(self.attached(n * orbit.frequency), drive)
+        drive = np.stack([orbit.spectrum[:, 1], orbit.level * (n == 1)], axis=-1)
+        answers = self.attached(n * orbit.frequency).reshape(-1, 5, 2) @ drive[..., None]
+        given = dict(zip(_DRIVEN, drive.T, strict=True))
+        effort, motion = answers[:, :2, 0].T, answers[:, 2:, 0].T
+        return Response(
+            {**given, **dict(zip(_FREE, motion, strict=True))},
+            dict(zip(_DRIVEN, effort, strict=True)),
+        )
 
     def contact(self, orbit: Orbit, samples: int) -> tuple[Floats, Floats]:
         """Return what the stops do to the head over a period, without their damping.
@@ -111,7 +117,7 @@ def rocking_head(
     bore = tilt_guide(device)
     mass = body.mass + bimorph_mass
 
-    def attached(frequencies: Floats) -> Multiport:
+    def seen(frequencies: Floats) -> Complex:
         omega = 2.0 * np.pi * frequencies
         tilting = bore.at_rest - omega**2 * support.rotational_inertia
         loads = {
@@ -119,22 +125,22 @@ def rocking_head(
             "psi_base": tilting,
             "w_tip": tip_stiffness(tip, frequencies),
         }
-        return terminate(bimorph(frequencies), loads)
+        return _seen(terminate(bimorph(frequencies), loads))
+
+    attached = Tabulated(seen)
 
     def linear(omega: Floats) -> Complex:
-        port = reduce(attached(omega / (2.0 * np.pi)), ("psi_base", "voltage")).stiffness
         d = np.zeros((omega.size, 2, 3), dtype=complex)
         d[:, 0, 0] = 1j * omega * device.guide.axial_damping - omega**2 * mass
-        d[:, 1, 1:] = port[:, 0]
+        d[:, 1, 1:] = attached(omega / (2.0 * np.pi), slice(2))
         return d
 
     def acting(motion: Floats, rate: Floats) -> LawPoint:
         lift, tilt = place.lift + motion[:, 0], motion[:, 1]
-        effort = forces.stops.forces(lift, tilt)
-        tangent, damping = forces.stops.stiffness_and_damping(lift, tilt)
-        effort = effort + np.einsum("nij,nj->ni", damping, rate)
+        effort, tangent, damping, change = forces.stops.moving(lift, tilt, rate)
+        effort += np.einsum("nij,nj->ni", damping, rate)
         effort[:, 0] += forces.pressed - forces.finger_force(current, lift)
-        by_motion = tangent + _along(forces.stops, law, np.stack([lift, tilt], axis=-1), rate)
+        by_motion = tangent + change
         by_motion[:, 0, 0] += device.spring.stiffness
         if forces.pull is not None:
             by_motion[:, 0, 0] += forces.pull.force_gradient(current, forces.gap(lift))
@@ -148,15 +154,8 @@ def rocking_head(
     return RockingHead(place, support, oscillator, forces.stops, attached)
 
 
-def _along(stops: Stops, law: RoughContact, place: Floats, rate: Floats) -> Floats:
-    """Return ∂(C·rate)/∂(u, ψ) (n, 2, 2): as third derivatives commute, C's change along rate.
-
-    `place` (n, 2) are lift and tilt, C the stops' damping; `law` sets the step.
-    """
-    size = np.maximum(np.abs(rate[:, 0]), law.radius * np.abs(rate[:, 1]))
-    step = _STEP * law.decay_length / np.where(size > 0.0, size, 1.0)
-    moved = step[:, None] * rate
-    (_, after), (_, before) = (
-        stops.stiffness_and_damping(*at.T) for at in (place + moved, place - moved)
-    )
-    return np.asarray((after - before) / (2.0 * step[:, None, None]))
+def _seen(port: Multiport) -> Complex:
+    """Return efforts at tilt and voltage, then the free motions, per tilt and per volt (n, 10)."""
+    seen, follows = eliminated(port, _DRIVEN)
+    parts = (seen.stiffness, follows)
+    return np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1)

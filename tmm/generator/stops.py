@@ -16,6 +16,9 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.contact import RoughContact
 
+#: A stop's approach and tilt per lift and tilt of the head: of the upper one, of the lower one.
+_AS_IS, _TURNED = np.array([1.0, 1.0]), np.array([-1.0, 1.0])
+
 
 @dataclass(frozen=True)
 class Stops:
@@ -54,16 +57,44 @@ class Stops:
 
     def tangent(self, lift: Floats | float, tilt: Floats | float) -> Floats:
         """Return the stiffness (..., 2, 2) over (u, ψ): symmetric, positive definite."""
-        upper, lower = self._tangents(lift, tilt)
-        return np.asarray(upper + lower)
+        upper = self.upper.tangent(lift, tilt)
+        lower = self.lower.tangent(self._lowered(lift), tilt)
+        return np.asarray(upper + lower * np.outer(_TURNED, _TURNED))
 
-    def stiffness_and_damping(
-        self, lift: Floats | float, tilt: Floats | float
-    ) -> tuple[Floats, Floats]:
-        """Return :meth:`tangent`, and with it what each stop loses (N s/m, …), (..., 2, 2)."""
-        upper, lower = self._tangents(lift, tilt)
-        damping = self.upper.relaxation_time * upper + self.lower.relaxation_time * lower
-        return np.asarray(upper + lower), np.asarray(damping)
+    def moving(
+        self, lift: Floats, tilt: Floats, rate: Floats
+    ) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return what the stops do at n instants to a head that moves.
+
+        Parameters
+        ----------
+        lift, tilt : (n,) array
+        rate : (n, 2) array
+            Of lift and tilt (m/s, rad/s).
+
+        Returns
+        -------
+        forces : (n, 2) array
+            As :meth:`forces`; the dampers' are damping times rate.
+        stiffness, damping, change : (n, 2, 2) array
+            :meth:`tangent`; what each stop's relaxation makes of its share; and the derivative of
+            damping times rate by lift and tilt, the damping's rate in time, as third derivatives
+            commute.
+        """
+        n = lift.size
+        forces, each = np.zeros((n, 2)), np.zeros((3, n, 2, 2))
+        for law, sign, at in (
+            (self.upper, _AS_IS, lift),
+            (self.lower, _TURNED, self._lowered(lift)),
+        ):
+            if law.is_apart(at, tilt):
+                continue
+            efforts, stiffness, change = law.moving(at, tilt, rate * sign)
+            forces += efforts * sign
+            time = law.relaxation_time
+            for found, part in zip(each, (stiffness, time * stiffness, time * change), strict=True):
+                found += part * np.outer(sign, sign)
+        return forces, *each
 
     def holding(self, lift: float) -> RoughContact:
         """Return the law of the nearer stop, which carries a head at rest."""
@@ -76,10 +107,6 @@ class Stops:
     def loads(self, lift: Floats | float, tilt: Floats | float = 0.0) -> tuple[Floats, Floats]:
         """Return what the upper and the lower stop carry (N), both positive."""
         return self.upper.load(lift, tilt), self.lower.load(self._lowered(lift), tilt)
-
-    def _tangents(self, lift: Floats | float, tilt: Floats | float) -> tuple[Floats, Floats]:
-        lower = self.lower.tangent(self._lowered(lift), tilt)
-        return self.upper.tangent(lift, tilt), lower * np.array([[1.0, -1.0], [-1.0, 1.0]])
 
     def _lowered(self, lift: Floats | float) -> Floats:
         return np.asarray(-np.asarray(lift, dtype=float) - self.stroke)

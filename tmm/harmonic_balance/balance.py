@@ -8,7 +8,7 @@ each harmonic.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -73,28 +73,30 @@ def rates(orbit: Orbit) -> Orbit:
 
 def law_harmonics(oscillator: Oscillator, orbit: Orbit) -> LawHarmonics:
     """Return what the law does along an orbit."""
-    count, highest = samples(orbit.harmonics), 2 * orbit.harmonics
-    at = oscillator.law(orbit.motion(count), rates(orbit).motion(count))
-    effort = 2.0 * np.fft.rfft(at.effort, axis=0)[: highest + 1] / count
+    count, highest, k = samples(orbit.harmonics), 2 * orbit.harmonics, oscillator.size
+    # motions and rates, then all that the law says, in one transform each
+    both = np.concatenate([orbit.spectrum, rates(orbit).spectrum], axis=1)
+    moved = replace(orbit, spectrum=both).motion(count)
+    at = oscillator.law(moved[:, :k], moved[:, k:])
+    tangents = (t.reshape(count, k * k) for t in (at.by_motion, at.by_rate))
+    right = np.fft.rfft(np.concatenate([at.effort, *tangents], axis=1), axis=0)
+    right = right[: highest + 1] / count
+    effort = 2.0 * right[:, :k]
     effort[0] *= 0.5
-    return LawHarmonics(effort, *(_two_sided(t, highest) for t in (at.by_motion, at.by_rate)))
-
-
-def _two_sided(values: Floats, highest: int) -> Complex:
-    right = np.fft.rfft(values, axis=0)[: highest + 1] / values.shape[0]
-    return np.concatenate([right[:0:-1].conj(), right])
+    two_sided = np.concatenate([right[:0:-1, k:].conj(), right[:, k:]])
+    return LawHarmonics(effort, *np.moveaxis(two_sided.reshape(-1, 2, k, k), 1, 0))
 
 
 def real_vector(spectrum: Complex) -> Floats:
     """Return harmonics (H + 1, k) as real unknowns (m,)."""
     parts = np.stack([spectrum.real, spectrum.imag], axis=1)
-    k = spectrum.shape[1]
-    return np.delete(parts.ravel(), slice(k, 2 * k))
+    flat, k = parts.ravel(), spectrum.shape[1]
+    return np.concatenate([flat[:k], flat[2 * k :]])
 
 
 def complex_spectrum(vector: Floats, k: int) -> Complex:
     """Return real unknowns (m,) as harmonics (H + 1, k)."""
-    parts = np.insert(vector, k, np.zeros(k)).reshape(-1, 2, k)
+    parts = np.concatenate([vector[:k], np.zeros(k), vector[k:]]).reshape(-1, 2, k)
     return np.asarray(parts[:, 0] + 1j * parts[:, 1])
 
 
@@ -111,13 +113,14 @@ def balance(oscillator: Oscillator, orbit: Orbit) -> Balance:
     residual[0] -= oscillator.static
     residual[1] += d[1, :, k] * orbit.level
     by_omega = np.einsum("nij,nj->ni", slope[..., :k], q)
-    by_omega += _times(law.by_rate, 1j * n[:, None] * q)
+    by_rate = _columns(law.by_rate, orbit.harmonics)
+    by_omega += _times(by_rate, 1j * n[:, None] * q)
     by_omega[1] += slope[1, :, k] * orbit.level
     by_level = np.zeros_like(residual)
     by_level[1] = d[1, :, k]
     return Balance(
         real_vector(residual),
-        _jacobian(d[..., :k], law, orbit.omega),
+        _jacobian(d[..., :k], _columns(law.by_motion, orbit.harmonics), by_rate, orbit.omega),
         real_vector(by_omega),
         real_vector(by_level),
     )
@@ -137,11 +140,17 @@ def _columns(tangent: Complex, highest: int) -> tuple[Complex, Complex]:
     return real, imaginary
 
 
-def _jacobian(d: Complex, law: LawHarmonics, omega: float) -> Floats:
+def _jacobian(
+    d: Complex,
+    by_motion: tuple[Complex, Complex],
+    by_rate: tuple[Complex, Complex],
+    omega: float,
+) -> Floats:
+    """Return the derivatives (m, m); tangents as :func:`_columns`, the first of which is spent."""
     harmonics, k = d.shape[0] - 1, d.shape[1]
     n = np.arange(harmonics + 1)
-    real, imaginary = _columns(law.by_motion, harmonics)
-    by_rate_real, by_rate_imaginary = _columns(law.by_rate, harmonics)
+    real, imaginary = by_motion
+    by_rate_real, by_rate_imaginary = by_rate
     speed = (n * omega)[None, :, None, None]
     real += speed * by_rate_imaginary
     imaginary -= speed * by_rate_real
@@ -152,13 +161,13 @@ def _jacobian(d: Complex, law: LawHarmonics, omega: float) -> Floats:
         full[:, 0, :, :, place, :] = columns.real.transpose(0, 2, 1, 3)
         full[:, 1, :, :, place, :] = columns.imag.transpose(0, 2, 1, 3)
     side = 2 * k * n.size
-    kept = np.delete(np.arange(side), slice(k, 2 * k))
-    return np.asarray(full.reshape(side, side)[np.ix_(kept, kept)])
+    kept = np.concatenate([np.arange(k), np.arange(2 * k, side)])
+    return np.asarray(full.reshape(side, side)[kept[:, None], kept])
 
 
-def _times(tangent: Complex, motion: Complex) -> Complex:
-    """Return harmonics of the product of a tangent with a motion's harmonics (H + 1, k)."""
-    real, imaginary = _columns(tangent, motion.shape[0] - 1)
+def _times(columns: tuple[Complex, Complex], motion: Complex) -> Complex:
+    """Return harmonics of a tangent's product with a motion's (H + 1, k); see :func:`_columns`."""
+    real, imaginary = columns
     product = np.einsum("nlij,lj->ni", real, motion.real)
     product += np.einsum("nlij,lj->ni", imaginary, motion.imag)
     return np.asarray(product)

@@ -8,7 +8,7 @@ far and the parameter relative to its range.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -52,10 +52,14 @@ class Course:
     low: float
     high: float
     scales: Floats
+    _weights: dict[int, Floats] = field(init=False, default_factory=dict, compare=False)
 
     def weights(self, harmonics: int) -> Floats:
         """Return the size (m + 1,) of each unknown, the parameter last."""
-        return np.append(np.tile(self.scales, 2 * harmonics + 1), self.high - self.low)
+        if harmonics not in self._weights:
+            sizes = np.tile(self.scales, 2 * harmonics + 1)
+            self._weights[harmonics] = np.append(sizes, self.high - self.low)
+        return self._weights[harmonics]
 
     def pack(self, orbit: Orbit) -> Floats:
         """Return an orbit's unknowns with the parameter, each over its size."""

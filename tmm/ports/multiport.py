@@ -190,14 +190,19 @@ def _check_joint(one: Port, other: Port) -> None:
 
 def reduce(port: Multiport, keep: Iterable[str]) -> Multiport:
     """Return what is seen at some ports, in that order, while no effort acts on the others."""
+    return eliminated(port, keep)[0]
+
+
+def eliminated(port: Multiport, keep: Iterable[str]) -> tuple[Multiport, Complex]:
+    """Return :func:`reduce`, and the motions (n, f, k) of the f others per motion kept."""
     keep = list(keep)
     kept, free = ([port.index(n) for n in names] for names in (keep, port.others(keep)))
     seen = port.block(*keep)
-    if not free:
-        return seen
     d = port.stiffness
+    if not free:
+        return seen, np.zeros((d.shape[0], 0, len(kept)), dtype=complex)
     follows = _balanced_solve(d[:, free][:, :, free], -d[:, free][:, :, kept])
-    return replace(seen, stiffness=seen.stiffness + d[:, kept][:, :, free] @ follows)
+    return replace(seen, stiffness=seen.stiffness + d[:, kept][:, :, free] @ follows), follows
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from tactgen.geometry.units import Unit
 from tactgen.validation.catalogue.row import AnswerReadout, QuantityRow
 
 
@@ -45,6 +46,7 @@ ROWS = (
         "coil_impedance", "ohm",
         "voltage per current of the coil with its supply's resistance, what the motion induces too",
         _in_motion(lambda machine: machine.impedance()),
+        curve=Unit("ohm", "impedance", "12.3 ohm", limits=(1e-9, 1e12)),
     ),
     QuantityRow(
         "axial_poles", "rad/s",

@@ -105,8 +105,9 @@ _MAGNETIC = (
 _MAP = (*_MAGNETIC, "spring")
 #: Where the rod rests, on what the map says.
 _REST = (*_MAP, "contact", "coil.history", "load.normal_force")
-#: The machine in small motions about that place: the map once more, by the network, and masses.
+#: The machine in small motions about that place: whose map it is, and masses.
 _MACHINE = (
+    "models",
     "bimorph", "piezo", "shim", "glue", "beam", "rod", "coil", "sleeve", "steel.curve", "gap",
     "spring", "contact", "guide", "load.normal_force",
 )  # fmt: skip
@@ -256,6 +257,19 @@ _READING: Mapping[Actuator, tuple[str, ...]] = {
 
 #: Cheapest first within each actuator.
 MODELS: dict[str, ModelRow] = {row.name: row for row in _ROWS}
+
+
+#: Module that gives a scene's co-energy map by the model that the scene asks for.
+MAPS = "tactgen.validation.models.reluctance.maps"
+
+
+def map_model(models: Iterable[str]) -> str:
+    """Return the model of the normal actuator whose co-energy map the machine takes.
+
+    Of those asked for the one that knows most; the cheapest if none is.
+    """
+    own = models_of("reluctance")
+    return (*own[:1], *(name for name in ranked(models) if name in own))[-1]
 
 
 def models_of(actuator: Actuator) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, partial
+from typing import Literal
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.layout import total_height
 from tactgen.geometry.device.parameters import Device, Limits, Steel
 from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
+from tactgen.tmm.generator.small_signal import Linearised
 from tactgen.tmm.reluctance.coenergy.fit import fit
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples, closed_loop_work
 from tactgen.tmm.reluctance.coil_heat import largest_rms_current
@@ -26,6 +28,7 @@ from tactgen.validation.checks.cases.magnetics import (
 )
 from tactgen.validation.checks.cases.magnetics.long_conductors import conductors
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential, ball_error
+from tactgen.validation.models.generator.small_signal import rod_about
 from tactgen.validation.scene.scene import load_scene
 
 #: Currents (A) and gaps (m) of the device at which force and flux linkage are compared: the
@@ -233,3 +236,29 @@ def field_map_loop_work() -> float:
         for name in ("flux_linkage", "force")
     )
     return _loop(fit(Samples(currents, gaps, linkage, force)).sampled, 64)
+
+
+#: What is compared: see :class:`tmm.generator.small_signal.Linearised`.
+Number = Literal["rocking stiffness", "pull per current", "inductance"]
+
+
+@cache
+def _rod(model: str, history: str) -> Linearised:
+    held = ("coil.current=50mA", f"coil.history={history}", f"models=tmm,{model}")
+    scene, _ = load_scene("generator", held)
+    return rod_about(scene, scene.pull)
+
+
+def _number(rod: Linearised, name: Number) -> float:
+    numbers = {
+        "rocking stiffness": float(rod.stiffness[1, 1]),
+        "pull per current": -rod.motional,
+        "inductance": rod.inductance,
+    }
+    return numbers[name]
+
+
+def network_over_field_machine(name: Number, history: str) -> float:
+    """Return a number of the generator's rod at 50 mA by the network over that by the field."""
+    one, other = (_number(_rod(model, history), name) for model in ("network", "axisymmetric"))
+    return one / other

@@ -62,12 +62,13 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
     InputError
         If a model cannot take the scene, or a quantity has no model.
     """
+    scene = scene.asking(models)
     check_models(models, quantities)
     check_scene(scene, models, quantities)
     reasons: dict[str, list[str]] = {}
     for model in models:
         for quantity in (q for q in quantities if gives(model, q)):
-            for stage in MODELS[model].stages_for(QUANTITIES[quantity]):
+            for stage in stages_for(scene, model, quantity):
                 reasons.setdefault(stage, []).append(quantity)
     stages = [stage for stage in stage_reads() if stage in reasons]
     keys = stage_keys(stages, scene)
@@ -89,6 +90,21 @@ def check_scene(scene: Scene, models: Sequence[str], quantities: Sequence[str]) 
     check_on_contact(scene, quantities)
     for model in models:
         model_class(model).check(scene)
+
+
+def stages_for(scene: Scene, model: str, quantity: str) -> tuple[str, ...]:
+    """Return the stages that a quantity by a model needs, and the map that pulls at the rod."""
+    own = MODELS[model].stages_for(QUANTITIES[quantity])
+    return (f"{scene.map_model}.map", *own) if _needs_map(scene, model, quantity) else own
+
+
+def _needs_map(scene: Scene, model: str, quantity: str) -> bool:
+    """Return whether a quantity of the bimorph or the machine depends on the pull at the rod."""
+    needs = set(QUANTITIES[quantity].needs)
+    if needs & {"small_signal", "machine_poles"}:
+        return True
+    held = scene.support.kind == "contact" and scene.coil.current != 0.0
+    return held and MODELS[model].actuator == "bimorph" and needs != {"load"}
 
 
 def check_models(models: Sequence[str], quantities: Sequence[str]) -> None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from tactgen.validation.catalogue.detection import threshold_of
-from tactgen.validation.catalogue.models import MODELS, gives
+from tactgen.validation.catalogue.models import MAPS, MODELS, gives
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.costs import record
@@ -17,7 +18,7 @@ from tactgen.validation.engine.drive_warnings import (
     stress_warnings,
 )
 from tactgen.validation.engine.model import Model, make_model
-from tactgen.validation.engine.plan import Plan, Step, make_plan
+from tactgen.validation.engine.plan import Plan, Step, make_plan, stages_for
 from tactgen.validation.engine.reading import read
 from tactgen.validation.engine.results import Quantity, quantity_json
 from tactgen.validation.engine.stages import Stages
@@ -76,10 +77,16 @@ def solve(
     """
     names = tuple(models or scene.models)
     quantities = tuple(quantities or scene.quantities)
+    scene = scene.asking(names)
+    awaited = scene.awaits_map
     plan, warnings = check_request(scene, names, quantities)
     stages = Stages(plan.keys, announce)
     if reuse is not None:
         stages.adopt(reuse.stages)
+    if f"{scene.map_model}.map" in plan.keys:
+        importlib.import_module(MAPS).map_of(scene, stages)
+    if awaited:
+        warnings += _of_held(scene, names, quantities)
     made = {name: make_model(name, scene, stages) for name in names}
     found = [
         evaluate(name, made[model]) for name in quantities for model in names if gives(model, name)
@@ -118,11 +125,18 @@ def request_warnings(
     InputError
         If it cannot be answered, whichever the models.
     """
-    check_held(scene, quantities)
+    scene = scene.asking(models)
+    held = () if scene.awaits_map else _of_held(scene, models, quantities)
     warnings = load_warnings(scene, quantities) + level_warnings(scene, quantities)
-    warnings += held_warnings(scene, models) + field_warnings(scene, quantities)
+    warnings += held + field_warnings(scene, quantities)
     warnings += slenderness_warnings(scene, models)
     return warnings
+
+
+def _of_held(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> tuple[str, ...]:
+    """Check what holds the bimorph, and return what is to be said of it."""
+    check_held(scene, quantities)
+    return held_warnings(scene, models)
 
 
 def evaluate(name: str, model: Model) -> Quantity:
@@ -144,7 +158,7 @@ def evaluate(name: str, model: Model) -> Quantity:
 
 def _cost(name: str, model: Model) -> float:
     """Return the seconds of all stages this quantity needs, shared or not."""
-    needed = MODELS[model.name].stages_for(QUANTITIES[name])
+    needed = stages_for(model.scene, model.name, name)
     return sum(model.stages.seconds.get(stage, 0.0) for stage in needed)
 
 

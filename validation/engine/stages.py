@@ -17,7 +17,7 @@ from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.store.store import kept
 from tactgen.validation.catalogue.detection import threshold_of
-from tactgen.validation.catalogue.models import stage_code, stage_reads
+from tactgen.validation.catalogue.models import MODELS, stage_code, stage_reads
 from tactgen.validation.scene.scene import Scene
 
 T = TypeVar("T")
@@ -119,7 +119,28 @@ def _read(scene: Scene, values: dict[str, Any], keys: Iterable[str]) -> dict[str
         if path == "threshold" and scene.threshold.kind == "table":
             points = threshold_of(scene.threshold).points
             value = [[point.frequency, point.amplitude] for point in points]
-        if path == "support":  # of a contact what counts is how its load holds the base
-            value = scene.held.model_dump(mode="json")
+        if path == "support":
+            value = _support(scene, values)
+        if path == "models":  # what counts is whose map pulls at the rod, and that map's inputs
+            stage = f"{scene.map_model}.map"
+            value = [stage, _read(scene, values, stage_reads()[stage])]
         read[path] = value
     return read
+
+
+#: What the springs of a contact follow from, where a field says how hard it is pressed.
+_HELD_BY = (
+    "support.kind", "contact", "guide", "rod", "coil", "spring", "gap", "load.normal_force",
+    "models",
+)  # fmt: skip
+
+
+def _support(scene: Scene, values: dict[str, Any]) -> dict[str, Any]:
+    """Return the support: of a contact what counts is how its load holds the base.
+
+    Where a field's map would have to be solved for that, all that it follows from.
+    """
+    by_field = MODELS[scene.map_model].theory == "field"
+    if scene.support.kind == "contact" and scene.coil.current and by_field:
+        return _read(scene, values, _HELD_BY)
+    return dict(scene.held.model_dump(mode="json"))

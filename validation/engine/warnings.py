@@ -125,7 +125,8 @@ def held_warnings(scene: Scene, models: Sequence[str]) -> tuple[str, ...]:
     where = f"at its {place.kind}" if "stop" in place.kind else "between its stops"
     sentence = (
         f"coil.current = {1e3 * scene.coil.current:g} mA, {scene.coil.history}, leaves the rod "
-        f"{where}, pressed with {1e3 * place.contact_force:.4g} mN (by the reluctance network): "
+        f"{where}, pressed with {1e3 * place.contact_force:.4g} mN (by "
+        f"the model {scene.map_model}): "
         f"a support of {springs.rotational_stiffness:.3g} N m/rad; set coil.current = 0 mA for "
         "the spring alone"
     )

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _SUFFIXES = {
     "step": (".step", ".stp"), "glb": (".glb",), "mesh": (".vtu", ".msh"), "map": (".nc",),
     "ports": (".npz",), "state_space": (".npz",), "fields": (".vtu", ".vtkhdf", ".pvd"),
-    "animated_glb": (".glb",), "fmu": (".fmu",),
+    "animated_glb": (".glb",), "fmu": (".fmu",), "machine": (".npz",),
 }  # fmt: skip
 
 
@@ -35,7 +35,7 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
     Parameters
     ----------
     targets : dict of {"step", "glb", "mesh", "map", "ports", "state_space", "fields", \
-"animated_glb", "fmu"} to Path
+"animated_glb", "fmu", "machine"} to Path
         What to write where.
 
     Raises
@@ -58,6 +58,10 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
         _refuse_without_lateral(scene, "to divide into a mesh")
     if "state_space" in targets:
         check_state_space(scene)
+    if "machine" in targets:
+        from tactgen.validation.export.machine_state_space import check_machine
+
+        check_machine(scene)
     if {"fields", "animated_glb"} & set(targets):
         _refuse_without_motion(scene, targets)
     with ExitStack() as stack:
@@ -135,6 +139,11 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
         announce("co-simulation unit")
         machine = scene_machine(scene, coil=scene.coil.supply, volts=scene.drive.voltage)
         write_fmu(files["fmu"], machine, scene.name)
+    if "machine" in files:
+        from tactgen.validation.export.machine_state_space import write_machine
+
+        announce("machine")
+        write_machine(files["machine"], scene)
     if "map" in files:
         from tactgen.tmm.reluctance.coenergy.files import write_map
 

@@ -41,8 +41,10 @@ def _row(scene: Scene, model: str) -> FivePort:
     from tactgen.tmm.beam import lumped
     from tactgen.tmm.beam.transfer import transfer_matrix
 
-    made = lumped.multiport if model == "lumped" else transfer_matrix.multiport
-    return lambda f: made(scene.device, scene.support, scene.beam, f, lossy=True)
+    if model == "lumped":
+        return lambda f: lumped.multiport(scene.device, scene.support, scene.beam, f, lossy=True)
+    row = transfer_matrix.sections(scene.device, scene.support, scene.beam, lossy=True)
+    return lambda f: transfer_matrix.chain(row, f)
 
 
 def _beam(scene: Scene, _: str) -> FivePort:

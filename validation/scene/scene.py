@@ -6,6 +6,7 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Container, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -32,7 +33,7 @@ from tactgen.geometry.units import quoted
 from tactgen.geometry.whole_number import WholeNumber
 from tactgen.tmm.ports.terminations import ends_of
 from tactgen.validation.catalogue.detection import threshold_of
-from tactgen.validation.catalogue.models import MODELS, gives, models_of
+from tactgen.validation.catalogue.models import MAPS, MODELS, gives, map_model, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.scene.files import (
     assign,
@@ -49,6 +50,7 @@ from tactgen.validation.scene.wording import choices, sentence
 
 if TYPE_CHECKING:
     from tactgen.tmm.generator.positions import RestingPlace
+    from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 
 
 #: Keys that name a file, each with what tells values that do not.
@@ -137,7 +139,7 @@ class Scene(p.Device):
     def rest(self) -> tuple[RestingPlace, p.Support] | None:
         """Where the rod rests and what springs its contact is; None without a contact.
 
-        The pull is that of the reluctance network; without current nothing magnetic is touched.
+        Without current nothing magnetic is touched.
 
         Raises
         ------
@@ -146,7 +148,36 @@ class Scene(p.Device):
         """
         if self.support.kind != "contact":
             return None
-        return _held_by_contact(self.device, self.load.normal_force)
+        pull = self.pull if self.coil.current else None
+        return _held_by_contact(self.device, self.load.normal_force, pull)
+
+    @property
+    def map_model(self) -> str:
+        """The model of the normal actuator by which the rod is pulled: see catalogue.models."""
+        return map_model(self.models)
+
+    @property
+    def pull(self) -> CoenergyMap:
+        """The co-energy map by that model; a field's takes half a minute once, then is kept."""
+        found: CoenergyMap = importlib.import_module(MAPS).map_of(self)
+        return found
+
+    @property
+    def awaits_map(self) -> bool:
+        """Whether where the rod rests asks for a field's map that this process has not got yet."""
+        return (
+            self.support.kind == "contact"
+            and self.coil.current != 0.0
+            and MODELS[self.map_model].theory == "field"
+            and not importlib.import_module(MAPS).is_at_hand(self)
+        )
+
+    def asking(self, models: Sequence[str]) -> Scene:
+        """Return the scene as one that asks for these models, if they bring another map."""
+        brings = set(models) & set(models_of("reluctance"))
+        if not brings or map_model(models) == self.map_model:
+            return self
+        return self.model_copy(update={"models": tuple(models)})
 
     @field_validator("name", mode="before")
     @classmethod
@@ -181,13 +212,13 @@ class Scene(p.Device):
 
 
 @lru_cache(maxsize=64)
-def _held_by_contact(device: p.Device, pressed: float) -> tuple[RestingPlace, p.Support]:
+def _held_by_contact(
+    device: p.Device, pressed: float, pull: CoenergyMap | None
+) -> tuple[RestingPlace, p.Support]:
     """Return resting place and springs of a device, found once: they are asked for very often."""
     from tactgen.tmm.generator.held_base import held_support
-    from tactgen.tmm.generator.network_pull import network_pull
 
     coil = device.coil
-    pull = network_pull(device) if coil.current else None
     return held_support(device, pull, abs(coil.current), coil.history, pressed)
 
 

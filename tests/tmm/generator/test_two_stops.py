@@ -26,11 +26,20 @@ def test_slopes_and_losses_are_each_stops_own(end):
     stops = stops_of(OWN)
     law = stops.lower if end else stops.upper
     lift, tilt = end * stops.stroke + 0.3 * law.decay_length, 0.7 * law.decay_length / law.radius
-    stiffness, damping = stops.stiffness_and_damping(lift, tilt)
+    rate = np.array([[0.2, -30.0]])
+    at, *slopes = stops.moving(np.array([lift]), np.array([tilt]), rate)
+    stiffness, damping, change = (found[0] for found in slopes)
+    np.testing.assert_allclose(at[0], stops.forces(lift, tilt), rtol=1e-13)
+    np.testing.assert_allclose(stiffness, stops.tangent(lift, tilt), rtol=1e-13)
     for k, by in enumerate(1e-4 * law.decay_length * np.array([1.0, 1.0 / law.radius])):
         du, dpsi = by * np.eye(2)[k]
         moved = stops.forces(lift + du, tilt + dpsi) - stops.forces(lift - du, tilt - dpsi)
         np.testing.assert_allclose(stiffness[:, k], moved / (2.0 * by), rtol=1e-6)
+    time = 1e-4 * law.decay_length / 0.2
+    ahead, behind = (
+        stops.moving(*(np.array([[lift], [tilt]]) + s * time * rate.T), rate)[2][0] for s in (1, -1)
+    )
+    np.testing.assert_allclose(change, (ahead - behind) / (2.0 * time), rtol=1e-5)
     # the other stop is hundreds of decay lengths away
     np.testing.assert_allclose(damping, law.relaxation_time * stiffness, rtol=1e-12)
 

@@ -37,7 +37,7 @@ def test_the_support_and_the_machine_tell_one_lateral_motion():
     found = answers(*overrides, quantities=names)
     springs = found["tmm", names[1]].value / 50.0
     scene, _ = load_scene("paper", overrides)
-    linear = machine_of(scene)
+    linear = machine_of(scene, scene.pull).fine
     turning, axial = linear.mass[1, 1], linear.mass[2, 2]
     damping = np.diag([0.0, *np.diag(linear.damping)[1:]])
     light = replace(linear, mass=np.diag([0.0, turning, axial]), damping=damping)
@@ -51,12 +51,13 @@ def test_the_support_and_the_machine_tell_one_lateral_motion():
 
 
 def test_models_of_one_theory_agree():
-    """Beam elements and tmm within their bars and 1e-6; lumped has statics and one mode."""
+    """Beam elements and tmm within 1e-6 on one map, far below its bars; lumped has statics and one
+    mode."""
     found = answers(*HELD, models=("tmm", "beam", "lumped"))
     for name in NAMES:
         exact, beam, lumped = (found[model, name] for model in ("tmm", "beam", "lumped"))
         off = np.abs(beam.value - exact.value)
-        assert (off <= beam.uncertainty + exact.uncertainty + 1e-6 * np.abs(exact.value)).all()
+        assert (off <= 1e-6 * np.abs(exact.value)).all(), name
         at_10_hertz = lumped.value[0] == pytest.approx(exact.value[0], rel=1e-4, abs=1e-30)
         assert at_10_hertz, name
 
@@ -107,4 +108,7 @@ def test_the_plan_names_the_machine_only_if_it_is_asked():
     scene, _ = load_scene("paper", [*HELD])
     lateral = make_plan(scene, ["tmm"], ["tip_displacement", "short_circuit_frequencies"]).keys
     assert "tmm.machine" not in lateral
-    assert set(make_plan(scene, ["tmm"], ["axial_poles"]).keys) == {"tmm.machine"}
+    assert set(make_plan(scene, ["tmm"], ["axial_poles"]).keys) == {
+        "network.map",
+        "tmm.machine",
+    }

@@ -65,7 +65,7 @@ def test_model_is_that_of_solve():
         scene, _ = load_scene(
             "prototype", [f"bimorph.wiring={wiring}", "frequency=10,781,2000", "drive.voltage=3V"]
         )
-        for quantity in (row.name for row in measurable().values()):
+        for quantity in (row.name for row in measurable().values() if row.actuator == "bimorph"):
             expected = solve(scene, ["tmm"], [quantity]).get(quantity, "tmm").value
             model = curve_model(scene, quantity, np.array(scene.frequency), ())
             np.testing.assert_allclose(model(np.zeros(0)), expected, rtol=1e-12)

@@ -39,6 +39,11 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--fmu", metavar="FILE.fmu", help="the generator for co-simulation (FMI 2.0, in C)"
     )
+    parser.add_argument(
+        "--machine",
+        metavar="FILE.npz",
+        help="the generator in small motions as x' = A x + B u, for control tools (SI)",
+    )
     parser.set_defaults(run=run)
 
 
@@ -49,14 +54,15 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.scene.scene import load_scene
 
     scene, _ = load_scene(options.scene, options.overrides)
-    kinds = ("step", "glb", "mesh", "map", "ports", "state_space", "fields", "animated_glb", "fmu")
+    kinds = ("step", "glb", "mesh", "map", "ports", "state_space", "fields", "animated_glb", "fmu",
+             "machine")  # fmt: skip
     targets = {kind: getattr(options, kind) for kind in kinds}
     wanted = {kind: Path(file) for kind, file in targets.items() if file}
     if not wanted:
         raise InputError(
             "export needs at least one of --step FILE, --glb FILE, --mesh FILE.vtu, --map FILE.nc, "
             "--ports FILE.npz, --state-space FILE.npz, --fields FILE.vtu, --animated-glb FILE.glb, "
-            "--fmu FILE.fmu"
+            "--fmu FILE.fmu, --machine FILE.npz"
         )
     with announcer() as announce:
         for path in export(scene, wanted, announce):

@@ -6,7 +6,6 @@ from typing import Literal
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.transfer import transfer_matrix
-from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import History, axial_forces, resting_place
 from tactgen.tmm.generator.rocking import RockingHead, rocking_head
 from tactgen.tmm.ports.terminations import ends_of
@@ -48,7 +47,7 @@ def held_head(scene: Scene, model: str = "tmm") -> RockingHead:
             "on its stop"
         )
     device, current = scene.device, abs(scene.coil.current)
-    pull = network_pull(device) if current else None
+    pull = scene.pull if current else None
     forces = axial_forces(device, pull, scene.load.normal_force)
     place = resting_place(forces, current, scene.coil.history)
     if place.kind == "floating":

@@ -17,7 +17,7 @@ from tactgen.validation.scene.scene import Scene
 #: Scene keys and groups that the answers depend on.
 _READS = (
     "bimorph", "piezo", "shim", "glue", "beam", "rod", "coil", "sleeve", "steel.curve", "gap",
-    "spring", "contact", "guide", "support.kind", "load", "drive",
+    "spring", "contact", "guide", "support.kind", "load", "drive", "models",
 )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.row_shape import CentreLine
 from tactgen.tmm.ports.multiport import Multiport
+from tactgen.validation.catalogue.models import MAPS
 from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.engine.model import Model, Modes, Refined
 from tactgen.validation.engine.results import Measured
@@ -49,7 +51,8 @@ class BimorphModel(Model):
             measured_poles,
         )
 
-        linear = self.run("machine", lambda: machine_of(self.scene))
+        pull = importlib.import_module(MAPS).map_of(self.scene, self.stages)
+        linear = self.run("machine", lambda: machine_of(self.scene, pull))
         if need == "machine_poles":
             return measured_poles(self.scene, linear)
         return SmallSignal(self.scene, self.ports(), linear)

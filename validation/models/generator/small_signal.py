@@ -1,44 +1,120 @@
 """The machine's answers in small motions: a bimorph by any model on the rod where it rests.
 
-What presses, pulls and induces is the reluctance network's; its own error is not in the bars.
+What presses, pulls and induces is the co-energy map of the magnetic model that the scene asks for.
+The bars hold the map's numerical error, not what the model leaves out of its theory.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.tmm.generator.network_pull import network_pull
-from tactgen.tmm.generator.positions import axial_forces, resting_place
+from tactgen.tmm.generator.positions import RestingPlace, axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import Linearised, axial_poles, linearised, machine
 from tactgen.tmm.ports.loads.measured_law import disturbed
 from tactgen.tmm.ports.multiport import Multiport, in_series, respond, round_off, terminate
 from tactgen.tmm.ports.terminations import tip_stiffness
+from tactgen.tmm.reluctance.coenergy.fit import thinned
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 from tactgen.validation.engine.model import Refined
-from tactgen.validation.engine.results import MeasuredList
+from tactgen.validation.engine.results import Measured, MeasuredList
 from tactgen.validation.scene.scene import Scene
 
 #: Rounding of the roots of a cubic whose roots lie apart.
 _ROUNDING = 1e-12
 
 
-def machine_of(scene: Scene) -> Linearised:
-    """Return the rod about the place where it rests in a scene.
+@dataclass(frozen=True)
+class _Scaled:
+    """A map with all that it says a little larger, by its errors in force and flux linkage."""
+
+    map: CoenergyMap
+    by: float
+    linkage_by: float
+
+    @property
+    def gap_limits(self) -> tuple[float, float]:
+        return self.map.gap_limits
+
+    def force(self, current: Floats | float, gap: Floats | float) -> Floats:
+        return self.by * self.map.force(current, gap)
+
+    def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        return self.by * self.map.force_gradient(current, gap)
+
+    def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        return self.by * self.map.motional_coefficient(current, gap)
+
+    def incremental_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
+        return self.linkage_by * self.map.incremental_inductance(current, gap)
+
+
+def machine_of(scene: Scene, pull: CoenergyMap) -> Refined[Linearised]:
+    """Return the rod about the place where it rests in a scene, and by what its map is judged.
+
+    That is the map of half the samples, and one larger by its stated errors: of the samples, of
+    the fit and between the samples.
 
     Raises
     ------
     InputError
         If it rests nowhere, or the spring tips its head.
     """
-    device, current = scene.device, abs(scene.coil.current)
-    pull = network_pull(device)
-    forces = axial_forces(device, pull, scene.load.normal_force)
-    place = resting_place(forces, current, scene.coil.history)
-    return linearised(device, scene.beam, place, current, pull)
+    fine = rod_about(scene, pull)
+    sparse, remains = thinned(pull)
+    own = _sample_error(pull, abs(scene.coil.current), _rest(scene, pull).lift + scene.gap)
+    fitted, between = pull.residual, pull.interpolation_error
+    larger = _Scaled(
+        pull,
+        1.0 + own + fitted.force + between.force,
+        1.0 + own + fitted.flux_linkage + between.flux_linkage,
+    )
+    return Refined(
+        fine,
+        ((rod_about(scene, sparse), remains), (rod_about(scene, larger), 1.0)),
+        f"half the change with half the samples of the map by the model {pull.samples.model}, and "
+        "the map's stated errors",
+    )
+
+
+def of_rod(rod: Refined[Linearised], of: Callable[[Linearised], float]) -> Measured:
+    """Return a number of the rod in small motions, with the bar of its map."""
+    value = of(rod.fine)
+    return Measured(value, sum(factor * abs(value - of(r)) for r, factor in rod.coarser))
+
+
+def rod_about(scene: Scene, pull: CoenergyMap | _Scaled) -> Linearised:
+    """Return the rod about the place where it rests, by a map and with nothing to judge it by.
+
+    Raises
+    ------
+    InputError
+        As :func:`machine_of`.
+    """
+    current = abs(scene.coil.current)
+    return linearised(scene.device, scene.beam, _rest(scene, pull), current, pull)
+
+
+def _rest(scene: Scene, pull: CoenergyMap | _Scaled) -> RestingPlace:
+    forces = axial_forces(scene.device, pull, scene.load.normal_force)
+    return resting_place(forces, abs(scene.coil.current), scene.coil.history)
+
+
+def _sample_error(pull: CoenergyMap, current: float, gap: float) -> float:
+    """Return the largest relative error in force of the samples round a current (A) and gap (m)."""
+    samples = pull.samples
+    if samples.force_error is None:
+        return 0.0
+    # at no current there is no force to be wrong
+    first = max(int(np.searchsorted(samples.current, current, side="right")) - 1, 1)
+    near = max(int(np.searchsorted(samples.gap, gap)) - 1, 0)
+    some = slice(first, first + 2), slice(near, near + 2)
+    return float((samples.force_error[some] / np.abs(samples.force[some])).max())
 
 
 @dataclass(frozen=True)
@@ -51,18 +127,18 @@ class SmallSignal:
         Wiring, tip load and the coil's supply are read.
     ports : Refined[Multiport]
         The bimorph by its model, parallel wiring.
-    linear : Linearised
-        The rod.
+    linear : Refined[Linearised]
+        The rod, and by what its map is judged.
     """
 
     scene: Scene
     ports: Refined[Multiport]
-    linear: Linearised
+    linear: Refined[Linearised]
 
     @property
     def method(self) -> str:
         """How the error bars come about."""
-        return f"of the bimorph's ports: {self.ports.method}; the network's own error is not in it"
+        return f"of the bimorph's ports: {self.ports.method}; of the pull: {self.linear.method}"
 
     def by_voltage(self, motion: str) -> MeasuredList:
         """Return a motion per volt at the bimorph; the coil's supply holds current or voltage."""
@@ -98,28 +174,35 @@ class SmallSignal:
 
     def _impedance(self, port: Multiport) -> Complex:
         linkage = respond(port, {"voltage": 0.0, "current": 1.0}).effort["current"]
-        return np.asarray(self.linear.resistance + 2j * np.pi * port.frequencies * linkage)
+        return np.asarray(self.linear.fine.resistance + 2j * np.pi * port.frequencies * linkage)
 
     def _judged(self, of: Callable[[Multiport], Complex]) -> MeasuredList:
-        """Return what `of` reads off the machine, with the bars of the bimorph's ports."""
+        """Return what `of` reads off the machine, with the bars of bimorph's ports and map."""
         port = self._whole(self.ports.fine)
         value = of(port)
         rounding = round_off(port, ("voltage", "current")) * (1.0 + self.ports.elimination)
         bar: Floats = np.abs(value) * (rounding + self.ports.rounding)
         for coarser, factor in self.ports.coarser:
             bar = bar + factor * np.abs(value - of(self._whole(coarser)))
+        for rod, factor in self.linear.coarser:
+            bar = bar + factor * np.abs(value - of(self._whole(self.ports.fine, rod=rod)))
         apart = [
-            np.abs(value - of(self._whole(self.ports.fine, ends)))
-            for ends in disturbed(self.scene.ends)
+            np.abs(value - of(self._whole(self.ports.fine, ends))) for ends in disturbed(self._ends)
         ]
         return MeasuredList(value, bar + np.hypot(*apart) if apart else bar)
 
-    def _whole(self, bimorph: Multiport, ends: Ends | None = None) -> Multiport:
+    @cached_property
+    def _ends(self) -> Ends:
+        return self.scene.ends
+
+    def _whole(
+        self, bimorph: Multiport, ends: Ends | None = None, rod: Linearised | None = None
+    ) -> Multiport:
         """Return the machine with the tip's load."""
         if self.scene.bimorph.wiring == "series":
             bimorph = in_series(bimorph)
-        load = tip_stiffness((ends or self.scene.ends).tip, bimorph.frequencies)
-        return terminate(machine(bimorph, self.linear), {"w_tip": load})
+        load = tip_stiffness((ends or self._ends).tip, bimorph.frequencies)
+        return terminate(machine(bimorph, rod or self.linear.fine), {"w_tip": load})
 
 
 @dataclass(frozen=True)
@@ -127,11 +210,19 @@ class MeasuredPoles:
     """The poles of axial motion and coil, with their error bars."""
 
     listed: MeasuredList
-    method: str = "rounding of the roots of a cubic; the network's own error is not in it"
+    method: str
 
 
-def measured_poles(scene: Scene, linear: Linearised) -> MeasuredPoles:
+def measured_poles(scene: Scene, linear: Refined[Linearised]) -> MeasuredPoles:
     """Return the poles with the scene's supply, each said to decay or to grow."""
-    poles = axial_poles(linear, voltage=scene.coil.supply == "voltage")
+
+    def of(rod: Linearised) -> Complex:
+        return axial_poles(rod, voltage=scene.coil.supply == "voltage")
+
+    poles = of(linear.fine)
+    bar = _ROUNDING * np.abs(poles)
+    for rod, factor in linear.coarser:
+        # a pole's partner is the nearest: two real ones may become a pair
+        bar = bar + factor * np.abs(poles[:, None] - of(rod)).min(axis=1)
     classes = tuple("decays" if pole.real < 0.0 else "grows" for pole in poles)
-    return MeasuredPoles(MeasuredList(poles, _ROUNDING * np.abs(poles), classes))
+    return MeasuredPoles(MeasuredList(poles, bar, classes), linear.method)

@@ -138,10 +138,8 @@ class NetworkModel(MagneticModel):
         return by_network(self.scene)
 
     def _map(self) -> CoenergyMap:
-        from tactgen.tmm.reluctance.coenergy.fit import fit
-        from tactgen.tmm.reluctance.map_range import map_grid
-        from tactgen.tmm.reluctance.network import network_samples
+        from tactgen.tmm.generator.network_pull import network_pull
 
-        device = self.scene.device
-        found = network_samples(device, *map_grid(device))
-        return fit(replace(found, device=self._described()))
+        # the one that where the rod rests is found by, with its device for the reader
+        found = network_pull(self.scene.device)
+        return replace(found, samples=replace(found.samples, device=self._described()))

@@ -1,7 +1,7 @@
 """The report's sections about the machine at rest and in small motions.
 
 Where the rod rests by every model of the normal actuator that has a map; what that holds, and how
-it moves, by the reluctance network and the beam models.
+it moves, by the map of the model that knows most of those asked for and by the beam models.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ import numpy as np
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.tmm.generator.moving_mass import moving_rod
-from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import RestingPlace, axial_forces, resting_places
 from tactgen.tmm.generator.stops import contact_of, stops_of
 from tactgen.tmm.ports.multiport import in_series, respond
 from tactgen.tmm.ports.terminations import attach, outside_known_range
 from tactgen.validation.catalogue.bimorph import SHORT_CIRCUIT_FREQUENCIES
-from tactgen.validation.catalogue.models import ranked
+from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.reluctance import PULL_IN_CURRENT
+from tactgen.validation.engine.results import Measured
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.generator.rod_loop import RodLoop, rod_loop
-from tactgen.validation.models.generator.small_signal import machine_of, measured_poles
+from tactgen.validation.models.generator.small_signal import machine_of, measured_poles, of_rod
 from tactgen.validation.models.reluctance.model import NetworkModel
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
@@ -54,6 +54,18 @@ class SupportRow:
     tipping_moment: float
 
 
+@dataclass(frozen=True)
+class MapRow:
+    """The rod in small motions by the map of one model, each number with the map's bar (SI)."""
+
+    model: str
+    axial_stiffness: Measured
+    rocking_stiffness: Measured
+    motional: Measured
+    inductance: Measured
+    frequency: Measured
+
+
 def _positions(study: Study) -> Context | None:
     """Return where the rod rests over the current; None where nothing magnetic is asked for."""
     scene = study.scene
@@ -63,7 +75,7 @@ def _positions(study: Study) -> Context | None:
     from tactgen.validation.report.figures.machine import position_plot
 
     current = abs(scene.coil.current)
-    forces = axial_forces(scene.device, network_pull(scene.device), scene.load.normal_force)
+    forces = axial_forces(scene.device, scene.pull, scene.load.normal_force)
     return {
         "loops": loops,
         "loop": position_plot(loops, current),
@@ -97,17 +109,42 @@ def _motions(study: Study) -> Context | None:
         scene = _with(scene, current=_HELD, history="falling")
         names = [name for name, row in QUANTITIES.items() if row.unit in TRANSFERS]
         solution = solve(scene, ("tmm",), names)
-    linear = machine_of(scene)
+    linear = machine_of(scene, scene.pull)
     shown = any(q.unit in TRANSFERS for q in solution.quantities)
     return {
         "of": scene,
-        "linear": linear,
+        "linear": linear.fine,
+        "compared": [_on_map(scene, name) for name in _maps_asked(scene)],
         "poles": {
             supply: measured_poles(_with(scene, supply=supply), linear).listed
             for supply in ("current", "voltage")
         },
         "transfers": transfer_plot(solution, TRANSFERS) if shown else "",
     }
+
+
+def _maps_asked(scene: Scene) -> list[str]:
+    """Return the models of the normal actuator asked for, if there are some to compare."""
+    asked = [name for name in ranked(scene.models) if MODELS[name].actuator == "reluctance"]
+    return asked if len(asked) > 1 else []
+
+
+def _on_map(scene: Scene, model: str) -> MapRow:
+    """Return the rod in small motions by one model's map, the supply holding the current."""
+    made = scene.asking((model,))
+    rod = machine_of(made, made.pull)
+    poles = measured_poles(_with(made, supply="current"), rod).listed
+    first = int(np.argmax(poles.value.imag))
+    return MapRow(
+        model=model,
+        axial_stiffness=of_rod(rod, lambda r: float(r.stiffness[2, 2])),
+        rocking_stiffness=of_rod(rod, lambda r: float(r.stiffness[1, 1])),
+        motional=of_rod(rod, lambda r: -r.motional),
+        inductance=of_rod(rod, lambda r: r.inductance),
+        frequency=Measured(
+            float(abs(poles.value[first])) / (2.0 * np.pi), float(poles.bar[first]) / (2.0 * np.pi)
+        ),
+    )
 
 
 def _is_magnetic(study: Study) -> bool:

@@ -1,7 +1,8 @@
 """A modelled curve as a function of a scene's parameters: direct, fast, differentiable.
 
 By the transfer-matrix model, with everything attached to its ports, past the machinery of
-stages and error bars that a single answer goes through.
+stages and error bars that a single answer goes through.  A curve of the machine is that model on
+its rod, coil and contact in small motions.
 """
 
 from __future__ import annotations
@@ -16,11 +17,14 @@ from tactgen.tmm.beam.transfer.transfer_matrix import multiport
 from tactgen.tmm.ports.multiport import Multiport, in_series
 from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import AnswerReadout
+from tactgen.validation.engine.model import Refined
 from tactgen.validation.scene.keys import with_values
 from tactgen.validation.scene.scene import Scene
 
-#: Groups that act through the ports' terminations only: D(Ω) does not depend on them.
-_ATTACHED = ("support.", "load.", "drive.")
+#: What the bimorph is made of.  All else acts through its ports' terminations: D(Ω) does not
+#: depend on it.
+_DIVIDED = ("bimorph.", "piezo.", "shim.", "glue.", "beam.", "rod.")
 #: Step in ln p for sensitivities: truncation and rounding are then both below 1e-6.
 _STEP = 1e-4
 
@@ -34,7 +38,7 @@ class CurveModel:
     scene : Scene
         Everything that is not varied.
     quantity : str
-        Name of one that is read off the ports.
+        Name of one that is read off the ports, or off the machine in small motions.
     frequencies : (n,) array
         Hz.
     keys : tuple of str
@@ -53,9 +57,12 @@ class CurveModel:
         """Return the curve (n,) for values (p,) in SI units."""
         scene = with_values(self.scene, dict(zip(self.keys, map(float, values), strict=True)))
         f = self.frequencies
-        port = self.port if self.port is not None else _wired_port(scene, f)
-        read = QUANTITIES[self.quantity].port_readout
-        return read.read(attach(port, scene.ends), scene.drive.voltage)
+        port = self.port if self.port is not None else _port(scene, f)
+        row = QUANTITIES[self.quantity]
+        if isinstance(row.read, AnswerReadout):
+            return _of_machine(scene, port, row.read)
+        wired = in_series(port) if scene.bimorph.wiring == "series" else port
+        return row.port_readout.read(attach(wired, scene.ends), scene.drive.voltage)
 
     def thinned(self, most: int) -> tuple[CurveModel, Ints]:
         """Return the model at no more than `most` of its frequencies, and their positions."""
@@ -72,14 +79,21 @@ def curve_model(
     scene: Scene, quantity: str, frequencies: Floats, keys: Sequence[str]
 ) -> CurveModel:
     """Return the model of a curve; D(Ω) is computed once if the keys leave it as it is."""
-    fixed = all(key.startswith(_ATTACHED) for key in keys)
-    port = _wired_port(scene, frequencies) if fixed else None
+    fixed = not any(key.startswith(_DIVIDED) for key in keys)
+    port = _port(scene, frequencies) if fixed else None
     return CurveModel(scene, quantity, frequencies, tuple(keys), port)
 
 
-def _wired_port(scene: Scene, frequencies: Floats) -> Multiport:
-    port = multiport(scene.device, scene.support, scene.beam, frequencies)
-    return in_series(port) if scene.bimorph.wiring == "series" else port
+def _port(scene: Scene, frequencies: Floats) -> Multiport:
+    return multiport(scene.device, scene.support, scene.beam, frequencies)
+
+
+def _of_machine(scene: Scene, port: Multiport, read: AnswerReadout) -> Complex:
+    from tactgen.validation.models.generator.small_signal import SmallSignal, rod_about
+
+    rod = Refined(rod_about(scene, scene.pull), (), "")
+    value: Complex = read.of(SmallSignal(scene, Refined(port, (), ""), rod)).value
+    return value
 
 
 def sensitivities(model: CurveModel, values: Floats) -> Complex:

@@ -13,6 +13,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.plan import check_on_contact
 from tactgen.validation.engine.warnings import load_warnings
 from tactgen.validation.scene.idle_keys import idle
 from tactgen.validation.scene.keys import with_values
@@ -174,10 +175,11 @@ def identify(
     InputError
         If a parameter or the data cannot be used, in one sentence.
     """
-    parameters = _parameters(scene, fit)
     curve = data.at(data.used)
-    _check_points(curve, parameters)
     quantity = curve.quantity.name
+    check_on_contact(scene, (quantity,))
+    parameters = _parameters(scene.model_copy(update={"quantities": (quantity,)}), fit)
+    _check_points(curve, parameters)
     at_data = scene.model_copy(update={"frequency": tuple(map(float, curve.frequencies))})
     warnings = list(load_warnings(at_data, (quantity,)))
     start = with_values(scene, {p.key: p.start for p in parameters})

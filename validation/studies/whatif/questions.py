@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.scene.nearby import ScenesNearby
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.wording import choices
 from tactgen.validation.studies.whatif.answers import Answer, Question, question, reason
 from tactgen.validation.studies.whatif.asked.scene_field import as_stated
 from tactgen.validation.studies.whatif.asked.statement import Statement
@@ -38,10 +39,21 @@ class Questions:
 
 
 def scenes_nearby(statement: Statement) -> dict[str, ScenesNearby]:
-    """Return by model the scenes that its points are asked at."""
-    return {
-        model: ScenesNearby({**statement.values, "models": [model], "quantities": ["all"]})
+    """Return by model the scenes that its points are asked at.
+
+    Beside a model of the bimorph stand those of the normal actuator that the scene names: they
+    say whose map pulls at the rod.
+    """
+    stated = statement.values.get("models")
+    named = choices(stated, tuple(MODELS), "model", "models") if stated else ()
+    maps = [name for name in models_of("reluctance") if name in named]
+    asked = {
+        model: [model, *maps] if MODELS[model].actuator == "bimorph" else [model]
         for model in statement.models
+    }
+    return {
+        model: ScenesNearby({**statement.values, "models": models, "quantities": ["all"]})
+        for model, models in asked.items()
     }
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from tactgen.fem.beam import beam
 from tactgen.geometry.errors import InputError
-from tactgen.validation.checks.stress.driven import lateral, machine, motion, sweep
+from tactgen.validation.checks.stress.driven import holding, lateral, machine, motion, sweep
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import load_scene
 
@@ -48,6 +48,14 @@ def test_slow_motion_is_the_derivative_of_rest():
     row = machine.slow_row(True)
     assert row.verdict == "holds", row
     assert row.worst.bound < 1e-3  # a bar that could hide the effect would prove nothing
+
+
+@pytest.mark.parametrize("family", [holding.HELD[2], holding.HELD[4]], ids=lambda s: s.family)
+def test_the_rod_in_its_bore_and_under_a_finger(family):
+    """Answers that two models share, or a sentence; at both ends of the range."""
+    row = machine._PAIR.row(family, True)
+    assert row.verdict != "fails", row
+    assert row.points + len(row.refusals) > 3
 
 
 def quantity(values, bars):

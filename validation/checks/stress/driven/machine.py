@@ -1,4 +1,4 @@
-"""The machine driven to extremes: contact, damping, currents up to instability, the map's edges."""
+"""The machine driven to extremes: contact, bore, springs, circuit, currents, the map's edges."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
+from tactgen.validation.checks.stress.driven.holding import CIRCUIT_PAIR, DRIVEN, HELD
 from tactgen.validation.checks.stress.driven.motion import motion_rows
 from tactgen.validation.checks.stress.driven.sweep import Pair, Sweep, decades, driven
 from tactgen.validation.checks.stress.result import Row, Stress, answered
@@ -61,9 +62,10 @@ def run(quick: bool, announce: Callable[[str], None]) -> Stress:
     """Run all families: seconds if `quick`, else a minute."""
     started = time.perf_counter()
     rows: list[Row] = []
-    for sweep in (_CONTACT, _DAMPING, _CURRENT, _PRELOAD):
+    sweeps = [(_PAIR, sweep) for sweep in (_CONTACT, _DAMPING, _CURRENT, _PRELOAD, *HELD)]
+    for pair, sweep in (*sweeps, *((CIRCUIT_PAIR, sweep) for sweep in DRIVEN)):
         announce(f"machine: {sweep.family}")
-        rows.append(_PAIR.row(sweep, quick))
+        rows.append(pair.row(sweep, quick))
     announce("machine: slow motion against rest")
     rows += [slow_row(quick), edge_row(quick)]
     announce("machine: in time")

@@ -1,0 +1,77 @@
+"""The machine's state space against its ports: poles, axial transfers, lateral at low frequency."""
+
+import warnings
+
+import numpy as np
+import pytest
+from scipy.signal import BadCoefficients, StateSpace
+
+from tactgen.tmm.generator.small_signal import axial_poles
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.export.machine_state_space import scene_state_space
+from tactgen.validation.models.generator.small_signal import rod_about
+from tactgen.validation.scene.scene import load_scene
+
+FREQUENCIES = (1.0, 30.0, 500.0, 8000.0)
+HELD = ("load.kind=none", "coil.current=50mA", "coil.history=falling",
+        "frequency=1,30,500,8000")  # fmt: skip
+TRANSFERS = (
+    "lateral_tip_per_voltage", "axial_tip_per_current", "axial_tip_per_coil_voltage",
+    "coil_impedance", "axial_tip_per_voltage",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module", params=["current", "voltage"])
+def found(request):
+    scene, _ = load_scene("generator", [*HELD, f"coil.supply={request.param}"])
+    made = scene_state_space(scene)
+    s = 2j * np.pi * np.array(FREQUENCIES)[:, None, None]
+    response = made.c @ np.linalg.solve(s * np.eye(len(made.a)) - made.a, made.b) + made.d
+    return scene, made, response, solve(scene, ("tmm",), TRANSFERS).by_model
+
+
+def test_its_poles_are_the_axial_ones_and_decay(found):
+    """To 1e-9: an eigenvalue of a matrix whose entries span ten decades, against a cubic's root.
+
+    By numpy of the whole; by scipy.signal, which forms polynomials, of the axial states alone.
+    """
+    scene, made, *_ = found
+    n = 2 * (len(made.a) // 2)
+    axial = [2, n // 2 + 2, *range(n, len(made.a))]
+    part = made.a[np.ix_(axial, axial)], made.b[axial, 2:], made.c[1:2, axial], [[0.0]]
+    whole = np.linalg.eigvals(made.a)
+    assert (whole.real < 0.0).all()
+    exact = axial_poles(rod_about(scene, scene.pull), voltage=scene.coil.supply == "voltage")
+    with warnings.catch_warnings():
+        # scipy warns of every system without feed-through
+        warnings.simplefilter("ignore", BadCoefficients)
+        alone = StateSpace(*part).poles
+    for poles in (whole, alone):
+        for pole in exact:
+            assert np.abs(poles - pole).min() < 1e-9 * abs(pole)
+
+
+def test_its_transfers_are_those_of_the_ports(found):
+    """Axial ones to rounding.  Lateral ones by another model of the bimorph, beam elements with
+    damping mode by mode: 1e-3 up to 30 Hz, of the loss that Q = 60 takes there."""
+    scene, made, response, by = found
+    coil = made.inputs.index(f"coil {scene.coil.supply} ({'A' if len(made.outputs) == 2 else 'V'})")
+    name = "axial_tip_per_current" if scene.coil.supply == "current" else TRANSFERS[2]
+    np.testing.assert_allclose(response[:, 1, coil], by(name)["tmm"].value, rtol=1e-9)
+    if scene.coil.supply == "voltage":
+        np.testing.assert_allclose(
+            response[:, 2, coil], 1.0 / by("coil_impedance")["tmm"].value, rtol=1e-9
+        )
+    lateral = by("lateral_tip_per_voltage")["tmm"].value
+    np.testing.assert_allclose(np.abs(response[:2, 0, 0]), np.abs(lateral[:2]), rtol=1e-3)
+    assert np.abs(response[:, 1, 0]).max() == 0.0  # an upright head keeps the motions apart
+
+
+def test_a_tilted_head_lets_the_voltage_lift_the_rod():
+    """As the ports say, within the bimorph's own damping."""
+    scene, _ = load_scene("generator", [*HELD, "spring.eccentricity=0.1mm"])
+    made = scene_state_space(scene)
+    exact = solve(scene, ("tmm",), ("axial_tip_per_voltage",)).quantities[0].value[1]
+    s = 2j * np.pi * FREQUENCIES[1]
+    lifted = (made.c @ np.linalg.solve(s * np.eye(len(made.a)) - made.a, made.b))[1, 0]
+    assert abs(lifted) == pytest.approx(abs(exact), rel=1e-2)

@@ -1,0 +1,106 @@
+"""The machine on the co-energy map of the magnetic model that is asked for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tactgen.tmm.reluctance.coenergy.fit import fit
+from tactgen.tmm.reluctance.map_range import map_grid
+from tactgen.tmm.reluctance.network import network_samples
+from tactgen.validation.catalogue.models import map_model
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.generator.small_signal import machine_of, of_rod, rod_about
+from tactgen.validation.models.reluctance import maps
+from tactgen.validation.models.reluctance.field import AxisymmetricModel
+from tactgen.validation.scene.scene import load_scene
+
+HELD = ("load.kind=none", "frequency=100,500", "coil.current=50mA", "coil.history=falling")
+#: How much more pull and flux than the network the field of these tests has.
+MORE = 1.1
+
+
+@pytest.fixture
+def field(monkeypatch, own_store):
+    """Let the field's map be the network's times a factor, and count how often it is solved."""
+    solved = []
+
+    def larger(self):
+        solved.append(1)
+        samples = network_samples(self.scene.device, *map_grid(self.scene.device))
+        names = ("flux_linkage", "force", "coenergy", "incremental_inductance", "force_error")
+        more = {name: MORE * getattr(samples, name) for name in names}
+        return fit(replace(samples, model=self.name, **more))
+
+    monkeypatch.setattr(AxisymmetricModel, "_map", larger)
+    monkeypatch.setattr(maps, "_AT_HAND", {})
+    return solved
+
+
+def generator(models, *overrides):
+    return load_scene("generator", [*HELD, f"models={models}", *overrides])[0]
+
+
+def test_of_those_asked_for_the_one_that_knows_most():
+    """Without any the network; what is asked of solve goes before what the scene says."""
+    assert map_model(("tmm", "beam")) == "network"
+    assert map_model(("axisymmetric", "tmm", "network")) == "axisymmetric"
+    assert map_model(("network", "magnetic3d")) == "magnetic3d"
+    scene = generator("tmm,axisymmetric")
+    assert scene.asking(("tmm",)).map_model == "axisymmetric"
+    assert scene.asking(("tmm", "network")).map_model == "network"
+
+
+def test_the_plan_shows_the_map_and_solves_none(field):
+    """For the machine always; for what stands on the contact where a current pulls."""
+    scene, still = generator("tmm,axisymmetric"), generator("tmm,axisymmetric", "coil.current=0mA")
+    assert set(make_plan(scene, ["tmm"], ["axial_poles"]).keys) == {
+        "axisymmetric.map", "tmm.machine",
+    }  # fmt: skip
+    lateral = ["short_circuit_frequencies"]
+    assert "axisymmetric.map" in make_plan(scene, ["tmm"], lateral).keys
+    assert "axisymmetric.map" not in make_plan(still, ["tmm"], lateral).keys
+    keys = [make_plan(generator(m), ["tmm"], ["axial_poles"]).keys["tmm.machine"]
+            for m in ("tmm", "tmm,network", "tmm,axisymmetric")]  # fmt: skip
+    assert keys[0] == keys[1] != keys[2]
+    turned = make_plan(generator("tmm,axisymmetric", "coil.turns=600"), ["tmm"], lateral).keys
+    assert turned["tmm.modes"] != make_plan(scene, ["tmm"], lateral).keys["tmm.modes"]
+    assert not field
+
+
+def test_contact_and_machine_take_its_pull(field):
+    """A pull that is 10 % larger presses harder, by what the spring leaves; one solution for all,
+    also for the next run, and the reader is told whose it is."""
+    names = ("short_circuit_frequencies", "lateral_tip_per_voltage", "axial_tip_per_current")
+    one, other = (solve(generator(m), ("tmm",), names) for m in ("tmm", "tmm,axisymmetric"))
+    assert len(field) == 1
+    assert set(other.stages.seconds) == set(other.plan.keys)
+    (told,) = [w for w in other.warnings if w.startswith("coil.current")]
+    assert "by the model axisymmetric" in told
+    spring = one.scene.spring
+    forces = [s.rest[0].contact_force for s in (one.scene, generator("tmm,axisymmetric"))]
+    held = spring.preload + spring.stiffness * (one.scene.gap - spring.stop_gap)
+    # pressed harder the head is 30 nm lower, in a gap of 20 um: up to twice 1.5e-3 more pull
+    assert forces[1] + held == pytest.approx(MORE * (forces[0] + held), rel=3e-3)
+    for name in names:
+        a, b = (s.get(name, "tmm").value for s in (one, other))
+        assert (np.abs(a - b) > 1e-3 * np.abs(a)).all()
+    solve(generator("tmm,axisymmetric"), ("tmm",), names)
+    maps._AT_HAND.clear()
+    solve(generator("tmm,axisymmetric"), ("tmm",), names)  # from the store
+    assert len(field) == 1
+
+
+@pytest.mark.parametrize("history", ["rising", "falling"])
+def test_bars_cover_what_a_map_of_four_times_the_samples_says(history):
+    """Stiffness, pull per current and inductance, on either stop; and are no wider than a fifth."""
+    scene = generator("tmm,network", f"coil.history={history}")
+    dense = fit(network_samples(scene.device, *map_grid(scene.device, 25, 23)))
+    rod, better = machine_of(scene, scene.pull), rod_about(scene, dense)
+    for of in (
+        lambda r: float(r.stiffness[2, 2]), lambda r: float(r.stiffness[1, 1]),
+        lambda r: -r.motional, lambda r: r.inductance,
+    ):  # fmt: skip
+        found = of_rod(rod, of)
+        assert abs(found.value - of(better)) <= found.bar < 0.2 * abs(found.value)
