@@ -17,8 +17,9 @@ ALL = (*CHECKS, *MAGNETIC_CHECKS, *AMPLITUDE_CHECKS, *MOTION_CHECKS, *DISPLAY_CH
 
 
 #: Rows that cost seconds and whose like is asked elsewhere: of job J1's default mesh on level 2
-#: (tests/validation/engine/test_refinement.py), of the force's derivative in another state.
-_ELSEWHERE = ("SOL-1", "SOL-2", "FORCE-D2", "FORCE-D3", "FORCE-D4")
+#: (tests/validation/engine/test_refinement.py), of the force and its
+#: derivative in another state.
+_ELSEWHERE = ("SOL-1", "SOL-2", "FORCE-2", "FORCE-3", "FORCE-D2", "FORCE-D3", "FORCE-D4")
 
 
 @pytest.mark.parametrize(

@@ -393,10 +393,15 @@ def test_series_is_parallel_with_twice_the_margin(paper):
     [
         "piezo.density",
         "support.rotational_stiffness",
-        "bimorph.width",
         *(
             pytest.param(key, marks=pytest.mark.heavy)
-            for key in ("piezo.quality_factor", "piezo.d31", "drive.voltage", "shim.youngs_modulus")
+            for key in (
+                "bimorph.width",
+                "piezo.quality_factor",
+                "piezo.d31",
+                "drive.voltage",
+                "shim.youngs_modulus",
+            )
         ),
     ],
 )

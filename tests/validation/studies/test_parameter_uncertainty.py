@@ -229,7 +229,8 @@ def test_section_of_the_report():
     """Rows, ranges, a plot, and the most detailed model's numbers beside the model's own."""
     scene, _ = load_scene("prototype", ["support.kind=clamped"])
     said = []
-    rows = parameter_uncertainty(scene, announce=said.append)
+    # a few samples: how many there are in a report is of no concern here
+    rows = parameter_uncertainty(scene, evaluations=300, announce=said.append)
     found = section(scene, solve(scene, ("tmm", "beam"), ("capacitance_free",)), rows)
     assert found["detailed_model"] == "beam"
     for row in found["uncertainties"]:
