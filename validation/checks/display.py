@@ -41,7 +41,8 @@ def _array() -> Multiport:
 
 def _bimorph(scene: Scene) -> Multiport:
     plan = make_plan(scene, ("tmm",), (CROSSTALK_LARGEST.name,))
-    return make_model("tmm", scene, Stages(plan.keys)).answer("crosstalk").ports.fine
+    found: Multiport = make_model("tmm", scene, Stages(plan.keys)).answer("crosstalk").ports.fine
+    return found
 
 
 def _reciprocity() -> float:

@@ -84,8 +84,8 @@ def _write_film(
     largest = engineering(float(np.abs(tips).max()), "m", 3)
     words = (
         f"{scene.name}: {frequency:.4g} Hz, {scene.drive.voltage:g} V peak at every unit, each "
-        f"column\na quarter period later, tips up to {largest}, drawn × {times:.3g}; "
-        "without the support plate"
+        f"column\na quarter period later, tips up to {largest}, drawn × {times:.3g},\n"
+        "the support plate left out"
     )
     phases = [2.0 * np.pi * k / _FRAMES for k in range(_FRAMES)]
     seen = [part for part in parts if part.name not in _HIDES]

@@ -137,7 +137,7 @@ def test_lengths_of_the_page_are_the_solvers(seen, over_length):
         assert packed["texts"][:-1] == [
             with_bar(f, b, "Hz") for f, b in zip(mode.frequency[:-1], mode.bar[:-1], strict=True)
         ]
-        assert packed["texts"][-1] == "above the lowest"
+        assert packed["texts"][-1] == "not among the lowest"
     assert "off by up to 0.1 %" in own["note"]
 
 

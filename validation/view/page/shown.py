@@ -179,7 +179,7 @@ def _over_length(
         "apart": [block.small((shape - middle)[used], top) for shape in mode.shapes],
         "drawn": (np.array(drawn) / sizes).tolist(),
         "texts": [
-            with_bar(float(f), float(bar), "Hz") if np.isfinite(f) else "above the lowest"
+            with_bar(float(f), float(bar), "Hz") if np.isfinite(f) else "not among the lowest"
             for f, bar in zip(mode.frequency, mode.bar, strict=True)
         ],
     }

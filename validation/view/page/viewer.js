@@ -121,7 +121,8 @@
         tops[field.key] = top;
       }
       const here = result.states.find((s) => s.name === mode.name);
-      return { ...here, text: mode.texts[k], tops, arrays: { displacement: [moved] },
+      return { ...here, text: mode.texts[k], detail: here.detail.split(' · ')[0], tops, // its k is the scene's length's
+        arrays: { displacement: [moved] },
         title: `${here.title}, ${millimetres(at)} long`,
         drawn: mode.drawn.reduce((sum, v, j) => sum + weights[j] * v, 0) };
     });
@@ -539,10 +540,18 @@
       this.frame(); this.draw();
     }
 
+    /** The box to fit: where the length slides, the longest device's, so that one scale serves all. */
+    tallest() {
+      const result = this.results[this.chosen[0]], own = result.lengths;
+      if (!own) return result.box;
+      const longest = stretched(result, own.at.length - 1).box;
+      return longest.height > result.box.height ? longest : result.box;
+    }
+
     /** Fit the orthographic picture: height and width at zoom 1. */
     frame() {
       const aspect = this.width / this.panes.length / this.height;
-      const box = this.panes[0].result.box, lies = this.lies;
+      const box = this.tallest(), lies = this.lies;
       const long = 1.28 * box.height, wide = Math.max(box.width * 1.6, 0.42 * box.height);
       let tall = lies ? wide : long, across = lies ? long : wide;
       if (across / tall > aspect) tall = across / aspect; else across = tall * aspect;
@@ -552,7 +561,7 @@
     }
 
     look(from) {
-      const T = window.THREE, box = this.panes[0].result.box;
+      const T = window.THREE, box = this.tallest();
       const aspect = this.width / this.panes.length / this.height;
       // a long thing lies down where the picture is wide
       this.lies = from !== 'upright' && box.height > 2.5 * box.width && aspect > 1.3;
