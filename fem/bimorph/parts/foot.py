@@ -47,7 +47,9 @@ class ReducedFoot:
     losses : (k, k) complex array
         What losses add to the stiffness; zero where no port takes part.
     own : int
-        How many fields of the foot's own come first.
+        How many fields of the foot's own come first, …
+    charged : int
+        … and how many of them are raised by charges: their stiffness is negative.
     section : (4 m, s) array
         Shapes at the section, see :class:`fem.bimorph.parts.section_functions.SectionFunctions`.
     section_moving : int
@@ -58,6 +60,7 @@ class ReducedFoot:
     mass: Floats
     losses: Complex
     own: int
+    charged: int
     section: Floats
     section_moving: int
 
@@ -117,6 +120,7 @@ class Foot:
             if losses is None
             else _projected(losses, own, static, np.eye(ports)),
             own=k,
+            charged=int(k - heavy.sum()),
             section=functions.values,
             section_moving=functions.moving,
         )

@@ -96,7 +96,7 @@ class _Joined:
             expand=sparse.hstack([expand[:, :-PORTS], nothing, expand[:, -PORTS:]], format="csr"),
             nodes=nodes,
             node_mass=node_mass,
-            potentials=int(unknowns.free[:, 3].sum()) + shapes - foot.section_moving,
+            potentials=int(unknowns.free[:, 3].sum()) + foot.charged + shapes - foot.section_moving,
             volts_per_unit=unit,
             motion=motion,
             related=self.system,

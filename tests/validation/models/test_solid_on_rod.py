@@ -8,6 +8,7 @@ from tactgen.fem.bimorph.solid import assemble
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.rod_bricks import RodMeshing, rod_bricks, rod_parts
 from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.fields.solid import SolidFields
 from tactgen.validation.models.bimorph.family.derivatives import gives_derivatives
 from tactgen.validation.models.bimorph.family.solid_family import is_family_key
@@ -52,3 +53,23 @@ def test_what_only_the_bimorph_alone_has_is_not_promised():
     model = SolidModel(scene, None)
     with pytest.raises(InputError, match="--model cad"):
         SolidFields(model, "nodes")
+
+
+@pytest.mark.heavy
+def test_the_bar_of_a_level_covers_the_next():
+    """f₁, static deflection and another tab: finer bricks land inside the coarser ones' bars."""
+    names = (FREQUENCIES, "static_tip_displacement")
+    for tab in ("2 mm", "1.5 mm"):
+        found = [
+            solve(
+                scene_with(f"mesh.level={n}", f"bimorph.tab_length={tab}", "modes=1"),
+                ("solid",),
+                names,
+            )
+            for n in (2, 3)
+        ]
+        for name in names:
+            coarse, fine = (solution.get(name, "solid") for solution in found)
+            apart = abs(fine.value - coarse.value)
+            assert (apart <= coarse.uncertainty).all()
+            assert (fine.uncertainty < 0.5 * coarse.uncertainty).all()

@@ -11,6 +11,7 @@ from tactgen.fem.bimorph.parts import joined
 from tactgen.fem.bimorph.parts.joined import joined_system
 from tactgen.fem.bimorph.ports import direct_multiport, static_multiport
 from tactgen.fem.bimorph.reduction.krylov import port_error
+from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.brick_parts import in_parts
 from tactgen.geometry.bimorph.bricks import Axis
@@ -78,6 +79,12 @@ def test_driven_with_losses():
     assert port_error(found, exact).max() < 1e-5
     assert reciprocity_error(found).max() < 1e-9
     assert passivity_margin(found).min() > -1e-9
+
+
+def test_as_many_pivots_are_negative_as_there_are_potentials():
+    """Charges and displacements are what they say, in the foot, at the section and above it."""
+    system = in_two(1e-2)
+    assert factorise(system.stiffness.inner).negative_pivots == system.potentials
 
 
 def test_a_translation_needs_no_force():
