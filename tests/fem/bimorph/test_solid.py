@@ -42,6 +42,13 @@ def lossy():
     return assemble(Device(), bimorph_bricks(Device(), LEVELS[0]), lossy=True)
 
 
+@pytest.fixture(scope="module")
+def small():
+    """As `lossy`, on so few bricks as a reduction can still be wrong about."""
+    bricks = BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=10.0, pieces=(4.0, 10.0))
+    return assemble(Device(), bimorph_bricks(Device(), bricks), lossy=True)
+
+
 @pytest.mark.parametrize("tab", [0.0, 1.6e-3])
 def test_rigid_motion_needs_no_force(tab):
     """Translating and turning the whole body leaves all ports free of force and charge."""
@@ -125,15 +132,15 @@ def test_reduction_equals_direct_solution(lossy):
         assert error < 100.0 * bar + 1e-9
 
 
-def test_wide_sweep_adds_shifts(lossy):
+def test_wide_sweep_adds_shifts(small):
     """A request from 10 Hz to 100 kHz is as good at its ends as two narrow ones.
 
     One shift near the top is worthless at the bottom; the estimate must see that.
     """
     wide = np.array([10.0, 500.0, 1065.0, 3300.0, 6600.0, 100000.0])
-    got = reduce_to_ports(lossy, wide).multiport(wide).stiffness
+    got = reduce_to_ports(small, wide).multiport(wide).stiffness
     for i in (0, 2, 5):  # the ends, and the first resonance
-        exact = direct_multiport(lossy, wide[i]).stiffness[0]
+        exact = direct_multiport(small, wide[i]).stiffness[0]
         size = np.sqrt(np.abs(np.diag(exact)))
         # the tolerance asked for is 1e-6 in the estimate
         assert (np.abs(got[i] - exact) / np.outer(size, size)).max() < 1e-5

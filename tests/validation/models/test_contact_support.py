@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from functools import cache
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from tactgen.validation.scene.scene import load_scene
 UP = ("support.kind=contact", "coil.current=0mA")
 
 
+@cache
 def frequency(*overrides, scene="prototype", model="tmm"):
     made, _ = load_scene(scene, ["modes=1", *overrides])
     return float(solve(made, [model], ["short_circuit_frequencies"]).quantities[0].value[0])
