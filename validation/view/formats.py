@@ -17,7 +17,8 @@ def engineering(value: float, unit: str, digits: int = 5) -> str:
         return f"{value:.{digits}g}"
     if value == 0.0 or not math.isfinite(value):
         return f"{value:g} {unit}"
-    exponent = max(-15, min(9, 3 * math.floor(math.log10(abs(value)) / 3.0)))
+    shown = float(f"{value:.{digits - 1}e}")  # what rounds up to 1000 has the next prefix
+    exponent = max(-15, min(9, 3 * math.floor(math.log10(abs(shown)) / 3.0)))
     return f"{value / 10.0**exponent:.{digits}g} {_PREFIX[exponent]}{unit}"
 
 

@@ -102,6 +102,8 @@ def test_numbers_for_people():
     """Engineering prefixes, digits that the bar allows, rounding bars as powers of ten."""
     assert engineering(4.955e-5, "m") == "49.55 µm"
     assert engineering(0.0, "m") == "0 m"
+    assert engineering(9.9996e-7, "m", 3) == "1 µm"  # and not 1e+03 nm
+    assert engineering(9.9996e-7, "m", 5) == "999.96 nm"
     assert with_bar(4.7087e-5, 2.6e-8, "m") == "47.087 ± 0.026 µm"
     assert with_bar(-6.7582e-7, 1e-20, "m").startswith("-675.82 nm (±1e-14")
     assert with_bar(365.1, 10.2, "Hz") == "365 ± 10 Hz"
