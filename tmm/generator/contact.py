@@ -117,7 +117,8 @@ class RoughContact:
             r * (near * slope + turn * bend),
             r * r * (near * bend + turn * third),
         )
-        return efforts, *(_symmetric(*(stiff * e for e in of)) for of in (entries, rates))
+        stiffness, change = (_symmetric(*(stiff * e for e in of)) for of in (entries, rates))
+        return efforts, stiffness, change
 
     def is_apart(self, approach: Floats, tilt: Floats) -> bool:
         """Return whether at all of these places less than 1e-40 of the reference load acts."""

@@ -94,7 +94,8 @@ class Stops:
             time = law.relaxation_time
             for found, part in zip(each, (stiffness, time * stiffness, time * change), strict=True):
                 found += part * np.outer(sign, sign)
-        return forces, *each
+        stiff, damping, alters = each
+        return forces, stiff, damping, alters
 
     def holding(self, lift: float) -> RoughContact:
         """Return the law of the nearer stop, which carries a head at rest."""
