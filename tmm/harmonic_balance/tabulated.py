@@ -104,11 +104,10 @@ class Tabulated:
                 [np.stack([left[:, 0], middle], 1), np.stack([middle, left[:, 1]], 1)]
             )
         done.sort(key=lambda interval: interval[0])
-        ends, values, smooth = zip(*done, strict=True)
-        made = np.stack(values)
+        made = np.stack([values for _, values, _ in done])
         self._values = np.concatenate([self._values, made]) if self._smooth.size else made
-        self._ends = np.append(self._ends, ends)
-        self._smooth = np.append(self._smooth, smooth)
+        self._ends = np.append(self._ends, [end for end, _, _ in done])
+        self._smooth = np.append(self._smooth, [smooth for _, _, smooth in done])
 
 
 def _interpolated(values: Complex, places: Floats) -> Complex:

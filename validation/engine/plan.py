@@ -71,6 +71,9 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
             for stage in stages_for(scene, model, quantity):
                 reasons.setdefault(stage, []).append(quantity)
     stages = [stage for stage in stage_reads() if stage in reasons]
+    first = f"{scene.map_model}.map"  # before what stands on the rod that it pulls
+    if first in stages and any(MODELS[model].actuator == "bimorph" for model in models):
+        stages = [first, *(stage for stage in stages if stage != first)]
     keys = stage_keys(stages, scene)
     run = tuple(Step(stage, "for " + _list(reasons[stage]), keys[stage]) for stage in stages)
     skipped = tuple(

@@ -67,7 +67,8 @@ def machine_state_space(
     a[:n, n:], a[n:] = np.eye(n), pushed[:, : 2 * n]
     b = np.vstack([np.zeros((n, 3)), pushed[:, 2 * n :]])
     c = np.hstack([np.stack([tip, lift]), np.zeros((2, n))])
-    inputs, outputs = (*_INPUTS, "coil current (A)"), _OUTPUTS
+    inputs: tuple[str, ...] = (*_INPUTS, "coil current (A)")
+    outputs: tuple[str, ...] = _OUTPUTS
     if supply == "voltage":
         # the current i = (λ − T u)/L takes the place of the third input
         reads = np.append(np.zeros(2 * n), 1.0 / rod.inductance)
