@@ -45,7 +45,7 @@ def test_accuracy_and_level_choose_the_bricks():
 
 
 def test_what_only_the_bimorph_alone_has_is_not_promised():
-    """Families of reduced bases, exact derivatives, and fields in pictures."""
+    """Families of reduced bases, exact derivatives, fields in pictures, responses."""
     scene = scene_with()
     assert not is_family_key(scene, "bimorph.length")
     assert not gives_derivatives(scene, FREQUENCIES)
@@ -53,6 +53,8 @@ def test_what_only_the_bimorph_alone_has_is_not_promised():
     model = SolidModel(scene, None)
     with pytest.raises(InputError, match="--model cad"):
         SolidFields(model, "nodes")
+    with pytest.raises(InputError, match="statics and natural frequencies"):
+        model.ports()
 
 
 @pytest.mark.heavy
