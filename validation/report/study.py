@@ -182,10 +182,7 @@ class Study:
         """What the parameters' ranges do to the headline numbers."""
         from tactgen.validation.studies.uncertainty.propagation import parameter_uncertainty
 
-        def here() -> list[Uncertainty]:
-            return parameter_uncertainty(self.scene, announce=self.announce)
-
-        return list(self.alone("parameter_uncertainty", here))
+        return parameter_uncertainty(self.scene, announce=self.announce)
 
     @cached_property
     def chain(self) -> GeneratorChain | None:

@@ -54,7 +54,7 @@ _LIMITS, _APART = ("drive_limits",), ("holding", "length", "voltage", "stress")
 #: What needs no solution, in the order in which another process makes it: first what others need,
 #: then what takes longest.
 _ALONE = (
-    "rungs", "stress", "holding", "material", "bridge", "parameter_uncertainty", "length", "load",
+    "rungs", "stress", "holding", "material", "bridge", "length", "load",
     "voltage", "drive_limits", "audit",
 )  # fmt: skip
 
