@@ -103,7 +103,11 @@ def rod_bricks(device: Device, meshing: RodMeshing) -> Bricks:
     half, width = 0.5 * b.shim_thickness, 0.5 * b.width
     outer = half + b.piezo_thickness
     reach = max(device.rod.radius, device.rod.flange_radius, device.rod.head_radius)
-    lines = {half: meshing.core, half + bond: meshing.bond, outer: meshing.layer}
+    lines: dict[float, Sequence[float] | Floats] = {
+        half: meshing.core,
+        half + bond: meshing.bond,
+        outer: meshing.layer,
+    }
     x = _lines(lines, reach)
     side = meshing.side * b.shim_thickness
     inside = _graded(width, None, side, width) / width

@@ -155,9 +155,13 @@ class Study:
 
     @property
     def field(self) -> TwoMeshModel | None:
-        """The field model to be shown, if the scene asks for one: bricks before tetrahedra."""
+        """The field model to be shown, if the scene asks for one: bricks before tetrahedra.
+
+        On the rod the bricks have no fields to show.
+        """
         models = self.solution.models
-        model = models.get("solid", models.get("cad"))
+        bricks = "cad" if self.scene.support.kind == "rod" else "solid"
+        model = models.get(bricks, models.get("cad"))
         return model if isinstance(model, TwoMeshModel) else None
 
     @property

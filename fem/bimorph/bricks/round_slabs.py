@@ -63,7 +63,7 @@ def _places(axis: Axis, line: LineMatrices) -> Ints:
     position[line.rows, line.columns] = np.arange(line.rows.size)
     starts = axis.degree * np.arange(axis.intervals)
     nodes = starts[:, None] + np.arange(axis.degree + 1)
-    return position[nodes[:, :, None], nodes[:, None, :]]
+    return np.asarray(position[nodes[:, :, None], nodes[:, None, :]])
 
 
 def _box_points(x: Floats, y: Floats) -> Points:
@@ -122,7 +122,7 @@ def _products(values: Floats) -> Floats:
     """Return the products (2, 2, m, points) of all pairs of values or slopes."""
     _, points, n = values.shape
     both = np.einsum("aqi,bqj->abijq", values, values)
-    return both.reshape(2, 2, n * n, points)
+    return np.asarray(both.reshape(2, 2, n * n, points))
 
 
 def _values(degree: int, ends: Floats, points: Floats) -> Floats:

@@ -6,8 +6,9 @@ their own.  All are K⁻¹ r of known loads r, so no product with K is needed an
 
     K x = r,   xᵀ K x' = xᵀ r',   and with the static fields nothing: they balance inside.
 
-What a voltage moves inside the foot is left out of the inertia, as if it came at once: of a
-body this short it does, up to some (f / 50 kHz)².
+A voltage comes with the potential that it makes at the section far from all ends, and what both
+move inside the foot has inertia.  What other potentials at the section move has none: it comes at
+once, so shapes of potential stay without mass.
 """
 
 from __future__ import annotations
@@ -101,8 +102,10 @@ class Foot:
         at = unknowns.index
         order = np.argsort(4 * elimination_order(parts.foot)[at // 4] + at % 4)
         ports = stiffness.border.shape[1]
-        moves = np.arange(ports) < functions.moving
-        moves[-PORTS:-1] = True
+        # what has inertia of the static fields: displacements and, with its potential, the voltage
+        moves = np.diag((np.arange(ports) < functions.moving).astype(float))
+        moves[-PORTS:, -PORTS:] = np.eye(PORTS)
+        moves[: functions.by_voltage.size, -1] = functions.by_voltage
         static, fields = _fields(stiffness, mass, losses, moves, order, at % 4 == 3)
         own = np.hstack([group.fields for group in fields])
         # charges raise fields that have no inertia, like the potential that they are mostly of
@@ -115,10 +118,10 @@ class Foot:
         stiff[k:, k:] = stiffness.corner + stiffness.border.T @ static
         return ReducedFoot(
             stiffness=0.5 * (stiff + stiff.T),
-            mass=_projected(mass, own * heavy, static * moves, np.diag(moves.astype(float))),
+            mass=_projected(mass, own * heavy, static @ moves, moves).real,
             losses=np.zeros((k + ports, k + ports), dtype=complex)
             if losses is None
-            else _projected(losses, own, static, np.eye(ports)),
+            else _projected(losses, own, static, np.eye(ports)).astype(complex),
             own=k,
             charged=int(k - heavy.sum()),
             section=functions.values,
@@ -186,14 +189,14 @@ def _fields(
     stiffness: Bordered,
     mass: Bordered,
     losses: Bordered | None,
-    moves: Bools,
+    moves: Floats,
     order: Ints,
     potential: Bools,
 ) -> tuple[Floats, list[_Group]]:
     """Return the static fields (n, ports), and the foot's own ones."""
     factor = factorise(stiffness.inner, order=order)
     static = -factor.solve(stiffness.border)
-    forces = (mass.inner @ static + mass.border)[:, moves]
+    forces = ((mass.inner @ static + mass.border) @ moves)[:, np.any(moves, axis=0)]
     if losses is None:
         return static, [_Group.of(factor, forces, 1.0)]
     lost = (losses.inner @ static + losses.border).imag

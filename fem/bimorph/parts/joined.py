@@ -125,7 +125,7 @@ def _joined(free: Bordered, foot: ReducedFoot, small: Floats | Numbers) -> Borde
     own, shapes = foot.own, foot.section.shape[1]
     n = free.inner.shape[0]
     # section and ports after the foot's own fields, there and here
-    both = np.array(small)
+    both = np.array(small, dtype=np.result_type(small, free.corner))
     both[own:, own:] += free.corner
     at = np.concatenate([own + np.arange(shapes), np.arange(own)])
     ports = own + shapes + np.arange(PORTS)

@@ -40,10 +40,13 @@ class SectionFunctions:
         displacement, then shapes of potential.
     moving : int
         How many are shapes of displacement.
+    by_voltage : (s,) array
+        Amplitudes of the shapes of potential that a voltage of one unit makes far from all ends.
     """
 
     values: Floats
     moving: int
+    by_voltage: Floats
 
 
 def section_functions(
@@ -88,7 +91,8 @@ def section_functions(
         _strongest(seen, rows, own, share, least)
         for rows, own in ((~potential, rigid), (potential, rigid[:, :0]))
     )
-    return SectionFunctions(np.hstack([u, phi]), u.shape[1])
+    shapes = np.hstack([u, phi])
+    return SectionFunctions(shapes, u.shape[1], shapes.T @ np.where(potential, seen[:, -1], 0.0))
 
 
 def _random_ends(middle: Bricks) -> Floats:
@@ -128,6 +132,8 @@ def _strongest(seen: Floats, rows: Bools, rigid: Floats, share: float, least: fl
     here = here - rigid @ (rigid.T @ here)
     by_ends, by_voltage = here[:, :-1], here[:, -1]
     shapes, sizes, _ = np.linalg.svd(by_ends, full_matrices=False)
+    # exactly: what has no displacement has no mass, and counts as a potential
+    shapes = np.where(rows[:, None], shapes, 0.0)
     shapes = np.hstack([rigid, shapes[:, sizes > least]])
     left = by_voltage - shapes @ (shapes.T @ by_voltage)
     if np.linalg.norm(left) > share * np.linalg.norm(by_voltage):

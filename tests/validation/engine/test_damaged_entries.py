@@ -148,7 +148,7 @@ def test_what_another_version_made_is_not_found(own_store, monkeypatch):
     case = LIGHT[:1]
     answers(case)
     names = {path.name for path in own_store.glob("beam.*")}
-    monkeypatch.setattr(store, "_versions", lambda: ("numpy 0",))
+    monkeypatch.setattr(store, "library_versions", lambda: ("numpy 0",))
     answers(case)
     assert not names & ({path.name for path in own_store.glob("beam.*")} - names)
     assert len(list(own_store.glob("beam.*"))) == 2 * len(names)

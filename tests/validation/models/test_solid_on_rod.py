@@ -1,9 +1,11 @@
 """The bimorph on its rod by the model solid: in parts, on two levels."""
 
+import numpy as np
 import pytest
 
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.parts import joined
+from tactgen.fem.bimorph.reduction.kept import reduced_solid
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.rod_bricks import RodMeshing, rod_bricks, rod_parts
@@ -36,6 +38,21 @@ def test_the_foot_joined_is_the_whole(monkeypatch):
         assert abs(a.frequency / b.frequency - 1.0) < 1e-5
 
 
+@pytest.mark.usefixtures("own_store")
+def test_responses_with_losses_are_those_of_the_whole():
+    """Through the first resonance, on coarse bricks: some ten squares of 1e-3, as above."""
+    device = scene_with().device
+    frequencies = np.array([10.0, 300.0, 361.0, 420.0, 1000.0])
+    whole, parts = (
+        reduced_solid(device, make(device, COARSE), frequencies, tolerance=1e-6)
+        .multiport(frequencies)
+        .stiffness
+        for make in (rod_bricks, rod_parts)
+    )
+    size = np.sqrt(np.abs(np.einsum("fii,fjj->fij", whole, whole)))
+    assert (np.abs(parts - whole) < 2e-5 * size).all()
+
+
 def test_accuracy_and_level_choose_the_bricks():
     """The level is what it says; what is wanted finer is finer."""
     assert [level_for(scene_with(f"mesh.level={n}")) for n in (1, 2, 3, 4, 5)] == [1, 1, 2, 3, 4]
@@ -45,7 +62,7 @@ def test_accuracy_and_level_choose_the_bricks():
 
 
 def test_what_only_the_bimorph_alone_has_is_not_promised():
-    """Families of reduced bases, exact derivatives, fields in pictures, responses."""
+    """Families of reduced bases, exact derivatives, fields in pictures."""
     scene = scene_with()
     assert not is_family_key(scene, "bimorph.length")
     assert not gives_derivatives(scene, FREQUENCIES)
@@ -53,8 +70,6 @@ def test_what_only_the_bimorph_alone_has_is_not_promised():
     model = SolidModel(scene, None)
     with pytest.raises(InputError, match="--model cad"):
         SolidFields(model, "nodes")
-    with pytest.raises(InputError, match="statics and natural frequencies"):
-        model.ports()
 
 
 @pytest.mark.heavy

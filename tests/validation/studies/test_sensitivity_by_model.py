@@ -112,12 +112,12 @@ def test_the_networks_bars_cover_a_finer_ladder_and_are_narrow(key):
     for sign in (1.0, -1.0):
         near = changed(key, value * (1.0 + 1e-3 * sign))
         at = np.array([near.coil.current]), np.array([near.gap])
-        ends.append(solve_ladder(circuit(near.device, at[1], FULL, 16 * CELLS), at[0]))
+        ladder = solve_ladder(circuit(near.device, at[1], FULL, 16 * CELLS), at[0])
+        force, linkage = float(ladder.force[0, 0]), float(ladder.flux_linkage[0, 0])
+        ends.append((force, linkage, linkage / near.coil.current))
     slopes = {
-        name: float((getattr(ends[0], of) - getattr(ends[1], of))[0, 0]) / (2e-3 * value)
-        for name, of in (("magnetic_force", "force"), ("flux_linkage", "flux_linkage"))
+        name: (high - low) / (2e-3 * value) for name, high, low in zip(NETWORK, *ends, strict=True)
     }
-    slopes["inductance"] = slopes["flux_linkage"] / scene.coil.current
     for found, other in zip(
         asked("reluctance", sets, "network", NETWORK, [key]), wide, strict=True
     ):

@@ -20,9 +20,6 @@ from tactgen.geometry.device.checks import (
     check_plain_layers,
 )
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.multiport import Multiport
-from tactgen.validation.engine.model import Refined
 from tactgen.validation.engine.refinement import ASSUMED_GAIN, BRICK_FACTOR, SAFETY
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.scene.scene import Scene
@@ -58,16 +55,6 @@ class SolidModel(TwoMeshModel):
     def finest(cls, scene: Scene) -> float:
         """Return the relative error bar that the finest bricks keep to."""
         return _ROD_FINEST if scene.support.kind == "rod" else super().finest(scene)
-
-    def ports(self) -> Refined[Multiport]:
-        """Return D(Ω) with losses over the scene's frequencies; of the bimorph alone."""
-        if self.scene.support.kind == "rod":
-            raise InputError(
-                'with support.kind = "rod" the model solid gives statics and natural frequencies '
-                "only; name them with --quantity, or ask for responses over frequency with "
-                "--model cad"
-            )
-        return super().ports()
 
     def make_pair(self) -> BrickPair:
         """Return the level that the accuracy asks for, and the next coarser one."""

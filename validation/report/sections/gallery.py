@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
@@ -46,7 +47,9 @@ def _lateral(study: Study) -> list[dict[str, str]]:
         study.announce("picture of the mesh")
         solved = study.field.meshes()[0]
         mesh = cells_of(solved)
-        caption = f"mesh of the model {study.field.name}: {mesh.cells.shape[0]} {_kind(solved)}"
+        caption = (
+            f"mesh of the model {study.field.name}: {mesh.cells.shape[0]} {_kind(solved, mesh)}"
+        )
         found.append({"caption": caption, "png": inline(mesh_picture(mesh))})
         found.append({"caption": "the same at its held end", "png": close_up(mesh)})
     return found
@@ -112,9 +115,9 @@ def _stills(result: FieldResult, announce: Callable[[str], None]) -> list[dict[s
     return found
 
 
-def _kind(mesh: Mesh | Bricks) -> str:
-    """Return the cells of a mesh in words."""
-    if not isinstance(mesh, Bricks):
-        return _KIND[mesh.kind]
-    x, y, z = mesh.degree
+def _kind(solved: Mesh | Bricks | BrickParts, shown: Mesh) -> str:
+    """Return the cells of a mesh that is solved on, and shown by its cells, in words."""
+    if not isinstance(solved, Bricks):
+        return _KIND[shown.kind]
+    x, y, z = solved.degree
     return f"bricks of degree {x}, {y}, {z} across the layers, the width and along the length"

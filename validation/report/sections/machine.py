@@ -62,7 +62,7 @@ class MapRow:
     axial_stiffness: Measured
     rocking_stiffness: Measured
     motional: Measured
-    inductance: Measured
+    incremental_inductance: Measured
     frequency: Measured
 
 
@@ -140,7 +140,7 @@ def _on_map(scene: Scene, model: str) -> MapRow:
         axial_stiffness=of_rod(rod, lambda r: float(r.stiffness[2, 2])),
         rocking_stiffness=of_rod(rod, lambda r: float(r.stiffness[1, 1])),
         motional=of_rod(rod, lambda r: -r.motional),
-        inductance=of_rod(rod, lambda r: r.inductance),
+        incremental_inductance=of_rod(rod, lambda r: r.inductance),
         frequency=Measured(
             float(abs(poles.value[first])) / (2.0 * np.pi), float(poles.bar[first]) / (2.0 * np.pi)
         ),
