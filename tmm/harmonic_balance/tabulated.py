@@ -26,8 +26,11 @@ _DEGREE = 20
 _CHECKED = np.cos(np.pi * (np.array([0.5, 5.5, 10.5, 14.5, 19.5])) / _DEGREE)
 #: Error of an entry over its largest value on the interval: what the function's rounding leaves.
 _TOLERANCE = 1e-12
-#: Shortest interval over the frequency at its upper end.
+#: Shortest interval over the frequency at its upper end, and that over the table's.
 _SHORTEST = 1e-4
+#: Intervals in work at once, beyond which what is left is not smooth: rounding above the tolerance
+#: would have all of it divided down to the shortest.
+_MOST = 2000
 #: Frequencies that are asked of the function itself before a table is worth its making, and how
 #: many are read at once.
 _FIRST, _AT_ONCE = 3000, 1000
@@ -94,7 +97,8 @@ class Tabulated:
             each = np.repeat(nodes, _CHECKED.size, axis=0)
             met = _interpolated(each, np.tile(_CHECKED, len(nodes))).reshape(known.shape)
             smooth = (np.abs(met - known) <= _TOLERANCE * size).all(axis=(1, 2))
-            ended = smooth | (high - low < _SHORTEST * high)[:, 0]
+            short = high - low < _SHORTEST * np.maximum(high, _SHORTEST * top)
+            ended = smooth | short[:, 0] | (len(pending) > _MOST)
             done += [
                 (float(pending[i, 1]), nodes[i], bool(smooth[i])) for i in np.flatnonzero(ended)
             ]

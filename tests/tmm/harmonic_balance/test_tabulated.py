@@ -86,3 +86,24 @@ def test_a_few_questions_make_no_table():
     f = np.linspace(0.0, 4000.0, 40)
     np.testing.assert_array_equal(table(f), Counted()(f))
     assert function.calls == 1
+
+
+def test_what_is_nowhere_smooth_is_soon_given_up(monkeypatch):
+    """Rounding above the tolerance, down to 0: a bounded table, and the function itself."""
+    asked = []
+
+    def function(f):
+        asked.append(f.size)
+        return (np.sqrt(f) + 1e-9 * np.sin(1e9 * f) + 0j)[:, None]
+
+    table = made(function, monkeypatch)
+    f = np.array([0.0, 1e-3, 50.0, 900.0])
+    np.testing.assert_array_equal(table(f), function(f))
+    assert sum(asked) < 50 * tabulated._MOST * 4
+
+
+def test_what_starts_like_a_root_is_divided_to_an_end(monkeypatch):
+    """At 0 no interval is short enough by its own upper end."""
+    table = made(lambda f: (np.sqrt(f) + 0j)[:, None], monkeypatch)
+    f = np.array([0.0, 1e-9, 1e-2, 50.0, 900.0])
+    np.testing.assert_allclose(table(f)[:, 0], np.sqrt(f), rtol=1e-11)
