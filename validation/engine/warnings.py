@@ -116,12 +116,24 @@ def check_held(scene: Scene, quantities: Sequence[str]) -> None:
 
 
 def held_warnings(scene: Scene, models: Sequence[str]) -> tuple[str, ...]:
-    """Return where a current holds the rod, if the lateral actuator stands on its contact."""
+    """Return where a current holds the rod, if the lateral actuator stands on its contact.
+
+    Or that nothing does: a spring without preload leaves the rod where the stops' tails balance.
+    """
     rest = scene.rest
-    lateral = any(MODELS[name].actuator == "bimorph" for name in models)
-    if rest is None or scene.coil.current == 0.0 or not lateral:
+    if rest is None:
         return ()
     place, springs = rest
+    if scene.coil.current == 0.0 and place.kind == "floating":
+        sentence = (
+            f"spring.preload = {1e3 * scene.device.spring.preload:g} mN does not hold the rod up: "
+            f"it floats {-1e6 * place.lift:.4g} um below its upper stop; give it the force with "
+            "which it presses there, such as 110 mN"
+        )
+        return (sentence,)
+    lateral = any(MODELS[name].actuator == "bimorph" for name in models)
+    if scene.coil.current == 0.0 or not lateral:
+        return ()
     where = f"at its {place.kind}" if "stop" in place.kind else "between its stops"
     sentence = (
         f"coil.current = {1e3 * scene.coil.current:g} mA, {scene.coil.history}, leaves the rod "

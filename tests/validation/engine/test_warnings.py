@@ -6,7 +6,11 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.engine.warnings import accuracy_warnings, deflection_warnings
+from tactgen.validation.engine.warnings import (
+    accuracy_warnings,
+    deflection_warnings,
+    held_warnings,
+)
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -58,3 +62,13 @@ def test_a_floating_body_has_no_static_answer(spring, name, frequency, held):
     else:
         with pytest.raises(InputError, match=f"support.{spring} = 0 .* {name} has no value at 0"):
             solve(scene, ("tmm",), (name,))
+
+
+@pytest.mark.parametrize("preload", ["0N", "110mN"])
+def test_a_spring_that_does_not_hold_the_rod_up_is_named(preload):
+    """Its place follows from the stops' tails alone, which is worth a sentence."""
+    scene, _ = load_scene("generator", [f"spring.preload={preload}"])
+    found = held_warnings(scene, ("network",))
+    assert [("spring.preload = 0 mN" in w, "110 mN" in w) for w in found] == (
+        [(True, True)] if preload == "0N" else []
+    )
