@@ -46,7 +46,7 @@ def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
         If the solid model cannot take the scene or a file cannot be written.
     """
     from tactgen.fem.bimorph.reduction.files import write_ports
-    from tactgen.fem.bimorph.reduction.kept import made_from, reduced_solid
+    from tactgen.fem.bimorph.reduction.kept_reductions import made_from, reduced_solid
     from tactgen.fem.bimorph.reduction.state_space_file import write_state_space
     from tactgen.validation.models.bimorph.meshes import mesh_pair
 

@@ -14,9 +14,9 @@ from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.models.bimorph.beam_theory_error import Band, expected_differences
 from tactgen.validation.models.comparison import ComparedRow
-from tactgen.validation.report.ahead import ahead
 from tactgen.validation.report.provenance.record import FILE, read_record, recorded
 from tactgen.validation.report.provenance.seal import seal, unseal
+from tactgen.validation.report.second_process import ahead
 from tactgen.validation.report.sections.contents import alone, made_alone, sections
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study, check_report

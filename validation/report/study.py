@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge import Rung
     from tactgen.validation.models.bimorph.bridge.causes import Cause
     from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
-    from tactgen.validation.report.ahead import Ahead
+    from tactgen.validation.report.second_process import Ahead
     from tactgen.validation.studies.uncertainty.propagation import Uncertainty
 
 #: Points of the frequency response in the report.

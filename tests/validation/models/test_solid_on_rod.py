@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.parts import joined
-from tactgen.fem.bimorph.reduction.kept import reduced_solid
+from tactgen.fem.bimorph.reduction.kept_reductions import reduced_solid
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.rod_bricks import RodMeshing, rod_bricks, rod_parts

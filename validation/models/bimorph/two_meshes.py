@@ -124,7 +124,7 @@ class TwoMeshModel(BimorphModel):
         return self.run("ports", self._reduced)
 
     def _reduced(self) -> Refined[Multiport]:
-        from tactgen.fem.bimorph.reduction.kept import reduced_solid
+        from tactgen.fem.bimorph.reduction.kept_reductions import reduced_solid
 
         ports = []
         extra: tuple[tuple[Multiport, float], ...] = ()

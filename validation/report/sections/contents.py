@@ -7,7 +7,7 @@ from typing import Any
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.engine.plan import asks_display
-from tactgen.validation.report.ahead import Asked
+from tactgen.validation.report.second_process import Asked
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import INVARIANT_TOLERANCE, Study

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.reduction import kept as port_cache
+from tactgen.fem.bimorph.reduction import kept_reductions as port_cache
 from tactgen.fem.bimorph.reduction.files import read_ports, write_ports
-from tactgen.fem.bimorph.reduction.kept import made_from, reduced_solid
+from tactgen.fem.bimorph.reduction.kept_reductions import made_from, reduced_solid
 from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from tactgen.validation.report.ahead import Ahead
+from tactgen.validation.report.second_process import Ahead
 from tactgen.validation.report.sections.contents import alone, made_alone
 from tactgen.validation.scene.scene import load_scene
 

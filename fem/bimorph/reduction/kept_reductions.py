@@ -16,7 +16,7 @@ from tactgen.geometry.store.store import kept
 from tactgen.geometry.store.values import fingerprint
 
 #: What makes a reduction.
-_MADE_OF = ("tactgen.fem.bimorph.reduction.kept",)
+_MADE_OF = ("tactgen.fem.bimorph.reduction.kept_reductions",)
 
 
 def reduced_solid(
