@@ -75,6 +75,12 @@ def test_unknown_option(refused, command):
     assert "--help" in error
 
 
+def test_no_other_commands_option_is_meant(refused):
+    """What may have been meant is an option of this command, not the same word of another."""
+    assert "did you mean" not in refused("scenes", "--accuracy", "2e-5")
+    assert "did you mean" not in refused("scenes", "--quantity", "capacitance_free")
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -128,6 +134,9 @@ def test_no_half_a_document(refused, command):
         (["solve", "--frequency", "10 20"], ['"10 20"', "not a frequency"]),
         (["solve", "x\ny" * 2000], ["neither a readable file"]),
         (["solve", "--no\nsense"], ["unrecognized arguments"]),
+        (["solve", "--jsn"], ['did you mean "--json"', "tactgen solve --help"]),
+        (["solve", "--accuracy", "2e-5"], ['did you mean "--set accuracy=…"']),
+        (["solve", "--piezo.d31=-180"], ['did you mean "--set piezo.d31=…"']),
         (["plan", "--set", "gap=-1mm"], ["gap", "greater than 0"]),
         (["report", "--out", "/proc/nowhere"], ["/proc/nowhere", "cannot be written"]),
         (["export", "--step", "/nowhere/x.step"], ["/nowhere/x.step", "cannot be written"]),

@@ -14,7 +14,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from tactgen.fem.solvers.threads import thread_count
 from tactgen.geometry.errors import InputError
@@ -70,6 +70,12 @@ tactgen solve --help lists quantities and models, tactgen scenes the built-in sc
 """
 
 
+def _is_scene_key(name: str) -> bool:
+    from tactgen.validation.scene.scene import scene_keys
+
+    return name in scene_keys()
+
+
 class _Parser(argparse.ArgumentParser):
     #: Makes description and epilog when help is asked for: what they list costs an import.
     listing: Callable[[], tuple[str, str]] | None = None
@@ -85,6 +91,13 @@ class _Parser(argparse.ArgumentParser):
         if message:
             (file or sys.stdout).write(message)
 
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse, and refuse what is left over here: above, nobody knows whose it was."""
+        found, left = super().parse_known_args(args, namespace)
+        if left:
+            self.error(f"unrecognized arguments: {' '.join(left)}")
+        return found, left
+
     def error(self, message: str) -> NoReturn:
         """Report a usage error the way all bad input is reported."""
         raise InputError(f"{message}{self._nearest(message)}; see {self.prog} --help")
@@ -96,18 +109,14 @@ class _Parser(argparse.ArgumentParser):
         chosen = re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message)
         if chosen:
             return nearest(chosen[1], re.findall(r"[^', ]+", chosen[2]))
-        unknown = re.search(r"unrecognized arguments: (--[a-z-]+)", message)
-        return nearest(unknown[1], self._options()) if unknown else ""
-
-    def _options(self) -> list[str]:
-        """Return the options of this parser and of the commands below it."""
-        found: list[str] = []
-        for action in self._actions:
-            found += action.option_strings
-            if isinstance(action, argparse._SubParsersAction):
-                for parser in action.choices.values():
-                    found += [o for a in parser._actions for o in a.option_strings]
-        return found
+        unknown = re.search(r"unrecognized arguments: --([a-z0-9._-]+)", message)
+        if not unknown:
+            return ""
+        options = [option for action in self._actions for option in action.option_strings]
+        key = unknown[1].replace("-", "_")
+        if "--set" in options and _is_scene_key(key):
+            return f' (did you mean "--set {key}=…"?)'
+        return nearest(f"--{unknown[1]}", options)
 
 
 class _Version(argparse.Action):
