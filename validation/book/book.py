@@ -28,6 +28,7 @@ SUBJECTS = {
     "resonators": "Piezoelectric resonators of IEEE Std 176, patch test of a free block",
     "elastic": "Elastic bodies: cube, plates, torsion, rods",
     "coils": "Coils in air: inductance, force, field, circuit",
+    "iron": "Bodies of iron: shielding, demagnetising factor, a slotted gap",
     "orders": "Observed orders of convergence, each with an absolute bound",
     "bimorph": "The lateral actuator: exact beam, job J1, models against each other, the paper",
     "reluctance": "The normal actuator: fields and circuits, TEAM problem 20, the paper",

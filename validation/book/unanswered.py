@@ -23,16 +23,6 @@ UNANSWERED: tuple[Unanswered, ...] = (
         "no model here has an electrostatic force; its magnetic twin is the case SNAP",
     ),
     Unanswered(
-        "Carter's factor of a slotted gap",
-        "it is a plane field; the magnetic models are the half section of a body of revolution, 3D "
-        "bodies of this actuator, and a network whose gaps have no slots",
-    ),
-    Unanswered(
-        "Shielding by a spherical shell; the field of a spheroid",
-        "the half section is divided by straight lines along and across the axis, and the curved "
-        "3D mesh is that of a full ball",
-    ),
-    Unanswered(
         "Stresses of NAFEMS tests 5H and R0031/1 and of ANSYS VM231, and VM174's large deflection",
         "boxes give displacements, forces and charges; stresses are read off the model solid's own "
         "bimorph only, and all models are linear",

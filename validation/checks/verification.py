@@ -38,6 +38,7 @@ GROUPS: dict[str, tuple[str, str]] = {
     "resonators": (_KNOWN + "resonators", "CASES"),
     "elastic": (_KNOWN + "elastic", "CASES"),
     "coils": (_KNOWN + "coils", "CASES"),
+    "iron": (_KNOWN + "iron", "CASES"),
     "orders": (_KNOWN + "orders", "CASES"),
     "bimorph": ("tactgen.validation.checks.bimorph", "CHECKS"),
     "reluctance": ("tactgen.validation.checks.reluctance", "MAGNETIC_CHECKS"),

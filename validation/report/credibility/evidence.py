@@ -25,6 +25,7 @@ SPEAKS_FOR: dict[str, dict[str, tuple[str, ...]]] = {
     "resonators": {"": ("solid",)},
     "elastic": {"": ("solid",)},
     "coils": {"": ("axisymmetric",)},
+    "iron": {"": ("magnetic3d",)},
     "orders": {"": ("solid",)},
     "bimorph": {"TMM": ("tmm",), "FIN": ("tmm",), "BEA": ("beam",), "SOL": ("solid",)},
     "reluctance": {

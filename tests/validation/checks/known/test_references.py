@@ -18,7 +18,15 @@ from tactgen.validation.checks.cases.exact_laminate import (
     static_state,
 )
 from tactgen.validation.checks.cases.magnetics import coaxial_coils
-from tactgen.validation.checks.known import beams, bent_strip, coils, elastic, laminates, resonators
+from tactgen.validation.checks.known import (
+    beams,
+    bent_strip,
+    coils,
+    elastic,
+    iron,
+    laminates,
+    resonators,
+)
 from tactgen.validation.checks.known.laminates import ply
 
 
@@ -266,3 +274,25 @@ def test_field_on_the_axis():
     for value, z in zip(references(coils, "VM168"), (0.0, 0.1905), strict=True):
         cosines = sum(s / math.hypot(s, radius) for s in (half - z, half + z))
         assert MU0 * 115.5 / (4 * half) * cosines == pytest.approx(value, rel=1e-10)
+
+
+def test_hollow_ball():
+    """SHELL: Jackson's formula, which for large µr is 9/(2 µr (1 − a³/b³))."""
+    mu, shares = 1000.0, (1.0 / 1.1) ** 3
+    exact = 9 * mu / ((2 * mu + 1) * (mu + 2) - 2 * shares * (mu - 1) ** 2)
+    assert references(iron, "SHELL") == [pytest.approx(exact, rel=1e-8)]
+
+
+def test_spheroid():
+    """SPHEROID: N = (1 − e²)/e³ (artanh e − e), to the digits given."""
+    for ratio, said in zip((2.0, 4.0), references(iron, "SPHEROID"), strict=True):
+        e = math.sqrt(1.0 - 1.0 / ratio**2)
+        assert said == pytest.approx((1.0 - e**2) / e**3 * (math.atanh(e) - e), abs=1e-7)
+
+
+def test_slot():
+    """CARTER: σ = 2/π [atan(b/2g) − g/b ln(1 + (b/2g)²)]."""
+    for ratio, said in zip((0.5, 1.0, 2.0, 5.0), references(iron, "CARTER"), strict=True):
+        half = ratio / 2.0
+        exact = 2.0 / math.pi * (math.atan(half) - math.log1p(half**2) / ratio)
+        assert said == pytest.approx(exact, rel=1e-7)

@@ -19,21 +19,24 @@ from tactgen.geometry.meshing.quadratic import unique_edges
 RADIUS, OUTER, CORE = 1.0, 3.0, 0.4
 
 
-def sphere_mesh(n: int, *, curved: bool) -> Mesh:
+def sphere_mesh(n: int, *, curved: bool, shells: Floats | None = None) -> Mesh:
     """Return the mesh with `n` intervals along each edge of the core and of the ball's shell.
 
     Regions ball, air and far, the outermost layer of cells; faces x_low, y_low, z_low, outer.
+    `shells` are the radii of the layers around the ball, from RADIUS; to OUTER by default.
     """
-    q, hexes = _cube_octant(n)
+    if shells is None:
+        shells = np.asarray(np.geomspace(RADIUS, OUTER, 2 * n + 1))
+    q, hexes = _cube_octant(n, shells)
     tets, q = _split(hexes, q)
     depth = np.max(q[tets].mean(axis=1), axis=1)
-    beyond = q[tets].max(axis=2).min(axis=1) > _shells(n)[-2] * (1.0 - 1e-9)
+    beyond = q[tets].max(axis=2).min(axis=1) > shells[-2] * (1.0 - 1e-9)
     faces = np.concatenate([tets[:, f] for f in itertools.combinations(range(4), 3)])
     on = {
         name: faces[np.all(np.abs(q[faces, axis]) < 1e-12, axis=1)]
         for axis, name in enumerate(("x_low", "y_low", "z_low"))
     }
-    on["outer"] = faces[np.all(np.abs(q[faces].max(axis=2) - OUTER) < 1e-12, axis=1)]
+    on["outer"] = faces[np.all(np.abs(q[faces].max(axis=2) / shells[-1] - 1.0) < 1e-12, axis=1)]
     points, cells = _mapped(q), tets
     if curved:
         edges, of_cell = unique_edges(tets)
@@ -47,10 +50,6 @@ def sphere_mesh(n: int, *, curved: bool) -> Mesh:
         regions=("ball", "air", "far"),
         faces=on,
     )
-
-
-def _shells(n: int) -> Floats:
-    return np.asarray(np.geomspace(RADIUS, OUTER, 2 * n + 1))
 
 
 def mirrored(mesh: Mesh, axis: int) -> Mesh:
@@ -87,10 +86,10 @@ def _mapped(q: Floats) -> Floats:
     return p
 
 
-def _cube_octant(n: int) -> tuple[Floats, Ints]:
+def _cube_octant(n: int, shells: Floats) -> tuple[Floats, Ints]:
     """Return points and hexahedra of an inner cube and of three blocks around it, merged."""
     across = np.tan(0.25 * np.pi * np.linspace(0.0, 1.0, n + 1))
-    layers = np.concatenate([np.linspace(CORE, RADIUS, n + 1), _shells(n)[1:]])
+    layers = np.concatenate([np.linspace(CORE, RADIUS, n + 1), shells[1:]])
     blocks = [np.stack(np.meshgrid(*[CORE * across] * 3, indexing="ij"), axis=-1)]
     s, a, b = np.meshgrid(layers, across, across, indexing="ij")
     blocks += [np.roll(np.stack([s, s * a, s * b], axis=-1), k, axis=-1) for k in range(3)]
