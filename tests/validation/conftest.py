@@ -1,10 +1,22 @@
 """Shared by the tests of reports: checks and stress runs have tests of their own."""
 
+import html
+import json
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from tactgen.validation.checks.stress import beam
 from tactgen.validation.checks.stress.result import Approach, ErrorMap, Point, Stress, judged
+from tactgen.validation.view.browser import find_browser, run_browser
+
+#: What watches a page in a browser, and where in it a test's own steps go.
+DRIVER = Path(__file__).with_name("driver.js").read_text(encoding="utf-8")
+STEPS = "/* what the test says */"
+#: Least contrast of small words (WCAG 2.2, 1.4.3).
+LEAST_CONTRAST = 4.5
 
 
 @pytest.fixture
@@ -50,3 +62,35 @@ def run_elsewhere(monkeypatch, made_up_stress):
 
     monkeypatch.setattr(study, "run_check", lambda check: study.Outcome(check, 1.0, 0.0, "pass"))
     made_up_stress()
+
+
+@pytest.fixture
+def driven(tmp_path):
+    """Return a function that takes steps (JavaScript) in a page (HTML) and returns what they found.
+
+    No page may complain, ask for anything, show words that are hard to read, or pictures and
+    controls without a name.
+    """
+    browser = find_browser()
+    if browser is None:
+        pytest.skip("no Chromium on this machine")
+
+    def drive(page, steps):
+        path = tmp_path / "driven.html"
+        script = f"<head><script>{DRIVER.replace(STEPS, steps)}</script>"
+        path.write_text(page.replace("<head>", script, 1), encoding="utf-8")
+        done = run_browser(
+            browser, path.as_uri(), "--dump-dom", "--virtual-time-budget=20000",
+            "--window-size=900,700", "--enable-logging=stderr",
+        )  # fmt: skip
+        written = re.search(r'<pre id="report">(.*?)</pre>', done.stdout, flags=re.DOTALL)
+        assert written is not None, done.stderr[-2000:]
+        report = json.loads(html.unescape(written[1]))
+        assert report["errors"] == []
+        assert "CONSOLE" not in done.stderr, done.stderr[-2000:]
+        assert report["requests"] == []
+        assert report["unnamed"] == []
+        assert report["contrast"]["contrast"] >= LEAST_CONTRAST, report["contrast"]
+        return report["found"]
+
+    return drive

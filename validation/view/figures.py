@@ -5,6 +5,7 @@ Matplotlib without a display and without global state.
 
 from __future__ import annotations
 
+import html
 import io
 from typing import TYPE_CHECKING, Any
 
@@ -76,7 +77,20 @@ def svg(figure: Figure) -> str:
         canvas: Any = FigureCanvasSVG(figure)
         canvas.print_svg(buffer, metadata={"Date": None})
     text = buffer.getvalue()
-    return text[text.index("<svg") :]
+    named = f'<svg role="img" aria-label="{html.escape(_in_words(figure))}"'
+    return named + text[text.index("<svg") + len("<svg") :]
+
+
+def _in_words(figure: Figure) -> str:
+    """Return what a figure shows, from what is written at its axes, for those who do not see it."""
+    words: dict[str, None] = {}
+    below = [axis.get_xlabel() for axis in figure.axes]
+    for number, axis in enumerate(figure.axes):
+        # one of several axes below each other has the name of what all run along
+        along = next(filter(None, below[number:]), "")
+        plotted = " over ".join(filter(None, (axis.get_ylabel(), along if axis.lines else "")))
+        words |= dict.fromkeys(filter(None, (axis.get_title(), plotted)))
+    return "; ".join(words).replace("\n", " ") or "drawing"
 
 
 def lay_out(figure: Figure) -> None:

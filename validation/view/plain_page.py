@@ -5,7 +5,10 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
+from tactgen.validation.view.page.html import document
+
 _STYLE = """
+:root { color-scheme: light; }
 body { font: 15px/1.5 "Source Sans 3", "Segoe UI", "Helvetica Neue", Arial, sans-serif;
   color: #1d2733; background: #e9eef3; margin: 0; }
 main { max-width: 1080px; margin: 24px auto; background: #fff; padding: 36px 48px 56px; }
@@ -23,14 +26,9 @@ figcaption { color: #5b6b7b; font-size: 13px; }
 
 def plain_page(title: str, parts: Sequence[str]) -> str:
     """Return the page's text; `parts` are HTML, the title is text."""
-    shown = html.escape(title)
     body = "\n".join(parts)
-    return (
-        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{shown}</title>\n<style>{_STYLE}</style>\n</head>\n"
-        f"<body><main>\n<h1>{shown}</h1>\n{body}\n</main></body>\n</html>\n"
-    )
+    head = f"<style>{_STYLE}</style>\n"
+    return document(title, head, f"<main>\n<h1>{html.escape(title)}</h1>\n{body}\n</main>\n")
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

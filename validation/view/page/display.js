@@ -60,19 +60,19 @@
     });
   }
 
-  let renderer;
-  try {
-    renderer = new T.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
-  } catch (error) {
+  if (!document.createElement('canvas').getContext('webgl2')) {
     root.querySelector('.td-still').hidden = false;
     root.querySelector('.td-panel').hidden = true;
     return;
   }
-  stage.append(renderer.domElement);
+  const renderer = new T.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
+  const canvas = renderer.domElement;
+  canvas.tabIndex = 0; canvas.setAttribute('role', 'img');
+  stage.append(canvas);
   const camera = new T.OrthographicCamera(-1, 1, 1, -1, -1000, 1000);
   camera.up.set(0, 0, 1);
   camera.position.set(data.centre[0] + 60, data.centre[1] - 44, data.centre[2] + 30);
-  const controls = new T.OrbitControls(camera, renderer.domElement);
+  const controls = new T.OrbitControls(camera, canvas);
   controls.target.set(...data.centre); controls.enableDamping = false;
 
   const at = root.querySelector('.td-frequency'), cut = root.querySelector('.td-cut');
@@ -97,6 +97,8 @@
       + `${(100 * size[other] / driven).toPrecision(3)} %`;
     words.textContent = `${data.frequency[+at.value].toPrecision(4)} Hz: ${data.units[data.driven]} driven with `
       + `${data.voltage} V, its tip ${si(driven)}${share}; drawn ${drawnAs.toPrecision(2)} times enlarged`;
+    at.setAttribute('aria-valuetext', `${data.frequency[+at.value].toPrecision(4)} Hz`);
+    canvas.setAttribute('aria-label', `The display, ${data.units.length} generators. ${words.textContent}`);
   }
 
   const list = root.querySelector('.td-parts');
@@ -122,8 +124,24 @@
   [at, cut, enlarge].forEach((input) => input.addEventListener('input', told));
   new ResizeObserver(fitted).observe(stage);
   let moving = !window.matchMedia('(prefers-reduced-motion: reduce)').matches, phase = 0, last = 0;
-  play.textContent = moving ? 'stop' : 'move';
-  play.addEventListener('click', () => { moving = !moving; play.textContent = moving ? 'stop' : 'move'; });
+  const labelled = () => { play.textContent = moving ? 'stop' : 'move'; };
+  play.addEventListener('click', () => { moving = !moving; labelled(); });
+  labelled();
+  const step = Math.PI / 24, press = {
+    ArrowLeft: () => orbit(-step, 0), ArrowRight: () => orbit(step, 0),
+    ArrowUp: () => orbit(0, -step), ArrowDown: () => orbit(0, step), ' ': () => play.click(),
+  };
+  function orbit(around, down) {
+    const { target } = controls, arm = camera.position.clone().sub(target), long = arm.length();
+    const azimuth = Math.atan2(arm.y, arm.x) + around;
+    const polar = Math.min(Math.max(Math.acos(arm.z / long) + down, 0.01), Math.PI - 0.01);
+    arm.set(Math.sin(polar) * Math.cos(azimuth), Math.sin(polar) * Math.sin(azimuth), Math.cos(polar));
+    camera.position.copy(target).addScaledVector(arm, long);
+  }
+  canvas.addEventListener('keydown', (e) => {
+    if (e.ctrlKey || e.metaKey || e.altKey || !press[e.key]) return;
+    e.preventDefault(); press[e.key]();
+  });
   fitted(); told();
   function frame(now) {
     if (moving) phase += 2e-3 * Math.PI * Math.min(now - last, 100);

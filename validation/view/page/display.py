@@ -92,9 +92,9 @@ def display_page(scene: str, parts: Sequence[DrawnPart], swing: Swing, still: St
         'value="0.5"></label>'
         f'<label>cut across x <input class="td-cut" type="range" min="{low}" max="{high}" '
         f'step="0.05" value="{high}"></label>'
-        '<div class="td-parts"></div><p class="td-note">Drag turns, wheel zooms, right button '
-        "shifts. The tips' amplitudes and phases are solved; between base and tip a bimorph is "
-        "drawn as a parabola.</p></div></div>\n"
+        '<div class="td-parts"></div><p class="td-note">Drag or arrow keys turn, wheel zooms, '
+        "right button shifts, space stops and moves. The tips' amplitudes and phases are solved; "
+        "between base and tip a bimorph is drawn as a parabola.</p></div></div>\n"
         f"<script>{asset('three.min.js')}</script>\n<script>{asset('display.js')}</script>\n"
     )
     head = f"<style>html,body{{margin:0;height:100%}}\n{asset('display.css')}</style>\n"

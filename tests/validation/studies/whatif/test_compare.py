@@ -75,12 +75,32 @@ def test_two_scenes(capsys, tmp_path):
     assert static["change"] == pytest.approx(1 / 50 - 1)
     page = (tmp_path / "compare.html").read_text(encoding="utf-8")
     assert "<svg" in page
-    assert page.count("frequency (Hz)") == 1
+    assert page.count("frequency (Hz)") == 2  # at the axis, and in the picture's name
     assert "tip displacement (µm)" in page
     assert not re.findall(r"""(?:src|href)=["'](?!#|data:)|<link|<script|url\((?!#)""", page)
+    assert 'aria-label="tip displacement (µm) over frequency (Hz)"' in page
     code, out, _ = compared(capsys, "paper", "paper", *asked)
     assert "the input is the same" in out
     assert out.count("the same") == 3
+
+
+def test_a_browser_has_no_complaint(capsys, tmp_path, driven):
+    """Two studies with an own axis: tables and curves are there, each with words for it."""
+    asked = ("--vary", "bimorph.length=14mm:16mm:3", "--quantity", "static_tip_displacement")
+    for name, voltage in (("a", "1V"), ("b", "2V")):
+        given = ("--set", f"drive.voltage={voltage}", "--out", str(tmp_path / name))
+        assert main(["whatif", "prototype", *asked, *given]) == 0
+    assert compared(capsys, tmp_path / "a", tmp_path / "b", "--out", tmp_path)[0] == 0
+    found = driven(
+        (tmp_path / "compare.html").read_text(encoding="utf-8"),
+        """found.cells = all('td').map((cell) => cell.textContent);
+        found.pictures = all('figure > svg').map((svg) => svg.getAttribute('aria-label'));
+        found.wide = document.documentElement.scrollWidth - window.innerWidth;""",
+    )
+    assert found["cells"][:3] == ["drive.voltage", "1 V", "2 V"]
+    assert "+100.000 %" in found["cells"]
+    assert found["pictures"] == ["static tip displacement (µm) over bimorph.length (m)"]
+    assert found["wide"] <= 0
 
 
 def test_two_studies_as_they_were_written(capsys, tmp_path):
@@ -120,7 +140,7 @@ def test_what_cannot_be_compared_is_refused(tmp_path, capsys):
 
 
 @pytest.mark.heavy
-def test_devices_have_one_scale(capsys, tmp_path):
+def test_devices_have_one_scale(capsys, tmp_path, driven):
     """A bimorph of half the length is drawn half as high."""
     code, _, _ = compared(
         capsys, "paper", "prototype", "--set", "bimorph.width=0.4mm", "--quantity",
@@ -131,3 +151,7 @@ def test_devices_have_one_scale(capsys, tmp_path):
     first, second = (float(v) for v in re.findall(r"height:([\d.]+)rem", page))
     # the margin of the picture, and the top face seen slightly from above: some percent
     assert second / first == pytest.approx(14 / 20, rel=0.05)
+    found = driven(
+        page, "found.pictures = all('img').map((img) => [img.alt, img.naturalHeight > 0]);"
+    )
+    assert found["pictures"] == [["device A", True], ["device B", True]]

@@ -4,6 +4,7 @@ import json
 import re
 
 import numpy as np
+import pytest
 
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.validation.models.bimorph import solid
@@ -74,3 +75,63 @@ def test_samples_have_no_sliders_but_a_picture(tmp_path):
     _, page, data = written(tmp_path, "bimorph.length=normal(14mm,1%)", samples=4)
     assert data is None
     assert "<svg" in page
+
+
+#: Notes a page's answers, curve and what is said of both.
+NOTE = """
+const cells = () => all('#answers td').map((cell) => cell.textContent);
+const marks = () => all('#curve circle').map((mark) => +mark.getAttribute('cx'));
+const note = (name) => {
+  found[name] = { cells: cells(), marks: marks(), label: one('#curve').getAttribute('aria-label'),
+    said: one('#slider-0').getAttribute('aria-valuetext') };
+};
+"""
+
+
+def test_sliders_and_choices_change_what_is_shown(tmp_path, driven):
+    """In a browser: the study's own values at each stop, one key from point to point."""
+    study, page, _ = written(
+        tmp_path, "bimorph.length=16mm,14mm,15mm", "load.kind=none,finger",
+        models=("tmm", "lumped"), quantities=(*STATIC, "tip_displacement"),
+    )  # fmt: skip
+    found = driven(
+        page,
+        NOTE
+        + """note('first'); set('#slider-0', 0); note('shortest'); set('#slider-0', 2);
+        note('longest'); set('#sliders select', 1, 'change'); note('finger');
+        set('#quantity', 1, 'change'); note('other');
+        found.stops = +one('#slider-0').max + 1;""",
+    )
+    assert found["stops"] == 3
+    said = [found[at]["said"] for at in ("shortest", "first", "longest")]
+    assert said == ["14.000 mm", "15.000 mm", "16.000 mm"]
+    # the marks of both models stand together, further right at each stop
+    marks = [found[at]["marks"] for at in ("shortest", "first", "longest")]
+    assert all(len(pair) == 2 and pair[0] == pair[1] for pair in marks)
+    assert marks[0] < marks[1] < marks[2]
+    # cells: name, tmm and lumped of each quantity; points: 16, 14, 15 mm, each free and touched
+    for at, point in (("longest", 0), ("shortest", 2), ("first", 4), ("finger", 1)):
+        for column, model in ((1, "tmm"), (2, "lumped")):
+            answer = study.answers[point][model]
+            for row, q in enumerate(answer.quantities):
+                value = 1e9 * abs(np.ravel(q.value)[0])
+                assert float(found[at]["cells"][3 * row + column].split()[0]) == pytest.approx(
+                    value, rel=1e-6
+                )
+    assert found["finger"]["label"] == "static_tip_displacement over bimorph.length by tmm, lumped"
+    assert found["other"]["label"] == "tip_displacement over bimorph.length by tmm, lumped"
+
+
+def test_a_point_without_a_value_has_no_mark(tmp_path, driven):
+    """The mark stands at the slider's point, not at another that happens to have a value."""
+    _, page, data = written(tmp_path, "bimorph.length=14mm:16mm:3")
+    values = data["grids"][0]["numbers"][STATIC[0]]["value"]
+    page = page.replace(json.dumps(values), json.dumps([None, *values[1:]]))
+    found = driven(
+        page,
+        NOTE
+        + "note('middle'); set('#slider-0', 2); note('end'); set('#slider-0', 0); note('none');",
+    )
+    assert found["none"]["cells"][1] == "no value"
+    assert [len(found[at]["marks"]) for at in ("none", "middle", "end")] == [0, 1, 1]
+    assert found["middle"]["marks"] < found["end"]["marks"]

@@ -3,7 +3,10 @@
   const data = JSON.parse(document.getElementById("study-data").textContent);
   const box = document.getElementById("sliders"), answers = document.getElementById("answers");
   const chosen = document.getElementById("quantity"), curve = document.getElementById("curve");
-  const now = data.axes.map((a) => (a.numeric ? a.values[Math.floor(a.values.length / 2)] : 0));
+  // a slider stops at the points of the finest grid, so that one key goes from one to the next
+  const stops = data.axes.map((a, n) => a.numeric && data.grids.map((g) => g.axes[n])
+    .reduce((best, own) => (own.length > best.length ? own : best)).slice().sort((x, y) => x - y));
+  const now = data.axes.map((a, n) => (a.numeric ? stops[n][Math.floor(stops[n].length / 2)] : 0));
   const colours = ["#0072b2", "#d55e00", "#009e73", "#e69f00", "#56b4e9", "#1d2733"];
 
   const prefixes = { "-15": "f", "-12": "p", "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G" };
@@ -35,17 +38,13 @@
     label.textContent = axis.key + " ";
     if (axis.numeric) {
       const input = document.createElement("input"), shown = document.createElement("output");
-      const low = Math.min(...axis.values), high = Math.max(...axis.values);
-      Object.assign(input, { type: "range", min: 0, max: 1000, value: 500, id: "slider-" + n });
-      now[n] = low + 0.5 * (high - low);
+      Object.assign(input, { type: "range", min: 0, max: stops[n].length - 1, id: "slider-" + n });
+      input.value = stops[n].indexOf(now[n]);
       const say = () => {
-        const [factor, unit] = scaled(now[n], axis.unit);
-        shown.textContent = " " + (now[n] * factor).toPrecision(5) + " " + unit;
+        const [factor, unit] = scaled(now[n], axis.unit), text = (now[n] * factor).toPrecision(5) + " " + unit;
+        shown.textContent = " " + text; input.setAttribute("aria-valuetext", text);
       };
-      input.addEventListener("input", () => {
-        now[n] = low + (input.value / 1000) * (high - low);
-        say(); draw();
-      });
+      input.addEventListener("input", () => { now[n] = stops[n][input.value]; say(); draw(); });
       say(); label.append(input, shown);
     } else {
       const select = document.createElement("select");
@@ -78,13 +77,16 @@
     const along = data.axes.findIndex((a) => a.numeric), width = 900, height = 320, left = 90, bottom = 46;
     const lines = data.grids.filter((g) => g.numbers[q.name]).map((grid) => {
       const at = places(grid), of = grid.numbers[q.name];
-      return { model: grid.model, at: at[along], points: grid.axes[along].map((x, i) => {
+      return { model: grid.model, points: grid.axes[along].map((x, i) => {
         const k = flat(grid, at.map((place, n) => (n === along ? i : place)));
-        return { x: x, y: of.value[k], bar: of.bar[k] || 0 };
-      }).filter((p) => p.y !== null) };
+        return { x: x, y: of.value[k], bar: of.bar[k] || 0, here: i === at[along] };
+      }).filter((p) => p.y !== null).sort((p, q) => p.x - q.x) };
     }).filter((line) => line.points.length);
     const every = lines.flatMap((line) => line.points);
     curve.replaceChildren();
+    curve.setAttribute("aria-label", every.length
+      ? q.label + " over " + data.axes[along].key + " by " + lines.map((line) => line.model).join(", ")
+      : "no value of " + q.label);
     if (!every.length) return;
     const xs = every.map((p) => p.x), low = every.map((p) => p.y - p.bar), high = every.map((p) => p.y + p.bar);
     const x0 = Math.min(...xs), x1 = Math.max(...xs);
@@ -113,9 +115,11 @@
       const band = [...points.map((p) => [p.x, p.y + p.bar]), ...[...points].reverse().map((p) => [p.x, p.y - p.bar])];
       add("polygon", { points: band.map(([x, y]) => px(x) + "," + py(y)).join(" "), fill: colour, opacity: 0.2 });
       add("polyline", { points: points.map((p) => px(p.x) + "," + py(p.y)).join(" "), fill: "none", stroke: colour, "stroke-width": 1.8 });
-      const here = points[Math.min(line.at, points.length - 1)];
-      add("circle", { cx: px(here.x), cy: py(here.y), r: 5, fill: colour });
-      add("text", { x: width - 24 - 80 * (lines.length - 1 - n), y: 14, "text-anchor": "end", "font-size": 13, fill: colour }, line.model);
+      const here = points.find((p) => p.here);
+      if (here) add("circle", { cx: px(here.x), cy: py(here.y), r: 5, fill: colour });
+      const end = width - 24 - 120 * (lines.length - 1 - n);
+      add("line", { x1: end - 108, x2: end - 88, y1: 10, y2: 10, stroke: colour, "stroke-width": 4 });
+      add("text", { x: end - 82, y: 14, "font-size": 13 }, line.model);
     });
   }
   draw();
