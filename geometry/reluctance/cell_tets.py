@@ -67,7 +67,7 @@ def cell_mesh(device: Device, gap: float, pitch: float, cell: Cell) -> Mesh:
     size = min(float(np.diff(inner)[-1]), 0.5 * (wall - outer)) / cell.refinement
     beyond = graded_lines(np.array([outer, wall]), np.array([size, np.inf]), 1.0 / cell.refinement)
     r = np.concatenate([inner[:-1], beyond])
-    grid = Grid(r, without_slivers(graded.z), np.zeros(0), parts)
+    grid = Grid(r, without_slivers(graded.z), parts)
     labels = cell_labels(grid, gap)
     # the wall is no end of the air: stress passes along it
     labels[-1, 1:-1] = np.where(

@@ -1,8 +1,9 @@
 """The half plane of an axisymmetric device as a grid of graded lines, which can move with a part.
 
 Rectangular regions in (r, z), lines through all their edges, cells that shrink towards
-the corners of iron and grow outwards.  Moving a part moves its lines and stretches the
-cells between; cells, labels and numbering stay.  No field, no elements.
+the corners of iron and grow outwards.  Where parts move or change their size, the lines on
+their edges follow and the cells between are stretched; cells, labels and numbering stay.  No
+field, no elements.
 """
 
 from __future__ import annotations
@@ -24,8 +25,11 @@ WINDING = 0.5
 GROWTH = 1.0
 #: Cells at the lowest and highest edge: at most this part of the way to the outer wall.
 _TO_WALL = 0.1
-#: A moved grid is good until a cell is this much higher than where it was graded.
+#: A fitted grid is good until a cell is this much wider or higher than where it was graded.
 _STRETCH = 2.0
+#: Edges (m) that are this close are the same; where two that were apart meet, so much is left
+#: between their lines.
+_APART = 1e-10
 
 #: Air around the device (m), 26 times its diameter: costs a few lines.
 OUTER_RADIUS = 60e-3
@@ -77,16 +81,12 @@ class Grid:
     ----------
     r, z : (nr + 1,), (nz + 1,) float
         Lines (m), increasing; r from 0.  Every edge of a region lies on a line.
-    velocity : (nz + 1,) float
-        How far each z line goes when the moving regions go up by one; 1 on their edges,
-        0 on the edges of the others and at both ends.
     regions : tuple of Region
         Where two overlap, the later one holds.
     """
 
     r: Floats
     z: Floats
-    velocity: Floats
     regions: tuple[Region, ...]
 
     @cached_property
@@ -108,19 +108,35 @@ class Grid:
         marks = sorted(places)
         return np.interp(self.z, marks, [places[mark] for mark in marks])
 
-    def can_move(self, displacement: float) -> bool:
-        """Say whether no cell vanishes or becomes too high when the moving regions rise."""
-        old, new = np.diff(self.z), np.diff(self.z + displacement * self.velocity)
-        return bool(np.all(new > 0.0) and np.all(new <= _STRETCH * old))
+    def fitted(self, regions: tuple[Region, ...]) -> Grid | None:
+        """Return the same grid for the same regions of other sizes, at other heights.
 
-    def moved(self, displacement: float) -> Grid:
-        """Return the same grid with its moving regions higher by `displacement` (m)."""
-        return Grid(
-            self.r,
-            self.z + displacement * self.velocity,
-            self.velocity,
-            tuple(region.displaced(displacement) for region in self.regions),
-        )
+        Each line goes with the edge that lies on it.  None where a line would have to follow
+        two edges, an edge would pass another, or a cell would become too wide or too high.
+        """
+        if [part.name for part in regions] != [part.name for part in self.regions]:
+            return None
+        pairs = list(zip(self.regions, regions, strict=True))
+        r = _followed(self.r, [e for a, b in pairs for e in zip(a.radii, b.radii, strict=True)])
+        z = _followed(self.z, [e for a, b in pairs for e in zip(a.heights, b.heights, strict=True)])
+        return None if r is None or z is None else Grid(r, z, regions)
+
+
+def _followed(lines: Floats, edges: list[tuple[float, float]]) -> Floats | None:
+    """Return lines that go with edges from where they were to where they are; ends stay."""
+    ends = ((float(lines[0]), float(lines[0])), (float(lines[-1]), float(lines[-1])))
+    places: dict[float, float] = {}
+    for old, new in sorted((*edges, *ends)):
+        if abs(places.setdefault(old, new) - new) > _APART:
+            return None
+    marks, goals = np.array(list(places)), np.array(list(places.values()))
+    if np.diff(goals).min() < -_APART:
+        return None
+    for n in np.flatnonzero(np.diff(goals) < _APART) + 1:
+        goals[n] = goals[n - 1] + _APART
+    found = np.interp(lines, marks, goals)
+    good = bool((np.diff(found) <= _STRETCH * np.diff(lines)).all())
+    return np.asarray(found) if good and (np.diff(found) > 0.0).all() else None
 
 
 def graded_grid(
@@ -159,10 +175,9 @@ def graded_grid(
     ends = _TO_WALL * np.diff(z_marks)[[0, -1]]
     z_sizes[[1, -2]] = np.minimum(z_sizes[[1, -2]], ends)
     growth = GROWTH / refinement
-    z = graded_lines(z_marks, z_sizes, growth)
-    speed = np.array([1.0 if mark in carried else 0.0 for mark in z_marks])
-    r = graded_lines(r_marks, r_sizes, growth)
-    return Grid(r, z, np.interp(z, z_marks, speed), regions)
+    return Grid(
+        graded_lines(r_marks, r_sizes, growth), graded_lines(z_marks, z_sizes, growth), regions
+    )
 
 
 def graded_lines(marks: Floats, sizes: Floats, growth: float) -> Floats:

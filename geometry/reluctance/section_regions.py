@@ -45,15 +45,12 @@ def actuator_regions(device: Device, gap: float) -> tuple[Region, ...]:
             turns=coil.turns,
         ),
     )
-    fixed = (
-        Region("sleeve", (sleeve.inner_radius, sleeve.outer_radius), (-sleeve.length, 0.0), steel),
-        Region(
-            "collar",
-            (sleeve.collar_radius, sleeve.outer_radius),
-            (-sleeve.collar_thickness, 0.0),
-            steel,
-        ),
-    )
+    fixed = [
+        Region("sleeve", (sleeve.inner_radius, sleeve.outer_radius), (-sleeve.length, 0.0), steel)
+    ]
+    if sleeve.collar_radius < sleeve.inner_radius:  # else there is none
+        collar = (sleeve.collar_radius, sleeve.outer_radius), (-sleeve.collar_thickness, 0.0)
+        fixed.append(Region("collar", *collar, steel))
     carried = [_rounded(replace(part, moves=True).displaced(gap - NOMINAL_GAP)) for part in moving]
     still = [_rounded(part) for part in fixed]
     _refuse_overlap(carried, still, gap)

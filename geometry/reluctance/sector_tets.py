@@ -51,7 +51,7 @@ def sector_mesh(device: Device, gap: float, sector: Sector) -> Mesh:
     """
     parts = actuator_regions(device, gap)
     graded = graded_grid(parts, OUTER_RADIUS, refinement=sector.refinement)
-    grid = replace(graded, z=without_slivers(graded.z), velocity=np.zeros(0))
+    grid = replace(graded, z=without_slivers(graded.z))
     angles = np.linspace(0.0, 2.0 * np.pi / sector.copies, sector.layers + 1)
     return swept_tetrahedra(grid.r, grid.z, angles, cell_labels(grid, gap), REGIONS)
 

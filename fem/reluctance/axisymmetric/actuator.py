@@ -172,7 +172,7 @@ def solve_map(
     home: _Model | None = None
     last: _Pair | None = None
     for gap in sorted(set(gaps), reverse=True):
-        model = home and _moved(home, gap)
+        model = home and _fitted(home, device, gap)
         if model is None:
             model = home = _model(device, gap, order, refinement, outer_radius)
             last = None
@@ -197,11 +197,13 @@ def _model(
     return _Model(gap, fine, coarse, nested, eggshell_weight(fine), Factors(), Factors())
 
 
-def _moved(model: _Model, gap: float) -> _Model | None:
-    """Return the model at another gap on the same grid, None where the grid does not reach."""
-    if not model.fine.grid.can_move(gap - model.gap):
+def _fitted(model: _Model, device: Device, gap: float) -> _Model | None:
+    """Return the model of another device or gap on the same grid, None if it does not reach."""
+    regions = actuator_regions(device, gap)
+    grid = model.fine.grid.fitted(regions)
+    if grid is None:
         return None
-    fine, coarse = (d.moved(gap - model.gap) for d in (model.fine, model.coarse))
+    fine, coarse = (d.on(grid) for d in (model.fine, model.coarse))
     return replace(model, gap=gap, fine=fine, coarse=coarse, weight=eggshell_weight(fine))
 
 

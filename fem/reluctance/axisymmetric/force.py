@@ -99,7 +99,9 @@ def virtual_work_force(field: MagneticField) -> float:
     force = -float(np.sum(rise / d.heights[:, None] * stored * d.volumes))
     windings = [(k, region) for k, region in enumerate(grid.regions) if region.turns]
     for current, (index, winding) in zip(field.currents, windings, strict=True):
-        slip = np.where(d.cell_labels[:, None] == index, winding.moves - low - rise * d.levels, 0.0)
+        slip = np.where(
+            d.cell_labels[:, None] == index, winding.moves - low - rise * d.reference.levels, 0.0
+        )
         density = float(current) * winding.turns / winding.section
         force -= density * float(np.sum(slip * b_r * d.volumes))
     return force

@@ -8,6 +8,7 @@ order p − 1 are among those of order p.  No material, no solution.
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -22,6 +23,31 @@ from tactgen.geometry.reluctance.section_grid import Grid
 
 
 @dataclass(frozen=True, eq=False)
+class ReferenceCell:
+    """Shape functions on a cell of width and height 1, the same for all cells of a grid.
+
+    Parameters
+    ----------
+    across, levels, weights : (n_q,) float
+        Quadrature points along r and z, from 0 to 1, and their weights, which sum to 1.
+    shape, slope_r, slope_z : (n_q, n_b) float
+        Functions and their slopes along both sides.
+    """
+
+    across: Floats
+    levels: Floats
+    weights: Floats
+    shape: Floats
+    slope_r: Floats
+    slope_z: Floats
+
+    def of_functions(self, chosen: Sequence[int]) -> ReferenceCell:
+        """Return the same with some of the functions only."""
+        tables = (table[:, chosen] for table in (self.shape, self.slope_r, self.slope_z))
+        return ReferenceCell(self.across, self.levels, self.weights, *tables)
+
+
+@dataclass(frozen=True, eq=False)
 class Discretisation:
     """Shape functions of one order on one grid, as tables at the quadrature points.
 
@@ -29,7 +55,7 @@ class Discretisation:
 
     Parameters
     ----------
-    grid, order
+    grid, order, reference
         What it was made from.
     cell_dofs : (n_e, n_b) int
         Unknown of each function.
@@ -37,8 +63,8 @@ class Discretisation:
         B_r and B_z of each function.
     volumes : (n_e, n_q) float
         2π r × quadrature weight (m³).
-    radii, levels : (n_e, n_q) float
-        Where the points are: r (m), and the height in the cell from 0 to 1.
+    radii : (n_e, n_q) float
+        Distance of the points from the axis (m).
     loads : (n_coils, n_e, n_b) float
         Flux linkage of each function of each cell.
     free : (n_free,) int
@@ -49,12 +75,12 @@ class Discretisation:
 
     grid: Grid
     order: int
+    reference: ReferenceCell
     cell_dofs: Ints
     curl_r: Floats
     curl_z: Floats
     volumes: Floats
     radii: Floats
-    levels: Floats
     loads: Floats
     free: Ints
     pattern: Pattern
@@ -117,22 +143,38 @@ class Discretisation:
     def elevations(self) -> Floats:
         """Height z of the quadrature points (n_e, n_q) in m."""
         low = np.tile(self.grid.z[:-1], self.grid.r.size - 1)
-        return low[:, None] + self.heights[:, None] * self.levels
+        return low[:, None] + self.heights[:, None] * self.reference.levels
 
-    def moved(self, displacement: float) -> Discretisation:
-        """Return the same functions on the grid whose moving regions rose (m).
+    def on(self, grid: Grid) -> Discretisation:
+        """Return the same functions on a grid of the same cells, whose lines lie elsewhere."""
+        return replace(self, grid=grid, **_tables(grid, self.reference))
 
-        Only cell heights change: ∂/∂z with their inverse, volumes with them.
-        """
-        grid = self.grid.moved(displacement)
-        ratio = np.tile(np.diff(grid.z), grid.r.size - 1) / self.heights
-        return replace(
-            self,
-            grid=grid,
-            curl_r=self.curl_r / ratio[:, None, None],
-            volumes=self.volumes * ratio[:, None],
-            loads=self.loads * ratio[:, None],
-        )
+
+def _tables(grid: Grid, reference: ReferenceCell) -> dict[str, Any]:
+    """Return what of a discretisation depends on where the lines are."""
+    widths, heights = np.diff(grid.r), np.diff(grid.z)
+    radii = grid.r[:-1, None] + widths[:, None] * reference.across
+    section = widths[:, None] * heights
+    labels = grid.labels.ravel()
+    # of each column of cells, which differ in their heights only
+    volumes = 2.0 * np.pi * radii * reference.weights
+    curl_z = 2.0 * reference.shape + (radii / widths[:, None])[..., None] * reference.slope_r
+    curl_r = -radii[..., None] * reference.slope_z
+    linked = (volumes * radii) @ reference.shape
+    of_cells = (section[..., None] * linked[:, None]).reshape(labels.size, -1)
+    loads = [
+        np.where((labels == index)[:, None], region.turns / region.section * of_cells, 0.0)
+        for index, region in enumerate(grid.regions)
+        if region.turns
+    ]
+    n_q, n_b = reference.shape.shape
+    return {
+        "curl_r": (curl_r[:, None] / heights[:, None, None]).reshape(-1, n_q, n_b),
+        "curl_z": np.repeat(curl_z, heights.size, axis=0),
+        "volumes": (section[..., None] * volumes[:, None]).reshape(-1, n_q),
+        "radii": np.repeat(radii, heights.size, axis=0),
+        "loads": np.array(loads).reshape(-1, labels.size, n_b),
+    }
 
 
 def discretise(
@@ -154,37 +196,35 @@ def discretise(
     # scikit-fem recommends its nodal elements for low orders; those are not nested
     logging.getLogger(ElementQuadP.__module__).setLevel(logging.ERROR)
     mesh = MeshQuad.init_tensor(grid.r, grid.z)
-    basis = Basis(mesh, ElementQuadP(order), intorder=quadrature_order(order))
-    cells = cells_in_order(grid, mesh)
-    r, z = (x[cells] for x in np.asarray(basis.global_coordinates()))
-    shape = np.stack([np.broadcast_to(np.asarray(b[0]), basis.dx.shape) for b in basis.basis], -1)[
-        cells
-    ]
-    slope_r, slope_z = (np.stack([b[0].grad[i] for b in basis.basis], -1)[cells] for i in (0, 1))
-    volumes = 2.0 * np.pi * r * basis.dx[cells]
-    low, height = (np.tile(x, grid.r.size - 1) for x in (grid.z[:-1], np.diff(grid.z)))
-    labels = grid.labels.ravel()
-    linked = np.einsum("eqb,eq->eb", shape, r * volumes)
-    loads = [
-        np.where((labels == index)[:, None], region.turns / region.section * linked, 0.0)
-        for index, region in enumerate(grid.regions)
-        if region.turns
-    ]
-    cell_dofs = np.asarray(basis.element_dofs.T[cells], dtype=np.int64)
+    # the tables are made from one cell: all cells have its functions, stretched
+    basis = Basis(
+        mesh, ElementQuadP(order), intorder=quadrature_order(order), elements=np.array([0])
+    )
+    reference = _reference_cell(basis)
+    cell_dofs = basis.dofs.element_dofs.T[cells_in_order(grid, mesh)].astype(np.int64)
     free = np.setdiff1d(np.arange(basis.N), _held(basis, grid, closed))
     return Discretisation(
         grid=grid,
         order=order,
+        reference=reference,
         cell_dofs=cell_dofs,
-        curl_r=-r[..., None] * slope_z,
-        curl_z=2.0 * shape + r[..., None] * slope_r,
-        volumes=volumes,
-        radii=r,
-        levels=(z - low[:, None]) / height[:, None],
-        loads=np.array(loads).reshape(-1, *linked.shape),
         free=free,
         pattern=Pattern(cell_dofs, free),
+        **_tables(grid, reference),
     )
+
+
+def _reference_cell(basis: Any) -> ReferenceCell:
+    """Return the functions of a basis with one cell, as of a cell of size 1."""
+    corners = basis.mesh.p[:, basis.mesh.t[:, 0]]
+    low, size = corners.min(axis=1), np.ptp(corners, axis=1)
+    places = (np.asarray(basis.global_coordinates())[:, 0] - low[:, None]) / size[:, None]
+    shape, slope_r, slope_z = (
+        np.stack([np.broadcast_to(read(b[0]), basis.dx.shape)[0] for b in basis.basis], axis=-1)
+        for read in (np.asarray, lambda f: size[0] * f.grad[0], lambda f: size[1] * f.grad[1])
+    )
+    weights = basis.dx[0] / np.prod(size)
+    return ReferenceCell(places[0], places[1], weights, shape, slope_r, slope_z)
 
 
 def cells_in_order(grid: Grid, mesh: Any) -> Ints:
@@ -231,6 +271,7 @@ def lowered(fine: Discretisation) -> tuple[Discretisation, Ints]:
     coarse = replace(
         fine,
         order=fine.order - 1,
+        reference=fine.reference.of_functions(local),
         cell_dofs=cell_dofs,
         curl_r=fine.curl_r[..., local],
         curl_z=fine.curl_z[..., local],

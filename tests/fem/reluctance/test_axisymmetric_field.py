@@ -43,7 +43,7 @@ def manufactured(curve, order, n):
     """
     lines = np.linspace(0.0, 1.0, n + 1), np.linspace(-1.0, 1.0, 2 * n + 1)
     whole = Region("all", (0.0, 1.0), (-1.0, 1.0), curve)
-    grid = Grid(*lines, np.zeros(2 * n + 1), (whole,))
+    grid = Grid(*lines, (whole,))
     d = discretise(grid, order)
     r, z = d.radii, d.elevations
     b_r = r * (1.0 - r**2) ** 2 * np.pi / 2.0 * np.sin(np.pi * z / 2.0)
@@ -152,10 +152,12 @@ COIL = Region("coil", (2.5e-3, 4e-3), (1e-3, 5e-3), turns=100.0, moves=True)
 @pytest.mark.parametrize("current", [0.01, 1.0, 30.0])
 def test_energies_and_derivatives_belong_together(current):
     """W + W' = iλ; ∂W'/∂i = λ; ∂λ/∂i as found; force = ∂W'/∂z, exactly of the discrete field."""
-    d = discretise(graded_grid((POLE, PLATE, COIL), 0.1), 3)
+    parts = (POLE, PLATE, COIL)
+    d = discretise(graded_grid(parts, 0.1), 3)
 
     def at(i, z=0.0):
-        return solve_field(d.moved(z), np.array([i]))
+        grid = d.grid.fitted(tuple(part.displaced(z) for part in parts))
+        return solve_field(d.on(grid), np.array([i]))
 
     field = at(current)
     linkage = field.flux_linkage[0]
@@ -233,7 +235,7 @@ def test_badly_graded_grids(current, ratio):
         for marks in (marks_r, marks_z)
     ]
     regions = (POLE, PLATE, COIL)
-    grid = Grid(*lines, np.zeros(lines[1].size), regions)
+    grid = Grid(*lines, regions)
     good = graded_grid(regions, 0.05)
     coenergies = [
         solve_field(discretise(g, order), np.array([current])).coenergy

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -15,6 +17,10 @@ POLE = Region("pole", (0.0, 1.0), (0.1, 2.0), IRON, moves=True)
 YOKE = Region("yoke", (0.0, 2.0), (-2.0, 0.0), IRON)
 COIL = Region("coil", (1.2, 1.5), (0.3, 0.9), turns=10.0)
 PARTS = (POLE, YOKE, COIL)
+
+
+def raised(displacement):
+    return tuple(part.displaced(displacement) for part in PARTS)
 
 
 @given(
@@ -63,9 +69,9 @@ def test_labels_fill_the_sections():
 def test_moving_keeps_labels_and_fixed_lines():
     """Only the lines of the moving part and those between go; every label stays."""
     grid = graded_grid(PARTS, 20.0)
-    moved = grid.moved(0.03)
+    moved = grid.fitted(raised(0.03))
     assert np.array_equal(grid.labels, moved.labels)
-    assert {0.13, 2.03} <= set(np.round(moved.z, 12))
+    assert {0.13, 2.03} <= set(moved.z)
     for z in (-20.0, -2.0, 0.0, 0.3, 0.9, 20.0):
         assert z in moved.z
     assert moved.regions[0].heights == pytest.approx((0.13, 2.03))
@@ -74,10 +80,47 @@ def test_moving_keeps_labels_and_fixed_lines():
 def test_motion_ends_where_an_edge_would_pass_another():
     """The pole cannot go through the yoke, nor its face past the coil's lower end."""
     grid = graded_grid(PARTS, 20.0)
-    assert grid.can_move(-0.09)
-    assert not grid.can_move(-0.1)
-    assert not grid.can_move(0.2)
-    assert not grid.can_move(5.0)
+    assert grid.fitted(raised(-0.09)) is not None
+    for displacement in (-0.11, 0.25, 5.0):
+        assert grid.fitted(raised(displacement)) is None
+
+
+def test_lines_follow_sizes_both_ways():
+    """A thicker yoke, a wider pole, a longer coil: their lines go along, every label stays."""
+    grid = graded_grid(PARTS, 20.0)
+    pole, yoke, coil = PARTS
+    other = (
+        replace(pole, radii=(0.0, 1.1)),
+        replace(yoke, heights=(-2.4, 0.0)),
+        replace(coil, heights=(0.3, 1.1)),
+    )
+    found = grid.fitted(other)
+    assert np.array_equal(grid.labels, found.labels)
+    assert {0.0, 1.1, 1.2, 1.5, 2.0, 20.0} <= set(found.r)
+    assert {-20.0, -2.4, 0.0, 0.1, 0.3, 1.1, 2.0, 20.0} <= set(found.z)
+    # the lines in between keep their shares of the interval
+    share = (grid.r[grid.r < 1.0] / 1.0, found.r[found.r < 1.1] / 1.1)
+    assert share[0] == pytest.approx(share[1], abs=1e-12)
+
+
+def test_edges_that_meet_keep_a_sliver():
+    """A pole as wide as the coil's bore: still the same cells, next to nothing between them."""
+    grid = graded_grid(PARTS, 20.0)
+    wide = (replace(POLE, radii=(0.0, 1.2)), YOKE, COIL)
+    found = grid.fitted(wide)
+    assert found.r.size == grid.r.size
+    between = (found.r[1:] > 1.2) & (found.r[:-1] < 1.5)
+    assert 0.0 < np.diff(found.r).min() < 1e-9
+    assert np.diff(found.r)[between].sum() == pytest.approx(0.3, abs=1e-9)
+
+
+def test_what_one_grid_cannot_fit():
+    """A line on two edges that part, an edge past another, other regions."""
+    grid = graded_grid((*PARTS, Region("ring", (1.2, 1.3), (1.0, 1.5), IRON)), 20.0)
+    ring = grid.regions[3]
+    assert grid.fitted((*PARTS, replace(ring, radii=(1.25, 1.3)))) is None
+    assert grid.fitted((*PARTS, replace(ring, heights=(0.8, 1.5)))) is None
+    assert grid.fitted(PARTS) is None
 
 
 def test_iron_alone_sets_the_velocity_of_virtual_work():
@@ -95,5 +138,5 @@ def test_level_edges_of_moving_and_fixed_parts_are_refused():
 
 def test_a_grid_by_hand():
     """Lines may come from anywhere; labels follow from cell centres."""
-    grid = Grid(np.linspace(0, 2, 5), np.linspace(-2, 2, 9), np.zeros(9), (YOKE,))
+    grid = Grid(np.linspace(0, 2, 5), np.linspace(-2, 2, 9), (YOKE,))
     assert (grid.labels == 0).sum() == 4 * 4

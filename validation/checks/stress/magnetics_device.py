@@ -232,4 +232,4 @@ def _uneven(grid: Grid, ratio: float) -> Grid:
     r = lines((0.0, float(grid.r[-1])), {x for part in grid.regions for x in part.radii})
     far = float(grid.z[-1])
     z = lines((-far, far), {x for part in grid.regions for x in part.heights})
-    return Grid(r, z, np.zeros(z.size), grid.regions)
+    return Grid(r, z, grid.regions)

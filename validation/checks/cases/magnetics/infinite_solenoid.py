@@ -34,7 +34,7 @@ def infinite_solenoid(
         parts.append(Region("core", (0.0, CORE), (0.0, _HEIGHT), core))
     spans = ((0.0, CORE), (CORE, INNER), (INNER, OUTER), (OUTER, 1.5 * OUTER))
     r = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in spans]))
-    grid = Grid(r, np.array([0.0, _HEIGHT]), np.zeros(2), tuple(parts))
+    grid = Grid(r, np.array([0.0, _HEIGHT]), tuple(parts))
     d = discretise(grid, order, closed=())
     return solve_field(d, np.array([density * (OUTER - INNER) * _HEIGHT]))
 
