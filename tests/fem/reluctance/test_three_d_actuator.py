@@ -39,8 +39,9 @@ def solved(current, gap, sector):
 
 
 @cache
-def axisymmetric(current, gap):
-    return solve_point(DEVICE, current, gap)
+def axisymmetric(current, gap, order=3):
+    """The half section; a low order is cheap, and its own error bars tell what it is worth."""
+    return solve_point(DEVICE, current, gap, order=order)
 
 
 def problem(sector):
@@ -100,8 +101,15 @@ def test_source_vanishes_where_the_sleeve_moves():
 
 @pytest.mark.parametrize(
     ("current", "gap", "sector"),
-    [(CURRENT, GAP, COARSE), (5e-3, 0.1e-3, COARSEST), (0.4, 20e-6, COARSEST)],
-    ids=["rated", "straight steel", "nearly closed, saturated"],
+    [
+        (CURRENT, GAP, COARSEST),
+        (5e-3, 0.1e-3, TINY),
+        (0.4, 20e-6, TINY),
+        pytest.param(CURRENT, GAP, COARSE, marks=pytest.mark.heavy),
+        pytest.param(5e-3, 0.1e-3, COARSEST, marks=pytest.mark.heavy),
+        pytest.param(0.4, 20e-6, COARSEST, marks=pytest.mark.heavy),
+    ],
+    ids=["rated", "straight steel", "nearly closed, saturated"] * 2,
 )
 def test_error_bars_reach_the_axisymmetric_field(current, gap, sector):
     """Each value is off by less than both models' bars.
@@ -109,13 +117,15 @@ def test_error_bars_reach_the_axisymmetric_field(current, gap, sector):
     Over 5 gaps from 20 to 400 µm, 4 currents from 5 to 400 mA and 2 meshes the largest
     distance found was 0.74 of the bars, in the force.
     """
-    found, exact = solved(current, gap, sector), axisymmetric(current, gap)
+    # in deep saturation order 3 says too little of ∂λ/∂i's scatter
+    exact = axisymmetric(current, gap, 3 if current < 0.2 else 4)
+    found = solved(current, gap, sector)
     for name in QUANTITIES:
         bars = getattr(found.errors, name) + getattr(exact.errors, name)
         assert abs(getattr(found, name) - getattr(exact, name)) < bars, name
 
 
-@pytest.mark.parametrize("sector", [COARSEST, COARSE])
+@pytest.mark.parametrize("sector", [TINY, COARSEST])
 def test_coenergies_enclose_the_axisymmetric_one(sector):
     """W' by A < W' < W' by φ."""
     found = solved(CURRENT, GAP, sector)
@@ -123,8 +133,8 @@ def test_coenergies_enclose_the_axisymmetric_one(sector):
 
 
 def test_bars_shrink_with_the_mesh():
-    """The finer mesh has half the co-energy's bar and less in force; measured 0.49 and 0.39."""
-    coarse, fine = (solved(CURRENT, GAP, sector).errors for sector in (COARSEST, COARSE))
+    """The finer mesh has a quarter of the co-energy's bar, 0.42 of the force's: measured."""
+    coarse, fine = (solved(CURRENT, GAP, sector).errors for sector in (TINY, COARSEST))
     assert fine.coenergy < 0.6 * coarse.coenergy
     assert fine.force < 0.6 * coarse.force
 
@@ -133,7 +143,7 @@ def test_bars_shrink_with_the_mesh():
 @pytest.mark.parametrize("sector", [Sector(), Sector(copies=4, layers=4)], ids=["1/16", "quarter"])
 def test_force_agrees_within_half_a_percent(sector):
     """At the default fineness: force within 0.5 %, flux and co-energy within 0.1 %."""
-    found, exact = solved(CURRENT, GAP, sector), axisymmetric(CURRENT, GAP)
+    found, exact = solved(CURRENT, GAP, sector), axisymmetric(CURRENT, GAP, 4)
     assert found.force == pytest.approx(exact.force, rel=5e-3)
     assert found.flux_linkage == pytest.approx(exact.flux_linkage, rel=1e-3)
     assert found.coenergy == pytest.approx(exact.coenergy, rel=1e-3)
@@ -149,7 +159,7 @@ def test_cad_solids_agree_with_the_axisymmetric_field(tmp_path, monkeypatch):
     """
     monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path))
     found = solve_cad(DEVICE, meshing=ActuatorMeshing(size=1.6, growth=0.8))
-    exact = axisymmetric(CURRENT, GAP)
+    exact = axisymmetric(CURRENT, GAP, 4)
     for name in QUANTITIES:
         bars = getattr(found.errors, name) + getattr(exact.errors, name)
         value = getattr(exact, name)
@@ -185,12 +195,12 @@ def test_any_sector_will_do(potential):
     """An eighth with two layers has the co-energy of a sixteenth with one.
 
     Cells are cut along one diagonal only, so neighbours are no mirror images: the two differ
-    by a small part of the discretisation error, which is 1 to 2 % on this mesh.
+    by a small part of the discretisation error, which is several percent on this mesh.
     """
-    eighth = Sector(refinement=COARSEST.refinement, copies=8, layers=2)
+    eighth = Sector(refinement=TINY.refinement, copies=8, layers=2)
     one, other = (
         potential(sample(problem(sector))).solve(TURNS * CURRENT).coenergy
-        for sector in (COARSEST, eighth)
+        for sector in (TINY, eighth)
     )
     assert one == pytest.approx(other, rel=2e-3)
 
@@ -203,12 +213,15 @@ def test_no_current_no_force():
     assert rest.incremental_inductance == pytest.approx(small.flux_linkage / 1e-6, rel=1e-4)
 
 
-def test_inductance_without_current_is_the_half_sections():
+@pytest.mark.parametrize(
+    ("sector", "share"), [(COARSEST, 0.04), pytest.param(COARSE, 0.02, marks=pytest.mark.heavy)]
+)
+def test_inductance_without_current_is_the_half_sections(sector, share):
     """∂λ/∂i at 0 A within both error bars of the axisymmetric field, which takes the tangent."""
-    rest, exact = solved(0.0, GAP, COARSE), axisymmetric(0.0, GAP)
+    rest, exact = solved(0.0, GAP, sector), axisymmetric(0.0, GAP)
     bar = rest.errors.incremental_inductance + exact.errors.incremental_inductance
     assert abs(rest.incremental_inductance - exact.incremental_inductance) <= bar
-    assert bar < 0.02 * exact.incremental_inductance
+    assert bar < share * exact.incremental_inductance
 
 
 def test_a_row_is_its_points():

@@ -39,7 +39,6 @@ from tactgen.validation.checks.cases.magnetics.sphere_mesh import (
 
 DOWN = np.array([0.0, 0.0, -1.0])
 STEP = 2e-6  # m, beside a gap of 1.5 mm
-BOTH = pytest.mark.parametrize("potential", [VectorPotential, ScalarPotential])
 
 
 @cache
@@ -48,11 +47,17 @@ def team20(scale):
     return MagneticSolid(mesh, {"pole": TEAM20, "yoke": TEAM20}, team20_source, copies=4)
 
 
-def both_routes(potential, problem, current):
+@cache
+def solved(potential, scale, current):
+    """The field of TEAM problem 20, and the weight that moves its pole."""
+    solid = sample(team20(scale))
+    return potential(solid).solve(current), harmonic_weight(solid, "pole", ("shell",))
+
+
+def both_routes(potential, scale, current):
     """Eggshell and virtual work at one current."""
-    solid = sample(problem)
-    weight = harmonic_weight(solid, "pole", ("shell",))
-    field = potential(solid).solve(current)
+    problem = team20(scale)
+    field, weight = solved(potential, scale, current)
     work = virtual_work_force(
         problem,
         weight,
@@ -104,8 +109,15 @@ def ball_force_errors(potential, *, curved):
     return stress / force_on_ball() - 1.0, work / force_on_ball() - 1.0
 
 
-@BOTH
-def test_force_on_a_ball_in_a_growing_field(potential):
+@pytest.mark.parametrize(
+    ("potential", "flat"),
+    [
+        (VectorPotential, False),
+        (ScalarPotential, True),
+        pytest.param(VectorPotential, True, marks=pytest.mark.heavy),
+    ],
+)
+def test_force_on_a_ball_in_a_growing_field(potential, flat):
     """Both routes on curved cells are within 0.5 % of the exact force, ten times nearer than flat.
 
     Measured for 2, 3, 4 intervals: curved −0.34, −0.07, −0.02 % by A and −0.17, −0.03,
@@ -113,7 +125,8 @@ def test_force_on_a_ball_in_a_growing_field(potential):
     """
     stress, work = ball_force_errors(potential, curved=True)
     assert max(abs(stress), abs(work)) < 5e-3
-    assert abs(ball_force_errors(potential, curved=False)[0]) > 10.0 * abs(stress)
+    if flat:
+        assert abs(ball_force_errors(potential, curved=False)[0]) > 10.0 * abs(stress)
 
 
 def test_routes_are_one_derivative_on_curved_cells():
@@ -163,21 +176,24 @@ def test_long_conductors_repel_as_published():
 def test_stress_agrees_with_virtual_work(potential, current):
     """Two routes, one force, saturated or not, apart by no more than the mesh's own error.
 
-    This mesh (9 thousand unknowns) is wrong by up to 20 %; the routes differ by 5 % at most.
+    This mesh (9 thousand unknowns) is wrong by up to 21 %; the routes differ by 5 % at most.
     """
-    stress, work = both_routes(potential, team20(3.0), current)
+    stress, work = both_routes(potential, 3.0, current)
     assert stress == pytest.approx(work, rel=0.05)
     assert stress > 0.0  # towards the yoke's bottom
 
 
-def test_force_grows_with_current_more_slowly_than_its_square():
+@pytest.mark.parametrize(
+    ("scale", "near"),
+    # what the meshes are wrong by: a fifth, as above, and a twentieth
+    [(3.0, (0.25, 0.25)), pytest.param(2.0, (0.05, 0.02), marks=pytest.mark.heavy)],
+)
+def test_force_grows_with_current_more_slowly_than_its_square(scale, near):
     """Saturation: 5 times the current gives about 10 times the force, as measured (9.9)."""
-    solid = sample(team20(2.0))
-    weight = harmonic_weight(solid, "pole", ("shell",))
-    vector = VectorPotential(solid)
-    forces = [eggshell_force(vector.solve(i), weight, DOWN) for i in (1000.0, 5000.0)]
-    assert forces[0] == pytest.approx(MEASURED_FORCE[1000.0], rel=0.05)
-    assert forces[1] == pytest.approx(MEASURED_FORCE[5000.0], rel=0.02)
+    forces = [eggshell_force(*solved(VectorPotential, scale, i), DOWN) for i in (1000.0, 5000.0)]
+    assert forces[0] == pytest.approx(MEASURED_FORCE[1000.0], rel=near[0])
+    assert forces[1] == pytest.approx(MEASURED_FORCE[5000.0], rel=near[1])
+    assert forces[1] / forces[0] == pytest.approx(9.9, rel=near[0])
 
 
 def test_weight_is_one_on_the_body_and_zero_beyond_the_shell():
@@ -260,12 +276,10 @@ def test_error_falls_on_refinement(current, measures):
     """
     rows = []
     for scale in (2.0, 1.4, 1.0):
-        problem = team20(scale)
-        solid = sample(problem)
-        weight = harmonic_weight(solid, "pole", ("shell",))
-        fields = [p(solid).solve(current) for p in (VectorPotential, ScalarPotential)]
-        stress = [eggshell_force(field, weight, DOWN) for field in fields]
-        _, work = both_routes(VectorPotential, problem, current)
+        pair = [solved(p, scale, current) for p in (VectorPotential, ScalarPotential)]
+        fields = [field for field, _ in pair]
+        stress = [eggshell_force(field, weight, DOWN) for field, weight in pair]
+        _, work = both_routes(VectorPotential, scale, current)
         found = {
             "width": fields[1].coenergy - fields[0].coenergy,
             "routes": abs(stress[0] - work),

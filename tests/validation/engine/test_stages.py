@@ -1,6 +1,7 @@
 """What is kept between runs: found again, bit for bit, without the field solvers' libraries."""
 
 import json
+import pickle
 import subprocess
 import sys
 from functools import partial
@@ -8,6 +9,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from tactgen.fem.reluctance.axisymmetric import actuator
 from tactgen.geometry.store.sources import source_digest
 from tactgen.geometry.store.store import holdings
 from tactgen.tmm.reluctance.map_range import map_grid
@@ -16,6 +18,8 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine import stages
 from tactgen.validation.engine.solve import as_json, solve
 from tactgen.validation.engine.stages import Stages
+from tactgen.validation.models.bimorph import solid
+from tactgen.validation.models.reluctance import field
 from tactgen.validation.scene.scene import load_scene
 
 #: Solid and fields, small.
@@ -28,11 +32,20 @@ SCENES = (
 
 @pytest.fixture(scope="module", autouse=True)
 def small_map(tmp_path_factory):
-    """Sample the actuator's map at few points, in a store where no other test finds it."""
+    """Sample the actuator's map at few points, in a store where no other test finds it.
+
+    All fields of it are rough ones: what is kept is asked for, not what it is worth.
+    """
     few = partial(map_grid, currents=7, gaps=6)
+    point = partial(actuator.solve_point, order=2, any_grid=True)
+    rough = partial(actuator.solve_map, refinement=0.5, any_grid=True)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("store")))
         patch.setattr("tactgen.tmm.reluctance.map_range.map_grid", few)
+        patch.setattr(actuator, "solve_point", point)
+        patch.setattr(actuator, "solve_map", rough)
+        patch.setattr(field, "_REFINEMENTS", ((0.0, 0.5),))
+        patch.setattr(field, "_MAP_ORDER", 2)
         yield
 
 
@@ -135,20 +148,23 @@ def test_answers_from_the_store_load_no_solver():
     assert (result.stdout.strip(), result.stderr) == ("[]", "")
 
 
-@pytest.mark.usefixtures("own_store")
+@pytest.mark.usefixtures("own_store", "coarse_bricks")
 def test_one_scene_at_once_is_solved_once():
     """Two runs of one scene beside each other: one computes a stage, the other waits for it."""
     name, overrides = SCENES[0]
     some = "quantities=static_tip_displacement,tip_displacement,short_circuit_frequencies"
     overrides = (*overrides, some)
     script = (
-        "import json, sys; from tactgen.validation.scene.scene import load_scene; "
+        "import json, pickle, sys; from tactgen.validation.scene.scene import load_scene; "
         "from tactgen.validation.engine.solve import solve\n"
+        "from tactgen.validation.models.bimorph import solid\n"
+        "solid.LEVELS = pickle.loads(bytes.fromhex(sys.argv[2]))\n"
         "name, overrides = json.loads(sys.argv[1])\nran = []\n"
         "found = solve(load_scene(name, overrides)[0], announce=ran.append)\n"
         "print(json.dumps([ran, [abs(q.value).tolist() for q in found.quantities]]))"
     )
-    command = [sys.executable, "-c", script, json.dumps([name, overrides])]
+    coarse = pickle.dumps(solid.LEVELS).hex()
+    command = [sys.executable, "-c", script, json.dumps([name, overrides]), coarse]
     both = [
         subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) for _ in range(2)
     ]

@@ -71,30 +71,37 @@ def test_shear_factor_must_be_that_of_the_energy():
     assert mended < 0.1 * usual
 
 
+@pytest.fixture(scope="module", params=[0, pytest.param(1, marks=pytest.mark.heavy)])
+def level(request):
+    """How fine the bricks are of which a bridge is built."""
+    return request.param
+
+
 @pytest.fixture(scope="module")
-def rungs():
-    return bridge(clamped(), lambda _: None)
+def rungs(level):
+    return bridge(clamped(), lambda _: None, level=level)
 
 
-def test_steps_add_up(rungs):
+def test_steps_add_up(rungs, level):
     """The product of all steps leads from TMM to the scene's own solid."""
     for quantity in Values._fields:
         product = math.prod(1.0 + getattr(rung.step, quantity) for rung in rungs[1:])
         whole = getattr(rungs[-1], quantity) / getattr(rungs[0], quantity)
         assert product == pytest.approx(whole, rel=1e-12)
-    solid = solve_solid(SolidCase(clamped()))
+    solid = solve_solid(SolidCase(clamped(), level=level))
     # the shear factor, which only beams have, is all that differs
     assert rungs[-1].values == pytest.approx(solid.values, rel=1e-9)
 
 
-def test_section_of_the_solid_is_the_closed_form(rungs):
+def test_section_of_the_solid_is_the_closed_form(rungs, level):
     """As long as nothing happens across the width, section and closed form are one theory."""
     names = [rung.name for rung in rungs]
     for name in ("three dimensions", "field varies", "d33 and d15"):
         rung = rungs[names.index(name)]
         # the section's constants are differences of two solids: their rounding, and ends
-        # that have not died out entirely over half the length
-        assert rung.section == pytest.approx(rung.predicted, abs=2e-6)
+        # that have not died out entirely over half the length, nor on the coarsest bricks
+        apart = np.subtract(rung.section, rung.predicted)
+        assert np.abs(apart).max() < (5e-6, 2e-6)[level]
     varies = rungs[names.index("field varies")]
     assert varies.step == pytest.approx(varies.predicted, abs=2e-4)
     assert varies.step.deflection < -0.01
@@ -176,11 +183,11 @@ def test_shim_alone_lowers_the_frequency():
     for name in ("j1", "paper"):
         scene = load_scene(name, ["support.kind=clamped", "load.kind=none"])[0]
         whole, shim = (
-            solve_solid(SolidCase(scene, held=held, level=1)).values.first_frequency
+            solve_solid(SolidCase(scene, held=held, level=0)).values.first_frequency
             for held in ("layers", "shim")
         )
         lost.append(1.0 - shim / whole)
-    # a corner singularity: one division finer changes the second by 0.01
+    # a corner singularity: one division finer changes the second by 0.01, as does a second one
     assert lost[0] == pytest.approx(0.10, abs=0.01)
     assert lost[1] == pytest.approx(0.19, abs=0.02)
 

@@ -234,7 +234,7 @@ def test_stiffness_and_density_cannot_be_told_apart():
     assert found.get("c_s").half_width > 10.0 * alone.get("c_s").half_width
 
 
-@pytest.mark.parametrize("level", [0.0, 0.02])
+@pytest.mark.parametrize("level", [0.0, pytest.param(0.02, marks=pytest.mark.heavy)])
 def test_voltage_and_piezoelectric_constant_cannot_be_told_apart(level):
     """Only their product acts: said so wherever the fit ends, and no slope is made of rounding."""
     data = synthetic(1, level)

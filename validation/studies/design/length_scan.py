@@ -68,9 +68,8 @@ def scan(device: Actuator, aim: Aim, own: float) -> tuple[Floats, Floats]:
         If the tip does not move, or the range holds lengths that are not to be had or that
         no beam model describes.
     """
+    check_range(device, aim)
     low, high = aim.lengths
-    check_lengths(device, np.array([low, high]))
-    _check_range(device, aim)
     steps = math.ceil(math.log(high / low) / math.log1p(_STEP))
     inner = np.geomspace(low, high, steps + 1)[1:-1]
     lengths = np.unique([low, *inner, high, min(max(own, low), high)])
@@ -105,8 +104,9 @@ def _hidden(device: Actuator, aim: Aim, lengths: Floats, margins: Floats) -> lis
     return found
 
 
-def _check_range(device: Actuator, aim: Aim) -> None:
-    """Refuse lengths that are no beam, and lengths with more minima than the scan tells apart."""
+def check_range(device: Actuator, aim: Aim) -> None:
+    """Refuse lengths that are not to be had or no beam, or have more minima than are told apart."""
+    check_lengths(device, np.array(aim.lengths))
     mm = 1e3
     (low, high), top = aim.lengths, aim.band[1]
     thickness = device.device.bimorph.thickness
