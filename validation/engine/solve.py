@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tactgen.validation.catalogue.detection import threshold_of
@@ -48,6 +48,12 @@ class Solution:
         """Return one quantity of one model."""
         return self.by_model(name)[model]
 
+    def beside(self, quantities: tuple[Quantity, ...], stages: Stages) -> Solution:
+        """Return this with what another process found of the same scene, to be reused."""
+        both = replace(self.stages, keys=self.stages.keys | stages.keys)
+        both.adopt(stages)
+        return replace(self, quantities=self.quantities + quantities, stages=both)
+
     def by_model(self, name: str) -> dict[str, Quantity]:
         """Return one quantity of all models that were asked for and give it."""
         return {q.model: q for q in self.quantities if q.name == name}
@@ -67,7 +73,8 @@ def solve(
     """Compute the wanted quantities with the wanted models (the scene's by default).
 
     Stages whose inputs are those of an earlier solution, `reuse`, are not run again: a
-    new load, support spring or voltage needs no new field solution.
+    new load, support spring or voltage needs no new field solution.  Of the very same scene its
+    quantities are taken as they are.
 
     Raises
     ------
@@ -88,8 +95,13 @@ def solve(
     if awaited:
         warnings += _of_held(scene, names, quantities)
     made = {name: make_model(name, scene, stages) for name in names}
+    same = reuse.quantities if reuse is not None and reuse.scene == scene else ()
+    known = {(quantity.name, quantity.model): quantity for quantity in same}
     found = [
-        evaluate(name, made[model]) for name in quantities for model in names if gives(model, name)
+        known.get((name, model)) or evaluate(name, made[model])
+        for name in quantities
+        for model in names
+        if gives(model, name)
     ]
     for model in made.values():
         warnings += model.warnings(quantities)

@@ -78,9 +78,20 @@ class Stages:
     def adopt(self, other: Stages) -> None:
         """Take over the results of another study whose inputs, by key, were the same."""
         for name, key in self.keys.items():
-            if other.keys.get(name) == key and name in other._results:
-                self._results[name] = other._results[name]
+            if other.keys.get(name) == key and name in other.seconds:
                 self.seconds[name] = other.seconds[name]
+                if name in other._results:
+                    self._results[name] = other._results[name]
+
+    def to_travel(self) -> Stages:
+        """Return what another process can adopt: all costs, and the results that can be stored."""
+        stored = stage_code()
+        results = {name: result for name, result in self._results.items() if name in stored}
+        return Stages(self.keys, _unheard, self.seconds, self.computed, results)
+
+
+def _unheard(_: str) -> None:
+    """Take an announcement, as a process does that nobody listens to."""
 
 
 def stage_key(name: str, scene: Scene) -> str:

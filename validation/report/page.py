@@ -6,6 +6,7 @@ import math
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,9 +18,9 @@ from tactgen.validation.models.comparison import ComparedRow
 from tactgen.validation.report.provenance.record import FILE, read_record, recorded
 from tactgen.validation.report.provenance.seal import seal, unseal
 from tactgen.validation.report.second_process import ahead
-from tactgen.validation.report.sections.contents import alone, made_alone, sections
+from tactgen.validation.report.sections.contents import alone, here_only, made_alone, part, sections
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.report.study import Study, check_report
+from tactgen.validation.report.study import Study, check_report, prepared
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.browser import print_pdf
 from tactgen.validation.view.page.html import assets
@@ -55,9 +56,12 @@ def write_report(
     check_report(scene, quick=quick)
     writable_folder(out)
     started = time.perf_counter()
-    names = alone(scene) if helper else ()
+    asked = prepared(scene, quick=quick)
+    names = alone(asked) if helper else ()
     with ahead((scene, origins, quick), made_alone, names) as other:
         study = Study(scene, origins, announce, quick=quick, ahead=other)
+        if other is not None:
+            other.meanwhile(partial(part, study), here_only(asked))
         page = _page(study, started)
     unseal(out)
     written = write_text(out / PAGE, page)

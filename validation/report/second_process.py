@@ -1,7 +1,8 @@
-"""Parts of a report that need no solution, made by another process while this one solves.
+"""Parts of a report that stand alone, made by another process while this one solves.
 
-What that process has not begun when it is wanted is made here, and so is what it fails to hand
-over: a report is the same with it and without.
+That process takes the longest first.  What it has not begun when it is wanted is made here, and so
+is what it fails to hand over: a report is the same with it and without.  While this process waits
+for a part, it makes the shortest that nobody has begun.
 """
 
 from __future__ import annotations
@@ -30,17 +31,37 @@ class Ahead:
     ) -> None:
         self._pool, self._make, self._asked = pool, make, asked
         self._left, self._begun = deque(names), dict[str, Future[Any]]()
+        self._first = deque[str]()
+        self._here: Callable[[str], Any] | None = None
+        self._made = dict[str, Any]()
         self._lock = Lock()
         self._next()
+
+    def meanwhile(self, here: Callable[[str], Any], first: Sequence[str]) -> None:
+        """Say what makes parts in this process while it waits, and which are made here only."""
+        self._here, self._first = here, deque(first)
 
     def take(self, name: str, here: Callable[[], Any]) -> Any:
         """Return a part: from the other process if it has begun it, else made by `here`."""
         with self._lock:
             future = self._begun.get(name)
-            if future is None and name in self._left:
-                self._left.remove(name)
+            for waiting in (self._first, self._left):
+                if future is None and name in waiting:
+                    waiting.remove(name)
+        if future is None:
+            return self._made[name] if name in self._made else here()
+        self._work_until(future)
         # where it died, or its part cannot travel, what is wrong shows here
-        return here() if future is None or future.exception() else future.result()
+        return here() if future.exception() else future.result()
+
+    def _work_until(self, future: Future[Any]) -> None:
+        """Make parts that nobody has begun until another one is done."""
+        while self._here is not None and not future.done():
+            with self._lock:
+                if not self._first and not self._left:
+                    return
+                name = self._first.popleft() if self._first else self._left.pop()
+            self._made[name] = self._here(name)
 
     def _next(self, _: object = None) -> None:
         """Hand over the next part: one at a time, since what is handed over is not taken back."""

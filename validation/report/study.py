@@ -20,7 +20,9 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.checks.row import Outcome, run_check
 from tactgen.validation.checks.verification import group_rows
 from tactgen.validation.engine.plan import Plan, asks_display, check_models
+from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution, check_request, solve
+from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.models.comparison import ComparedRow, compare
 from tactgen.validation.report.normal_actuator import NormalActuator, merged, needs_map
@@ -28,6 +30,9 @@ from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
+    from tactgen.geometry.bimorph.brick_parts import BrickParts
+    from tactgen.geometry.bimorph.bricks import Bricks
+    from tactgen.geometry.meshing.mesh import Mesh
     from tactgen.validation.models.bimorph.bridge import Rung
     from tactgen.validation.models.bimorph.bridge.causes import Cause
     from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
@@ -37,7 +42,7 @@ if TYPE_CHECKING:
 #: Points of the frequency response in the report.
 _PLOT_POINTS = 400
 #: Accuracy that the quick version is content with.
-_QUICK_ACCURACY = 3e-3
+_QUICK_ACCURACY = 1e-2
 #: Error bar that the tetrahedra on the way into the rod may have.  The steps there are differences
 #: between solutions on one mesh, most of whose errors they share.
 _CHAIN_ACCURACY = 1e-2
@@ -84,6 +89,15 @@ class LoadCase:
         }
 
 
+@dataclass(frozen=True)
+class Apart:
+    """What another process makes of one model: all that it gives, and a picture of its mesh."""
+
+    quantities: tuple[Quantity, ...]
+    stages: Stages
+    mesh: dict[str, Any] | None
+
+
 class Study:
     """One scene, solved for a report; everything is computed at most once."""
 
@@ -97,7 +111,7 @@ class Study:
         ahead: Ahead | None = None,
     ) -> None:
         self.asked = scene.accuracy
-        self.scene = _prepared(scene, quick)
+        self.scene = prepared(scene, quick=quick)
         self.origins, self.announce, self.quick = origins, announce, quick
         self._ahead = ahead
         #: What the sections before show, by their ids.
@@ -106,10 +120,36 @@ class Study:
     @cached_property
     def solution(self) -> Solution:
         """All quantities of the scene by all its models."""
-        return solve(self.scene, announce=self.announce)
+        if self.elsewhere is None:
+            return solve(self.scene, announce=self.announce)
+        found = self.solved_here.beside(self.elsewhere.quantities, self.elsewhere.stages)
+        return solve(self.scene, announce=self.announce, reuse=found)
+
+    @cached_property
+    def elsewhere(self) -> Apart | None:
+        """What another process has made of the model that stands apart; None if nothing.
+
+        Until it is done this process solves the rest.
+        """
+        name = model_apart(self.scene)
+        if name is None or self._ahead is None:
+            return None
+        self.solved_here  # noqa: B018  (what takes longest, before there is something to wait for)
+        found: Apart | None = self.alone(name, lambda: None)
+        return found
+
+    @cached_property
+    def solved_here(self) -> Solution:
+        """All quantities by the models that no other process solves."""
+        apart = model_apart(self.scene) if self._ahead is not None else None
+        if apart is None:
+            return self.solution
+        models = [name for name in self.scene.models if name != apart]
+        asked = [q for q in self.scene.quantities if any(gives(m, q) for m in models)]
+        return solve(self.scene, models, asked, self.announce)
 
     def alone(self, name: str, here: Callable[[], Any]) -> Any:
-        """Return a part that needs no solution: by another process if it is at it, or here."""
+        """Return a part that needs nothing else: by another process if it is at it, or here."""
         return here() if self._ahead is None else self._ahead.take(name, here)
 
     @property
@@ -155,14 +195,18 @@ class Study:
 
     @property
     def field(self) -> TwoMeshModel | None:
-        """The field model to be shown, if the scene asks for one: bricks before tetrahedra.
-
-        On the rod the bricks have no fields to show.
-        """
-        models = self.solution.models
-        bricks = "cad" if self.scene.support.kind == "rod" else "solid"
-        model = models.get(bricks, models.get("cad"))
+        """The field model to be shown, if the scene asks for one that has fields."""
+        model = self.solution.models.get(shown_model(self.scene) or "")
         return model if isinstance(model, TwoMeshModel) else None
+
+    @property
+    def shown_mesh(self) -> Mesh | Bricks | BrickParts | None:
+        """The mesh to be shown; of bricks known before anything is solved."""
+        if shown_model(self.scene) != "solid":
+            return self.field.meshes()[0] if self.field else None
+        from tactgen.validation.models.bimorph.solid import brick_pair
+
+        return brick_pair(self.scene).meshes[0]
 
     @property
     def asks_field(self) -> bool:
@@ -186,7 +230,10 @@ class Study:
         """What the parameters' ranges do to the headline numbers."""
         from tactgen.validation.studies.uncertainty.propagation import parameter_uncertainty
 
-        return parameter_uncertainty(self.scene, announce=self.announce)
+        def here() -> list[Uncertainty]:
+            return parameter_uncertainty(self.scene, announce=self.announce)
+
+        return list(self.alone("parameter_uncertainty", here))
 
     @cached_property
     def chain(self) -> GeneratorChain | None:
@@ -302,6 +349,21 @@ class Study:
         return apart | self.solution.stages.seconds
 
 
+def shown_model(scene: Scene) -> str | None:
+    """Return the field model to be shown, if the scene asks for one: bricks before tetrahedra.
+
+    On the rod the bricks have no fields to show.
+    """
+    shown = ("cad",) if scene.support.kind == "rod" else ("solid", "cad")
+    return next((name for name in shown if name in scene.models), None)
+
+
+def model_apart(scene: Scene) -> str | None:
+    """Return the field model that stands beside the one that is shown: only its numbers count."""
+    others = {"solid", "cad"} & set(scene.models) - {shown_model(scene)}
+    return min(others) if shown_model(scene) and others else None
+
+
 def check_report(scene: Scene, *, quick: bool) -> None:
     """Refuse at once, before anything is computed or written, what cannot be reported on.
 
@@ -310,17 +372,17 @@ def check_report(scene: Scene, *, quick: bool) -> None:
     InputError
         With the remedy.
     """
-    prepared = _prepared(scene, quick)
-    magnetic = any(QUANTITIES[name].actuator == "reluctance" for name in prepared.quantities)
+    asked = prepared(scene, quick=quick)
+    magnetic = any(QUANTITIES[name].actuator == "reluctance" for name in asked.quantities)
     if magnetic and not scene.coil.current and scene.support.kind != "contact":
         raise InputError(
             "coil.current = 0 mA leaves nothing of the normal actuator to report; set the current "
             "of interest, such as coil.current=130mA, or leave its models out"
         )
-    check_request(prepared, prepared.models, prepared.quantities)
+    check_request(asked, asked.models, asked.quantities)
 
 
-def _prepared(scene: Scene, quick: bool) -> Scene:
+def prepared(scene: Scene, *, quick: bool) -> Scene:
     """Return the scene with all quantities, a sweep dense enough to plot, coarser if quick.
 
     An actuator of which the scene asks for no quantity, or no model, is left alone.

@@ -4,11 +4,16 @@ import pickle
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.report import study
 from tactgen.validation.report.second_process import Ahead
-from tactgen.validation.report.sections.contents import alone, made_alone
+from tactgen.validation.report.sections.contents import alone, made_alone, made_apart
+from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.uncertainty.headline_numbers import targets
 
 
 def test_parts_come_from_there_or_from_here():
@@ -36,6 +41,53 @@ def test_parts_come_from_there_or_from_here():
     assert made == ["slow", "broken", "last"]
 
 
+def test_who_waits_makes_what_is_left():
+    """First what only this process makes, then the shortest that nobody has begun; once each."""
+    may_go_on, here = threading.Event(), []
+
+    def make(asked, name):
+        assert may_go_on.wait(60.0)
+        return name
+
+    def meanwhile(name):
+        here.append(name)
+        if name == "shorter":  # the other part is done while this one is made
+            may_go_on.set()
+            other._begun["long"].result()
+        return name.upper()
+
+    with ThreadPoolExecutor(1) as pool:
+        other = Ahead(pool, make, "scene", ["long", "next", "shorter", "shortest"])
+        other.meanwhile(meanwhile, ["mine"])
+        assert other.take("long", pytest.fail) == "long"
+        assert here == ["mine", "shortest", "shorter"]
+        assert [other.take(name, pytest.fail) for name in here] == [n.upper() for n in here]
+        assert other.take("next", pytest.fail) == "next"
+
+
+def test_a_model_solved_elsewhere_is_not_solved_here(monkeypatch):
+    """Its quantities, and what its stages gave and cost, come from there."""
+    scene, origins = load_scene("prototype", ["models=lumped,tmm,beam"])
+    monkeypatch.setattr(study, "model_apart", lambda _: "beam")
+    scene = study.prepared(scene, quick=True)
+    found = pickle.loads(pickle.dumps(made_apart(Study(scene, origins, str, quick=True), "beam")))
+    whole, steps = solve(scene), []
+    with ThreadPoolExecutor(1) as pool:
+        other = Ahead(pool, lambda _, name: found, "scene", ["beam"])
+        here = Study(scene, origins, steps.append, quick=True, ahead=other)
+        solution = here.solution
+    assert [(q.name, q.model) for q in solution.quantities] == [
+        (q.name, q.model) for q in whole.quantities
+    ]
+    for ours, theirs in zip(solution.quantities, whole.quantities, strict=True):
+        np.testing.assert_array_equal(ours.value, theirs.value)
+        np.testing.assert_array_equal(ours.uncertainty, theirs.uncertainty)
+    assert solution.warnings == whole.warnings
+    assert not any(step.startswith("beam.") for step in steps)
+    assert set(solution.stages.seconds) == set(whole.stages.seconds)
+    assert solution.stages.seconds["beam.ports"] == found.stages.seconds["beam.ports"]
+
+
 def _travels(name, *, quick):
     scene, origins = load_scene("prototype", ["models=lumped,tmm"])
     assert name in alone(scene)
@@ -50,6 +102,14 @@ def test_a_part_travels():
     """What a section shows survives the way between processes."""
     found = _travels("audit", quick=True)
     assert len(found["audit"].rows) > 10
+
+
+def test_a_headline_number_travels_with_its_row():
+    """Its row of the catalogue holds functions, so it is found again by its name."""
+    for target in targets(load_scene("paper")[0]):
+        again = pickle.loads(pickle.dumps(target))
+        assert again == target
+        assert again.quantity is target.quantity
 
 
 @pytest.mark.heavy

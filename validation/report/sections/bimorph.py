@@ -10,7 +10,6 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.checks.paper import audit
 from tactgen.validation.checks.stress import output as stress_output
 from tactgen.validation.models.bimorph.rows import LumpedModel
-from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.models.comparison import UNEXPLAINED
 from tactgen.validation.report.figures.bimorph import response_plot
 from tactgen.validation.report.sections import gallery
@@ -39,20 +38,8 @@ def _models(study: Study) -> Context:
         "models": ranked(study.solution.models_of("bimorph")),
         "methods": methods,
         "unexplained": UNEXPLAINED,
-        "tet": _tetrahedra(study),
+        "tet": gallery.beside(study),
     }
-
-
-def _tetrahedra(study: Study) -> Context | None:
-    """Return the tetrahedra of the CAD solids, where they stand beside bricks."""
-    from tactgen.validation.models.bimorph.meshes import cells_of
-
-    cad = study.solution.models.get("cad")
-    if study.field is cad or not isinstance(cad, TwoMeshModel):
-        return None
-    study.announce("picture of the tetrahedra")
-    shown = cells_of(cad.meshes()[0])
-    return {"cells": shown.cells.shape[0], "png": gallery.close_up(shown)}
 
 
 def _modes(study: Study) -> Context:
@@ -63,7 +50,11 @@ def _modes(study: Study) -> Context:
         for row in (SHORT_CIRCUIT_FREQUENCIES, OPEN_CIRCUIT_FREQUENCIES)
     )
     both = {model: (short[model], opened[model]) for model in short if model in opened}
-    return {"frequencies": both, "circuit": circuit, **gallery.moving(study)}
+    return {
+        "frequencies": both,
+        "circuit": circuit,
+        **study.alone("moving", lambda: gallery.moving(study)),
+    }
 
 
 def _response(study: Study) -> Context:

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.engine.plan import asks_display
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.report.second_process import Asked
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.report.study import INVARIANT_TOLERANCE, Study
+from tactgen.validation.report.study import (
+    INVARIANT_TOLERANCE,
+    Apart,
+    Study,
+    model_apart,
+    shown_model,
+)
 from tactgen.validation.scene.scene import Scene
 
 
@@ -51,29 +58,52 @@ _RESPONSE = ("response",)
 _LIMITS, _APART = ("drive_limits",), ("holding", "length", "voltage", "stress")
 
 
-#: What needs no solution, in the order in which another process makes it: first what others need,
-#: then what takes longest.
+#: What stands alone beside a model, in the order in which another process makes it: first what
+#: others need, then what takes longest.
 _ALONE = (
-    "rungs", "stress", "holding", "material", "bridge", "length", "load",
-    "voltage", "drive_limits", "audit",
+    "rungs", "stress", "holding", "material", "pictures", "length", "bridge",
+    "parameter_uncertainty", "load", "voltage", "drive_limits", "audit",
 )  # fmt: skip
 
 
 def alone(scene: Scene) -> tuple[str, ...]:
-    """Return the names of a report's parts that need no solution."""
+    """Return the names of a report's parts that need nothing of the rest."""
     if not any(MODELS[name].actuator == "bimorph" for name in scene.models):
         return ()
-    unused = _APART if scene.support.kind == "contact" else ()
-    return tuple(name for name in _ALONE if name not in unused)
+    apart = model_apart(scene)
+    machine = scene.support.kind == "contact"
+    # a mesh of tetrahedra is known to who solves on it
+    unused = {*(_APART if machine else ()), *(("pictures",) if shown_model(scene) == "cad" else ())}
+    return (*([apart] if apart else []), *(name for name in _ALONE if name not in unused))
+
+
+def here_only(scene: Scene) -> tuple[str, ...]:
+    """Return the names of parts that this process makes first while it waits for another."""
+    return ("moving",) if model_apart(scene) else ()
 
 
 def made_alone(asked: Asked, name: str) -> Any:
-    """Return a part that needs no solution: a section's contents, or a value of the study."""
+    """Return a part, in the process that makes parts ahead."""
+    return part(_study(asked), name)
+
+
+def part(study: Study, name: str) -> Any:
+    """Return what needs nothing of the rest: a model's stages, a section's contents, a value."""
     from tactgen.validation.report.sections.bimorph import LATERAL, PRINTED_FORMULAS
 
-    study = _study(asked)
-    found = {section.id: section for section in (*LATERAL, PRINTED_FORMULAS)}.get(name)
-    return found.context(study) if found else getattr(study, name)
+    if name in MODELS:
+        return made_apart(study, name)
+    found = {section.id: section.context for section in (*LATERAL, PRINTED_FORMULAS)}
+    make = (found | {"pictures": gallery.bimorph, "moving": gallery.moving}).get(name)
+    return make(study) if make else getattr(study, name)
+
+
+def made_apart(study: Study, name: str) -> Apart:
+    """Return what the rest needs of a model that this process solves alone."""
+    quantities = tuple(q for q in study.scene.quantities if gives(name, q))
+    solution = solve(study.scene, (name,), quantities, study.announce)
+    mesh = gallery.tetrahedra(solution) if name == "cad" else None
+    return Apart(solution.quantities, solution.stages.to_travel(), mesh)
 
 
 #: What the process that makes parts ahead was asked last, and its study: parts share much of it.

@@ -9,10 +9,12 @@ from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.validation.report.study import Study
+from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+from tactgen.validation.report.study import Study, model_apart, shown_model
 from tactgen.validation.view.page.html import fragment, inline
 
 if TYPE_CHECKING:
+    from tactgen.validation.engine.solve import Solution
     from tactgen.validation.fields.result import FieldResult
 
 #: Mode stills, and their size in pixels.
@@ -27,12 +29,12 @@ _KIND = {
 
 def pictures(study: Study) -> list[dict[str, str]]:
     """Return pictures of the CAD solids and, with a field model, of its mesh."""
-    found = _lateral(study) if study.lateral else []
+    found = study.alone("pictures", lambda: bimorph(study)) if study.lateral else []
     whole = study.lateral and study.scene.support.kind == "rod"
     return found if whole or not study.normal else [*found, _normal(study)]
 
 
-def _lateral(study: Study) -> list[dict[str, str]]:
+def bimorph(study: Study) -> list[dict[str, str]]:
     """Return pictures of the bimorph; none of one that only the beam models know."""
     if beyond_plain_layers(study.scene.bimorph):
         return []
@@ -43,16 +45,35 @@ def _lateral(study: Study) -> list[dict[str, str]]:
     study.announce("picture of the geometry")
     solids = solids_picture(scene_solids(study.scene))
     found = [{"caption": "CAD solids", "png": inline(solids)}]
-    if study.field is not None:
+    solved = study.shown_mesh
+    if solved is not None:
         study.announce("picture of the mesh")
-        solved = study.field.meshes()[0]
         mesh = cells_of(solved)
-        caption = (
-            f"mesh of the model {study.field.name}: {mesh.cells.shape[0]} {_kind(solved, mesh)}"
-        )
+        name = shown_model(study.scene)
+        caption = f"mesh of the model {name}: {mesh.cells.shape[0]} {_kind(solved, mesh)}"
         found.append({"caption": caption, "png": inline(mesh_picture(mesh))})
-        found.append({"caption": "the same at its held end", "png": close_up(mesh)})
+        found.append({"caption": "the same at its held end", "png": _close_up(mesh)})
     return found
+
+
+def beside(study: Study) -> dict[str, Any] | None:
+    """Return the tetrahedra of the CAD solids, where they stand beside bricks."""
+    if model_apart(study.scene) != "cad":
+        return None
+    if study.elsewhere is not None:
+        return study.elsewhere.mesh
+    study.announce("picture of the tetrahedra")
+    return tetrahedra(study.solution)
+
+
+def tetrahedra(solution: Solution) -> dict[str, Any]:
+    """Return a picture of the tetrahedra that a solution has solved on."""
+    from tactgen.validation.models.bimorph.meshes import cells_of
+
+    cad = solution.models["cad"]
+    assert isinstance(cad, TwoMeshModel)
+    shown = cells_of(cad.meshes()[0])
+    return {"cells": shown.cells.shape[0], "png": _close_up(shown)}
 
 
 def _normal(study: Study) -> dict[str, str]:
@@ -66,7 +87,7 @@ def _normal(study: Study) -> dict[str, str]:
     return {"caption": caption, "png": inline(solids)}
 
 
-def close_up(mesh: Mesh) -> str:
+def _close_up(mesh: Mesh) -> str:
     """Return a picture of a mesh at its held end."""
     from tactgen.validation.view.pictures import mesh_picture
 
@@ -85,19 +106,19 @@ def moving(study: Study) -> dict[str, Any]:
 
     models = _moving_models(study)
     names = (SHORT_CIRCUIT_FREQUENCIES.name, OPEN_CIRCUIT_FREQUENCIES.name)
-    solution = solve(study.scene, models, names, study.announce, reuse=study.solution)
+    solution = solve(study.scene, models, names, study.announce, reuse=study.solved_here)
     request = Request(None, "edges")
     results = [gather_from(solution, name, request, study.announce) for name in models]
     return {
-        "stills": _stills(results[0], study.announce) if study.field is not None else [],
+        "stills": _stills(results[0], study.announce) if shown_model(study.scene) else [],
         "viewer": fragment(payload(results), [], light=True),
     }
 
 
 def _moving_models(study: Study) -> tuple[str, ...]:
     """Return the models to look at: the solid that is shown, and transfer matrices beside it."""
-    asked = tuple(study.solution.models_of("bimorph"))
-    first = study.field.name if study.field is not None else asked[-1]
+    asked = tuple(study.solved_here.models_of("bimorph"))
+    first = shown_model(study.scene) or asked[-1]
     return (first, "tmm") if "tmm" in asked and first != "tmm" else (first,)
 
 

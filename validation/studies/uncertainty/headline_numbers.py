@@ -5,9 +5,9 @@ By the transfer-matrix model, which gives all three in milliseconds.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -50,11 +50,20 @@ class Target:
     ill_conditioned: bool = False
     peak: Literal["", "frequency", "height"] = ""
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Travel between processes with the quantity's name: its row holds functions."""
+        others = [getattr(self, field.name) for field in fields(self)[1:]]
+        return _target, (self.quantity.name, *others)
+
     @property
     def read(self) -> Readout | ModalReadout:
         """How the quantity is read."""
         assert isinstance(self.quantity.read, Readout | ModalReadout)
         return self.quantity.read
+
+
+def _target(quantity: str, *others: Any) -> Target:
+    return Target(QUANTITIES[quantity], *others)
 
 
 def actuator(scene: Scene) -> Actuator:
