@@ -174,9 +174,9 @@ def test_file_tells_what_differs(model, base, found, tmp_path):
         assert data["extreme_errors"].shape == (3, data["extreme_frequencies"].size)
 
 
-def test_command_writes_both(tmp_path, monkeypatch, capsys):
+@pytest.mark.usefixtures("own_store", "coarse_bricks")
+def test_command_writes_both(tmp_path, capsys):
     """From the command line; series wiring takes half of the voltage in each layer."""
-    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "cache"))
     capacitance = []
     for wiring in ("parallel", "series"):
         ports, states = tmp_path / f"{wiring}.npz", tmp_path / f"{wiring}-states.npz"
