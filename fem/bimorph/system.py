@@ -27,6 +27,9 @@ from tactgen.geometry.device.parameters import Device
 #: Voigt index of a pair of axes.
 VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 
+#: Where a system keeps its factor once it is asked for.
+_FACTOR = "_held_factor"
+
 
 @dataclass(frozen=True)
 class SolidSystem:
@@ -122,10 +125,16 @@ class SolidSystem:
         """The stiffness with base and electrodes held: all but the last three unknowns."""
         return self.stiffness.inner
 
-    @cached_property
+    @property
     def held_factor(self) -> Factor:
-        """The factor of :attr:`held`: statics and all modes come from this one."""
-        return factorise(self.held, order=self.elimination)
+        """The factor of :attr:`held`: statics and all modes come from this one.
+
+        No cached_property: in Python 3.11 that lets one thread at a time factorise.
+        """
+        if _FACTOR not in self.__dict__:
+            self.__dict__[_FACTOR] = factorise(self.held, order=self.elimination)
+        found: Factor = self.__dict__[_FACTOR]
+        return found
 
     def take_factor(self, factor: Factor) -> None:
         """Make the factor of another system, of no use to that afterwards, the factor of this.
@@ -133,7 +142,7 @@ class SolidSystem:
         Saves the ordering where both have the same pattern, as members of a family have.
         """
         factor.refactorise(self.held)
-        self.__dict__["held_factor"] = factor  # where the cached property looks
+        self.__dict__[_FACTOR] = factor
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tactgen.fem.solvers.threads import thread_count
+from tactgen.fem.solvers.threads import solver_threads
 from tactgen.geometry.arrays import Ints
 
 Array: TypeAlias = NDArray[Any]
@@ -125,7 +125,7 @@ class Pardiso:
         error = ctypes.c_int(0)
         one, quiet = ctypes.c_int(1), ctypes.c_int(0)
         few = self._indices.size < _WORTH_THREADS
-        before = library.MKL_Set_Num_Threads_Local(1 if few else thread_count() or 0)
+        before = library.MKL_Set_Num_Threads_Local(1 if few else solver_threads())
         library.pardiso(
             _pointer(self._handle),
             ctypes.byref(one),

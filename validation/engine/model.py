@@ -111,6 +111,10 @@ class Model(ABC):
         """Return the result of one of the row's stages, computed the first time."""
         return self.stages.run(f"{self.name}.{stage}", work)
 
+    def will_run(self, stage: str) -> bool:
+        """Return whether one of the row's stages is in the plan."""
+        return f"{self.name}.{stage}" in self.stages.keys
+
 
 def model_class(name: str) -> type[Model]:
     """Return the class of a model; its module is loaded now and not before."""

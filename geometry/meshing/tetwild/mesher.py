@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -26,9 +27,16 @@ _WORKER = Path(__file__).with_name("worker.py")
 
 
 class Mesher:
-    """A process that meshes one surface after another; it ends with the ``with`` block."""
+    """A process that meshes one surface after another; it ends with the ``with`` block.
+
+    Attributes
+    ----------
+    meanwhile : callable, optional
+        What the caller has to do anyway: called once, while the next surface is meshed.
+    """
 
     def __init__(self) -> None:
+        self.meanwhile: Callable[[], object] | None = None
         self._process: subprocess.Popen[bytes] | None = None
         self._folder: tempfile.TemporaryDirectory[str] | None = None
 
@@ -93,6 +101,9 @@ class Mesher:
             self._process.stdin.flush()
         except BrokenPipeError:
             raise self._failed() from None
+        work, self.meanwhile = self.meanwhile, None
+        if work is not None:
+            work()
         left = max(deadline - time.monotonic(), 0.0)
         if not select.select([self._process.stdout], [], [], left)[0]:
             self._end()

@@ -7,8 +7,11 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mirror import whole_mesh
 from tactgen.validation.checks.coverage.result import PROMISED, median_width
 from tactgen.validation.checks.coverage.solid import cad_cases, judged
+from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.stages import Stages
+from tactgen.validation.models.bimorph import two_meshes
 from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
 from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import load_scene
@@ -83,6 +86,25 @@ def test_what_a_mesh_does_not_know_is_refused_in_one_sentence(name, override, mo
         make_plan(scene, (model,), ("static_tip_displacement",))
     assert all(word in str(caught.value) for word in words), caught.value
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "times"),
+    [("short_circuit_frequencies", 1), ("coupling_factor", 1), ("static_tip_displacement", 0)],
+)
+def test_modes_of_a_coarser_mesh_are_found_while_the_next_is_made(monkeypatch, quantity, times):
+    """If modes are wanted, and then once; a mesh that nothing was found on is solved later."""
+    solved = []
+    monkeypatch.setattr(
+        two_meshes, "coarse_modes", lambda system, count: solved.append(system) or (system, count)
+    )
+    scene, _ = load_scene("paper", [*SHORT, "models=cad"])
+    model = make_model("cad", scene, Stages(make_plan(scene, ("cad",), (quantity,)).keys))
+    model._look_ahead("judging mesh")
+    assert len(solved) == times
+    assert model.coarse_modes("judging mesh") == ("judging mesh", scene.modes)
+    assert len(solved) == 1
+    assert model.coarse_modes("another mesh") == ("another mesh", scene.modes)
 
 
 @pytest.mark.heavy

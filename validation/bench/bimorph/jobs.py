@@ -144,14 +144,18 @@ def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
     from tactgen.fem.bimorph.modes import natural_modes
     from tactgen.fem.bimorph.solid import assemble
     from tactgen.geometry.bimorph.ends import Ends
-    from tactgen.validation.models.bimorph.lowest_modes import lowest_modes, solve_modes
+    from tactgen.validation.models.bimorph.lowest_modes import (
+        coarse_modes,
+        fine_modes,
+        lowest_modes,
+    )
 
     clamped = Ends()
     if not isinstance(mesh, Bricks):
         return [mode.frequency for mode in natural_modes(system, clamped, MODES)]
-    scout = meshes.scout(device)
-    both = solve_modes(system, assemble(device, scout, lossy=False), MODES)
-    found, _ = lowest_modes(*both, clamped, MODES, open_circuit=False)
+    below = coarse_modes(assemble(device, meshes.scout(device), lossy=False), MODES)
+    above = fine_modes(system, below, MODES)
+    found, _ = lowest_modes(above, below, clamped, MODES, open_circuit=False)
     return [mode.frequency for mode in found][:MODES]
 
 

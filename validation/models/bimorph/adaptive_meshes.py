@@ -8,7 +8,9 @@ where it was.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -180,7 +182,12 @@ def level_limits(scene: Scene) -> tuple[float, int]:
     return accuracy or scene.accuracy, most
 
 
-def adapted_pair(scene: Scene, accuracy: float, most_elements: int = 20_000) -> AdaptedPair:
+def adapted_pair(
+    scene: Scene,
+    accuracy: float,
+    most_elements: int = 20_000,
+    meanwhile: Callable[[SolidSystem], object] = lambda _: None,
+) -> AdaptedPair:
     """Refine until the goals' error bars are within `accuracy`, or a limit is reached.
 
     Parameters
@@ -191,6 +198,9 @@ def adapted_pair(scene: Scene, accuracy: float, most_elements: int = 20_000) -> 
         Largest relative error bar wanted.
     most_elements : int
         About how many elements the finest mesh may have; then its error is what it is.
+    meanwhile : callable, optional
+        What is wanted of the solid on the mesh that judges the last one: called with every mesh
+        that may be that, while the mesher is busy with the next.
 
     Raises
     ------
@@ -198,15 +208,26 @@ def adapted_pair(scene: Scene, accuracy: float, most_elements: int = 20_000) -> 
         If a mesh cannot be made.
     """
     with Mesher() as mesher:
+        mesher.meanwhile = _import_solvers
         solved = [_solved(scene, mesher, None)]
         while len(solved) < _MOST_MESHES:
             last = solved[-1]
+            mesher.meanwhile = partial(meanwhile, last.system)
             allowed = accuracy / (SAFETY * last.error)
             solved.append(_finer(scene, mesher, last, allowed, most_elements))
             pair = _judged(solved)
             if pair.largest_bar <= accuracy or len(pair.fine.mesh.cells) > _ENOUGH * most_elements:
                 break
     return pair
+
+
+def _import_solvers() -> None:
+    """Import what the first mesh is solved with, which nobody needs before."""
+    import scipy.sparse.linalg  # noqa: F401
+    import skfem  # noqa: F401
+
+    import tactgen.fem.bimorph.refinement.error_indicator
+    import tactgen.fem.bimorph.solid  # noqa: F401
 
 
 def _finer(

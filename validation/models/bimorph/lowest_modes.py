@@ -2,17 +2,19 @@
 
 On bricks every class of motion is an eigenproblem of its own.  The coarser mesh, which is
 needed anyway to judge the finer one by, says which classes may hold the lowest modes and how
-many each; only these are solved on the finer mesh.
+many each; only these are solved on the finer mesh.  Classes are solved side by side.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.modal_model import BareMode, ModalModel
+from tactgen.fem.solvers.threads import side_by_side
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.store.values import storable
 
@@ -25,6 +27,9 @@ _OTHERS: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
 _MOST_MODES = 40
 #: Modes of the coarser mesh this close above the last one wanted may come below it on the finer.
 _CLOSE = 1.03
+#: Unknowns up to which the classes of motion are solved side by side: each has a factor of its
+#: own, and those of larger systems take gigabytes.
+_MOST_TOGETHER = 150_000
 
 
 @storable
@@ -49,18 +54,29 @@ class MeshModes:
         return {self.ports.motion: of_ports} | {m: list(f[:count]) for m, f in self.others.items()}
 
 
-def solve_modes(fine: SolidSystem, coarse: SolidSystem, count: int) -> tuple[MeshModes, MeshModes]:
-    """Return what the lowest `count` modes need on any support, on a finer and a coarser mesh."""
+def coarse_modes(coarse: SolidSystem, count: int) -> MeshModes:
+    """Return what the lowest `count` modes need on any support, on a mesh that judges another."""
+    return _mesh_modes(coarse, dict.fromkeys(_of(coarse), count), count)
+
+
+def fine_modes(fine: SolidSystem, coarse: MeshModes, count: int) -> MeshModes:
+    """Return the same on the finer mesh, of the classes that the coarser one has found low."""
+    stiffest = {coarse.ports.motion: coarse.ports.highest(count), **coarse.others}
+    last = _CLOSE * _reach(_all(stiffest.values()), count)
+    few = {m: sum(mode.frequency <= last for mode in found) for m, found in coarse.others.items()}
+    return _mesh_modes(fine, {motion: wanted for motion, wanted in few.items() if wanted}, count)
+
+
+def _mesh_modes(system: SolidSystem, others: dict[Motion, int], count: int) -> MeshModes:
     from tactgen.fem.bimorph.reduction.modal_reduction import modal_model
 
-    below = MeshModes(
-        modal_model(coarse, count), {m: _other(coarse, m, count) for m in _of(coarse)}
-    )
-    stiffest = {below.ports.motion: below.ports.highest(count), **below.others}
-    last = _CLOSE * _reach(_all(stiffest.values()), count)
-    few = {m: sum(mode.frequency <= last for mode in found) for m, found in below.others.items()}
-    others = {motion: _other(fine, motion, wanted) for motion, wanted in few.items() if wanted}
-    return MeshModes(modal_model(fine, count), others), below
+    jobs: list[Callable[[], Any]] = [partial(modal_model, system, count)]
+    jobs += [partial(_other, system, motion, wanted) for motion, wanted in others.items()]
+    if system.size <= _MOST_TOGETHER:
+        ports, *found = side_by_side(lambda job: job(), jobs)
+    else:
+        ports, *found = (job() for job in jobs)
+    return MeshModes(ports, dict(zip(others, found, strict=True)))
 
 
 def lowest_modes(

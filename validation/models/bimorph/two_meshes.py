@@ -18,7 +18,12 @@ from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.engine.refinement import SAFETY, least_difference
-from tactgen.validation.models.bimorph.lowest_modes import MeshModes, lowest_modes, solve_modes
+from tactgen.validation.models.bimorph.lowest_modes import (
+    MeshModes,
+    coarse_modes,
+    fine_modes,
+    lowest_modes,
+)
 from tactgen.validation.models.bimorph.model import BimorphModel
 
 if TYPE_CHECKING:
@@ -180,9 +185,9 @@ class TwoMeshModel(BimorphModel):
 
         def work() -> SolidModes:
             pair, systems = self.mesh_pair, self.systems()
-            fine, coarse = solve_modes(*systems, self.scene.modes)
+            coarse = self.coarse_modes(systems[1])
             return SolidModes(
-                fine,
+                fine_modes(systems[0], coarse, self.scene.modes),
                 coarse,
                 spurious_stiffness=systems[0].spurious_stiffness,
                 mass=float(systems[0].node_mass.sum()),
@@ -192,6 +197,10 @@ class TwoMeshModel(BimorphModel):
             )
 
         return self.run("modal", work)
+
+    def coarse_modes(self, system: SolidSystem) -> MeshModes:
+        """Return what modes on any support follow from, on a mesh that judges another."""
+        return coarse_modes(system, self.scene.modes)
 
     def _lowest(self, *, open_circuit: bool) -> tuple[list[BareMode], list[BareMode]]:
         modal = self._modal()

@@ -9,9 +9,7 @@ search).  How much was really missing there, once it is known, sets the bound's 
 from __future__ import annotations
 
 import itertools
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -30,7 +28,7 @@ from tactgen.fem.bimorph.reduction.parametric.harmonic import family_harmonic
 from tactgen.fem.bimorph.reduction.parametric.products import TermProducts
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members, ReducedMotion
 from tactgen.fem.bimorph.system import SolidSystem, materials
-from tactgen.fem.solvers.threads import thread_count
+from tactgen.fem.solvers.threads import side_by_side
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.geometry.bimorph.bricks import Bricks
@@ -294,17 +292,9 @@ class _Builder:
 
 
 def _for_each(motions: Iterable[Motion], work: Callable[[Motion], T]) -> dict[Motion, T]:
-    """Return what is worked out for each class of motion, several at a time.
-
-    They have nothing to do with one another, and nearly all of the work is done by libraries
-    that let other threads run.
-    """
+    """Return what is worked out for each class of motion; they know nothing of one another."""
     asked = list(motions)
-    threads = thread_count() or len(os.sched_getaffinity(0))
-    if threads == 1 or len(asked) == 1:
-        return {motion: work(motion) for motion in asked}
-    with ThreadPoolExecutor(threads) as pool:
-        return dict(zip(asked, pool.map(work, asked), strict=True))
+    return dict(zip(asked, side_by_side(work, asked), strict=True))
 
 
 def _looked_at_too(frequencies: Sequence[float]) -> Floats:

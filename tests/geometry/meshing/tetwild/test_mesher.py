@@ -15,6 +15,9 @@ while source := sys.stdin.readline().rstrip("\\n"):
     target = sys.stdin.readline().rstrip("\\n")
     with np.load(source) as given:
         points, trouble = given["points"], str(given["trouble"])
+    if trouble.startswith("waits for "):
+        while not os.path.exists(trouble.removeprefix("waits for ")):
+            time.sleep(0.01)
     if trouble == "hangs":
         time.sleep(60.0)
     if trouble == "dies":
@@ -64,3 +67,19 @@ def test_a_block_that_meshes_nothing_starts_nothing(pretender):
         pass
     assert mesher._process is None
     assert mesher._folder is None
+
+
+def test_the_caller_does_something_while_a_mesh_is_made(pretender, tmp_path):
+    """A mesh that is not done before the caller's work is; with the next mesh nothing is done."""
+    called = []
+
+    def work():
+        called.append("once")
+        (tmp_path / "done").touch()
+
+    with Mesher() as mesher:
+        mesher.meanwhile = work
+        for k in range(2):
+            points, _ = mesher.mesh(job(f"waits for {tmp_path / 'done'}", float(k)), 30.0)
+            assert points[0, 0] == k
+    assert called == ["once"]
