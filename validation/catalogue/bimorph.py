@@ -21,7 +21,8 @@ from tactgen.validation.catalogue.safe_drive import voltage_limits
 _LARGEST = 1e3
 
 
-def _coupling(short: Any, opened: Any) -> Any:
+def coupling_factor(short: Any, opened: Any) -> Any:
+    """Return the electromechanical coupling factor of a mode from its two frequencies."""
     return np.sqrt(np.maximum(1.0 - (short / opened) ** 2, 0.0))
 
 
@@ -76,7 +77,7 @@ OPEN_CIRCUIT_FREQUENCIES = QuantityRow(
 COUPLING_FACTOR = QuantityRow(
     "coupling_factor", "1", "sqrt(1 - (f_short/f_open)^2) of the first bending mode in x",
     # k² is the difference of nearly equal numbers
-    ModalReadout(("short", "open"), _coupling, lambda value: 1.0 / max(value**2, 1e-12)),
+    ModalReadout(("short", "open"), coupling_factor, lambda value: 1.0 / max(value**2, 1e-12)),
     varied=True,
 )  # fmt: skip
 CAPACITANCE_FREE = QuantityRow(

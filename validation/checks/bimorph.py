@@ -8,11 +8,14 @@ from tactgen.validation.checks import bimorph_measurements as m
 from tactgen.validation.checks.pad import PAD_CHECKS
 from tactgen.validation.checks.row import Check
 
-#: What the bridge follows, by the rung's attribute.
+#: What the bridge follows, by the name of its value, with the numbers of its rows X.
 _BRIDGED = {
-    "deflection": "static deflection",
-    "first_frequency": "first frequency on a clamp",
-    "capacitance": "free capacitance",
+    "deflection": ("static deflection", 3, 6, 9),
+    "first_frequency": ("first frequency on a clamp", 4, 7, 10),
+    "capacitance": ("free capacitance", 5, 8, 11),
+    "open_frequency": ("first frequency at open circuit", 13, 16, 19),
+    "coupling": ("coupling factor", 14, 17, 20),
+    "blocked_capacitance": ("blocked capacitance", 15, 18, 21),
 }
 
 _EXACT = "60-digit solution of the beam's differential equations"
@@ -99,35 +102,35 @@ CHECKS: tuple[Check, ...] = (
     ),
     *(
         Check(
-            f"X-{3 + i}", "cross-model",
+            f"X-{alike}", "cross-model",
             f"A solid that assumes what a beam assumes gives TMM's {name}, the shear factor being "
             "that of the section's shear energy.",
             1.0, "1", "same theory but for the ends", 1e-3, "the ends' zones", partial(
                 m.beam_like_solid_over_tmm, quantity
             ),
         )
-        for i, (quantity, name) in enumerate(_BRIDGED.items())
+        for quantity, (name, alike, _, _) in _BRIDGED.items()
     ),
     *(
         Check(
-            f"X-{6 + i}", "cross-model",
+            f"X-{varies}", "cross-model",
             f"A field that varies through the layers changes the {name} as the closed form says.",
             1.0, "1", "closed form: layers stiffened by 1/(1 - k31^2)", 2e-4,
             "the ends' zones, some hundredths of a step of 1.6 %", partial(
                 m.field_variation, quantity
             ),
         )
-        for i, (quantity, name) in enumerate(_BRIDGED.items())
+        for quantity, (name, _, varies, _) in _BRIDGED.items()
     ),
     *(
         Check(
-            f"X-{9 + i}", "cross-model",
+            f"X-{rest}", "cross-model",
             f"The solid's own section and its ends explain its {name}.",
             1.0, "1", "beam with that section; ends by their fall with the length", 1e-3,
             "error of coarse bricks, magnified by extrapolating to an endless bimorph",
             partial(m.bridge_rest, quantity),
         )
-        for i, (quantity, name) in enumerate(_BRIDGED.items())
+        for quantity, (name, _, _, rest) in _BRIDGED.items()
     ),
     Check(
         "X-12", "cross-model",

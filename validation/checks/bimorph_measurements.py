@@ -153,7 +153,7 @@ def _clamped_bridge() -> list[Rung]:
 
 def beam_like_solid_over_tmm(quantity: str) -> float:
     """Return the solid with a beam's constants and a linear potential over TMM."""
-    beam, solid = _clamped_bridge()[1:3]
+    beam, solid = (rung.values for rung in _clamped_bridge()[1:3])
     return float(getattr(solid, quantity) / getattr(beam, quantity))
 
 

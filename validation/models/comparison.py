@@ -10,7 +10,10 @@ import numpy as np
 
 from tactgen.tmm.ports.readout import ModalReadout
 from tactgen.validation.catalogue.bimorph import (
+    CAPACITANCE_BLOCKED,
     CAPACITANCE_FREE,
+    COUPLING_FACTOR,
+    OPEN_CIRCUIT_FREQUENCIES,
     SHORT_CIRCUIT_FREQUENCIES,
     STATIC_TIP_DISPLACEMENT,
 )
@@ -27,10 +30,13 @@ if TYPE_CHECKING:
 Verdict = Literal["reference", "agrees", "explained", "model form", "differs"]
 
 #: The quantities that the bridge follows, by the rung's attribute.
-_BRIDGED = {
+BRIDGED = {
     STATIC_TIP_DISPLACEMENT.name: "deflection",
     SHORT_CIRCUIT_FREQUENCIES.name: "first_frequency",
     CAPACITANCE_FREE.name: "capacitance",
+    OPEN_CIRCUIT_FREQUENCIES.name: "open_frequency",
+    COUPLING_FACTOR.name: "coupling",
+    CAPACITANCE_BLOCKED.name: "blocked_capacitance",
 }
 #: A difference is explained if the bridge accounts for all but this fraction of the value:
 #: the bridge runs on the coarser mesh of the pair.
@@ -156,9 +162,9 @@ def _judge(
     reason = _ONE_DIMENSIONAL
     if scene.support.kind == "rod":
         reason += f"; and {_ON_ROD}"
-    if causes is None or row.name not in _BRIDGED:
+    if causes is None or row.name not in BRIDGED:
         return "model form", f"{reason}; {shortcut}" if shortcut else reason
-    shares = {c.name: getattr(c.share, _BRIDGED[row.name]) for c in causes}
+    shares = {c.name: getattr(c.share, BRIDGED[row.name]) for c in causes}
     together = sum(shares.values())
     left = (1.0 + difference) / (1.0 + together) - 1.0
     named = ", ".join(f"{name} {_points(share)}" for name, share in shares.items())

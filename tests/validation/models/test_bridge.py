@@ -86,7 +86,7 @@ def test_steps_add_up(rungs, level):
     """The product of all steps leads from TMM to the scene's own solid."""
     for quantity in Values._fields:
         product = math.prod(1.0 + getattr(rung.step, quantity) for rung in rungs[1:])
-        whole = getattr(rungs[-1], quantity) / getattr(rungs[0], quantity)
+        whole = getattr(rungs[-1].values, quantity) / getattr(rungs[0].values, quantity)
         assert product == pytest.approx(whole, rel=1e-12)
     solid = solve_solid(SolidCase(clamped(), level=level))
     # the shear factor, which only beams have, is all that differs

@@ -67,10 +67,11 @@ def expected_differences(scene: Scene) -> dict[str, Band]:
     plate = beam_values(uniform, laminate_section(uniform.device, uniform.beam))
     ends = end_share(scene.bimorph)
     found = {}
-    for row, narrow, wide in zip(
-        (STATIC_TIP_DISPLACEMENT, SHORT_CIRCUIT_FREQUENCIES, CAPACITANCE_FREE),
-        strip, plate, strict=True,
-    ):  # fmt: skip
+    for row, narrow, wide in (
+        (STATIC_TIP_DISPLACEMENT, strip.deflection, plate.deflection),
+        (SHORT_CIRCUIT_FREQUENCIES, strip.first_frequency, plate.first_frequency),
+        (CAPACITANCE_FREE, strip.capacitance, plate.capacitance),
+    ):
         if wide != 0.0 and np.isfinite(narrow / wide):
             width = narrow / wide - 1.0
             found[row.name] = Band(min(0.0, width) - ends, max(0.0, width) + ends)

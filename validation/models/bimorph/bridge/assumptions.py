@@ -206,4 +206,4 @@ def _admissible(ceramic: Piezoceramic) -> bool:
 
 
 def _unknown() -> Values:
-    return Values(np.nan, np.nan, np.nan)
+    return Values(*[np.nan] * len(Values._fields))

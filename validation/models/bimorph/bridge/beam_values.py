@@ -10,7 +10,9 @@ from tactgen.tmm.beam.section.section import Section, without_electrode
 from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.tmm.beam.transfer.scattering import Element
 from tactgen.tmm.ports.multiport import Multiport, respond
+from tactgen.tmm.ports.readout import ELECTRICAL, MECHANICAL
 from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.catalogue.bimorph import coupling_factor
 from tactgen.validation.models.bimorph.bridge.rung import Values
 from tactgen.validation.scene.scene import Scene
 
@@ -39,15 +41,30 @@ def beam_values(scene: Scene, active: Section | None = None) -> Values:
 def values_of_row(scene: Scene, row: list[Element]) -> Values:
     """Return the values of a row of beams on the scene's support, under its load."""
     port = transfer_matrix.chain(row, np.zeros(1))
-    first = bending_frequencies(row, scene.ends, 1, open_circuit=False)[0]
-    return static_values(scene, port, float(first))
+    short, opened = (
+        float(bending_frequencies(row, scene.ends, 1, open_circuit=circuit)[0])
+        for circuit in (False, True)
+    )
+    return values_from(scene, port, short, opened)
 
 
-def static_values(scene: Scene, static: Multiport, first_frequency: float) -> Values:
-    """Return a first frequency (Hz) with what D(0) says on the scene's support, under its load."""
-    response = respond(attach(static, scene.ends.lossless), {"voltage": 1.0})
-    moved, charge = response.motion["w_tip"][0], response.effort["voltage"][0]
-    return Values(float(moved.real), first_frequency, float(charge.real))
+def values_from(scene: Scene, static: Multiport, short: float, opened: float) -> Values:
+    """Return what D(0) says on the scene's support, under its load, with its first frequencies.
+
+    `short` and `opened` are those of the first bending mode in x (Hz).
+    """
+    port = attach(static, scene.ends.lossless)
+    free = respond(port, {ELECTRICAL: 1.0})
+    held = {name: 0.0 for name in MECHANICAL if name in port.names}
+    blocked = respond(port, {ELECTRICAL: 1.0} | held)
+    return Values(
+        deflection=float(free.motion["w_tip"][0].real),
+        first_frequency=short,
+        capacitance=float(free.effort[ELECTRICAL][0].real),
+        open_frequency=opened,
+        coupling=float(coupling_factor(short, opened)),
+        blocked_capacitance=float(blocked.effort[ELECTRICAL][0].real),
+    )
 
 
 def bimorph_piece(scene: Scene) -> Piece:

@@ -9,15 +9,26 @@ import numpy as np
 
 
 class Values(NamedTuple):
-    """What a bridge follows: tip displacement per volt (m), frequency (Hz), capacitance (F).
+    """What a bridge follows.
 
-    Statically free and free of charge constraints; the frequency is that of the first
-    short-circuit bending mode in x.
+    Attributes
+    ----------
+    deflection : float
+        Static tip displacement per volt (m).
+    first_frequency, open_frequency : float
+        Of the first bending mode in x (Hz), at U = 0 and at Q = 0.
+    capacitance, blocked_capacitance : float
+        Static, with a free tip, and with base and tip held (F).
+    coupling : float
+        sqrt(1 - (first / open)²).
     """
 
     deflection: float
     first_frequency: float
     capacitance: float
+    open_frequency: float
+    coupling: float
+    blocked_capacitance: float
 
     def step_from(self, before: Values) -> Steps:
         """Return the relative changes from another set of values."""
@@ -30,6 +41,9 @@ class Steps(NamedTuple):
     deflection: float = np.nan
     first_frequency: float = np.nan
     capacitance: float = np.nan
+    open_frequency: float = np.nan
+    coupling: float = np.nan
+    blocked_capacitance: float = np.nan
 
 
 #: Where no change is known.

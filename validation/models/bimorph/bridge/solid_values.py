@@ -22,7 +22,7 @@ from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.tmm.beam.section.section import Section, section
 from tactgen.tmm.ports.multiport import Multiport, hold, respond
-from tactgen.validation.models.bimorph.bridge.beam_values import bimorph_piece, static_values
+from tactgen.validation.models.bimorph.bridge.beam_values import bimorph_piece, values_from
 from tactgen.validation.models.bimorph.bridge.rung import Values
 from tactgen.validation.scene.scene import Scene
 
@@ -74,7 +74,7 @@ class SolvedSolid:
 
 
 def solve_solid(case: SolidCase) -> SolvedSolid:
-    """Solve a solid: statics and the first bending mode from one factorisation."""
+    """Solve a solid: statics and the first bending modes from one factorisation."""
     scene = case.scene
     system = assemble(
         scene.device,
@@ -86,9 +86,15 @@ def solve_solid(case: SolidCase) -> SolvedSolid:
     static = static_multiport(system)
     # a whole body also bends the other way, twists and stretches
     count = 1 if system.motion == "bending_x" else 4
-    modes = natural_modes(system, scene.ends, count)
-    first = next(mode.frequency for mode in modes if mode.kind == "bending_x")
-    return SolvedSolid(static_values(scene, static, first), static)
+    short, opened = (
+        next(
+            mode.frequency
+            for mode in natural_modes(system, scene.ends, count, open_circuit=circuit)
+            if mode.kind == "bending_x"
+        )
+        for circuit in (False, True)
+    )
+    return SolvedSolid(values_from(scene, static, short, opened), static)
 
 
 def tip_compliance(static: Multiport) -> Floats:
