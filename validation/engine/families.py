@@ -28,7 +28,9 @@ Box = Mapping[str, tuple[float, float]]
 
 
 class FamilyModule(Protocol):
-    """What a module for families of a model has."""
+    """What a module for families of a model has; `BASIS` is what points are read off, in words."""
+
+    BASIS: str
 
     def is_family_key(self, scene: Scene, key: str) -> bool:
         """Return whether a scene key may vary within a family."""
@@ -91,11 +93,16 @@ class Family:
     def reason(self) -> str:
         """Why they are answered together, for the reader."""
         if self.box is not None:
-            return f"{self.model}: the range of {', '.join(self.keys)} by one reduced basis"
+            return f"{self.model}: the range of {', '.join(self.keys)} by {basis(self.model)}"
         return (
             f"{self.model}: {len(self.numbers)} points differ in {', '.join(self.keys)} only, and "
-            f"more than {_least(len(self.keys))} are answered faster by one reduced basis"
+            f"more than {_least(len(self.keys))} are answered faster by {basis(self.model)}"
         )
+
+
+def basis(model: str) -> str:
+    """Return what points of a family are read off by a model that has families, in words."""
+    return _module(model).BASIS
 
 
 def gives_families(model: str, quantities: Sequence[str]) -> bool:

@@ -7,23 +7,23 @@ point from the last.  Field theory is in :mod:`fem.reluctance.axisymmetric.field
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.field import MagneticField, solve_field, truncation_error
-from tactgen.fem.reluctance.axisymmetric.force import (
-    EggshellWeight,
-    eggshell_force,
-    eggshell_weight,
-    virtual_work_force,
+from tactgen.fem.reluctance.axisymmetric.field import MagneticField, truncation_error
+from tactgen.fem.reluctance.axisymmetric.force import eggshell_force, virtual_work_force
+from tactgen.fem.reluctance.axisymmetric.two_orders import (
+    Pair,
+    TwoOrders,
+    fitted,
+    from_neighbour,
+    solve_pair,
+    two_orders,
 )
-from tactgen.fem.reluctance.axisymmetric.space import Discretisation, discretise, lowered
-from tactgen.fem.solvers.newton import Factors
-from tactgen.geometry.arrays import Ints
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, graded_grid
+from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
 from tactgen.geometry.reluctance.section_regions import actuator_regions
 
 #: Polynomial order that gives the accuracy wanted in the least time on this device.
@@ -98,19 +98,6 @@ class FieldPoint:
         return self.flux_linkage / self.current if self.current else self.incremental_inductance
 
 
-@dataclass(frozen=True, eq=False)
-class _Model:
-    """What is shared by all currents at one gap, at two orders."""
-
-    gap: float
-    fine: Discretisation
-    coarse: Discretisation
-    nested: Ints
-    weight: EggshellWeight
-    fine_factors: Factors
-    coarse_factors: Factors
-
-
 def solve_point(
     device: Device,
     current: float | None = None,
@@ -147,8 +134,8 @@ def solve_point(
     """
     current = device.coil.current if current is None else current
     gap = device.gap if gap is None else gap
-    model = _model(device, gap, order, refinement, outer_radius)
-    return _point(model, _solved(model, current, None), keep=True, any_grid=any_grid)
+    model = two_orders(device, gap, order, refinement, outer_radius)
+    return field_point(model, solve_pair(model, current), keep=True, any_grid=any_grid)
 
 
 def solve_map(
@@ -169,72 +156,34 @@ def solve_map(
     for gap in gaps:
         actuator_regions(device, gap)  # refuses before anything is solved
     rows: dict[float, tuple[FieldPoint, ...]] = {}
-    home: _Model | None = None
-    last: _Pair | None = None
+    home: TwoOrders | None = None
+    last: Pair | None = None
     for gap in sorted(set(gaps), reverse=True):
-        model = home and _fitted(home, device, gap)
+        model = home and fitted(home, device, gap)
         if model is None:
-            model = home = _model(device, gap, order, refinement, outer_radius)
+            model = home = two_orders(device, gap, order, refinement, outer_radius)
             last = None
         found, first = {}, None
         for current in sorted(set(currents), key=abs):
-            last = _solved(model, current, last)
-            found[current] = _point(model, last, keep=False, any_grid=any_grid)
+            start = from_neighbour(last, current) if last else None
+            last = solve_pair(model, current, start)
+            found[current] = field_point(model, last, any_grid=any_grid)
             first = first or last
         last = first
         rows[gap] = tuple(found[current] for current in currents)
     return tuple(rows[gap] for gap in gaps)
 
 
-def _model(
-    device: Device, gap: float, order: int, refinement: float, outer_radius: float
-) -> _Model:
-    if order < 2:
-        raise InputError(f"order = {order} leaves none below it to estimate errors; use 2 or more")
-    regions = actuator_regions(device, gap)
-    fine = discretise(graded_grid(regions, outer_radius, refinement=refinement), order)
-    coarse, nested = lowered(fine)
-    return _Model(gap, fine, coarse, nested, eggshell_weight(fine), Factors(), Factors())
+def field_point(
+    model: TwoOrders, pair: Pair, *, keep: bool = False, any_grid: bool = False
+) -> FieldPoint:
+    """Return what a solved field says, with error bars; `keep` keeps the field itself.
 
-
-def _fitted(model: _Model, device: Device, gap: float) -> _Model | None:
-    """Return the model of another device or gap on the same grid, None if it does not reach."""
-    regions = actuator_regions(device, gap)
-    grid = model.fine.grid.fitted(regions)
-    if grid is None:
-        return None
-    fine, coarse = (d.on(grid) for d in (model.fine, model.coarse))
-    return replace(model, gap=gap, fine=fine, coarse=coarse, weight=eggshell_weight(fine))
-
-
-@dataclass(frozen=True, eq=False)
-class _Pair:
-    """The same field by the lower and by the wanted order."""
-
-    coarse: MagneticField
-    fine: MagneticField
-
-
-def _solved(model: _Model, current: float, last: _Pair | None) -> _Pair:
-    """Solve at both orders.
-
-    From nothing, the cheap lower order goes first and starts the wanted one.  From a
-    neighbour, the wanted order does; the lower one starts from its part of lower order
-    and what the two differed by at the neighbour.
+    Raises
+    ------
+    InputError
+        If the grid is too coarse for error bars, unless `any_grid`.
     """
-    currents = np.array([current])
-    if last is None:
-        coarse = solve_field(model.coarse, currents, None, model.coarse_factors)
-        start = np.zeros(model.fine.size)
-        start[model.nested] = coarse.potential
-        return _Pair(coarse, solve_field(model.fine, currents, start, model.fine_factors))
-    predicted = last.fine.predicted(currents)
-    fine = solve_field(model.fine, currents, predicted, model.fine_factors)
-    start = last.coarse.potential + (fine.potential - last.fine.potential)[model.nested]
-    return _Pair(solve_field(model.coarse, currents, start, model.coarse_factors), fine)
-
-
-def _point(model: _Model, pair: _Pair, *, keep: bool, any_grid: bool) -> FieldPoint:
     fine = pair.fine
     values, lower = _values(model, fine), _values(model, pair.coarse)
     errors = _errors(fine, values, lower)
@@ -295,7 +244,7 @@ def _errors(fine: MagneticField, values: dict[str, float], lower: dict[str, floa
     )
 
 
-def _values(model: _Model, solution: MagneticField) -> dict[str, float]:
+def _values(model: TwoOrders, solution: MagneticField) -> dict[str, float]:
     return {
         "flux_linkage": float(solution.flux_linkage[0]),
         "coenergy": solution.coenergy,

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 _Found = TypeVar("_Found", "FieldPoint", "SolidPoint")
 
 #: Accuracy in force that a fineness of the grid reaches with its error bar, coarsest first.
-_REFINEMENTS = ((2e-3, 1.0), (5e-4, 1.5), (0.0, 2.0))
+REFINEMENTS = ((2e-3, 1.0), (5e-4, 1.5), (0.0, 2.0))
 #: The same of the 3D model's sector.
 _SECTOR_REFINEMENTS = ((2.5e-2, 0.7), (1.3e-2, 1.0), (0.0, 1.4))
 #: Polynomial order of a field map's samples: their error is then below that of interpolating them.
@@ -96,7 +96,7 @@ class AxisymmetricModel(_FieldModel):
 
         device, accuracy = self.scene.device, self.scene.accuracy
         return _fine_enough(
-            _REFINEMENTS,
+            REFINEMENTS,
             accuracy,
             lambda fineness: solve_point(device, current, gap, refinement=fineness),
         )

@@ -14,7 +14,7 @@ from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.scene.scene import Scene
 
 #: Share of the iron beyond the end of its curve that is worth a word: less is a corner or two.
-_WORTH_A_WORD = 0.01
+WORTH_A_WORD = 0.01
 
 
 def magnetic_warnings(
@@ -37,7 +37,7 @@ def magnetic_warnings(
     for need in others:
         if _read_off(need, quantities):
             beyond = max(beyond, answer(need).beyond_table)
-    if beyond > _WORTH_A_WORD:
+    if beyond > WORTH_A_WORD:
         found.append(_too_short(scene, model, beyond))
     return tuple(found)
 

@@ -21,6 +21,7 @@ from tactgen.validation.engine.families import (
     MOST_KEYS,
     Box,
     ReducedModel,
+    basis,
     family_keys,
     gives_families,
     reduce_family,
@@ -144,7 +145,7 @@ class Part:
         """Why they are answered in blocks, for the reader."""
         return (
             f"{self.model}: {len(self.numbers)} points differ in {', '.join(self.keys)} only and "
-            "are read off one reduced basis"
+            f"are read off {basis(self.model)}"
         )
 
     @property

@@ -59,7 +59,7 @@ def test_a_reduced_basis_gives_a_finer_grid(tmp_path, monkeypatch, own_store):
     study, page, data = written(tmp_path, "bimorph.length=14mm:18mm:9", models=("solid",))
     (grid,) = data["grids"]
     assert len(grid["axes"][0]) == 201
-    assert "solid: 201 points by its reduced basis" in page
+    assert "solid: 201 points read off one reduced basis" in page
     coarse = [float(answers["solid"].quantities[0].value) for answers in study.answers]
     fine = grid["numbers"][STATIC[0]]
     np.testing.assert_allclose(fine["value"][::25], coarse, rtol=1e-9)

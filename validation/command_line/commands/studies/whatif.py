@@ -207,7 +207,7 @@ def _show(
         print("\n".join([*table_lines(study), *(sentences(study, found) if found else ())]))
     counts = study.counts
     where = f", written to {options.out}" if options.out else ""
-    together = f" ({counts.together} from a reduced basis)" if counts.together else ""
+    together = f" ({counts.together} of them together)" if counts.together else ""
     print(
         f"{len(study.points)} points: {counts.computed} answers computed{together}, "
         f"{counts.recalled} kept "

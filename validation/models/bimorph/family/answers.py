@@ -31,6 +31,8 @@ from tactgen.validation.scene.scene import Scene
 
 __all__ = ["family_prospect", "gives_family", "is_family_key", "reduce_family"]
 
+#: What members are read off, in words.
+BASIS = "one reduced basis"
 #: Members beyond which to look for fewer shapes pays: it takes about as long as a few hundred.
 _MANY = 1000
 

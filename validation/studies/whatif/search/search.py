@@ -370,6 +370,6 @@ def sentences(found: Found) -> list[str]:
             )
     lines += [f"{key} is an end of its range, beyond which there may be better"
               for key in found.at_end if any(aim.kind == "goal" for aim in found.aims)]  # fmt: skip
-    basis = f", {found.together} of their answers from a reduced basis" if found.together else ""
+    basis = f", {found.together} of their answers given together" if found.together else ""
     lines.append(f"{found.tried} points tried{basis}.")
     return lines

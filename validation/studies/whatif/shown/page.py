@@ -18,6 +18,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.families import basis
 from tactgen.validation.studies.whatif.answers import Answer
 from tactgen.validation.studies.whatif.asked.axes import Axis
 from tactgen.validation.studies.whatif.asked.statement import Statement
@@ -88,7 +89,7 @@ def _sliders(study: Study, announce: Callable[[str], None]) -> list[str]:
         grids.append(_grid(statement, model, given))
         told.append(
             f"{model}: the study's own {len(given)} points" if own
-            else f"{model}: {len(given)} points by its reduced basis"
+            else f"{model}: {len(given)} points read off {basis(model)}"
         )  # fmt: skip
     data = {
         "axes": [

@@ -1,0 +1,121 @@
+"""The actuator along a range of its dimensions, gap or current: one grid that moves, warm starts.
+
+On one grid that only stretches, force and flux linkage are smooth functions of a dimension: what
+the grid is off by changes as slowly.  Each point starts from the polynomial through the fields
+that were solved nearby.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from tactgen.fem.reluctance.axisymmetric.actuator import ORDER, FieldPoint, field_point
+from tactgen.fem.reluctance.axisymmetric.two_orders import (
+    Pair,
+    Start,
+    fitted,
+    solve_pair,
+    two_orders,
+)
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
+
+#: Solved fields that a start is made of, and the largest degree of the polynomial through them.
+_NEAR, _DEGREE = 6, 4
+#: A polynomial whose weights add up to more in size is no start: its fields lie to one side.
+_LARGEST_WEIGHTS = 4.0
+
+
+class FieldPath:
+    """Points that differ in a few numbers, on the grid of one device.
+
+    Parameters
+    ----------
+    device, gap
+        Whose grid it is (m).
+    order, refinement, outer_radius
+        As of :func:`fem.reluctance.axisymmetric.actuator.solve_point`.
+
+    Raises
+    ------
+    InputError
+        As there.
+    """
+
+    def __init__(
+        self,
+        device: Device,
+        gap: float,
+        *,
+        order: int = ORDER,
+        refinement: float = 1.0,
+        outer_radius: float = OUTER_RADIUS,
+    ) -> None:
+        self._home = two_orders(device, gap, order, refinement, outer_radius)
+        self._places: list[Floats] = []
+        self._pairs: list[Pair] = []
+
+    def reaches(self, device: Device, gap: float) -> bool:
+        """Return whether the grid fits another device or gap."""
+        return fitted(self._home, device, gap) is not None
+
+    def at(self, device: Device, current: float, gap: float, place: Floats) -> FieldPoint:
+        """Return the point of a device at a current (A) and gap (m).
+
+        Parameters
+        ----------
+        place : (k,) float
+            What varies, each about from −1 to 1: fields nearby in it make the start.
+
+        Raises
+        ------
+        InputError
+            If the grid does not reach so far, or is too coarse there.
+        SolverError
+            If the field does not converge.
+        """
+        model = fitted(self._home, device, gap)
+        if model is None:
+            raise InputError(
+                f"the grid made for gap = {self._home.gap * 1e3:g} mm does not fit "
+                f"gap = {gap * 1e3:g} mm and the sizes there; make the range smaller"
+            )
+        pair = solve_pair(model, current, self._start(place))
+        self._places.append(np.asarray(place, dtype=float))
+        self._pairs.append(pair)
+        return field_point(model, pair)
+
+    def _start(self, place: Floats) -> Start | None:
+        if not self._pairs:
+            return None
+        solved = np.array(self._places)
+        near = np.argsort(np.linalg.norm(solved - place, axis=1))[:_NEAR]
+        weights = _weights(solved[near], place)
+        pairs = [self._pairs[n] for n in near]
+        return Start(
+            weights @ np.array([pair.coarse.potential for pair in pairs]),
+            weights @ np.array([pair.fine.potential for pair in pairs]),
+        )
+
+
+def _weights(places: Floats, place: Floats) -> Floats:
+    """Return weights (n,) of values at places (n, k) that give polynomials at `place` exactly.
+
+    Of the highest degree that n places, nearest first, determine.
+    """
+    count, axes = places.shape
+    for degree in range(_DEGREE, 0, -1):
+        powers = [p for p in itertools.product(range(degree + 1), repeat=axes) if sum(p) <= degree]
+        if len(powers) > count:
+            continue
+        away = np.array([np.prod((places - place) ** p, axis=1) for p in powers])
+        there = np.array([float(not any(p)) for p in powers])
+        weights = np.linalg.lstsq(away, there, rcond=None)[0]
+        exact = np.abs(away @ weights - there).max() < 1e-6
+        if exact and np.abs(weights).sum() < _LARGEST_WEIGHTS:
+            return np.asarray(weights)
+    return np.asarray(np.eye(count)[0])

@@ -1,0 +1,104 @@
+"""Many points of the axisymmetric model from one table, against points solved alone."""
+
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.families import find_families
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.reluctance import family, field
+from tactgen.validation.scene.scene import load_scene, scene_values
+from tactgen.validation.studies.whatif import answers
+from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.outlook import study_outlook
+from tactgen.validation.studies.whatif.run import run_study
+
+NAMES = ("magnetic_force", "flux_linkage", "coenergy", "inductance", "incremental_inductance")
+SETS = ["models=axisymmetric", "accuracy=10%"]
+
+
+@pytest.fixture(autouse=True)
+def coarse(own_store, monkeypatch):
+    """One coarse grid for both ways, in a store whose keys do not know how coarse."""
+    for module in (family, field):
+        monkeypatch.setattr(module, "REFINEMENTS", ((0.0, 0.5),))
+
+
+def stated(*vary, **more):
+    values, _ = scene_values("reluctance", SETS)
+    return Statement("reluctance", values, vary, ("axisymmetric",), NAMES, **more)
+
+
+def hold(point, answer):
+    """Hold what a study says at a point against the same solved alone."""
+    units = {"coil.current": "A"}
+    there = [f"{key}={value!r} {units.get(key, 'm')}" for key, value in point.items()]
+    scene, _ = load_scene("reluctance", [*SETS, *there])
+    for single in solve(scene, ("axisymmetric",), NAMES).quantities:
+        together = next(q for q in answer.quantities if q.name == single.name)
+        assert together.unit == single.unit
+        assert abs(together.value - single.value) <= together.uncertainty + single.uncertainty
+        # tabled, not guessed: no more than as much again is added to a single point's bar
+        assert together.uncertainty <= 2.5 * single.uncertainty, single.name
+
+
+@pytest.mark.parametrize(
+    ("vary", "held"),
+    [
+        ("coil.length=1.4mm:1.62mm:9", (1, 8)),
+        pytest.param("rod.radius=0.56mm:0.64mm:9", (3, 8), marks=pytest.mark.heavy),
+        pytest.param("gap=0.1mm:0.25mm:9", (0, 4), marks=pytest.mark.heavy),
+        pytest.param("coil.current=50mA:200mA:9", (2, 6), marks=pytest.mark.heavy),
+    ],
+)
+def test_a_study_takes_one_table_and_says_so(vary, held, monkeypatch):
+    statement = stated(vary)
+    before = study_outlook(statement)[0].bases[0].sentence
+    assert "one table of fields" in before
+    assert "not built yet" in before
+    said = []
+    with monkeypatch.context() as alone:
+        alone.setattr(answers, "solve", lambda *_: pytest.fail("a point was solved alone"))
+        study = run_study(statement, 1, said.append)
+    assert any(f"9 points differ in {vary.partition('=')[0]} only" in text for text in said)
+    assert "which is kept" in study_outlook(statement)[0].bases[0].sentence
+    rows = list(study.rows)
+    for number in held:
+        point, _, answer = rows[number]
+        hold(point, answer)
+
+
+@pytest.mark.heavy
+def test_two_numbers_that_vary_at_random():
+    """A gap and a current, drawn: one table of both."""
+    statement = stated("gap=0.15mm:0.25mm", "coil.current=80mA:160mA", samples=40)
+    study = run_study(statement, 1)
+    assert study.counts.together == 40
+    for point, _, answer in list(study.rows)[::8]:
+        hold(point, answer)
+
+
+def test_what_one_grid_does_not_reach_is_answered_alone():
+    """Where the coil's edge passes the flange's, the lines change their order."""
+    scene, _ = load_scene("reluctance", SETS)
+    with pytest.raises(InputError, match="no one grid reaches over the range"):
+        family.reduce_family(scene, {"coil.outer_radius": (0.85e-3, 0.95e-3)}, NAMES, 9)
+    ranges = dict.fromkeys(("gap", "rod.radius", "coil.current"), (1.0, 2.0))
+    with pytest.raises(InputError, match="3 keys vary together"):
+        family.reduce_family(scene, ranges, NAMES, 9)
+
+
+@pytest.mark.parametrize(
+    ("key", "own"),
+    [("rod.flange_radius", True), ("sleeve.length", True), ("coil.turns", True), ("gap", True),
+     ("coil.current", True), ("accuracy", False), ("rod.density", False),
+     ("spring.stiffness", False), ("steel.curve", False)],
+)  # fmt: skip
+def test_numbers_that_a_point_reads_vary_within_a_family(key, own):
+    scene, _ = load_scene("reluctance", SETS)
+    assert family.is_family_key(scene, key) is own
+
+
+def test_only_points_are_tabled():
+    """Currents of the stroke are no smooth functions: another place of the stroke may decide."""
+    scene, _ = load_scene("reluctance", SETS)
+    assert find_families("axisymmetric", [scene] * 20, ("pull_in_current",)) == []
