@@ -44,7 +44,7 @@ def small_map(tmp_path_factory):
         patch.setattr("tactgen.tmm.reluctance.map_range.map_grid", few)
         patch.setattr(actuator, "solve_point", point)
         patch.setattr(actuator, "solve_map", rough)
-        patch.setattr(field, "_REFINEMENTS", ((0.0, 0.5),))
+        patch.setattr(field, "REFINEMENTS", ((0.0, 0.5),))
         patch.setattr(field, "_MAP_ORDER", 2)
         yield
 

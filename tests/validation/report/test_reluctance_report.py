@@ -48,7 +48,7 @@ def reluctance(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(study, "run_check", lambda check: study.Outcome(check, 1.0, 0.0, "pass"))
         patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("coarse")))
-        patch.setattr(field, "_REFINEMENTS", ((0.0, 1.0),))
+        patch.setattr(field, "REFINEMENTS", ((0.0, 1.0),))
         return make(tmp_path_factory.mktemp("reluctance"), "reluctance")
 
 
