@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from tactgen.fem.solvers.threads import thread_count
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.store import size_limit
 from tactgen.validation.command_line.commands import (
     bill,
     cache,
@@ -151,6 +150,14 @@ def _tidy_when_told_to_end() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
+def _check_settings() -> None:
+    """Refuse bad settings now, not after meshing."""
+    from tactgen.geometry.store.store import size_limit
+
+    thread_count()
+    size_limit()
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code."""
     os.environ.setdefault(_BLAS_THREADS, "1")
@@ -163,8 +170,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             options = _parser().parse_args(arguments)
             _refuse_empty(options)
             scene = getattr(options, "scene", "")
-            thread_count()  # bad settings are refused now, not after meshing
-            size_limit()
+            _check_settings()
             code = options.run(options)
         sys.stdout.flush()
     except KeyboardInterrupt:

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from threading import Lock
 from typing import Any
 
+from tactgen.fem.solvers.threads import VARIABLE, thread_count
 from tactgen.validation.scene.scene import Scene
 
 #: What is asked of the other process: the scene, where its values are from, whether quick.
@@ -81,10 +82,28 @@ class Ahead:
 @contextmanager
 def ahead(asked: Asked, make: Maker, names: Sequence[str]) -> Iterator[Ahead | None]:
     """Yield another process at work on parts; None where there is only one core to work on."""
-    if len(os.sched_getaffinity(0)) == 1 or not names:
+    cores = len(os.sched_getaffinity(0))
+    if cores == 1 or not names:
         yield None
         return
     from tactgen.validation.studies.processes import Workers
 
-    with Workers(1) as pool:
+    with Workers(1) as pool, _at_most(cores - 1):
         yield Ahead(pool, make, asked, names)
+
+
+@contextmanager
+def _at_most(threads: int) -> Iterator[None]:
+    """Let the solver of this process take the cores that the other leaves it.
+
+    Threads of both on one core wait for each other and burn it meanwhile: a quarter of the time.
+    """
+    found = thread_count()
+    os.environ[VARIABLE] = str(min(threads, found or threads))
+    try:
+        yield
+    finally:
+        if found is None:
+            del os.environ[VARIABLE]
+        else:
+            os.environ[VARIABLE] = str(found)

@@ -42,6 +42,12 @@ def test_tmm_answer_loads_no_heavy_library():
     assert len(quantity["value"]) == len(quantity["frequency"]) == 200
 
 
+def test_blas_is_told_its_threads_before_it_is_loaded():
+    """It reads them once, with numpy, which the modules of the command line leave to commands."""
+    script = "import sys, tactgen.validation.command_line.cli; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
+
+
 def test_solve_json_contract(capsys):
     """Keys, complex numbers as pairs, arrays as lists, classes of modes, the plan."""
     code, out, err = run(

@@ -1,5 +1,6 @@
 """Parts of a report that another process makes: none is lost, made twice, or made otherwise."""
 
+import os
 import pickle
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -7,9 +8,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from tactgen.fem.solvers.threads import VARIABLE
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report import study
-from tactgen.validation.report.second_process import Ahead
+from tactgen.validation.report.second_process import Ahead, ahead
 from tactgen.validation.report.sections.contents import alone, made_alone, made_apart
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
@@ -39,6 +41,17 @@ def test_parts_come_from_there_or_from_here():
         assert other.take("broken", lambda: "here") == "here"
         assert other.take("last", lambda: "here") == ("scene", "last")
     assert made == ["slow", "broken", "last"]
+
+
+def test_two_processes_share_the_cores(monkeypatch):
+    """While the other is at work the solver here leaves it a core, whatever else was said."""
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1, 2})
+    for said, meant in (("", "2"), ("1", "1"), ("8", "2")):
+        monkeypatch.setenv(VARIABLE, said)
+        with ahead("scene", str, ["part"]) as other:
+            assert os.environ[VARIABLE] == meant
+            other._left.clear()
+        assert os.environ.get(VARIABLE, "") == said
 
 
 def test_who_waits_makes_what_is_left():
