@@ -1,5 +1,7 @@
 """The model cad: beside the bricks, on the rod, and what it cannot take."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from tactgen.validation.checks.coverage.result import PROMISED, median_width
 from tactgen.validation.checks.coverage.solid import cad_cases, judged
 from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.solve import evaluate, solve
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.bimorph import two_meshes
 from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
@@ -86,6 +88,26 @@ def test_what_a_mesh_does_not_know_is_refused_in_one_sentence(name, override, mo
         make_plan(scene, (model,), ("static_tip_displacement",))
     assert all(word in str(caught.value) for word in words), caught.value
     assert "\n" not in str(caught.value)
+
+
+def test_coupling_factor_counts_with_what_static_numbers_count_with(both):
+    """What a voltage moves can be off alike on both meshes: the estimate's share is in its bar."""
+    known = both.stages._results["cad.modal"]
+    assert known.static_share > 0.0
+    plan = make_plan(both.scene, ("cad",), ("coupling_factor",))
+    found = []
+    for modal in (known, replace(known, static_share=0.0)):
+        stages = Stages(plan.keys)
+        stages._results["cad.modal"] = modal
+        model = make_model("cad", both.scene, stages)
+        found.append((evaluate("coupling_factor", model), model.modes(open_circuit=True)))
+    (with_it, opened), (without, _) = found
+    k = with_it.value
+    # f_open² = f_short² / (1 - k²): of k's relative error, k² / (1 - k²) is in f_open
+    assert with_it.uncertainty - without.uncertainty == pytest.approx(
+        known.static_share * k / (1.0 - k**2), rel=1e-6
+    )
+    assert opened.rounding[0] >= known.static_share * k**2 / (1.0 - k**2)
 
 
 @pytest.mark.parametrize(

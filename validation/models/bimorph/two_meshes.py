@@ -14,6 +14,7 @@ import numpy as np
 
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.geometry.arrays import Bools, Floats
+from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.engine.model import Modes, Refined
@@ -77,6 +78,8 @@ class SolidModes:
         See :class:`fem.bimorph.system.SolidSystem` (N/m); of all nodes (kg).
     static_factor : float
         Error bar of static quantities per difference between the two meshes.
+    static_share : float
+        Relative error that static quantities count with besides.
     mode_factors : (float, float)
         The same of frequencies, see :class:`MeshPair`.
     method : str
@@ -88,8 +91,15 @@ class SolidModes:
     spurious_stiffness: float
     mass: float
     static_factor: float
+    static_share: float
     mode_factors: tuple[float, float]
     method: str
+
+    def stiffened(self, ends: Ends, count: int) -> Floats:
+        """Return what an open circuit adds to Ω² of the lowest `count` bending modes, relative."""
+        modes = (self.fine.ports.modes(ends, count, open_circuit=q) for q in (False, True))
+        short, opened = (np.array([m.frequency for m in found]) for found in modes)
+        return np.asarray((opened / short) ** 2 - 1.0)
 
 
 class TwoMeshModel(BimorphModel):
@@ -164,10 +174,12 @@ class TwoMeshModel(BimorphModel):
         stiffness = (2.0 * np.pi * fine.frequencies) ** 2 * modal.mass / 4.0
         rounding = 0.5 * modal.spurious_stiffness / stiffness
         bending, others = modal.mode_factors
+        bends = np.array(fine.classes) == "bending_x"
         if open_circuit:  # the charge, a static goal, has its part in it
             bending = max(bending, modal.static_factor)
+            added = modal.stiffened(self.scene.ends, int(bends.sum()))
+            rounding[bends] += modal.static_share * added
         coarse = _matched(fine, coarse)
-        bends = np.array(fine.classes) == "bending_x"
         parts = ((bends, bending), (~bends, others))
         coarser = tuple(
             (_only(of, fine, other), factor)
@@ -192,6 +204,7 @@ class TwoMeshModel(BimorphModel):
                 spurious_stiffness=systems[0].spurious_stiffness,
                 mass=float(systems[0].node_mass.sum()),
                 static_factor=pair.static_factor,
+                static_share=pair.static_share,
                 mode_factors=pair.mode_factors,
                 method=pair.method,
             )
