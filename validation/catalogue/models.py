@@ -228,6 +228,7 @@ _ROWS = (
         },
         gives=_MAGNETIC_GIVES, remedy="its finest grid was used, so accept the bar",
         kept=_MAGNETIC_KEPT, families="tactgen.validation.models.reluctance.family",
+        derivatives="tactgen.validation.models.reluctance.field_derivatives",
     ),
     ModelRow(
         "magnetic3d", "nonlinear magnetic field in 3D by vector and scalar potential",

@@ -24,6 +24,10 @@ def _at_rest(of: Callable[[Any], Any]) -> AnswerReadout:
     return AnswerReadout("rest", of)
 
 
+INCREMENTAL_INDUCTANCE = QuantityRow(
+    "incremental_inductance", "H", "d flux linkage / d current, gap held",
+    _at_point(lambda point: point.incremental_inductance),
+)  # fmt: skip
 PULL_IN_CURRENT = QuantityRow(
     "pull_in_current", "A", "current that draws the rod to its lower stop",
     _of_stroke(lambda currents: currents.pull_in), label="pull-in current", headline=True,
@@ -50,10 +54,7 @@ ROWS = (
         "inductance", "H", "apparent inductance, flux linkage / current",
         _at_point(lambda point: point.inductance), headline=True,
     ),
-    QuantityRow(
-        "incremental_inductance", "H", "d flux linkage / d current, gap held",
-        _at_point(lambda point: point.incremental_inductance),
-    ),
+    INCREMENTAL_INDUCTANCE,
     PULL_IN_CURRENT,
     QuantityRow(
         "holding_current", "A", "least current that holds the rod at its lower stop",

@@ -93,7 +93,7 @@ def derivatives(
     done = {found.quantity.name: found for found in exact}
     rest = [name for name in quantities if name not in done]
     if rest:
-        differences = _by_differences(scene, changed, model, rest, keys, announce)
+        differences = by_differences(scene, changed, model, rest, keys, announce)
         done |= {found.quantity.name: found for found in differences}
     return [done[name] for name in quantities]
 
@@ -115,7 +115,7 @@ def noise(bars: Any, distance: float) -> Any:
     return 3.0 * bars / distance
 
 
-def _by_differences(
+def by_differences(
     scene: Scene,
     changed: Changed,
     model: str,
@@ -123,6 +123,7 @@ def _by_differences(
     keys: Sequence[str],
     announce: Callable[[str], None],
 ) -> list[Derivatives]:
+    """Return quantities with derivatives by differences of their values, as :func:`derivatives`."""
     base = solve(scene, (model,), quantities, announce)
     start = [base.get(name, model) for name in quantities]
     share = _distance(start)
@@ -131,7 +132,7 @@ def _by_differences(
     for number, key in enumerate(keys):
         announce(f"{model}: derivative {number + 1} of {len(keys)}, {key}")
         value = float(value_of(scene, key))
-        distance = _within(changed, key, value, share * abs(value))
+        distance = within(changed, key, value, share * abs(value))
         found = [
             _solved(changed(key, value + place * distance), model, quantities, base)
             for place in PLACES
@@ -156,7 +157,7 @@ def _by_differences(
     return [Derivatives(q, s, b, method) for q, s, b in zip(start, slopes, bars, strict=True)]
 
 
-def _within(changed: Changed, key: str, value: float, distance: float) -> float:
+def within(changed: Changed, key: str, value: float, distance: float) -> float:
     """Return the distance, or less of it where the parts would not fit together."""
     nearest = NEAREST * abs(value)
     while distance > nearest:

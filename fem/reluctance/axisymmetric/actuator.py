@@ -75,6 +75,8 @@ class FieldPoint:
         Newton steps at the final order, and its size.
     beyond_table : float
         Share of the iron's volume beyond the end of a magnetisation curve that ends early.
+    coarser : dict of str to float
+        The values by the lower order.
     solution : MagneticField or None
         The field itself; None in a map.
     """
@@ -90,6 +92,7 @@ class FieldPoint:
     iterations: int
     unknowns: int
     beyond_table: float
+    coarser: dict[str, float] = field(default_factory=dict, repr=False, compare=False)
     solution: MagneticField | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -202,6 +205,7 @@ def field_point(
         iterations=fine.iterations,
         unknowns=model.fine.free.size,
         beyond_table=_beyond_table(fine),
+        coarser=lower,
         solution=fine if keep else None,
     )
 

@@ -8,6 +8,7 @@ that were solved nearby.
 from __future__ import annotations
 
 import itertools
+from copy import copy
 
 import numpy as np
 
@@ -58,6 +59,12 @@ class FieldPath:
         self._home = two_orders(device, gap, order, refinement, outer_radius)
         self._places: list[Floats] = []
         self._pairs: list[Pair] = []
+
+    def fork(self) -> FieldPath:
+        """Return a path along something else from this one's first point, on the same grid."""
+        other = copy(self)
+        other._places, other._pairs = self._places[:1], self._pairs[:1]
+        return other
 
     def reaches(self, device: Device, gap: float) -> bool:
         """Return whether the grid fits another device or gap."""

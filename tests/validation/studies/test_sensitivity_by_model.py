@@ -9,7 +9,7 @@ from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.tmm.reluctance.circuit import CELLS, FULL, circuit
 from tactgen.tmm.reluctance.flux_ladder import solve as solve_ladder
 from tactgen.validation.command_line import cli
-from tactgen.validation.engine.derivatives import _by_differences, derivatives, extrapolated
+from tactgen.validation.engine.derivatives import by_differences, derivatives, extrapolated
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import derivatives as of_solid
@@ -107,7 +107,7 @@ def test_the_networks_bars_cover_a_finer_ladder_and_are_narrow(key):
     sets = ["models=network"]
     scene, _ = load_scene("reluctance", sets)
     changed, value = changed_scenes("reluctance", sets), value_of(scene, key)
-    wide = _by_differences(scene, changed, "network", NETWORK, [key], lambda _: None)
+    wide = by_differences(scene, changed, "network", NETWORK, [key], lambda _: None)
     ends = []
     for sign in (1.0, -1.0):
         near = changed(key, value * (1.0 + 1e-3 * sign))

@@ -1,0 +1,68 @@
+"""Derivatives of the axisymmetric field on grids that move: identities, bars, and how narrow."""
+
+import pytest
+
+from tactgen.validation.engine.derivatives import by_differences, derivatives
+from tactgen.validation.models.reluctance import field, field_derivatives
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.uncertainty.by_model import changed_scenes
+
+SETS = ["models=axisymmetric", "accuracy=10%"]
+NAMES = ("coenergy", "flux_linkage", "magnetic_force", "inductance")
+COARSE, FINER = ((0.0, 0.5),), ((0.0, 0.75),)
+
+
+@pytest.fixture
+def on_grids(own_store, monkeypatch):
+    """Return what asks for derivatives on grids of a fineness, whose values are not kept."""
+
+    def asked(keys, refinements, names=NAMES, way=derivatives):
+        for module in (field, field_derivatives):
+            monkeypatch.setattr(module, "REFINEMENTS", refinements)
+        monkeypatch.setenv("TACTGEN_CACHE", str(own_store / str(refinements[0][1])))
+        scene, _ = load_scene("reluctance", SETS)
+        return way(scene, changed_scenes("reluctance", SETS), "axisymmetric", names, keys, print)
+
+    return asked
+
+
+def test_force_and_flux_linkage_are_slopes_of_the_co_energy(on_grids):
+    """∂W'/∂g is minus the pull, ∂W'/∂i the flux linkage: of one grid, so much better than bars."""
+    energy, linkage, force, _ = on_grids(["gap", "coil.current"], COARSE)
+    for key, of, sign in (("gap", force, -1.0), ("coil.current", linkage, 1.0)):
+        exact = sign * float(of.quantity.value)
+        # truncation at 1 %, and of the pull that windings slip through the grid in one of the two
+        assert float(energy.slopes[key]) == pytest.approx(exact, rel=1e-3)
+        assert abs(float(energy.slopes[key]) - exact) <= energy.bars[key]
+
+
+#: The flange ends where the rod does, the edges of head and sleeve are one line.
+TWO_GRIDS = ("sleeve.outer_radius", "rod.length", "rod.flange_thickness", "rod.head_radius")
+KEYS = (
+    "rod.head_thickness",
+    "sleeve.outer_radius",
+    *(
+        pytest.param(key, marks=pytest.mark.heavy)
+        for key in ("coil.length", "rod.length", "rod.flange_thickness", "rod.head_radius", "gap")
+    ),
+)
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_bars_hold_a_finer_grid_and_are_narrow(key, on_grids):
+    """A quarter, at most, of what values on separate grids leave open; by one grid a tenth."""
+    rough, fine = on_grids([key], COARSE), on_grids([key], FINER)
+    wide = on_grids([key], COARSE, way=by_differences)
+    share = 0.25 if key in TWO_GRIDS else 0.1
+    for a, b, other in zip(rough, fine, wide, strict=True):
+        assert abs(a.slopes[key] - b.slopes[key]) <= a.bars[key] + b.bars[key], a.quantity.name
+        assert 0.0 < a.bars[key] <= share * other.bars[key], a.quantity.name
+
+
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [("magnetic_force", True), ("incremental_inductance", False), ("pull_in_current", False)],
+)
+def test_what_is_smooth_has_derivatives(name, given):
+    scene, _ = load_scene("reluctance", SETS)
+    assert field_derivatives.gives_derivatives(scene, name) is given
