@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.bimorph.states import SolidState, driven_state, mode_states
 from tactgen.fem.bimorph.system import Material, SolidSystem, materials
@@ -47,6 +48,8 @@ class SolidFields:
         assert not isinstance(solved, BrickParts)
         self._system: SolidSystem = model.systems()[0]
         self._lossy: SolidSystem | None = None
+        self._of_motion: dict[Motion, SolidSystem] = {}
+        self._without_ports: dict[Motion, list[SolidState]] = {}
         self._sampler: Sampler = (
             BrickSampler(solved, detail)
             if isinstance(solved, Bricks)
@@ -63,8 +66,11 @@ class SolidFields:
         model, system = self._model, self._system
         found: list[SolidState] = []
         for motion, number in model.motions(open_circuit=open_circuit).items():
-            of = system if system.related is None else system.related(motion)
-            found += mode_states(of, model.scene.ends, number, open_circuit=open_circuit)
+            of = system if system.related is None else self._related(motion)
+            if of.has_ports:
+                found += mode_states(of, model.scene.ends, number, open_circuit=open_circuit)
+            else:
+                found += self._apart(of, number)
         found.sort(key=lambda state: state.frequency)
         out: list[tuple[str, Found]] = []
         for state in found[:count]:
@@ -73,6 +79,21 @@ class SolidFields:
             scaled = state.scaled(sign * MODE_SIZE / size)
             out.append((state.kind, self._fields(scaled, lossy=False)))
         return out
+
+    def _related(self, motion: Motion) -> SolidSystem:
+        """Return the system of a class of motion, the same for every circuit."""
+        assert self._system.related is not None
+        if motion not in self._of_motion:
+            own = motion == self._system.motion
+            self._of_motion[motion] = self._system if own else self._system.related(motion)
+        return self._of_motion[motion]
+
+    def _apart(self, system: SolidSystem, number: int) -> list[SolidState]:
+        """Return modes that no circuit changes, of a class in which the ports take no part."""
+        if len(self._without_ports.get(system.motion, ())) < number:
+            ends = self._model.scene.ends
+            self._without_ports[system.motion] = mode_states(system, ends, number)
+        return self._without_ports[system.motion][:number]
 
     def static(self, voltage: float) -> Found:
         """Return the lossless fields at rest under a voltage (V) across each layer."""

@@ -94,19 +94,54 @@ def _in_words(figure: Figure) -> str:
 
 
 def lay_out(figure: Figure) -> None:
-    """Give everything its place, for good; marks without a number take no room and no time."""
-    from matplotlib.ticker import NullFormatter, NullLocator
+    """Give everything its place, for good.
 
-    hidden = []
-    for side in (side for axis in figure.axes for side in (axis.xaxis, axis.yaxis)):
-        low, high = side.get_view_interval()
-        if side.get_scale() == "log" and high > _NUMBERED * low:
-            side.set_minor_formatter(NullFormatter())
-            hidden.append((side, side.get_minor_locator()))
-            side.set_minor_locator(NullLocator())
+    Marks without a number become lines of one collection, and titles stay where the layout has
+    put them: matplotlib keeps six artists for every mark, and measures all of them once more for
+    each title.
+    """
+    sides = ((axis, side) for axis in figure.axes for side in (axis.xaxis, axis.yaxis))
+    # all before any is changed: axes that share a scale share what finds its marks
+    for axis, side, marks in [(axis, side, _unnumbered(side)) for axis, side in sides]:
+        if len(marks):
+            _draw_marks(axis, side, marks)
     engine = figure.get_layout_engine()
     if engine is not None:
         engine.execute(figure)
         figure.set_layout_engine("none")
-    for side, locator in reversed(hidden):  # axes that share a scale share the locator
-        side.set_minor_locator(locator)
+    for axis in figure.axes:
+        title = axis.title
+        axis.set_title(title.get_text(), y=title.get_position()[1], fontsize=title.get_fontsize())
+
+
+def _unnumbered(side: Any) -> Floats:
+    """Return the marks between the numbers of a logarithmic side; of any other none."""
+    low, high = side.get_view_interval()
+    if side.get_scale() != "log" or high <= _NUMBERED * low:
+        return np.zeros(0)
+    marks = np.asarray(side.get_minor_locator().tick_values(low, high))
+    inside: Floats = marks[(marks > low) & (marks < high)]
+    return inside
+
+
+def _draw_marks(axis: Any, side: Any, marks: Floats) -> None:
+    """Draw the grid at marks without a number, in place of them."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.ticker import NullFormatter, NullLocator
+
+    side.set_minor_formatter(NullFormatter())
+    side.set_minor_locator(NullLocator())
+    grid = next((line for line in side.get_gridlines() if line.get_visible()), None)
+    if grid is None:
+        return
+    upright = side is axis.xaxis
+    lines = [((m, 0.0), (m, 1.0)) if upright else ((0.0, m), (1.0, m)) for m in marks]
+    drawn = LineCollection(
+        lines,
+        colors=grid.get_color(),
+        linewidths=grid.get_linewidth(),
+        alpha=grid.get_alpha(),
+        zorder=side.get_zorder(),
+        transform=axis.get_xaxis_transform() if upright else axis.get_yaxis_transform(),
+    )
+    axis.add_collection(drawn, autolim=False)

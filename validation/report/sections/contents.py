@@ -59,9 +59,9 @@ _LIMITS, _APART = ("drive_limits",), ("holding", "length", "voltage", "stress")
 
 
 #: What stands alone beside a model, in the order in which another process makes it: first what
-#: others need, then what takes longest.
+#: takes the CAD kernel that the model has loaded, and what others need, then what takes longest.
 _ALONE = (
-    "rungs", "stress", "holding", "material", "pictures", "length", "bridge",
+    "pictures", "rungs", "stress", "holding", "material", "length", "bridge",
     "parameter_uncertainty", "load", "voltage", "drive_limits", "audit",
 )  # fmt: skip
 
