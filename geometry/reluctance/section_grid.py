@@ -26,7 +26,7 @@ GROWTH = 1.0
 #: Cells at the lowest and highest edge: at most this part of the way to the outer wall.
 _TO_WALL = 0.1
 #: A fitted grid is good until a cell is this much wider or higher than where it was graded.
-_STRETCH = 2.0
+_STRETCH = 2.5
 #: Edges (m) that are this close are the same; where two that were apart meet, so much is left
 #: between their lines.
 _APART = 1e-10

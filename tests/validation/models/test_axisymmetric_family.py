@@ -1,11 +1,12 @@
 """Many points of the axisymmetric model from one table, against points solved alone."""
 
+import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.families import find_families
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.reluctance import family, field
+from tactgen.validation.models.reluctance import family, field, field_tables
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif import answers
 from tactgen.validation.studies.whatif.asked.statement import Statement
@@ -19,7 +20,7 @@ SETS = ["models=axisymmetric", "accuracy=10%"]
 @pytest.fixture(autouse=True)
 def coarse(own_store, monkeypatch):
     """One coarse grid for both ways, in a store whose keys do not know how coarse."""
-    for module in (family, field):
+    for module in (field, field_tables):
         monkeypatch.setattr(module, "REFINEMENTS", ((0.0, 0.5),))
 
 
@@ -53,7 +54,7 @@ def hold(point, answer):
 def test_a_study_takes_one_table_and_says_so(vary, held, monkeypatch):
     statement = stated(vary)
     before = study_outlook(statement)[0].bases[0].sentence
-    assert "one table of fields" in before
+    assert "a table of fields" in before
     assert "not built yet" in before
     said = []
     with monkeypatch.context() as alone:
@@ -77,11 +78,24 @@ def test_two_numbers_that_vary_at_random():
         hold(point, answer)
 
 
-def test_what_one_grid_does_not_reach_is_answered_alone():
-    """Where the coil's edge passes the flange's, the lines change their order."""
+def test_edges_that_pass_another_divide_the_range():
+    """The head grows past the sleeve: two tables meet where both are as wide."""
     scene, _ = load_scene("reluctance", SETS)
-    with pytest.raises(InputError, match="no one grid reaches over the range"):
-        family.reduce_family(scene, {"coil.outer_radius": (0.85e-3, 0.95e-3)}, NAMES, 9)
+    found = family.point_family(scene, {"rod.head_radius": (1.12e-3, 1.17e-3)})
+    assert [t.ranges["rod.head_radius"] for t in found.tables] == [
+        pytest.approx(ends) for ends in ((1.12e-3, 1.15e-3), (1.15e-3, 1.17e-3))
+    ]
+    sides = found.read({"rod.head_radius": 1.15e-3 + np.array([-1e-12, 1e-12])})
+    for name, (value, bar) in sides.items():
+        assert abs(value[1] - value[0]) <= bar.sum(), name
+        assert value[0] != value[1], name  # they are two
+
+
+def test_what_one_grid_does_not_reach_is_answered_alone():
+    """A collar that comes; and numbers that are too many."""
+    scene, _ = load_scene("reluctance", SETS)
+    with pytest.raises(InputError, match="a part comes or goes"):
+        family.reduce_family(scene, {"sleeve.inner_radius": (0.96e-3, 1e-3)}, NAMES, 9)
     ranges = dict.fromkeys(("gap", "rod.radius", "coil.current"), (1.0, 2.0))
     with pytest.raises(InputError, match="3 keys vary together"):
         family.reduce_family(scene, ranges, NAMES, 9)
