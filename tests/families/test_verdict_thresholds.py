@@ -1,0 +1,131 @@
+"""Verdicts at their thresholds, for any numbers: what the bars or a tolerance reach, no more.
+
+And none gets worse by a wider bar: who tells more of an error is never punished for it.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tactgen.validation.checks.coverage.result import PROMISED, Judged, rows
+from tactgen.validation.checks.row import Check, judged
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.models.comparison import compare
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.whatif.compare.differences import _beyond
+from tactgen.validation.studies.whatif.compare.sides import Number
+
+VALUES = st.floats(1e-12, 1e12) | st.floats(-1e12, -1e-12)
+SHARES = st.floats(0.0, 0.5)
+#: How far from a threshold, relative to the bars: rounding decides nothing.
+ASIDE = st.floats(1e-6, 1.0)
+SCENE = load_scene("paper")[0]
+
+
+def cell(value, bar, reference, reference_bar):
+    """Return what is said of a value of tmm beside a reference of solid."""
+    found = [
+        Quantity("static_tip_displacement", m, np.asarray(v), "m", np.asarray(b), "", 0.0)
+        for m, v, b in (("tmm", value, bar), ("solid", reference, reference_bar))
+    ]
+    (row,) = compare(SCENE, found, "bimorph")
+    return row.cells[0].verdict
+
+
+@given(reference=VALUES, bar=SHARES, other=SHARES, aside=ASIDE, up=st.booleans())
+def test_models_agree_as_far_as_both_bars_reach(reference, bar, other, aside, up):
+    """Just inside they agree, just outside they do not, whichever of the two has the bar."""
+    size, sign = abs(reference), 1.0 if up else -1.0
+    reach = (bar + other) * size
+    near = reference + sign * reach * (1.0 - aside)
+    # beyond rounding of the values, which counts as covered
+    far = reference + sign * (reach * (1.0 + aside) + 1e-6 * size)
+    for first, second in ((bar, other), (other, bar)):
+        assert cell(near, first * size, reference, second * size) == "agrees"
+        assert cell(far, first * size, reference, second * size) != "agrees"
+
+
+@given(value=VALUES, reference=VALUES, bar=SHARES, wider=st.floats(1.0, 100.0))
+def test_a_wider_bar_never_ends_an_agreement(value, reference, bar, wider):
+    """And what wide bars do not cover narrow ones do not."""
+    narrow, wide = (cell(value, b * abs(value), reference, 0.0) for b in (bar, bar * wider))
+    assert (narrow, wide) != ("agrees", "model form")
+
+
+@given(first=VALUES, bar=SHARES, other=SHARES, aside=ASIDE)
+def test_two_studies_differ_where_the_bars_do_not_reach(first, bar, other, aside):
+    """The same threshold, either way round; a bar that nobody knows counts as none."""
+    size = abs(first)
+    here = Number(complex(first), bar * size, "m")
+    for factor, beyond in ((1.0 - aside, False), (1.0 + aside, True)):
+        apart = (bar + other) * size * factor + (1e-6 * size if beyond else 0.0)
+        there = Number(complex(first + apart), other * size, "m")
+        assert _beyond(here, there) == _beyond(there, here) == beyond
+    bare = Number(complex(first), math.nan, "m")
+    assert _beyond(bare, Number(complex(first * 1.1), math.nan, "m"))
+    assert not _beyond(bare, bare)
+    assert _beyond(bare, Number(complex(math.nan), 0.0, "m"))
+
+
+def row(reference, tolerance, **more):
+    return Check(
+        "T-1", "code verification", "It is so.", reference, "m", "", tolerance, "", float, **more
+    )
+
+
+@given(reference=VALUES, tolerance=st.floats(1e-9, 0.5), aside=ASIDE, up=st.booleans())
+def test_a_check_passes_up_to_its_tolerance(reference, tolerance, aside, up):
+    """Just inside, not just outside; of a range the nearer end counts, and inside all is well."""
+    sign = 1.0 if up else -1.0
+    # of the relative deviation twelve digits are right where the tolerance is 1e-3 and more
+    near, far = (
+        reference * (1.0 + sign * (tolerance * share + rounding))
+        for share, rounding in ((1.0 - aside, 0.0), (1.0 + aside, 1e-12))
+    )
+    assert judged(row(reference, tolerance), near).status == "pass"
+    assert judged(row(reference, tolerance), far).status == "fail"
+    assert judged(row(reference, tolerance, calibrated="chosen so"), near).status == "calibrated"
+    ends = tuple(sorted((reference, reference * (1.0 - sign * 0.5))))
+    assert judged(row(ends, tolerance), near).status == "pass"
+    assert judged(row(ends, tolerance), far).status == "fail"
+    assert judged(row(ends, tolerance), sum(ends) / 2.0).deviation == 0.0
+
+
+@given(known=st.floats(0.01, 0.5), moved=st.floats(0.0, 1.0), up=st.booleans())
+def test_an_explanation_holds_for_the_deviation_it_was_written_for(known, moved, up):
+    """Two hundredths, or a fifth of it where that is less; then the row fails again."""
+    may = min(0.02, 0.2 * known)
+    check = row(1.0, 1e-3, explained="the paper rounds", known=known)
+    sign = 1.0 if up else -1.0
+    inside = judged(check, 1.0 + known + sign * may * moved * 0.999)
+    assert inside.status == "differs, explained"
+    outside = judged(check, 1.0 + known + sign * may * (1.001 + moved))
+    assert outside.status == "fail"
+    assert judged(replace(check, explained=""), 1.0 + known).status == "fail"
+
+
+@given(count=st.integers(1, 400), data=st.data())
+def test_coverage_is_called_too_narrow_by_the_odds_only(count, data):
+    """What keeps the promise holds, one more inside never hurts, and half outside never holds."""
+    inside = data.draw(st.integers(0, count))
+
+    def holds(number):
+        answers = [Judged("", "a", 2.0 * (k >= number), 1.0) for k in range(count)]
+        (found,) = rows(answers)
+        assert (found.inside, found.count) == (number, count)
+        return found.holds
+
+    assert holds(math.ceil(PROMISED * count))
+    assert not holds(inside) or holds(min(inside + 1, count))
+    if count >= 4:
+        assert not holds(count // 2)
+
+
+@pytest.mark.parametrize(("error", "bar", "within"), [(1.0, 1.0, True), (1.0, 0.999, False)])
+def test_an_error_as_large_as_its_bar_is_within(error, bar, within):
+    """The bar is a promise up to and with itself."""
+    assert Judged("", "a", error, bar).within is within
