@@ -69,6 +69,17 @@ def coarse_bricks(monkeypatch):
     monkeypatch.setattr(solid, "LEVELS", levels)
 
 
+@pytest.fixture
+def coarse_solid(request):
+    """Divide the solid coarsely, with a store for it, where it is the model that is asked.
+
+    What holds whatever the mesh is as true there.
+    """
+    if request.node.callspec.params.get("model") == "solid":
+        request.getfixturevalue("own_store")
+        request.getfixturevalue("coarse_bricks")
+
+
 @pytest.fixture(scope="session")
 def state_space():
     """Return the stored 60-digit state-space solution of the paper's bimorph."""

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.errors import InputError
 
 #: Permeability of vacuum (H/m), CODATA 2018; equal to 4e-7 π to 1e-9.
@@ -61,38 +61,37 @@ class MagnetisationCurve:
 
     @cached_property
     def _cubics(self) -> tuple[Floats, Floats]:
-        """Coefficients (n, 4) of H in powers of B − B_i, and energy (n,) at the points.
+        """Coefficients (4, n) of H in powers of B − B_i, and energy (n,) at the points.
 
-        The last row is the straight line beyond the table.
+        The last column is the straight line beyond the table.
         """
         b, h = self.flux_density, self.field
         slopes = _monotone_slopes(b, h)
         width, secant = np.diff(b), np.diff(h) / np.diff(b)
         second = (3.0 * secant - 2.0 * slopes[:-1] - slopes[1:]) / width
         third = (slopes[:-1] + slopes[1:] - 2.0 * secant) / width**2
-        inside = np.stack([h[:-1], slopes[:-1], second, third], axis=1)
-        beyond = np.array([[h[-1], self.slope_beyond, 0.0, 0.0]])
+        inside = np.stack([h[:-1], slopes[:-1], second, third])
+        beyond = np.array([[h[-1]], [self.slope_beyond], [0.0], [0.0]])
         pieces = _integral(inside, width)
         energy = np.concatenate([[0.0], np.cumsum(pieces)])
-        return np.concatenate([inside, beyond]), energy
+        return np.concatenate([inside, beyond], axis=1), energy
 
-    def _piece(self, b: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return coefficients (..., 4), distance from the left point, energy at that point."""
-        coefficients, energy = self._cubics
+    def _piece(self, b: Floats) -> tuple[Floats, Floats, Ints]:
+        """Return coefficients (4, ...), distance from the left point, number of that point."""
         b = np.asarray(b, dtype=float)
         # searching the inner points only sends all b ≥ 0 to a valid piece
         i = np.searchsorted(self.flux_density[1:], b, side="right")
-        return coefficients[i], b - self.flux_density[i], energy[i]
+        return np.take(self._cubics[0], i, axis=1), b - np.take(self.flux_density, i), i
 
     def field_strength(self, b: Floats) -> Floats:
         """Return H (A/m) at flux density `b` (T)."""
         c, s, _ = self._piece(b)
-        return c[..., 0] + s * (c[..., 1] + s * (c[..., 2] + s * c[..., 3]))
+        return np.asarray(c[0] + s * (c[1] + s * (c[2] + s * c[3])))
 
     def slope(self, b: Floats) -> Floats:
         """Return dH/dB (m/H) at flux density `b` (T)."""
         c, s, _ = self._piece(b)
-        return c[..., 1] + s * (2.0 * c[..., 2] + s * 3.0 * c[..., 3])
+        return np.asarray(c[1] + s * (2.0 * c[2] + s * 3.0 * c[3]))
 
     def reluctivity(self, b: Floats) -> Floats:
         """Return H/B (m/H) at flux density `b` (T), its limit dH/dB at b = 0."""
@@ -100,14 +99,14 @@ class MagnetisationCurve:
         # the first piece starts at (0, 0): dividing its polynomial avoids 0/0
         c, s, _ = self._piece(b)
         safe = np.where(b > 0.0, b, 1.0)
-        first = c[..., 1] + s * (c[..., 2] + s * c[..., 3])
-        other = (c[..., 0] + s * first) / safe
-        return np.where(b < self.flux_density[1], first, other)
+        first = c[1] + s * (c[2] + s * c[3])
+        other = (c[0] + s * first) / safe
+        return np.asarray(np.where(b < self.flux_density[1], first, other))
 
     def energy_density(self, b: Floats) -> Floats:
         """Return ∫₀ᴮ H dB (J/m³) at flux density `b` (T)."""
-        c, s, energy = self._piece(b)
-        return energy + _integral(c, s)
+        c, s, i = self._piece(b)
+        return np.asarray(self._cubics[1][i] + _integral(c, s))
 
     def coenergy_density(self, b: Floats) -> Floats:
         """Return H·B − ∫H dB (J/m³) at flux density `b` (T)."""
@@ -142,9 +141,8 @@ class MagnetisationCurve:
 
 
 def _integral(c: Floats, s: Floats) -> Floats:
-    """Return ∫₀ˢ of the cubics with coefficients `c` (..., 4)."""
-    whole = s * (c[..., 0] + s * (c[..., 1] / 2.0 + s * (c[..., 2] / 3.0 + s * c[..., 3] / 4.0)))
-    return np.asarray(whole)
+    """Return ∫₀ˢ of the cubics with coefficients `c` (4, ...)."""
+    return np.asarray(s * (c[0] + s * (c[1] / 2.0 + s * (c[2] / 3.0 + s * c[3] / 4.0))))
 
 
 def _monotone_slopes(x: Floats, y: Floats) -> Floats:

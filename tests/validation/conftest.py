@@ -3,6 +3,8 @@
 import html
 import json
 import re
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +19,43 @@ DRIVER = Path(__file__).with_name("driver.js").read_text(encoding="utf-8")
 STEPS = "/* what the test says */"
 #: Least contrast of small words (WCAG 2.2, 1.4.3).
 LEAST_CONTRAST = 4.5
+
+
+@pytest.fixture(autouse=True)
+def unlaid(request, monkeypatch):
+    """Leave figures as they come: laying them out takes half of drawing.
+
+    The tests of what is seen, and heavy ones, lay them out.
+    """
+    seen = "view" in request.path.parent.parts
+    if not seen and request.node.get_closest_marker("heavy") is None:
+        from tactgen.validation.view import figures
+
+        monkeypatch.setattr(figures, "lay_out", lambda _: None)
+
+
+@pytest.fixture(scope="session")
+def rough_fields():
+    """Return what solves the normal actuator's fields far more coarsely than an answer needs.
+
+    Within it, in a store of its own whose keys do not know: for tests of what runs and is shown.
+    """
+    from tactgen.fem.reluctance.axisymmetric import actuator
+    from tactgen.validation.models.reluctance import field
+
+    @contextmanager
+    def within(store):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("TACTGEN_CACHE", str(store))
+            point = partial(actuator.solve_point, order=2, any_grid=True)
+            rows = partial(actuator.solve_map, refinement=0.5, any_grid=True)
+            patch.setattr(actuator, "solve_point", point)
+            patch.setattr(actuator, "solve_map", rows)
+            patch.setattr(field, "REFINEMENTS", ((0.0, 0.5),))
+            patch.setattr(field, "_MAP_ORDER", 2)
+            yield patch
+
+    return within
 
 
 @pytest.fixture

@@ -211,7 +211,10 @@ def _rungs(ladder: Ladder, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
 
 def _to_cells(ladder: Ladder, values: Floats) -> Floats:
     """Sum the elements' `values` (..., E) over their cells, (..., n)."""
-    return np.asarray(values @ np.eye(ladder.turns.shape[-1])[ladder.cell])
+    cells, points = ladder.turns.shape[-1], values[..., 0].size
+    place = (cells * np.arange(points)[:, None] + ladder.cell).ravel()
+    found = np.bincount(place, values.ravel(), cells * points)
+    return np.asarray(found, dtype=float).reshape(*values.shape[:-1], cells)
 
 
 def _tridiagonal(diagonal: Floats, beside: Floats, right: Floats) -> Floats:

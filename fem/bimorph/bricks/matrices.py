@@ -55,9 +55,9 @@ def brick_matrices(
         kind = _Layer if np.isinf(slab.radius) else _RoundLayer
         layers.append(kind.of(bricks, slab, known[slab.region], unit))
     dtype = np.result_type(*(layer.weights.dtype for layer in layers))
-    values = np.zeros((4 * pairs.count, 4), dtype=dtype)
+    values = np.empty((4 * pairs.count, 4), dtype=dtype)
     columns = np.empty((4 * pairs.count, 4), dtype=np.int32)
-    inertia = np.zeros(3 * pairs.count)
+    inertia = np.empty(3 * pairs.count)
     moved = np.empty(3 * pairs.count, dtype=np.int32)
     component = np.arange(4, dtype=np.int32)
     for pair in range(pairs.x.rows.size):
@@ -66,10 +66,9 @@ def brick_matrices(
         columns[at] = (4 * column[:, None] + component)[:, None, :]
         light = (3 * start + within)[:, None] + count[:, None] * component[:3]
         moved[light] = 4 * column[:, None] + component[:3]
-        for layer in layers:
-            if layer.reaches(pair):
-                values[at] += layer.blocks(pair)
-                inertia[light] += layer.inertia(pair)[:, None]
+        there = [layer for layer in layers if layer.reaches(pair)]
+        values[at] = sum(layer.blocks(pair) for layer in there)
+        inertia[light] = sum(layer.inertia(pair)[:, None] for layer in there)
     n = 4 * pairs.row_counts.size
     stiff = _starts(pairs.row_counts[:, None] * np.array([4, 4, 4, 4]))
     heavy = _starts(pairs.row_counts[:, None] * np.array([1, 1, 1, 0]))

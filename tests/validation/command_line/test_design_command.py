@@ -108,7 +108,7 @@ def test_design_loads_no_finite_elements():
     """CAD, VTK and finite elements stay out; matplotlib too if nothing is drawn."""
     script = (
         "import sys; from tactgen.validation.command_line.cli import main; "
-        "code = main(['design', '--json']); "
+        "code = main(['design', '--lengths', '22mm:23mm', '--json']); "
         "heavy = [m for m in ('cadquery', 'OCP', 'vtk', 'vtkmodules', 'pyvista', 'skfem', "
         "'matplotlib', 'meshio', 'pytetwild', 'tactgen.fem.bimorph', 'tactgen.fem.reluctance', "
         "'tactgen.fem.beam') "

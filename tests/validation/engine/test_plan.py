@@ -8,6 +8,7 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.stages import Stages, stage_key
+from tactgen.validation.models.reluctance import field
 from tactgen.validation.scene.scene import load_scene
 
 #: Quantities of the normal actuator at one current and gap.
@@ -43,8 +44,9 @@ def test_quantity_without_a_model_is_refused():
 
 
 @pytest.mark.usefixtures("own_store")
-def test_a_point_in_3d_needs_no_map():
+def test_a_point_in_3d_needs_no_map(monkeypatch):
     """Quantities of one current and gap solve that alone; those of the stroke plan the map."""
+    monkeypatch.setattr(field, "_SECTOR_REFINEMENTS", ((0.0, 0.4),))
     scene, _ = load_scene("reluctance", ["accuracy=0.1"])
     solution = solve(scene, ("magnetic3d",), MAGNETIC_POINT)
     assert set(solution.stages.seconds) == {"magnetic3d.point"}
@@ -111,7 +113,7 @@ def test_what_ran_is_what_was_planned(model, quantity):
     """For every quantity: executed stages = planned stages."""
     machine = QUANTITIES[quantity].actuator in ("generator", "display")
     support = ["support.kind=contact", "display.rows=1", "display.columns=2"] if machine else []
-    scene, _ = load_scene("prototype", ["frequency=100,500", *support])
+    scene, _ = load_scene("prototype", ["frequency=100,500", "modes=1", *support])
     solution = solve(scene, (model,), (quantity,))
     assert set(solution.stages.seconds) == set(solution.plan.keys)
 

@@ -9,7 +9,6 @@ from functools import partial
 import numpy as np
 import pytest
 
-from tactgen.fem.reluctance.axisymmetric import actuator
 from tactgen.geometry.store.sources import source_digest
 from tactgen.geometry.store.store import holdings
 from tactgen.tmm.reluctance.map_range import map_grid
@@ -19,7 +18,6 @@ from tactgen.validation.engine import stages
 from tactgen.validation.engine.solve import as_json, solve
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.reluctance import field
 from tactgen.validation.scene.scene import load_scene
 
 #: Solid and fields, small.
@@ -31,21 +29,11 @@ SCENES = (
 
 
 @pytest.fixture(scope="module", autouse=True)
-def small_map(tmp_path_factory):
-    """Sample the actuator's map at few points, in a store where no other test finds it.
-
-    All fields of it are rough ones: what is kept is asked for, not what it is worth.
-    """
+def small_map(tmp_path_factory, rough_fields):
+    """Sample the actuator's map at few points: what is kept is asked for, not its worth."""
     few = partial(map_grid, currents=7, gaps=6)
-    point = partial(actuator.solve_point, order=2, any_grid=True)
-    rough = partial(actuator.solve_map, refinement=0.5, any_grid=True)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("store")))
+    with rough_fields(tmp_path_factory.mktemp("store")) as patch:
         patch.setattr("tactgen.tmm.reluctance.map_range.map_grid", few)
-        patch.setattr(actuator, "solve_point", point)
-        patch.setattr(actuator, "solve_map", rough)
-        patch.setattr(field, "REFINEMENTS", ((0.0, 0.5),))
-        patch.setattr(field, "_MAP_ORDER", 2)
         yield
 
 

@@ -22,7 +22,7 @@ MODELS = ("solid", "tmm", "beam", "lumped")
 
 @pytest.fixture(scope="module")
 def solution():
-    scene, _ = load_scene("j1", ["mesh.level=2", "modes=3", f"frequency={HZ}Hz"])
+    scene, _ = load_scene("j1", ["mesh.level=1", "modes=3", f"frequency={HZ}Hz"])
     quantities = [
         "short_circuit_frequencies", "open_circuit_frequencies", "static_tip_displacement",
         "tip_displacement", "input_current", "capacitance_free", "coupling_factor",

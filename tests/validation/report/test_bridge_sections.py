@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from tactgen.validation.models.bimorph.bridge import solid_values
 from tactgen.validation.report.page import templates
 from tactgen.validation.report.sections.bridge import (
     bridge_section,
@@ -31,8 +32,10 @@ def texts(scene, *overrides, quick):
     return {name: " ".join(re.sub(r"<[^>]+>", " ", text).split()) for name, text in html.items()}
 
 
-def test_quick_report_has_the_bridge_alone():
+@pytest.mark.usefixtures("own_store", "coarse_bricks")
+def test_quick_report_has_the_bridge_alone(monkeypatch):
     """What takes tetrahedra or a dozen solids is left to the full report."""
+    monkeypatch.setattr(solid_values, "LEVELS", solid_values.LEVELS[:1] * 2)
     few = ("modes=2", "frequency=1000", "quantities=static_tip_displacement")
     shown = texts("j1", "mesh.level=2", "models=tmm,solid", *few, quick=True)
     assert list(shown) == ["bridge"]

@@ -12,7 +12,6 @@ from tactgen.tmm.reluctance.coenergy.files import read_map
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.export.files import normal_actuator_solids, scene_solids
-from tactgen.validation.models.reluctance import field
 from tactgen.validation.report.normal_actuator import NormalActuator
 from tactgen.validation.report.page import write_report
 from tactgen.validation.report.study import Study
@@ -38,17 +37,19 @@ def words(html):
 
 
 @pytest.fixture(scope="module")
-def reluctance(tmp_path_factory):
-    """The quick report of the built-in scene, drawn, with the field on its coarsest grid.
+def reluctance(tmp_path_factory, rough_fields):
+    """The quick report of the built-in scene, with rough fields, its figures drawn as they come.
 
     The checks, which solve fields of their own, count as passed: they have tests of their own.
     """
     from tactgen.validation.report import study  # slow to import
+    from tactgen.validation.report.sections import reluctance
+    from tactgen.validation.view import figures
 
-    with pytest.MonkeyPatch.context() as patch:
+    with rough_fields(tmp_path_factory.mktemp("rough")) as patch:
         patch.setattr(study, "run_check", lambda check: study.Outcome(check, 1.0, 0.0, "pass"))
-        patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("coarse")))
-        patch.setattr(field, "REFINEMENTS", ((0.0, 1.0),))
+        patch.setattr(reluctance, "_PICTURE", {"order": 2, "refinement": 0.7})
+        patch.setattr(figures, "lay_out", lambda _: None)
         return make(tmp_path_factory.mktemp("reluctance"), "reluctance")
 
 

@@ -54,7 +54,7 @@ def test_report_without_the_solid_says_so(tmp_path, monkeypatch):
     Where its drive and load are not those that a length is designed for, that is said.
     """
     # the samples of the parameters' ranges have tests of their own
-    monkeypatch.setattr(propagation, "affordable", lambda _: 300)
+    monkeypatch.setattr(propagation, "affordable", lambda _: 100)
     html, steps = make(tmp_path, "prototype", "models=lumped,tmm", "frequency=10,100,439,1000")
     assert re.findall(r'<h2 id="(\w+)">', html) == [
         "what", "models", "modes", "bridge", "response", "drive_limits", "length", "voltage",
