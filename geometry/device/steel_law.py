@@ -112,6 +112,11 @@ class MagnetisationCurve:
         """Return H·B − ∫H dB (J/m³) at flux density `b` (T)."""
         return np.asarray(b) * self.field_strength(b) - self.energy_density(b)
 
+    @property
+    def highest_permeability(self) -> float:
+        """The largest B/(µ0 H) of the table."""
+        return float(np.max(self.flux_density[1:] / self.field[1:]) / MU0)
+
     def volume_beyond(self, b: Floats, volumes: Floats) -> float:
         """Return how much of `volumes` (m³) has `b` (T) beyond a table that ends early."""
         return float(volumes[b > self.flux_density[-1]].sum()) if self.ends_early else 0.0

@@ -268,7 +268,7 @@ def _curve(device: Device, refinements: Refinements) -> MagnetisationCurve | Non
     curve = magnetisation_curve(device.steel)
     if refinements.iron == "saturating":
         return curve
-    return linear(float(np.max(curve.flux_density[1:] / curve.field[1:]) / MU0))
+    return linear(curve.highest_permeability)
 
 
 def _grouped(values: Floats, group: Ints) -> Floats:

@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
 from tactgen.tmm.ports.readout import ModalReadout
-from tactgen.validation.catalogue.bimorph import (
-    CAPACITANCE_BLOCKED,
-    CAPACITANCE_FREE,
-    COUPLING_FACTOR,
-    OPEN_CIRCUIT_FREQUENCIES,
-    SHORT_CIRCUIT_FREQUENCIES,
-    STATIC_TIP_DISPLACEMENT,
-)
 from tactgen.validation.catalogue.models import MODELS, ModelRow, ranked
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
@@ -24,22 +16,10 @@ from tactgen.validation.catalogue.row import QuantityRow
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import Scene
 
-if TYPE_CHECKING:
-    from tactgen.validation.models.bimorph.bridge.causes import Cause
-
 Verdict = Literal["reference", "agrees", "explained", "model form", "differs"]
 
-#: The quantities that the bridge follows, by the rung's attribute.
-BRIDGED = {
-    STATIC_TIP_DISPLACEMENT.name: "deflection",
-    SHORT_CIRCUIT_FREQUENCIES.name: "first_frequency",
-    CAPACITANCE_FREE.name: "capacitance",
-    OPEN_CIRCUIT_FREQUENCIES.name: "open_frequency",
-    COUPLING_FACTOR.name: "coupling",
-    CAPACITANCE_BLOCKED.name: "blocked_capacitance",
-}
-#: A difference is explained if the bridge accounts for all but this fraction of the value:
-#: the bridge runs on the coarser mesh of the pair.
+#: A difference is explained if the causes account for all but this fraction of the value and what
+#: the bars allow: they are told apart on coarser meshes.
 UNEXPLAINED = 3e-3
 #: Fraction that a shortcut of a model may be worth beside what the bridge follows.
 _SHORTCUT = 0.01
@@ -54,6 +34,18 @@ _TUBES = (
     "as a source of leakage"
 )
 _SAME_EQUATIONS = "both solve the same equations, so their error bars should cover this"
+
+
+class Cause(Protocol):
+    """A named reason why a simpler model differs, with what it adds to each quantity's ratio."""
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+
+    @property
+    def of(self) -> Mapping[str, float]:
+        """By quantity, what it adds to (simpler / detailed − 1)."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +98,8 @@ def compare(
     Parameters
     ----------
     causes : sequence of Cause, optional
-        Why the beam is not the solid, each with its share, which can explain a difference.
+        Why the simplest theory is not the most detailed one, each with its share, which can
+        explain a difference.
     """
     rows = []
     for row in (QUANTITIES[name] for name in quantities_of(actuator)):
@@ -138,7 +131,8 @@ def _cell(
         verdict = "reference"
     elif not covered:
         models = MODELS[q.model], MODELS[reference.model]
-        verdict, why = _judge(scene, row, models, difference, causes)
+        bars = (bar + base_bar) / abs(base) if base != 0.0 else 0.0
+        verdict, why = _judge(scene, row, models, (difference, bars), causes)
     return Cell(q.model, value, bar, difference, verdict, why)
 
 
@@ -146,34 +140,43 @@ def _judge(
     scene: Scene,
     row: QuantityRow,
     models: tuple[ModelRow, ModelRow],
-    difference: float,
+    apart: tuple[float, float],
     causes: Sequence[Cause] | None,
 ) -> tuple[Verdict, str]:
-    """Return the verdict on a difference that the error bars do not cover, and its reason."""
-    model, reference = models
+    """Return the verdict on a difference that the error bars do not cover, and its reason.
+
+    `apart` holds both, the difference and the bars together, as fractions.
+    """
+    (difference, bars), (model, reference) = apart, models
     shortcut = "" if row.static else model.shortcut
     if model.theory == reference.theory:
         if shortcut:
             return "model form", shortcut
         agrees = abs(difference) < _SAME_THEORY
         return ("agrees", "") if agrees else ("differs", f"{_SAME_EQUATIONS}; not understood")
-    if model.theory == "circuit":
-        return "model form", _TUBES
-    reason = _ONE_DIMENSIONAL
-    if scene.support.kind == "rod":
-        reason += f"; and {_ON_ROD}"
-    if causes is None or row.name not in BRIDGED:
+    shares = {c.name: c.of[row.name] for c in causes or () if row.name in c.of}
+    if not shares:
+        reason = _left_out(scene, model)
         return "model form", f"{reason}; {shortcut}" if shortcut else reason
-    shares = {c.name: getattr(c.share, BRIDGED[row.name]) for c in causes}
     together = sum(shares.values())
     left = (1.0 + difference) / (1.0 + together) - 1.0
     named = ", ".join(f"{name} {_points(share)}" for name, share in shares.items())
     reason = f"{named}: together {_points(together)} %, of {_points(difference)} %"
     if shortcut:
         reason += f"; {shortcut}"
-    if abs(left) > UNEXPLAINED + (_SHORTCUT if shortcut else 0.0):
+    if abs(left) > UNEXPLAINED + bars + (_SHORTCUT if shortcut else 0.0):
         return "differs", f"{reason}; {_points(left)} % unexplained"
     return "explained", reason
+
+
+def _left_out(scene: Scene, model: ModelRow) -> str:
+    """Return in words what a model leaves out, where no causes are told apart."""
+    if model.theory == "circuit":
+        return _TUBES
+    reason = _ONE_DIMENSIONAL
+    if scene.support.kind == "rod":
+        reason += f"; and {_ON_ROD}"
+    return reason
 
 
 def _points(share: float) -> str:

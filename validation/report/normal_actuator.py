@@ -27,6 +27,7 @@ from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 
 if TYPE_CHECKING:
     from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
+    from tactgen.validation.models.reluctance.network_causes import NetworkCause
 
 #: Curves of a family: shares of the scene's current.
 _SHARES = (0.25, 0.5, 0.75, 1.0, 1.25)
@@ -72,6 +73,11 @@ class BridgeStep:
     value: dict[str, float]
     left: dict[str, float]
     step: dict[str, float]
+
+    @property
+    def by_network(self) -> bool:
+        """Whether it is one of the network's own refinements."""
+        return self.name in _MEANING
 
 
 class NormalActuator:
@@ -170,7 +176,17 @@ class NormalActuator:
     @cached_property
     def comparison(self) -> list[ComparedRow]:
         """All quantities by all models; the one they are held against stands last."""
-        return compare(self.scene, self.quantities, "reluctance")
+        return compare(self.scene, self.quantities, "reluctance", self.causes)
+
+    @cached_property
+    def causes(self) -> list[NetworkCause]:
+        """Why the network's numbers are not the field's, none without a field or a current."""
+        if not self.has_field or self.current == 0.0:
+            return []
+        from tactgen.validation.models.reluctance.network_causes import network_causes
+
+        self.announce("why the network is not the field")
+        return network_causes(self.device, self.current, self.gap)
 
     @cached_property
     def bridge(self) -> list[BridgeStep]:
@@ -188,7 +204,7 @@ class NormalActuator:
         if self.has_field:
             point = self.point_by_reference(self.current, self.gap)
             value = {"force": point.force.value, "flux_linkage": point.flux_linkage.value}
-            rows.append(("the field", "what tubes of assumed shape leave out", value))
+            rows += self._from_the_network(rows[-1][2], value)
         reference, before = rows[-1][2], dict.fromkeys(rows[-1][2], 0.0)
         steps = []
         for name, meaning, value in rows:
@@ -197,6 +213,18 @@ class NormalActuator:
             steps.append(BridgeStep(name, meaning, value, left, step))
             before = left
         return steps
+
+    def _from_the_network(
+        self, network: dict[str, float], field: dict[str, float]
+    ) -> list[tuple[str, str, dict[str, float]]]:
+        """Return the steps from the network to the field: each cause taken away in turn."""
+        rows, value = [], network
+        for cause in reversed(self.causes[1:]):
+            share = {"force": cause.force, "flux_linkage": cause.flux_linkage}
+            value = {key: value[key] - share[key] * field[key] for key in field}
+            rows.append((f"{cause.name} as in the field", cause.meaning, value))
+        first = next((cause.meaning for cause in self.causes), "what tubes of assumed shape lack")
+        return [*rows, ("the field", first, field)]
 
     @cached_property
     def switching(self) -> dict[str, SwitchingCurrents]:

@@ -12,8 +12,8 @@ from tactgen.validation.models.bimorph.beam_theory_error import (
     stubby_warning,
 )
 from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
+from tactgen.validation.models.bimorph.bridge.causes import BRIDGED
 from tactgen.validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid
-from tactgen.validation.models.comparison import BRIDGED
 from tactgen.validation.scene.scene import load_scene
 
 CLAMPED = ["support.kind=clamped", "load.kind=none"]

@@ -7,10 +7,15 @@ from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph.bridge import Rung, bridge
-from tactgen.validation.models.bimorph.bridge.causes import in_the_rod, on_a_clamp, total
+from tactgen.validation.models.bimorph.bridge.causes import (
+    BRIDGED,
+    in_the_rod,
+    on_a_clamp,
+    total,
+)
 from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
 from tactgen.validation.models.bimorph.bridge.rung import Values
-from tactgen.validation.models.comparison import BRIDGED, compare
+from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import load_scene
 
 

@@ -198,8 +198,9 @@ def test_network_is_held_against_the_field(at_a_point):
     network, field = force.cells
     assert (field.model, field.verdict) == ("axisymmetric", "reference")
     assert network.difference == pytest.approx(network.value / field.value - 1.0)
-    assert network.verdict == "model form"
-    assert "tubes of assumed shape" in force.remarks[0]
+    assert network.verdict == "explained"
+    for cause in at_a_point.causes:
+        assert f"{cause.name} {100 * cause.of[force.quantity]:+.2f}" in force.remarks[0]
 
 
 def test_paper_is_judged_by_the_field_where_there_is_one(at_a_point):

@@ -47,6 +47,8 @@ def _models(actuator: NormalActuator) -> Context:
         "methods": {model: list(found) for model, found in methods.items()},
         "routes": field.point() if field else None,
         "steps": actuator.bridge,
+        "causes": actuator.causes,
+        "network_left": next(s.left["force"] for s in reversed(actuator.bridge) if s.by_network),
         "waterfall": bridge_plot(actuator.bridge, titles, reference),
         "deviations": _deviations(actuator),
     }

@@ -7,13 +7,31 @@ the solid otherwise than to the beam.  None replaces another.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from tactgen.validation.catalogue.bimorph import (
+    CAPACITANCE_BLOCKED,
+    CAPACITANCE_FREE,
+    COUPLING_FACTOR,
+    OPEN_CIRCUIT_FREQUENCIES,
+    SHORT_CIRCUIT_FREQUENCIES,
+    STATIC_TIP_DISPLACEMENT,
+)
 from tactgen.validation.models.bimorph.bridge.assumptions import bridge
 from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
 from tactgen.validation.models.bimorph.bridge.rung import Rung, Steps, Values
+
+#: The quantities that the bridge follows, by the name of its value.
+BRIDGED = {
+    STATIC_TIP_DISPLACEMENT.name: "deflection",
+    SHORT_CIRCUIT_FREQUENCIES.name: "first_frequency",
+    CAPACITANCE_FREE.name: "capacitance",
+    OPEN_CIRCUIT_FREQUENCIES.name: "open_frequency",
+    COUPLING_FACTOR.name: "coupling",
+    CAPACITANCE_BLOCKED.name: "blocked_capacitance",
+}
 
 
 @dataclass(frozen=True)
@@ -22,6 +40,11 @@ class Cause:
 
     name: str
     share: Steps
+
+    @property
+    def of(self) -> Mapping[str, float]:
+        """The shares by quantity."""
+        return {quantity: getattr(self.share, value) for quantity, value in BRIDGED.items()}
 
 
 def on_a_clamp(rungs: Sequence[Rung]) -> list[Cause]:
