@@ -177,7 +177,7 @@ def test_unknown_part_is_refused():
     ("library", "lossy"),
     [
         ("auto", True),
-        ("superlu", False),
+        pytest.param("superlu", False, marks=pytest.mark.heavy),
         pytest.param("auto", False, marks=pytest.mark.heavy),
         pytest.param("superlu", True, marks=pytest.mark.heavy),
     ],

@@ -22,12 +22,12 @@ from tactgen.validation.command_line.commands.evidence import stress as command
 
 @pytest.fixture(scope="module")
 def found():
-    """Return the quick run of the transfer-matrix model's part, on grids of a quarter its points.
+    """Return the quick run of the transfer-matrix model's part, on grids of an eighth its points.
 
     Over the same ranges; the heavy tests have its own grids.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(beam, "_QUICK", (6, 4))
+        patch.setattr(beam, "_QUICK", (4, 3))
         return beam.run(True, lambda _: None)
 
 

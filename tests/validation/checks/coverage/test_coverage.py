@@ -45,11 +45,10 @@ def test_calibration_counts_what_lies_within_so_many_bars():
 
 
 def test_bars_of_beams_hold_on_fresh_devices():
-    """A few devices a run; `tactgen coverage` takes many."""
-    for number in range(2):
-        for judge in (beam.judge, taper.judge):
-            found = judge(np.random.default_rng([2026, number]))
-            assert all(one.within for one in found), [one for one in found if not one.within]
+    """One device of each kind; `tactgen coverage` takes many."""
+    for judge in (beam.judge, taper.judge):
+        found = judge(np.random.default_rng([2026, 0]))
+        assert all(one.within for one in found), [one for one in found if not one.within]
 
 
 def test_a_seed_draws_the_same_devices(monkeypatch, capsys, tmp_path):
