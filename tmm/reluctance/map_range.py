@@ -7,6 +7,7 @@ currents like its.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -30,6 +31,12 @@ _BEYOND_BALANCE = 2.0
 _WITHOUT_NETWORK = 4.0
 #: The map reaches so many times the device's own current.
 _BEYOND_CURRENT = 1.5
+#: The map goes on beyond the upper stop so many times the gap.
+_BEYOND_GAP = 1.25
+#: Steps of a shared range are so far apart, in ratio; and what is this close to one is on it.
+_STEP, _ROUNDING = math.sqrt(2.0), 1e-9
+#: What the steps are counted from (A, m).
+_MA, _UM = 1e-3, 1e-6
 #: Largest ratio of neighbouring currents above those of the switching range.
 _RATIO = 1.6
 #: Shares of a reference current among which the network's balance is looked for.
@@ -38,7 +45,9 @@ _SHARES = np.geomspace(0.1, 100.0, 44)
 _POSITIONS, _CELLS = 9, 4
 
 
-def map_grid(device: Device, currents: int = 13, gaps: int = 12) -> tuple[Floats, Floats]:
+def map_grid(
+    device: Device, currents: int = 13, gaps: int = 12, *, shared: bool = False
+) -> tuple[Floats, Floats]:
     """Return currents (A) and gaps (m) at which a model is sampled for the device's map.
 
     Currents from 0 to twice what moves the rod, denser where the map bends, at small ones;
@@ -52,26 +61,48 @@ def map_grid(device: Device, currents: int = 13, gaps: int = 12) -> tuple[Floats
         All of it but the bimorph is read.
     currents, gaps : int
         How many; currents beyond the switching range come on top.
+    shared : bool
+        Whether the range is rounded outwards to whole steps, so that devices that differ a
+        little in gap, current and spring have the same: one map is then all of theirs.
 
     Raises
     ------
     InputError
         If there is no stroke.
     """
-    needed = _switching_range(device)
+    needed, most = _switching_range(device), _BEYOND_CURRENT * abs(device.coil.current)
+    least, largest = min(_BELOW_STOP * device.spring.stop_gap, 0.5 * device.gap), None
+    if shared:
+        needed, most = _rounded(needed, _MA, math.ceil), _rounded(most, _MA, math.ceil)
+        least = _rounded(least, _UM, math.floor)
+        largest = _rounded(_BEYOND_GAP * device.gap, _UM, math.ceil)
     inner = needed * np.linspace(0.0, 1.0, currents) ** 1.5
-    ratio = _BEYOND_CURRENT * abs(device.coil.current) / needed
+    ratio = most / needed
     more = math.ceil(math.log(ratio) / math.log(_RATIO)) if ratio > 1.0 else 0
     outer = needed * ratio ** (np.arange(1, more + 1) / max(more, 1))
-    least = min(_BELOW_STOP * device.spring.stop_gap, 0.5 * device.gap)
-    return np.concatenate([inner, outer]), np.geomspace(least, _largest_gap(device), gaps)
+    return np.concatenate([inner, outer]), np.geomspace(least, _within(device, largest), gaps)
 
 
-def _largest_gap(device: Device) -> float:
-    """Return a quarter beyond the upper stop, or half the way to where a model ends."""
+def _within(device: Device, largest: float | None) -> float:
+    """Return a largest gap (m) if it is well before where a model ends.
+
+    Else a quarter beyond the upper stop, or half the way to that end.
+    """
     gap = device.gap
     ends = (end for end in (widest_circuit(device), widest_gap(device)) if end >= gap)
-    return float(min(1.25 * gap, 0.5 * (gap + min(ends, default=math.inf))))
+    half_way = 0.5 * (gap + min(ends, default=math.inf))
+    if largest is not None and largest <= half_way:
+        return largest
+    return float(min(_BEYOND_GAP * gap, half_way))
+
+
+def _rounded(value: float, unit: float, whole: Callable[[float], int]) -> float:
+    """Return a current or gap rounded to a whole step from a unit; 0 is one."""
+    if value == 0.0:
+        return value
+    steps = math.log(value / unit) / math.log(_STEP)
+    near = round(steps)
+    return float(unit * _STEP ** (near if abs(steps - near) < _ROUNDING else whole(steps)))
 
 
 def _switching_range(device: Device) -> float:

@@ -88,6 +88,27 @@ def test_unusual_coils_and_gaps_have_a_range(built, needed):
     assert gaps[-1] > built.gap
 
 
+@pytest.mark.parametrize(
+    "near",
+    [{"current": 0.1}, {"preload": 0.105}, {"stiffness": 80.0}, {"stop_gap": 21e-6}, {}],
+)
+def test_devices_that_differ_a_little_share_their_range(near):
+    """The same currents and gaps to the last bit, which hold what each asks for alone."""
+    one, other = (map_grid(d, shared=True) for d in (device(), device(**near)))
+    alone = map_grid(device(**near))
+    for ours, theirs, needed in zip(one, other, alone, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+        assert ours[0] <= needed[0] * (1.0 + 1e-9)
+        assert ours[-1] >= needed[-1] * (1.0 - 1e-9)
+        assert ours[-1] <= 1.5 * needed[-1]
+
+
+def test_a_shared_range_ends_before_parts_meet():
+    """The flange meets the collar at 2.4 mm: no rounding across."""
+    built = collared().model_copy(update={"gap": 2.2e-3})
+    assert map_grid(built, shared=True)[1][-1] == pytest.approx(2.3e-3, rel=1e-9)
+
+
 def test_no_spring_is_no_obstacle():
     """Without a spring some range is still chosen."""
     currents, _ = map_grid(device(0.0, preload=0.0, stiffness=0.0))

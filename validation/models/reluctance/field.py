@@ -14,8 +14,9 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept
 from tactgen.tmm.reluctance.coenergy.fit import fit
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples
-from tactgen.validation.catalogue.models import stage_code
+from tactgen.validation.catalogue.models import MODELS, stage_code
 from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.stages import values_read
 from tactgen.validation.models.reluctance.model import MagneticModel
 from tactgen.validation.models.reluctance.point import MagneticPoint
 from tactgen.validation.scene.scene import Scene
@@ -33,6 +34,8 @@ REFINEMENTS = ((2e-3, 1.0), (5e-4, 1.5), (0.0, 2.0))
 _SECTOR_REFINEMENTS = ((2.5e-2, 0.7), (1.3e-2, 1.0), (0.0, 1.4))
 #: Polynomial order of a field map's samples: their error is then below that of interpolating them.
 _MAP_ORDER = 3
+#: What says how far a map must reach, and nothing else of its samples.
+_RANGE = ("coil.current", "gap", "spring")
 #: Currents and gaps of a map in 3D, where each costs a second or more, and its fineness.
 _SOLID_MAP = (8, 6)
 _SOLID_MAP_REFINEMENT = 0.7
@@ -41,18 +44,18 @@ _SOLID_MAP_REFINEMENT = 0.7
 class _FieldModel(MagneticModel):
     """A model that solves the field."""
 
-    def _fitted(
+    def _samples(
         self,
         currents: Floats,
         gaps: Floats,
         rows: Sequence[Sequence[FieldPoint]] | Sequence[Sequence[SolidPoint]],
-    ) -> CoenergyMap:
-        """Return the map of rows of points, one row for each gap."""
+    ) -> Samples:
+        """Return rows of points, one row for each gap, as samples of a map."""
 
         def table(read: Callable[[FieldPoint | SolidPoint], float]) -> Floats:
             return np.array([[read(point) for point in row] for row in rows]).T
 
-        samples = Samples(
+        return Samples(
             currents,
             gaps,
             flux_linkage=table(lambda p: p.flux_linkage),
@@ -61,9 +64,15 @@ class _FieldModel(MagneticModel):
             incremental_inductance=table(lambda p: p.incremental_inductance),
             force_error=table(lambda p: p.errors.force),
             model=self.name,
-            device=self._described(),
         )
-        return fit(samples)
+
+    def _fitted(self, samples: Samples) -> CoenergyMap:
+        return fit(replace(samples, device=self._described()))
+
+    def _geometry(self) -> dict[str, Any]:
+        """Return what the field at a current and gap depends on beside these, for the store."""
+        own = MODELS[self.name].stages["map"]
+        return values_read(self.scene, (key for key in own if key not in _RANGE))
 
 
 class AxisymmetricModel(_FieldModel):
@@ -106,9 +115,15 @@ class AxisymmetricModel(_FieldModel):
         from tactgen.tmm.reluctance.map_range import map_grid
 
         device = self.scene.device
-        currents, gaps = map_grid(device)
-        rows = solve_map(device, gaps.tolist(), currents.tolist(), order=_MAP_ORDER)
-        return self._fitted(currents, gaps, rows)
+        currents, gaps = map_grid(device, shared=True)
+
+        def work() -> Samples:
+            rows = solve_map(device, gaps.tolist(), currents.tolist(), order=_MAP_ORDER)
+            return self._samples(currents, gaps, rows)
+
+        inputs = (self._geometry(), currents.tolist(), gaps.tolist())
+        code, announce = stage_code()["axisymmetric.map"], self.stages.announce
+        return self._fitted(kept("axisymmetric.samples", inputs, code, work, announce=announce))
 
 
 class Magnetic3dModel(_FieldModel):
@@ -162,7 +177,8 @@ class Magnetic3dModel(_FieldModel):
 
         check_solid_map(self.scene)
         device, announce = self.scene.device, self.stages.announce
-        currents, gaps = map_grid(device, *_SOLID_MAP)
+        currents, gaps = map_grid(device, *_SOLID_MAP, shared=True)
+        geometry = self._geometry()
         sector = Sector(_SOLID_MAP_REFINEMENT)
         rows = []
         for number, gap in enumerate(gaps.tolist(), start=1):
@@ -170,13 +186,13 @@ class Magnetic3dModel(_FieldModel):
             rows.append(
                 kept(
                     "magnetic3d.row",
-                    (self.stages.keys["magnetic3d.map"], gap),
+                    (geometry, currents.tolist(), gap),
                     stage_code()["magnetic3d.map"],
                     partial(solve_row, device, gap, currents, sector),
                     announce=announce,
                 )
             )
-        return self._fitted(currents, gaps, rows)
+        return self._fitted(self._samples(currents, gaps, rows))
 
 
 def check_solid_map(scene: Scene) -> None:
