@@ -1,7 +1,6 @@
 """Where the rod rests: the ideal gap's closed form, hysteresis, and what holds it."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -17,28 +16,18 @@ from tactgen.tmm.generator.positions import (
     resting_places,
 )
 from tactgen.tmm.generator.stops import contact_of
+from tactgen.validation.checks.cases.magnetics.ideal_gap import IdealGap
 
-GAP, STIFFNESS, TURNS, AREA = 0.2e-3, 100.0, 500.0, 4e-6
+GAP, STIFFNESS, STRENGTH = 0.2e-3, 100.0, MU0 * 500.0**2 * 4e-6
 #: I² = 8 k g0³ / (27 µ0 N² A), the electrostatic or magnetic gap on a spring; at g0/3 of travel.
-PULL_IN = math.sqrt(8.0 * STIFFNESS * GAP**3 / (27.0 * MU0 * TURNS**2 * AREA))
-
-
-@dataclass(frozen=True)
-class IdealGap:
-    """All the mmf across one straight gap."""
-
-    def force(self, current, gap):
-        return np.asarray(0.5 * MU0 * AREA * (TURNS * current / np.asarray(gap)) ** 2)
-
-    def force_gradient(self, current, gap):
-        return -2.0 * self.force(current, gap) / np.asarray(gap)
+PULL_IN = math.sqrt(8.0 * STIFFNESS * GAP**3 / (27.0 * STRENGTH))
 
 
 def ideal(preload=0.0, **more):
     """A spring that is loose at the top; stops so hard that they are felt only when touched."""
     spring = Spring(preload=preload, stiffness=STIFFNESS, stop_gap=20e-6)
     contact = Contact(decay_length=1e-10)
-    return axial_forces(Device(gap=GAP, spring=spring, contact=contact, **more), IdealGap())
+    return axial_forces(Device(gap=GAP, spring=spring, contact=contact, **more), IdealGap(STRENGTH))
 
 
 def test_pull_in_of_the_ideal_gap():
@@ -57,13 +46,13 @@ def test_floating_places_are_the_roots_of_the_cubic(share):
     """k x (g0 − x)² = µ0 N² I² A / 2: the smaller root is stable, the next is not."""
     current = share * PULL_IN
     cubic = [STIFFNESS, -2 * STIFFNESS * GAP, STIFFNESS * GAP**2]
-    roots = np.sort(np.roots([*cubic, -0.5 * MU0 * AREA * (TURNS * current) ** 2]).real)[:2]
+    roots = np.sort(np.roots([*cubic, -0.5 * STRENGTH * current**2]).real)[:2]
     found = {p.kind: p for p in resting_places(ideal(), current) if "stop" not in p.kind}
     # brackets end at rounding of the lift; np.roots at that of the cubic near its double root
     assert found["floating"].lift == pytest.approx(-roots[0], rel=1e-9)
     assert found["unstable"].lift == pytest.approx(-roots[1], rel=1e-9)
     x = roots[0]
-    slope = STIFFNESS - 2.0 * IdealGap().force(current, GAP - x) / (GAP - x)
+    slope = STIFFNESS - 2.0 * IdealGap(STRENGTH).force(current, GAP - x) / (GAP - x)
     assert found["floating"].stiffness == pytest.approx(slope, rel=1e-6)
     assert found["unstable"].stiffness < 0.0
 
@@ -81,10 +70,10 @@ def test_stable_and_unstable_places_alternate():
 def test_hysteresis():
     """Up it stays while the current rises, down while it falls: one loop, no place between."""
     forces = ideal(preload=20e-3)
-    lift_off = math.sqrt(2.0 * 20e-3 / (MU0 * AREA)) * GAP / TURNS
+    lift_off = math.sqrt(2.0 * 20e-3 / STRENGTH) * GAP
     stop = forces.device.spring.stop_gap
     spring_down = 20e-3 + STIFFNESS * (GAP - stop)
-    drop_out = math.sqrt(2.0 * spring_down / (MU0 * AREA)) * stop / TURNS
+    drop_out = math.sqrt(2.0 * spring_down / STRENGTH) * stop
     currents = np.array([0.5 * drop_out, 1.01 * drop_out, 0.99 * lift_off, 1.01 * lift_off])
     loop = position_loop(forces, currents)
     down = -(GAP - stop)

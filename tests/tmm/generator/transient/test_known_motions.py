@@ -12,7 +12,7 @@ from tactgen.tmm.generator.transient.laws import CubicSpring, RoughPoint, Stop
 from tactgen.tmm.generator.transient.march import Sources, simulate, simulate_steps
 from tactgen.tmm.generator.transient.system import Coil, Element, Friction, Output, System
 from tactgen.tmm.generator.transient.waveform import Chirp, Constant, Sampled, Sine, Square, Step
-from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
+from tactgen.validation.checks.cases.magnetics.ideal_gap import IdealGap
 
 ONE, UNIT = np.ones(1), np.eye(1)
 
@@ -23,21 +23,6 @@ def oscillator(law, *, mass=1.0, damping=0.0, stiffness=0.0, load=0.0, sign=1.0,
         mass * UNIT, damping * UNIT, stiffness * UNIT, load * ONE, 0.0 * ONE, 0.0,
         (Element("spring", law, sign * ONE),), (), None, {"x": Output(ONE, "m", scale)},
     )  # fmt: skip
-
-
-class IdealGap:
-    """A gap alone: λ = C i/g, W' = C i²/(2 g)."""
-
-    def __init__(self, constant):
-        self.constant = constant
-
-    def at(self, current, gap):
-        linkage = self.constant * current / gap
-        force = 0.5 * linkage * current / gap
-        return CoenergyPoint(
-            0.5 * linkage * current, linkage, force, self.constant / gap, -linkage / gap,
-            -2.0 * force / gap,
-        )  # fmt: skip
 
 
 def circuit(inductance, resistance):

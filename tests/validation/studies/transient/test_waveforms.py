@@ -14,7 +14,7 @@ from tactgen.tmm.generator.transient.laws import Stop
 from tactgen.tmm.generator.transient.march import Sources, simulate
 from tactgen.tmm.generator.transient.system import Coil, Element, Output, System
 from tactgen.tmm.generator.transient.waveform import Chirp, Constant, Sampled, Sine, Square, Step
-from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
+from tactgen.validation.checks.cases.magnetics.ideal_gap import IdealGap
 from tactgen.validation.models.generator.transient import scene_machine
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.transient.waveforms import AMPERES, VOLTS, parsed
@@ -133,21 +133,6 @@ def test_whatever_is_written_gives_a_waveform_or_one_sentence(text):
         values = [waveform.value(t, middle) for t in (a, middle, b)]
         assert all(abs(v) <= waveform.peak * (1.0 + 1e-12) for v in values)
     assert waveform.shortest > 0.0
-
-
-class IdealGap:
-    """A gap alone: λ = C i/g, W' = C i²/(2 g)."""
-
-    def __init__(self, constant):
-        self.constant = constant
-
-    def at(self, current, gap):
-        linkage = self.constant * current / gap
-        force = 0.5 * linkage * current / gap
-        return CoenergyPoint(
-            0.5 * linkage * current, linkage, force, self.constant / gap, -linkage / gap,
-            -2.0 * force / gap,
-        )  # fmt: skip
 
 
 HERTZ = st.integers(1, 2000).map("{} Hz".format)
