@@ -112,11 +112,13 @@ def _place(package: str) -> Path:
 @cache
 def _source(name: str) -> Path | None:
     """Return the file of a module or package, None if it is not one of the project's."""
-    package, *parts = name.removeprefix(_HOLDER).split(".")
-    if package not in _PACKAGES:
+    above, _, own = name.removeprefix(_HOLDER).rpartition(".")
+    if not above:
+        return _place(own) / "__init__.py" if own in _PACKAGES else None
+    package = _source(above)
+    if package is None or package.name != "__init__.py":  # a name in a module: most are
         return None
-    folder = _place(package).joinpath(*parts)
-    places = [folder / "__init__.py", *([folder.with_name(parts[-1] + ".py")] if parts else [])]
+    places = (package.with_name(own) / "__init__.py", package.with_name(own + ".py"))
     return next((place for place in places if place.is_file()), None)
 
 
