@@ -64,21 +64,27 @@ def own_store(tmp_path, monkeypatch):
     return tmp_path / "own store"
 
 
-@pytest.fixture
-def coarse_bricks(monkeypatch):
-    """Divide the solid far more coarsely than any answer needs: for tests of what runs and when.
-
-    Keys in the store do not know: who asks for this has a store of its own.
-    """
+@pytest.fixture(scope="session")
+def few_bricks():
+    """Return two divisions of the solid, far coarser than any answer needs."""
     from tactgen.geometry.bimorph.brick_family import BrickMeshing
-    from tactgen.validation.models.bimorph import solid
 
     plain = {"tip": 1.0, "longest": 20.0, "pieces": (2.0, 4.0)}
-    levels = (
+    return (
         BrickMeshing((2, 2, 2), smallest=1.0, **plain),
         BrickMeshing((2, 2, 3), smallest=0.5, **plain),
     )
-    monkeypatch.setattr(solid, "LEVELS", levels)
+
+
+@pytest.fixture
+def coarse_bricks(monkeypatch, few_bricks):
+    """Divide the solid into few bricks: for tests of what runs and when.
+
+    Keys in the store do not know: who asks for this has a store of its own.
+    """
+    from tactgen.validation.models.bimorph import solid
+
+    monkeypatch.setattr(solid, "LEVELS", few_bricks)
 
 
 @pytest.fixture

@@ -29,11 +29,12 @@ SCENES = (
 
 
 @pytest.fixture(scope="module", autouse=True)
-def small_map(tmp_path_factory, rough_fields):
-    """Sample the actuator's map at few points: what is kept is asked for, not its worth."""
+def small(tmp_path_factory, rough_fields, few_bricks):
+    """Take few bricks, and few points of the actuator's map: what is kept is asked for."""
     few = partial(map_grid, currents=7, gaps=6)
     with rough_fields(tmp_path_factory.mktemp("store")) as patch:
         patch.setattr("tactgen.tmm.reluctance.map_range.map_grid", few)
+        patch.setattr(solid, "LEVELS", few_bricks)
         yield
 
 
@@ -79,10 +80,8 @@ def test_only_what_is_declared_is_kept(monkeypatch):
 
 
 @pytest.mark.parametrize(("name", "overrides"), SCENES)
-def test_the_same_again_is_read(name, overrides, request):
+def test_the_same_again_is_read(name, overrides):
     """Numbers, bars, methods and warnings are the same; no stage that is kept runs."""
-    if name == "j1":  # whose numbers no other test looks at
-        request.getfixturevalue("coarse_bricks")
     first = answers(name, *overrides)
     ran = []
     assert answers(name, *overrides, announce=ran.append) == first
@@ -136,7 +135,7 @@ def test_answers_from_the_store_load_no_solver():
     assert (result.stdout.strip(), result.stderr) == ("[]", "")
 
 
-@pytest.mark.usefixtures("own_store", "coarse_bricks")
+@pytest.mark.usefixtures("own_store")
 def test_one_scene_at_once_is_solved_once():
     """Two runs of one scene beside each other: one computes a stage, the other waits for it."""
     name, overrides = SCENES[0]
