@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from tactgen.validation.fields.run import body_of
 from tactgen.validation.models.generator.phases import phases
 from tactgen.validation.models.generator.transient import Simulation
 from tactgen.validation.view.films import save_film
-from tactgen.validation.view.run.frames import Instant, run_frames
+from tactgen.validation.view.run.frames import Instant, run_frames, run_still
 
 #: Pictures of a film, and milliseconds that each is shown; time steps in a file.
 _FRAMES, _SHOWN, _STEPS = 150, 60, 150
@@ -32,6 +33,19 @@ def write_run_film(
     """
     images = run_frames(body_of(found), list(_instants(found, _FRAMES)), announce)
     save_film(path, images, _SHOWN)
+
+
+def still_of_run(found: Simulation) -> bytes:
+    """Return a run as one picture (PNG), with its curves.
+
+    Raises
+    ------
+    InputError
+        If it cannot be made.
+    """
+    buffer = io.BytesIO()
+    run_still(body_of(found), list(_instants(found, _FRAMES))).save(buffer, "PNG", optimize=True)
+    return buffer.getvalue()
 
 
 def write_run_steps(path: Path, found: Simulation) -> None:

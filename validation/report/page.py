@@ -18,7 +18,14 @@ from tactgen.validation.models.comparison import ComparedRow
 from tactgen.validation.report.provenance.record import FILE, read_record, recorded
 from tactgen.validation.report.provenance.seal import seal, unseal
 from tactgen.validation.report.second_process import ahead
-from tactgen.validation.report.sections.contents import alone, here_only, made_alone, part, sections
+from tactgen.validation.report.sections.contents import (
+    APPENDIX,
+    alone,
+    here_only,
+    made_alone,
+    part,
+    sections,
+)
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study, check_report, prepared
 from tactgen.validation.scene.scene import Scene
@@ -131,9 +138,16 @@ def _page(study: Study, started: float) -> str:
         }
         for section, found in shown
     ]
-    viewer = assets() if any("viewer" in found for _, found in shown) else ""
-    last = {"sections": bodies, "date": time.strftime("%Y-%m-%d"), "viewer_assets": viewer}
-    return environment.get_template("page.html").render(common | _summary(study) | last)
+    viewer = assets() if any({"viewer", "film"} & set(found) for _, found in shown) else ""
+    first = {shown[0][0].id: "For the engineer"}
+    first |= {next(s.id for s, _ in shown if s.id in APPENDIX): "Appendix"}
+    last = {
+        "sections": bodies,
+        "parts": first,
+        "date": time.strftime("%Y-%m-%d"),
+        "viewer_assets": viewer,
+    }
+    return environment.get_template("page.html").render(common | summary(study) | last)
 
 
 def _contents(section: Section, study: Study) -> Context | None:
@@ -144,8 +158,10 @@ def _contents(section: Section, study: Study) -> Context | None:
     return found
 
 
-def _summary(study: Study) -> dict[str, Any]:
+def summary(study: Study) -> dict[str, Any]:
     """Return what the head of the page says about the whole."""
+    uncertain = study.parameter_uncertainty if study.lateral else []
+    moment = study.shown.get("support", {}).get("moment")
     most_detailed = [row.cells[-1] for row in study.compared]
     return {
         "lateral_rows": study.comparison if study.lateral else [],
@@ -154,6 +170,13 @@ def _summary(study: Study) -> dict[str, Any]:
             "lateral": _spread(study.comparison if study.lateral else []),
             "normal": _spread(study.normal.comparison if study.normal else []),
         },
+        "asked_for": {
+            "models": study.scene.models,
+            "quantities": len({q.name for q in study.solution.quantities}),
+        },
+        "statuses": _statuses(study),
+        "tipped": moment if moment and moment["largest"] > moment["tipping"] else None,
+        "known": [u for u in uncertain if u.target.quantity.headline],
         "invariants": study.invariants,
         "failed": sum(o.status == "fail" for o in study.outcomes),
         "parameters": study.parameters,
@@ -163,6 +186,13 @@ def _summary(study: Study) -> dict[str, Any]:
         "bars": len(most_detailed),
         "missed": sum(c.uncertainty > study.scene.accuracy * abs(c.value) for c in most_detailed),
     }
+
+
+def _statuses(study: Study) -> list[tuple[str, int]]:
+    """Return how many of the scene's checks ended in each way, the best first."""
+    found = [outcome.status for outcome in study.outcomes]
+    order = ("pass", "calibrated", "differs, explained")
+    return [(status, found.count(status)) for status in order if status in found]
 
 
 def _left_out(study: Study) -> list[tuple[str, Band]]:

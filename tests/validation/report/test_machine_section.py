@@ -1,5 +1,6 @@
 """The report's story of the machine: its sections' order, numbers beside the paper's, limits."""
 
+import json
 import re
 from dataclasses import replace
 
@@ -11,7 +12,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.amplitude.deflection import LoadedDeflection
 from tactgen.validation.models.amplitude.held_head import STATES
 from tactgen.validation.models.amplitude.states import rocking_states
-from tactgen.validation.report.page import templates
+from tactgen.validation.report.page import summary, templates
 from tactgen.validation.report.sections import large_motion
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.sections.machine import MOTIONS, POSITIONS, SUPPORT
@@ -140,15 +141,25 @@ def test_small_motions_in_words(held, up):
 
 
 def test_a_quick_report_says_what_it_leaves_out(up):
-    """Amplitude and time take long; the commands that give them are named."""
-    amplitude, time = (
-        words(section, up, section.context(up))
-        for section in (large_motion.AMPLITUDE, large_motion.TIME)
-    )
+    """Large amplitudes take long; the command that gives them is named."""
+    amplitude = words(large_motion.AMPLITUDE, up, large_motion.AMPLITUDE.context(up))
     assert "Not in the quick version" in amplitude
     assert "tactgen backbone" in amplitude
-    assert "Not in the quick version" in time
-    assert "tactgen simulate generator" in time
+
+
+def test_more_than_the_head_bears_is_a_known_limit(up, monkeypatch):
+    """On the first page, where the drive tips the head; not where it does not."""
+    said = "outside their validity"
+    for moment, known in (({"largest": 2e-4, "tipping": 1e-4}, True),
+                          ({"largest": 5e-5, "tipping": 1e-4}, False)):  # fmt: skip
+        monkeypatch.setattr(up, "shown", {"support": {"moment": moment}})
+        numbers = dict.fromkeys(("models", "checks", "parameters", "bridge", "magnetic_models"), 1)
+        study_of = {"scene": up.scene, "normal": up.normal, "solution": up.solution}
+        given = {"quick": True, "lateral": True, "turns_are_set": True, "number": NUMBER | numbers}
+        shown = summary(up) | study_of | given
+        text = templates().get_template("first_page.html").render(shown)
+        assert (said in text) == known
+        assert "Undefined" not in text
 
 
 @pytest.fixture(scope="module")
@@ -196,12 +207,15 @@ def test_the_deflection_stands_beside_the_papers(narrow, monkeypatch):
 def test_the_run_in_time(up, monkeypatch):
     """Phases beside the text's, errors and the current that is needed."""
     monkeypatch.setattr(large_motion, "_UNTIL", 2e-4)
-    monkeypatch.setattr(large_motion, "_ACCURACY", 0.3)
-    full = study(quick=False)
-    shown = large_motion.TIME.context(full)
+    monkeypatch.setattr(large_motion, "_QUICK_ACCURACY", 0.3)
+    shown = large_motion.TIME.context(up)
     assert shown["phases"][0].name == "pressed"
     assert shown["pull_in"].value == pytest.approx(0.1185, rel=0.01)
-    text = words(large_motion.TIME, full, shown)
+    assert shown["film"].count('class="tr tr-within"') == 1
+    assert shown["still"].startswith("data:image/png")
+    film = re.search(r'id="tr-data">(.*?)</script>', shown["film"], re.DOTALL)[1]
+    assert json.loads(film.replace("<\\/", "</"))["until"] == pytest.approx(2e-4)
+    text = words(large_motion.TIME, up, {**shown, "film": ""})
     for wanted in ("4 to 7 ms", "Not all four phases occur", "118.4", "energy balance"):
         assert wanted in text, wanted
 

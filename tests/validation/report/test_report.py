@@ -58,7 +58,7 @@ def test_report_without_the_solid_says_so(tmp_path, monkeypatch):
     html, steps = make(tmp_path, "prototype", "models=lumped,tmm", "frequency=10,100,439,1000")
     assert re.findall(r'<h2 id="(\w+)">', html) == [
         "what", "models", "modes", "bridge", "response", "drive_limits", "length", "voltage",
-        "uncertainty", "checks", "audit", "credibility", "parameters", "plan",
+        "uncertainty", "checks", "credibility", "audit", "parameters", "plan",
     ]  # fmt: skip
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert "The solid model was not asked for" in html

@@ -20,6 +20,9 @@ from tactgen.validation.report.study import (
 )
 from tactgen.validation.scene.scene import Scene
 
+#: What is looked up rather than read.
+APPENDIX = ("audit", "parameters", "plan")
+
 
 def sections(study: Study) -> tuple[Section, ...]:
     """Return the sections of a study; what is not asked for is not even imported."""
@@ -45,8 +48,8 @@ def sections(study: Study) -> tuple[Section, ...]:
     return (
         *found,
         Section("checks", "Checks of this scene", _checks),
-        *after,
         Section("credibility", "How far this report can be trusted", _credibility),
+        *after,
         Section("parameters", "Parameters and assumptions", _parameters),
         Section("plan", "What ran, what was skipped, what it cost", _plan),
     )
@@ -61,7 +64,7 @@ _LIMITS, _APART = ("drive_limits",), ("holding", "length", "voltage", "stress")
 #: What stands alone beside a model, in the order in which another process makes it: first what
 #: takes the CAD kernel that the model has loaded, and what others need, then what takes longest.
 _ALONE = (
-    "pictures", "rungs", "stress", "holding", "material", "length", "bridge",
+    "pictures", "run", "rungs", "stress", "holding", "material", "length", "bridge",
     "parameter_uncertainty", "load", "voltage", "drive_limits", "audit",
 )  # fmt: skip
 
@@ -73,7 +76,10 @@ def alone(scene: Scene) -> tuple[str, ...]:
     apart = model_apart(scene)
     machine = scene.support.kind == "contact"
     # a mesh of tetrahedra is known to who solves on it
-    unused = {*(_APART if machine else ()), *(("pictures",) if shown_model(scene) == "cad" else ())}
+    unused = {
+        *(_APART if machine else ("run",)),
+        *(("pictures",) if shown_model(scene) == "cad" else ()),
+    }
     return (*([apart] if apart else []), *(name for name in _ALONE if name not in unused))
 
 
@@ -94,6 +100,10 @@ def part(study: Study, name: str) -> Any:
     if name in MODELS:
         return made_apart(study, name)
     found = {section.id: section.context for section in (*LATERAL, PRINTED_FORMULAS)}
+    if name == "run":
+        from tactgen.validation.report.sections.large_motion import run_in_time
+
+        return run_in_time(study)
     make = (found | {"pictures": gallery.bimorph, "moving": gallery.moving}).get(name)
     return make(study) if make else getattr(study, name)
 

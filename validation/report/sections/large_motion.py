@@ -1,11 +1,12 @@
 """The report's sections on large amplitudes and on the machine in time.
 
-Both are left out of a quick report, which says how to get them.
+A quick report leaves the first out, says how to get it, and takes longer steps in time.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +21,11 @@ from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.papers_device import is_papers_bimorph
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.view.page.html import inline
+from tactgen.validation.view.run.page import fragment
+
+if TYPE_CHECKING:
+    from tactgen.validation.models.generator.transient import Simulation
 
 #: Voltages of the free tip's curves (V); the last is that of the paper's Fig 14.
 _VOLTAGES = (0.1, 0.3, 1.0)
@@ -30,7 +36,7 @@ _AT, _LENGTH = 50.0, 20e-3
 _SLOPES = {"not activated": 1.164e-8, "held": 3.441e-8}
 #: End of the run in time (s): a whole period of the paper's current and the start of the next.
 _UNTIL = 12.5e-3
-_ACCURACY = 0.05
+_ACCURACY, _QUICK_ACCURACY = 0.05, 0.2
 
 
 @dataclass(frozen=True)
@@ -100,29 +106,45 @@ def _row(state: RockingState, linear: Floats, *, beside: bool) -> DeflectionRow:
     )
 
 
-def _time(study: Study) -> Context | None:
-    """Return the run of the paper's Fig 16; only words if quick."""
-    if study.quick:
-        return {"run": None}
+def run_in_time(study: Study) -> Simulation | str:
+    """Return the run of the paper's Fig 16, or why there is none."""
     from tactgen.validation.checks.motion_measurements import SOURCES
-    from tactgen.validation.models.generator.phases import phases
     from tactgen.validation.models.generator.transient import run_scene
+
+    study.announce("the run of Fig 16")
+    try:
+        return run_scene(
+            study.scene,
+            SOURCES,
+            _UNTIL,
+            coil="current",
+            accuracy=_QUICK_ACCURACY if study.quick else _ACCURACY,
+            announce=study.announce,
+        )
+    except InputError as error:
+        return str(error)
+
+
+def _time(study: Study) -> Context:
+    """Return the run of the paper's Fig 16, as a film and as pictures for paper."""
+    from tactgen.validation.checks.motion_measurements import SOURCES
+    from tactgen.validation.export.run_motion import still_of_run
+    from tactgen.validation.models.generator.phases import phases
+    from tactgen.validation.studies.transient.film import film_of
     from tactgen.validation.studies.transient.plot import time_plot
 
     scene = study.scene
-    study.announce("the run of Fig 16")
-    try:
-        run = run_scene(
-            scene, SOURCES, _UNTIL, coil="current", accuracy=_ACCURACY, announce=study.announce
-        )
-    except InputError as error:
-        return {"run": None, "refused": str(error)}
+    run = study.alone("run", lambda: run_in_time(study))
+    if isinstance(run, str):
+        return {"run": None, "refused": run}
     found = phases(run)
     by_name = {name: [p for p in found if p.name == name] for name in _TEXT}
     return {
         "run": run,
         "loaded": scene.load.kind != "none",
         "picture": time_plot(run),
+        "film": fragment(film_of(run), within=True),
+        "still": inline(still_of_run(run)),
         "phases": found,
         "text": _TEXT,
         "order": {name: max(p.amplitude for p in ps) for name, ps in by_name.items() if ps},

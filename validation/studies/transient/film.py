@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,11 +10,13 @@ import numpy as np
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
-from tactgen.validation.studies.transient.files import TITLE
+from tactgen.validation.studies.transient.files import TITLE, write_run
 from tactgen.validation.view.run.page import PHASES, Film, run_page
 
 if TYPE_CHECKING:
     from scipy.io import netcdf_file
+
+    from tactgen.validation.models.generator.transient import Simulation
 
 #: What is drawn beneath the body: name in the file, title, unit and its size in SI.
 _CURVES = (
@@ -33,6 +36,14 @@ def write_film_page(run: Path, page: Path) -> None:
         If the file is no run that holds its body, or the page cannot be written.
     """
     write_text(page, run_page(read_film(run)))
+
+
+def film_of(found: Simulation) -> Film:
+    """Return a run as it is seen, by way of its file, so that a report shows what a page does."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.nc"
+        write_run(path, found, {})
+        return read_film(path)
 
 
 def read_film(path: Path) -> Film:

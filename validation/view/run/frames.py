@@ -60,18 +60,36 @@ def run_frames(
     InputError
         If the system has no OpenGL library.
     """
-    from PIL import Image as Images
-
     stage = _Stage(body, instants)
     made = []
     for number, instant in enumerate(instants, start=1):
         announce(f"picture {number} of {len(instants)}")
-        image = Images.new("RGB", (_BODY + _CURVES, _HEIGHT), "white")
-        image.paste(Images.fromarray(stage.shot(instant)), (0, 0))
-        _words(image, stage, instants, instant)
-        made.append(image)
+        made.append(_picture(stage, instants, instant))
     stage.close()
     return made
+
+
+def run_still(body: MovingBody, instants: Sequence[Instant]) -> Image:
+    """Return the one picture of a run on which the tip is farthest out.
+
+    Raises
+    ------
+    InputError
+        If the system has no OpenGL library.
+    """
+    stage = _Stage(body, instants)
+    image = _picture(stage, instants, max(instants, key=lambda instant: abs(instant.tip)))
+    stage.close()
+    return image
+
+
+def _picture(stage: _Stage, instants: Sequence[Instant], now: Instant) -> Image:
+    from PIL import Image as Images
+
+    image = Images.new("RGB", (_BODY + _CURVES, _HEIGHT), "white")
+    image.paste(Images.fromarray(stage.shot(now)), (0, 0))
+    _words(image, stage, instants, now)
+    return image
 
 
 class _Stage:

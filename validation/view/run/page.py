@@ -103,20 +103,31 @@ _HELP = (
 
 def run_page(film: Film) -> str:
     """Return the page: HTML that holds all it needs."""
+    body = f"<script>{asset('three.min.js')}</script>\n{fragment(film)}"
+    head = "<style>html,body{margin:0;height:100%}.tr{height:100vh;min-height:40rem}</style>\n"
+    return document(f"{film.scene}: a run in time", head, f"<main>{body}</main>\n")
+
+
+def fragment(film: Film, *, within: bool = False) -> str:
+    """Return the run as a part of a page that has the library for pictures in space.
+
+    `within` a page that is about more it stays light, waits to be played, and takes only the keys
+    that are meant for it.
+    """
     text = json.dumps(film_payload(film), separators=(",", ":"), allow_nan=False)
     text = text.replace("</", "<\\/")
-    name = html.escape(film.scene)
-    body = (
+    title = f"{html.escape(film.scene)} in time"
+    title = f"<h3>{title}</h3>" if within else f"<h1>{title}</h1>"
+    return (
+        f"<style>{asset('run.css', 'run')}</style>\n"
         f'<script type="application/json" id="tr-data">{text}</script>\n'
-        f'<main class="tr"><div class="tr-stage">{_STAGE}</div>\n'
-        f'<div class="tr-panel"><h1>{name} in time</h1>{_PANEL}'
+        f'<div class="tr{" tr-within" if within else ""}"><div class="tr-stage">{_STAGE}</div>\n'
+        f'<div class="tr-panel">{title}{_PANEL}'
         f'<p class="tr-help">{html.escape(film.words)}</p>{_HELP}</div>\n'
         f'<div class="tr-curves"><div class="tr-rows"></div><div class="tr-axis"><span>0</span>'
-        f"<span>{1e3 * film.time[-1]:.4g} ms</span></div></div></main>\n"
-        f"<script>{asset('three.min.js')}</script>\n<script>{asset('run.js', 'run')}</script>\n"
+        f"<span>{1e3 * film.time[-1]:.4g} ms</span></div></div></div>\n"
+        f"<script>{asset('run.js', 'run')}</script>\n"
     )
-    head = f"<style>html,body{{margin:0;height:100%}}\n{asset('run.css', 'run')}</style>\n"
-    return document(f"{film.scene}: a run in time", head, body)
 
 
 def film_payload(film: Film) -> dict[str, Any]:

@@ -56,7 +56,8 @@
   const place = new Float32Array(3 * count), q = new Float32Array(width);
   let scene = null, renderer = null, camera, controls, attribute, rings = [];
   const calm = window.matchMedia('(prefers-reduced-motion: reduce)').matches;
-  let at = 0, playing = !calm, before = 0;
+  const within = root.classList.contains('tr-within');
+  let at = 0, playing = !calm && !within, before = 0;
   const scale = { lateral: data.drawn.lateral, lift: data.drawn.lift };
 
   function mixed(values, stride, column) {
@@ -245,7 +246,7 @@
   for (const button of find('buttons').children) {
     button.addEventListener('click', () => seen(button.dataset.from.split(' ').map(Number)));
   }
-  document.addEventListener('keydown', (event) => {
+  (within ? root : document).addEventListener('keydown', (event) => {
     if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
     const step = { ArrowLeft: -1, ArrowRight: 1, PageUp: -50, PageDown: 50 }[event.key];
     if (step) { go(Math.round(at) + step); run(false); } else if (event.key === 'Home') go(0);
