@@ -13,6 +13,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.points import merge_points
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -116,7 +117,7 @@ def tessellate(solids: dict[str, cq.Solid], deflection: float, angle: float) -> 
         points.append(p)
         triangles.append(t + start)
         start += len(p)
-    merged, index = _merge_points(np.concatenate(points))
+    merged, index = merge_points(np.concatenate(points), _SAME_POINT)
     return Tessellation(
         points=merged,
         triangles=index[np.concatenate(triangles)],
@@ -147,17 +148,6 @@ def _face_triangles(face: cq.Face) -> tuple[Floats, Ints]:
     points = np.array([(p.X(), p.Y(), p.Z()) for p in nodes])
     corners = [mesh.Triangle(i + 1).Get() for i in range(mesh.NbTriangles())]
     return points, np.array(corners, dtype=np.int64) - 1
-
-
-def _merge_points(points: Floats) -> tuple[Floats, Ints]:
-    from scipy.spatial import cKDTree
-
-    pairs = cKDTree(points).query_pairs(_SAME_POINT, output_type="ndarray")
-    # the pairs are complete within each cluster, so the lowest index names the cluster
-    lowest = np.arange(len(points))
-    np.minimum.at(lowest, pairs.max(axis=1), pairs.min(axis=1))
-    kept, index = np.unique(lowest, return_inverse=True)
-    return points[kept], index
 
 
 def _collect(sides: list[tuple[cq.Face, frozenset[str]]]) -> tuple[Face, ...]:

@@ -108,8 +108,13 @@ def whole_mesh(mesh: Mesh) -> Mesh:
     )
 
 
+def reflected(nodes: Ints) -> Ints:
+    """Return cells or triangles (n, 3 | 4 | 10) as seen in a mirror, so that none is inside out."""
+    return nodes[:, _REFLECTED[nodes.shape[1]]]
+
+
 def _turned(nodes: Ints, *, reflect: bool) -> Ints:
-    return nodes[:, _REFLECTED[nodes.shape[1]]] if reflect else nodes
+    return reflected(nodes) if reflect else nodes
 
 
 def _seen(name: str, beyond: bool) -> str:

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 #: the other air, and the air at the outer walls.
 REGIONS = ("rod", "coil", "sleeve", "near", "air", "far")
 
-_PARTS = ("rod", "coil", "sleeve")
+#: Those of one unit.
+PARTS = ("rod", "coil", "sleeve")
 
 #: What makes a mesh; the mesher's own process is started by its file.
 _MADE_OF = ("tactgen.geometry.reluctance.tets", "tactgen.geometry.meshing.tetwild")
@@ -91,7 +92,7 @@ def actuator_tets(device: Device, gap: float, meshing: ActuatorMeshing) -> Mesh:
         If no mesh passes its checks, or the time is up.
     """
     at_gap = with_fitting_tab(device, gap)
-    parts = layout(at_gap, "rod", _PARTS)
+    parts = layout(at_gap, "rod", PARTS)
     return kept(
         "mesh",
         (parts, replace(meshing, time_limit=0.0)),
@@ -127,8 +128,8 @@ def actuator_solids(device: Device, meshing: ActuatorMeshing) -> dict[str, cq.So
     """
     import cadquery as cq
 
-    built: dict[str, cq.Shape] = dict(build_solids(device, _PARTS, "rod"))
-    slot = layout(device, "rod", _PARTS)["rod"].cut
+    built: dict[str, cq.Shape] = dict(build_solids(device, PARTS, "rod"))
+    slot = layout(device, "rod", PARTS)["rod"].cut
     if slot is not None and not meshing.slot:
         dx, dy, dz = (high - low for low, high in zip(slot.low, slot.high, strict=True))
         filling = cq.Solid.makeBox(dx, dy, dz, cq.Vector(*slot.low))

@@ -24,9 +24,6 @@ from tactgen.tmm.reluctance.flux_ladder import Ladder, LadderSolution, solve
 
 #: Nearest neighbours in a square array.
 NEIGHBOURS = 4
-#: Phases from unit to unit over which the endless array's waves are averaged: the mean of a smooth
-#: periodic function, exact to rounding far below this.
-_PHASES = 128
 #: Share of the working gap's permeance with which its loss to a small further one is measured.
 _SMALL = 1e-3
 
@@ -41,14 +38,11 @@ class NetworkForces:
         Of one in an endless array, polarities equal or alternating.
     single : float
         Of one of the display's middle units, driven alone among others without current.
-    passive : float
-        Of its nearest neighbour, which has none.
     """
 
     same: float
     alternating: float
     single: float
-    passive: float
 
 
 def between_heads(device: Device, pitch: float) -> float:
@@ -82,20 +76,7 @@ def network_forces(
     alone = circuit(device, np.array([gap]), FULL, cells)
     pull = _force(_solved(alone, current))
     alternating = _force(_solved(beside(alone, 2.0 * NEIGHBOURS * over), current))
-    single, passive = _one_driven(alone, current, pull, display, over)
-    return NetworkForces(pull, alternating, single, passive)
-
-
-def endless_share(ratio: float) -> float:
-    """Return the head's magnetic voltage of one driven unit over that of all driven alike.
-
-    In an endless square array whose heads are nodes, each on its own permeance and joined to four
-    neighbours by `ratio` of it: the mean of 1/(1 + 2 ratio (2 − cos k − cos l)) over all phases k,
-    l from unit to unit.  Driven all alike is k = l = 0, alternating k = l = π.
-    """
-    cosine = np.cos(2.0 * np.pi * np.arange(_PHASES) / _PHASES)
-    waves = 1.0 + 2.0 * ratio * (2.0 - cosine[:, None] - cosine)
-    return float((1.0 / waves).mean())
+    return NetworkForces(pull, alternating, _one_driven(alone, current, pull, display, over))
 
 
 def beside(ladder: Ladder, permeance: float) -> Ladder:
@@ -116,10 +97,8 @@ def _force(found: LadderSolution) -> float:
     return float(found.force[0, 0])
 
 
-def _one_driven(
-    alone: Ladder, current: float, pull: float, display: Display, over: float
-) -> tuple[float, float]:
-    """Return the pulls (N) of one driven unit and of its undriven neighbour, heads as nodes.
+def _one_driven(alone: Ladder, current: float, pull: float, display: Display, over: float) -> float:
+    """Return the pull (N) of one driven unit among others without current, heads as nodes.
 
     A unit's permeance from head to sleeve, its iron and winding's path included, is what halves
     the head's magnetic voltage when as much is put beside it.
@@ -127,12 +106,11 @@ def _one_driven(
     gap = 1.0 / float(alone.reluctance[0, -1])
     less = _force(_solved(beside(alone, _SMALL * gap), current))
     if pull <= 0.0:
-        return 0.0, 0.0
+        return 0.0
     own = _SMALL * gap / (math.sqrt(pull / less) - 1.0)
     levels = head_levels(display, over / own)
     at = (display.rows - 1) // 2 * display.columns + (display.columns - 1) // 2
-    passive = 0.0 if levels.size < 2 else pull * float(levels[at + min(display.columns, 1)]) ** 2
-    return pull * float(levels[at]) ** 2, passive
+    return pull * float(levels[at]) ** 2
 
 
 def head_levels(display: Display, ratio: float) -> Floats:

@@ -82,7 +82,7 @@ ROWS = (
     ),
     QuantityRow(
         "magnetic_crosstalk", "N/A",
-        "change of a unit's pull per ampere in a nearest neighbour, all at display.coil_current",
+        "change of a unit's pull per ampere in each nearest neighbour, if all four change alike",
         _pulled(lambda field: field.per_neighbour()),
     ),
     QuantityRow(
@@ -92,7 +92,7 @@ ROWS = (
     ),
     QuantityRow(
         "passive_pull", "N",
-        "pull of an undriven unit beside a single driven one, by the network alone",
+        "pull of an undriven unit beside a single driven one, by the field; below 0: it is lifted",
         _pulled(lambda field: field.passive),
     ),
 )  # fmt: skip

@@ -210,7 +210,7 @@ def solve_cad(
 def solve_problem(problem: MagneticSolid, current: float, gap: float, turns: float) -> SolidPoint:
     """Solve a field problem of the actuator by both potentials; current in A, gap in m."""
     solid = sample(problem)
-    weights = tuple(harmonic_weight(solid, "sleeve", shell) for shell in SHELLS)
+    weights = tuple(harmonic_weight(solid, ("sleeve",), shell) for shell in SHELLS)
 
     def values(potential: VectorPotential | ScalarPotential) -> SolidValues:
         return _values(potential, potential.solve(current * turns), weights, turns)
@@ -229,7 +229,7 @@ def solve_row(
     """
     mesh = sector_mesh(device, gap, sector)
     solid = sample(actuator_problem(device, gap, mesh, sector.copies))
-    weights = tuple(harmonic_weight(solid, "sleeve", shell) for shell in SHELLS)
+    weights = tuple(harmonic_weight(solid, ("sleeve",), shell) for shell in SHELLS)
     turns = device.coil.turns
 
     def along(potential: VectorPotential | ScalarPotential) -> list[SolidValues]:

@@ -62,7 +62,7 @@ def array_forces(
             mesh, {"rod": steel, "sleeve": steel}, winding_source(device, gap), walls, COPIES
         )
         solid = sample(problem)
-        weight = harmonic_weight(solid, "sleeve", ("near", "air"))
+        weight = harmonic_weight(solid, ("sleeve",), ("near", "air"))
         vector = eggshell_force(VectorPotential(solid).solve(turns), weight, _UP)
         return vector, eggshell_force(ScalarPotential(solid).solve(turns), weight, _UP)
 

@@ -61,15 +61,17 @@ class MotionWeight:
     touched: Floats
 
 
-def harmonic_weight(solid: SampledSolid, body: str, shell: tuple[str, ...]) -> MotionWeight:
+def harmonic_weight(
+    solid: SampledSolid, body: tuple[str, ...], shell: tuple[str, ...]
+) -> MotionWeight:
     """Return the weight that is 1 on `body`, harmonic in `shell` and 0 elsewhere.
 
     Parameters
     ----------
     solid : SampledSolid
         The problem.
-    body : str
-        Region that moves.
+    body : tuple of str
+        Regions that move as one, windings among them.
     shell : tuple of str
         Regions around the body with neither iron nor current.  They may touch the outer
         boundary at symmetry planes along which the body moves, and nowhere else.
@@ -85,7 +87,7 @@ def harmonic_weight(solid: SampledSolid, body: str, shell: tuple[str, ...]) -> M
     _check(solid, body, shell)
     basis = Basis(solid.domain, ElementTetP2(), mapping=solid.mapping, intorder=2)
     in_shell = np.concatenate([mesh.cells_of(name) for name in shell])
-    in_body = mesh.cells_of(body)
+    in_body = np.concatenate([mesh.cells_of(name) for name in body])
     outside = np.setdiff1d(np.arange(mesh.cells.shape[0]), np.concatenate([in_shell, in_body]))
     dofs = basis.element_dofs
     value = np.zeros(basis.N)
@@ -104,9 +106,9 @@ def harmonic_weight(solid: SampledSolid, body: str, shell: tuple[str, ...]) -> M
     )
 
 
-def _check(solid: SampledSolid, body: str, shell: tuple[str, ...]) -> None:
+def _check(solid: SampledSolid, body: tuple[str, ...], shell: tuple[str, ...]) -> None:
     mesh = solid.problem.mesh
-    for name in (body, *shell):
+    for name in (*body, *shell):
         if name not in mesh.regions:
             raise InputError(
                 f"the mesh has no region '{name}' to take a force from; "

@@ -178,7 +178,7 @@ def test_virtual_work_is_the_stress_in_the_air(potential):
     """
     whole = problem(TINY)
     solid = sample(whole)
-    weight = harmonic_weight(solid, "sleeve", ("near", "air"))
+    weight = harmonic_weight(solid, ("sleeve",), ("near", "air"))
     field = potential(solid).solve(TURNS * CURRENT)
     work = virtual_work_force(
         whole,

@@ -51,7 +51,7 @@ def team20(scale):
 def solved(potential, scale, current):
     """The field of TEAM problem 20, and the weight that moves its pole."""
     solid = sample(team20(scale))
-    return potential(solid).solve(current), harmonic_weight(solid, "pole", ("shell",))
+    return potential(solid).solve(current), harmonic_weight(solid, ("pole",), ("shell",))
 
 
 def both_routes(potential, scale, current):
@@ -100,7 +100,7 @@ def ball_force_errors(potential, *, curved):
         mesh, {"ball": linear(PERMEABILITY)}, growing_field, flux_normal=("outer",), copies=4
     )
     solid = sample(problem)
-    weight = harmonic_weight(solid, "ball", ("air",))
+    weight = harmonic_weight(solid, ("ball",), ("air",))
     up = np.array([0.0, 0.0, 1.0])
     stress = eggshell_force(potential(solid).solve(1.0), weight, up)
     work = virtual_work_force(
@@ -199,7 +199,7 @@ def test_force_grows_with_current_more_slowly_than_its_square(scale, near):
 def test_weight_is_one_on_the_body_and_zero_beyond_the_shell():
     """And between 0 and 1 in the shell, but for the overshoot of quadratic elements."""
     solid = sample(team20(3.0))
-    weight = harmonic_weight(solid, "pole", ("shell",))
+    weight = harmonic_weight(solid, ("pole",), ("shell",))
     mesh = solid.problem.mesh
     assert np.all(weight.nodal[mesh.cells[mesh.cells_of("pole")]] == 1.0)
     for region in ("yoke", "coil", "air"):
@@ -212,7 +212,7 @@ def test_weight_is_one_on_the_body_and_zero_beyond_the_shell():
 def test_moving_the_pole_keeps_all_solids():
     """The pole goes down by the step; its volume and the yoke's stay, only air is deformed."""
     problem = team20(3.0)
-    weight = harmonic_weight(sample(problem), "pole", ("shell",))
+    weight = harmonic_weight(sample(problem), ("pole",), ("shell",))
     after = moved(problem, weight, 1e-4 * DOWN).mesh
     before = problem.mesh
     for region, drop in (("pole", 1e-4), ("yoke", 0.0)):
@@ -229,11 +229,11 @@ def test_shell_of_iron_or_against_the_wall_is_refused():
     """What would give a wrong force gives a sentence instead."""
     solid = sample(team20(4.0))
     with pytest.raises(InputError, match="'yoke', which is iron"):
-        harmonic_weight(solid, "pole", ("shell", "yoke"))
+        harmonic_weight(solid, ("pole",), ("shell", "yoke"))
     with pytest.raises(InputError, match="no region 'rod'"):
-        harmonic_weight(solid, "rod", ("shell",))
+        harmonic_weight(solid, ("rod",), ("shell",))
     field = ScalarPotential(solid).solve(1.0)
-    weight = harmonic_weight(solid, "pole", ("shell",))
+    weight = harmonic_weight(solid, ("pole",), ("shell",))
     with pytest.raises(InputError, match="not parallel to the force"):
         eggshell_force(field, weight, np.array([1.0, 0.0, 0.0]))
 
@@ -250,7 +250,7 @@ def test_team20_measured_forces():
     """
     problem = team20(1.0)
     solid = sample(problem)
-    weight = harmonic_weight(solid, "pole", ("shell",))
+    weight = harmonic_weight(solid, ("pole",), ("shell",))
     vector, field = VectorPotential(solid), None
     for current, measured in MEASURED_FORCE.items():
         field = vector.solve(current, start=field)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from tactgen.geometry.store.values import storable
@@ -16,7 +15,7 @@ _NEIGHBOURS = 4
 @storable
 @dataclass(frozen=True)
 class NeighbourField:
-    """Pulls of one unit in an array in which all are driven.
+    """Pulls of one unit in an array in which all are driven, or one.
 
     Attributes
     ----------
@@ -29,7 +28,8 @@ class NeighbourField:
     single : Measured
         Pull of one unit driven among others without current (N).
     passive : Measured
-        Pull of its undriven neighbour (N); nan where that is not known.
+        Pull of its undriven neighbour beside it (N), below 0 if that is lifted; nan where that is
+        not known.
     method : str
         How the bars come about.
     """
@@ -73,14 +73,15 @@ def by_network(scene: Scene) -> NeighbourField:
         judged(fine.alternating, coarse.alternating),
         judged(fine.same - fine.alternating, coarse.same - coarse.alternating),
         judged(fine.single, coarse.single),
-        judged(fine.passive, coarse.passive),
+        Measured(float("nan"), float("nan")),
         "difference from half as many ladder cells; the network's own error is not included",
     )
 
 
 def by_field(scene: Scene) -> NeighbourField:
-    """Return what the field in an endless array says, all of its cells in motion together."""
+    """Return what the fields of an endless array and of nine units say."""
     from tactgen.fem.reluctance.three_d.array import array_forces
+    from tactgen.fem.reluctance.three_d.nine import nine_forces
 
     current = scene.display.coil_current
     found = array_forces(scene.device, current, scene.gap, scene.display.pitch)
@@ -89,33 +90,29 @@ def by_field(scene: Scene) -> NeighbourField:
     width = max(abs(a - b) / (a + b) for a, b in pairs)
     difference = [a - b for a, b in zip(*pairs, strict=True)]
     mean = 0.5 * sum(difference)
-    single = [_single(a, b) for a, b in zip(*pairs, strict=True)]
-    middle = 0.5 * sum(single)
 
     def judged(pair: tuple[float, float]) -> Measured:
         value = 0.5 * sum(pair)
         return Measured(value, width * abs(value))
 
+    alone = nine_forces(
+        scene.device, [{"middle": current}], scene.gap, scene.display.pitch
+    )[0]  # fmt: skip
     return NeighbourField(
         current,
         judged(found.same),
         judged(found.alternating),
         Measured(mean, max(0.5 * abs(difference[0] - difference[1]), width * abs(mean))),
-        Measured(middle, max(0.5 * abs(single[0] - single[1]), width * abs(middle))),
-        Measured(float("nan"), float("nan")),
+        _of_nine(alone.middle, alone.unbalanced),
+        _of_nine(alone.beside, alone.unbalanced, _NEIGHBOURS),
         "half the difference of vector and scalar potential, of either polarity the larger; of one "
-        "driven unit by its waves from unit to unit, of which the two polarities are the ends",
+        "driven unit, among eight without current, at least what all forces lack to balance",
     )
 
 
-def _single(same: float, alternating: float) -> float:
-    """Return the pull of one driven unit of an endless array from those of all driven.
-
-    Each unit passes its flux on to its four neighbours: how much, the two polarities tell.
-    """
-    from tactgen.tmm.display.field import endless_share
-
-    if not 0.0 < alternating <= same:
-        return float("nan")
-    ratio = (math.sqrt(same / alternating) - 1.0) / 8.0
-    return same * endless_share(ratio) ** 2
+def _of_nine(
+    pair: tuple[float, float], unbalanced: tuple[float, float], share: int = 1
+) -> Measured:
+    """Return a pull by both potentials; of what is out of balance each of `share` units has one."""
+    half = 0.5 * abs(pair[0] - pair[1])
+    return Measured(0.5 * sum(pair), max(half, 0.5 * abs(sum(unbalanced)) / share))

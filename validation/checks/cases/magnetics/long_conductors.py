@@ -36,7 +36,7 @@ def conductors(potential: Potential, scale: float) -> tuple[float, float]:
     solid = sample(
         MagneticSolid(_mesh(scale), {}, _conductor_source, flux_normal=("y_low",), copies=2)
     )
-    weight = harmonic_weight(solid, "bar", ("shell",))
+    weight = harmonic_weight(solid, ("bar",), ("shell",))
     field = potential(solid).solve(CURRENT)
     cells = solid.problem.mesh.cells_of("bar")
     density = CURRENT / (TALL * THICK)  # along −z here: F_x = −J_z B_y

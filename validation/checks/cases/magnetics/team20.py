@@ -73,7 +73,7 @@ def pole_states(
 ) -> Iterator[tuple[PoleForce, MagneticField]]:
     """Yield the same with the field."""
     solid = sample(team20_problem(scale))
-    weight = harmonic_weight(solid, "pole", ("shell",))
+    weight = harmonic_weight(solid, ("pole",), ("shell",))
     solver, field = potential(solid), None
     for current in currents:
         field = solver.solve(current, start=field)
