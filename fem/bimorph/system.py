@@ -60,8 +60,8 @@ class SolidSystem:
         Gives the same body in another class of motion; None for a body taken whole.
     elimination : (n - 3,) int array, optional
         A good order in which to eliminate all but the last three unknowns.
-    translation : (n,) array, optional
-        A translation of 1 in x where some unknowns are not values at nodes; not 1 in these.
+    rounding : float, optional
+        The spurious stiffness where unknowns are not values at nodes.
     """
 
     stiffness: Bordered
@@ -75,7 +75,7 @@ class SolidSystem:
     motion: Motion = "all"
     related: Callable[[Motion], SolidSystem] | None = None
     elimination: Ints | None = None
-    translation: Floats | None = None
+    rounding: float | None = None
 
     @property
     def has_ports(self) -> bool:
@@ -104,12 +104,12 @@ class SolidSystem:
         A translation in x needs no force; this is the sum of those it seems to need at all
         unknowns.  In a slender body, (L/h)⁴ times stiffer across than in bending, it counts.
         """
-        moved = self.translation
-        if moved is None:
-            n = self.nodes.shape[0]
-            moved = (np.abs(self.expand[:n]).sum(axis=0) > 0.0).astype(float)
+        if self.rounding is not None:
+            return self.rounding
+        n = self.nodes.shape[0]
+        moved = (np.abs(self.expand[:n]).sum(axis=0) > 0.0).astype(np.longdouble)
         moved = np.asarray(moved).ravel()
-        forces = self.stiffness.wide_product(moved.astype(np.longdouble))
+        forces = self.stiffness.wide_product(moved)
         return float(np.abs(forces.real[moved == 1.0]).sum())
 
     def nodal_displacement(self, columns: Floats) -> Floats:
@@ -202,6 +202,18 @@ def materials(
         },
     }
     return {region: known[region] for region in regions}
+
+
+def difference(lossy: dict[str, Material], lossless: dict[str, Material]) -> dict[str, Material]:
+    """Return what losses add to the tensors of each region, as materials."""
+    added = {}
+    for region, less in lossless.items():
+        of, piezo = lossy[region], None
+        if of.piezo is not None and less.piezo is not None:
+            c, e, eps = (getattr(of.piezo, t) - getattr(less.piezo, t) for t in ("c", "e", "eps"))
+            piezo = PiezoTensors(c, e, eps)
+        added[region] = Material(of.c - less.c, of.density, piezo)
+    return added
 
 
 def volts_per_unit(known: dict[str, Material]) -> float:

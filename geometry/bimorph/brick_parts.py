@@ -1,7 +1,8 @@
-"""Bricks cut at sections: stretches of a grid, and the parts of a bimorph joined at one section.
+"""Bricks cut at sections: stretches of a grid, and the parts of a bimorph joined at two sections.
 
-The foot is what holds the bimorph and its first bit, the free part is the rest.  Both have the
-same lines across the section, so that their polynomials agree there.
+The foot is what holds the bimorph and its first bit, the tip its last; between them nothing but
+the length changes.  All have the same lines across the section, so that their polynomials agree
+there.
 """
 
 from __future__ import annotations
@@ -10,39 +11,54 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tactgen.geometry.arrays import Ints
-from tactgen.geometry.bimorph.bricks import Axis, Bricks
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.bimorph.bricks import Axis, Bricks, Slab
 
 #: Bricks along z to each side of the section: short enough for what decays to do so.
 _STEPS = 4
+#: Degree of the polynomials along the stretch, …
+_DEGREE = 6
+#: … their first and longest interval, as shares of the sections' distance from the ends, and the
+#: ratio of neighbours: what still decays at a section does so within the first ones.
+_FIRST, _LONGEST, _GROWTH = 0.5, 4.0, 2.0
+#: Digits (m) that tell lengths apart: the same end of another bimorph is the same to the last bit.
+_DIGITS = 13
 
 
 @dataclass(frozen=True)
 class BrickParts:
-    """A bimorph in two parts.
+    """A bimorph in three parts.
 
     Attributes
     ----------
     foot : Bricks
-        From the held end to the section.
-    free : Bricks
-        From the section to the tip.
+        From the held end to the lower section.
+    tip : Bricks
+        From the upper section to the tip; z starts at 0.
+    stretch : Axis
+        Along z from one section to the other; z starts at 0.
     middle : Bricks
-        The bimorph to both sides of the section, as long above as below it: what fields at the
+        The bimorph to both sides of a section, as long above as below it: what fields at the
         section may look like is found there.
     share : float
         Fields that the section sees less of than this share of the strongest are left out.
     """
 
     foot: Bricks
-    free: Bricks
+    tip: Bricks
+    stretch: Axis
     middle: Bricks
     share: float
 
     @property
     def regions(self) -> tuple[str, ...]:
         """Names of the materials, each once."""
-        return tuple(dict.fromkeys((*self.foot.regions, *self.free.regions)))
+        return tuple(dict.fromkeys((*self.foot.regions, *self.tip.regions)))
+
+    @property
+    def values(self) -> int:
+        """Number of displacements and potentials at the nodes of foot and tip."""
+        return 4 * sum(int(part.used().sum()) for part in (self.foot, self.tip))
 
 
 def between(bricks: Bricks, low: int, high: int) -> tuple[Bricks, Ints]:
@@ -84,25 +100,47 @@ def between(bricks: Bricks, low: int, high: int) -> tuple[Bricks, Ints]:
     return cut, numbers[:nx, :ny, bricks.z.nodes_of(low, high)].ravel()
 
 
-def in_parts(bricks: Bricks, below: int, section: int, share: float) -> BrickParts:
-    """Cut bricks at a break point along z.
+def uniform(bricks: Bricks, breaks: Floats, degree: int) -> Bricks:
+    """Return bricks of one cross-section on another axis along z, with electrodes all along it."""
+    count = breaks.size - 1
+    slabs: tuple[Slab, ...] = tuple(replace(slab, z=(0, count)) for slab in bricks.slabs)
+    return replace(bricks, z=Axis(breaks, degree), slabs=slabs, electrode=(0, count))
+
+
+def in_parts(bricks: Bricks, below: int, sections: tuple[int, int], share: float) -> BrickParts:
+    """Cut bricks at two break points along z.
 
     Parameters
     ----------
-    below, section : int
-        Break points along z between which the cross-section does not change; the second is the
-        section.
+    below : int
+        Break point along z from which on the cross-section does not change up to the tip.
+    sections : (int, int)
+        Break points of the lower and of the upper section.
     share : float
         See :class:`BrickParts`.
     """
-    foot, _ = between(bricks, 0, section)
-    free, _ = between(bricks, section, bricks.z.intervals)
-    lower, _ = between(bricks, below, section)
-    both = np.linspace(0.0, 2.0 * lower.z.breaks[-1], 2 * _STEPS + 1)
-    middle = replace(
-        lower,
-        z=Axis(both, lower.z.degree),
-        slabs=tuple(replace(slab, z=(0, 2 * _STEPS)) for slab in lower.slabs),
-        electrode=(0, 2 * _STEPS),
+    lower, upper = sections
+    foot, _ = between(bricks, 0, lower)
+    tip, _ = between(bricks, upper, bricks.z.intervals)
+    tip = replace(tip, z=Axis(np.round(tip.z.breaks, _DIGITS), tip.z.degree))
+    short, _ = between(bricks, below, lower)
+    height = float(short.z.breaks[-1])
+    both = np.linspace(0.0, 2.0 * height, 2 * _STEPS + 1)
+    length = float(bricks.z.breaks[upper] - bricks.z.breaks[lower])
+    return BrickParts(
+        foot,
+        tip,
+        Axis(_graded(length, height), _DEGREE),
+        uniform(short, both, short.z.degree),
+        share,
     )
-    return BrickParts(foot, free, middle, share)
+
+
+def _graded(length: float, height: float) -> Floats:
+    """Divide a stretch, intervals growing from both ends; `height` is that of foot and tip."""
+    half, step = [0.0], _FIRST * height
+    while half[-1] < 0.5 * length:
+        half.append(half[-1] + step)
+        step = min(_GROWTH * step, _LONGEST * height)
+    lower = 0.5 * length * np.array(half) / half[-1]
+    return np.concatenate([lower, length - lower[-2::-1]])

@@ -20,8 +20,8 @@ from tactgen.geometry.device.checks import check_constant_section, check_fit, ch
 from tactgen.geometry.device.layout import ceramic_base, rod_base, shim_base
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Device, Support
 
-#: Height of the section above the ceramic's lower edge, in thicknesses of the bimorph: its
-#: edge is then seen through a few smooth fields.
+#: Distance of the sections from the ceramic's ends, in thicknesses of the bimorph: its edges are
+#: then seen through a few smooth fields.
 _SECTION = 2.0
 #: Longest brick along z, in thicknesses of the bimorph, and ratio of neighbouring lengths.
 _LONGEST, _GROWTH = 3.0, 4.0
@@ -67,8 +67,8 @@ class RodMeshing:
 #: What tells most is the shim near the bond: f₁ of the built-in scene falls by 0.06 % where
 #: half the shim has two intervals instead of one.
 ROD_LEVELS = (
-    RodMeshing((2, 2, 3), 0.4, 0.8, tip=2.0, share=1e-3),
-    RodMeshing((3, 3, 3), 0.2, 0.5, core=(0.6, 0.4), share=3e-4),
+    RodMeshing((2, 2, 3), 0.4, 0.8, tip=2.0),
+    RodMeshing((3, 3, 3), 0.2, 0.5, core=(0.6, 0.4)),
     RodMeshing((3, 3, 4), 0.1, 0.35, core=(0.75, 0.25), bond=(0.5, 0.5)),
     RodMeshing((4, 3, 4), 0.07, 0.25, 0.5, (0.75, 0.25), (0.5, 0.5), share=3e-5),
     RodMeshing((4, 4, 5), 0.035, 0.15, 0.2, (0.6, 0.3, 0.1), (0.3, 0.4, 0.3), (0.4, 0.6), 1e-5),
@@ -76,16 +76,16 @@ ROD_LEVELS = (
 
 
 def rod_parts(device: Device, meshing: RodMeshing) -> Bricks | BrickParts:
-    """Divide the bimorph on its rod, in two parts where it is long enough for that.
+    """Divide the bimorph on its rod, in three parts where it is long enough for that.
 
-    The foot and all that is known of the section are the same for any length.
+    Foot, tip and all that is known of the sections are the same for any length.
     """
     bricks = rod_bricks(device, meshing)
-    if not _has_section(device):
+    if not _has_sections(device):
         return bricks
-    ceramic, height = bricks.electrode[0], _SECTION * device.bimorph.thickness
-    section = int(np.argmin(np.abs(bricks.z.breaks - bricks.z.breaks[ceramic] - height)))
-    return in_parts(bricks, ceramic, section, meshing.share)
+    z, (ceramic, _), height = bricks.z.breaks, bricks.electrode, _SECTION * device.bimorph.thickness
+    lower, upper = (int(np.argmin(np.abs(z - at))) for at in (z[ceramic] + height, z[-1] - height))
+    return in_parts(bricks, ceramic, (lower, upper), meshing.share)
 
 
 def rod_bricks(device: Device, meshing: RodMeshing) -> Bricks:
@@ -145,9 +145,9 @@ def rod_bricks(device: Device, meshing: RodMeshing) -> Bricks:
     )
 
 
-def _has_section(device: Device) -> bool:
-    """Return whether the bimorph is long enough to be cut in two."""
-    return bool(device.bimorph.length > 2.0 * _SECTION * device.bimorph.thickness)
+def _has_sections(device: Device) -> bool:
+    """Return whether the bimorph is long enough to be cut in three of some length each."""
+    return bool(device.bimorph.length > 3.0 * _SECTION * device.bimorph.thickness)
 
 
 def _along(device: Device, meshing: RodMeshing) -> tuple[Floats, dict[str, int]]:
@@ -168,8 +168,12 @@ def _along(device: Device, meshing: RodMeshing) -> tuple[Floats, dict[str, int]]
         ("ceramic", ceramic, fine),
         ("tip", ceramic + b.length, max(meshing.smallest, meshing.tip) * b.shim_thickness),
     ]
-    if _has_section(device):
-        marks.insert(-1, ("section", ceramic + _SECTION * b.thickness, None))
+    if _has_sections(device):
+        height = _SECTION * b.thickness
+        marks[-1:-1] = [
+            ("lower section", ceramic + height, None),
+            ("upper section", ceramic + b.length - height, None),
+        ]
     longest = _LONGEST * b.thickness
     z, at = np.array([bottom]), {"bottom": 0}
     for (_, low, first), (name, high, last) in pairwise(marks):

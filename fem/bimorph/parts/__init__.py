@@ -1,1 +1,1 @@
-"""The solid in two parts joined at a section: a foot that is kept, and the rest."""
+"""The solid in three parts joined at sections: two ends that are kept, and any length between."""

@@ -1,4 +1,4 @@
-"""The solid in two parts as one system: a foot that is kept, and the free part on its bricks."""
+"""The solid in three parts as one system: foot and tip, which are kept, and what is between."""
 
 from __future__ import annotations
 
@@ -9,20 +9,27 @@ import numpy as np
 from scipy import sparse
 
 from tactgen.fem.bimorph.bordered import PORTS, Bordered
-from tactgen.fem.bimorph.bricks.assembly import quarter_matrices, tip_functionals, whole_nodes
-from tactgen.fem.bimorph.bricks.order import elimination_order
 from tactgen.fem.bimorph.motions import Motion
-from tactgen.fem.bimorph.parts.foot import Foot, ReducedFoot, joined_unknowns
-from tactgen.fem.bimorph.symmetry import lumped
-from tactgen.fem.bimorph.system import Material, SolidSystem, materials, volts_per_unit
-from tactgen.geometry.arrays import Bools, Floats, Numbers, Sparse
+from tactgen.fem.bimorph.parts.end import End, ReducedEnd
+from tactgen.fem.bimorph.parts.section_functions import section_functions
+from tactgen.fem.bimorph.parts.stretch import Section, Stretch, section_of
+from tactgen.fem.bimorph.system import (
+    Material,
+    SolidSystem,
+    difference,
+    materials,
+    volts_per_unit,
+)
+from tactgen.fem.solvers.sparse_rows import wide_product
+from tactgen.geometry.arrays import Ints, Numbers, Sparse
 from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.store.store import kept
 
-#: What makes a reduced foot.
-_MADE_OF = ("tactgen.fem.bimorph.parts.foot",)
+#: What makes a reduced end, and a section.
+_END, _SECTION = ("tactgen.fem.bimorph.parts.end",), ("tactgen.fem.bimorph.parts.stretch",)
 
 
 def joined_system(
@@ -33,10 +40,10 @@ def joined_system(
     ceramic: Piezoceramic | None = None,
     motion: Motion = "bending_x",
 ) -> SolidSystem:
-    """Assemble one class of motion of the bimorph in two parts.
+    """Assemble one class of motion of the bimorph in three parts.
 
-    Its nodes are those of the free part, which is where modes are told apart; the foot is a few
-    hundred unknowns more, from the store if it was reduced before.
+    Its nodes are places of the stretch, which is where modes are told apart.  Ends and section
+    come from the store if they were reduced before, whatever the length was.
 
     Parameters
     ----------
@@ -55,88 +62,147 @@ def joined_system(
     without, with_losses = (
         materials(device, parts.regions, of, lossy=losses) for losses in (False, True)
     )
-    return _Joined(Foot(parts, without, with_losses), with_losses if lossy else without).system(
-        motion
-    )
+    return _Joined(parts, without, with_losses, lossy).system(motion)
 
 
 @dataclass(frozen=True)
 class _Joined:
-    """The two parts before they are held anywhere; `known` are the materials of the free part."""
+    """The parts before they are held anywhere."""
 
-    foot: Foot
-    known: dict[str, Material]
-
-    @cached_property
-    def matrices(self) -> tuple[Sparse, Sparse]:
-        """Stiffness and mass of the free part."""
-        bricks = self.foot.parts.free
-        own = {region: self.known[region] for region in bricks.regions}
-        return quarter_matrices(bricks, own, volts_per_unit(self.known))
+    parts: BrickParts
+    without: dict[str, Material]
+    with_losses: dict[str, Material]
+    lossy: bool
 
     def system(self, motion: Motion) -> SolidSystem:
         """Return the system of one class of motion, of the whole body."""
-        bricks, unit = self.foot.parts.free, volts_per_unit(self.known)
-        foot = self._reduced(motion)
-        stiffness, mass = self.matrices
-        unknowns = joined_unknowns(bricks, motion, unit, foot.section, top=False)
-        nodes, expand, node_mass = whole_nodes(bricks, unknowns, motion, unit, lumped(mass))
-        at, own, shapes = unknowns.index, foot.own, foot.section.shape[1]
-        order = np.argsort(4 * elimination_order(bricks)[at // 4] + at % 4)
-        seen = unknowns.seen(tip_functionals(bricks))
-        nothing = sparse.csr_matrix((expand.shape[0], own))
-        lossy = self.known is self.foot.lossy
-        if lossy and motion != "bending_x":
-            raise ValueError("losses of the foot are known of the motions that ports drive only")
-        small = foot.stiffness + foot.losses if lossy else foot.stiffness
+        if self.lossy and motion != "bending_x":
+            raise ValueError("losses of the ends are known of the motions that ports drive only")
+        section = self._section(motion)
+        foot, tip = self._end(motion, section, is_foot=True), self._end(motion, section)
+        stretch = Stretch(section, self.parts.stretch)
+        place = _Place(section.functions.values.shape[1], stretch.nodes, foot, tip)
+        stiffness = place.joined(
+            stretch.stiffness(lossy=self.lossy), *(self._stiffness(end) for end in (foot, tip))
+        )
+        nodes, seen, node_mass = stretch.whole_nodes()
+        nothing = sparse.csr_matrix((seen.shape[0], foot.own + tip.own + PORTS))
+        face = np.zeros((place.size + PORTS, 2))
+        face[place.of(tip)] = tip.face
+        potentials = place.shapes - section.functions.moving
         return SolidSystem(
-            stiffness=_joined(unknowns.bordered(stiffness), foot, small),
-            mass=_joined(unknowns.bordered(mass), foot, foot.mass),
-            tip=np.vstack([seen[:-PORTS], np.zeros((own, 2)), seen[-PORTS:]]),
-            expand=sparse.hstack([expand[:, :-PORTS], nothing, expand[:, -PORTS:]], format="csr"),
+            stiffness=stiffness,
+            mass=place.joined(stretch.mass(), foot.mass, tip.mass),
+            tip=face,
+            expand=sparse.hstack([seen, nothing], format="csr"),
             nodes=nodes,
             node_mass=node_mass,
-            potentials=int(unknowns.free[:, 3].sum()) + foot.charged + shapes - foot.section_moving,
-            volts_per_unit=unit,
+            potentials=foot.charged + tip.charged + stretch.nodes * potentials,
+            volts_per_unit=volts_per_unit(self.without),
             motion=motion,
             related=self.system,
-            elimination=np.concatenate([order, at.size + np.arange(shapes + own)]),
-            translation=_translation(at % 4 == 0, foot),
+            elimination=place.order,
+            rounding=_rounding(stiffness.inner, place, section),
         )
 
-    def _reduced(self, motion: Motion) -> ReducedFoot:
-        foot, parts = self.foot, self.foot.parts
+    def _stiffness(self, end: ReducedEnd) -> Numbers:
+        return end.stiffness + end.losses if self.lossy else end.stiffness
+
+    def _section(self, motion: Motion) -> Section:
+        parts, known = self.parts, self._known(self.parts.middle)
+
+        def work() -> Section:
+            lossless, lost = known[0], difference(*reversed(known))
+            functions = section_functions(parts.middle, lossless, lost, motion, parts.share)
+            return section_of(parts.middle, functions, lossless, lost, motion)
+
+        return kept("section", (*known, parts.middle, parts.share, motion), _SECTION, work)
+
+    def _end(self, motion: Motion, section: Section, *, is_foot: bool = False) -> ReducedEnd:
+        parts, end = self.parts, self._ends[is_foot]
         return kept(
-            "foot",
-            (foot.lossless, foot.lossy, parts.foot, parts.middle, parts.share, motion),
-            _MADE_OF,
-            lambda: foot.reduced(motion),
+            "end",
+            (end.lossless, end.lossy, end.bricks, is_foot, parts.middle, parts.share, motion),
+            _END,
+            lambda: end.reduced(motion, section.functions),
         )
 
+    @cached_property
+    def _ends(self) -> tuple[End, End]:
+        """Tip and foot."""
+        tip, foot = self.parts.tip, self.parts.foot
+        return End(tip, False, *self._known(tip)), End(foot, True, *self._known(foot))
 
-def _translation(along_x: Bools, foot: ReducedFoot) -> Floats:
-    """Return a translation in x of free part and section; the foot's own fields are no part."""
-    shapes = foot.section[0::4].sum(axis=0)  # orthonormal, so these are the amplitudes
-    return np.concatenate([along_x, shapes, np.zeros(foot.own + PORTS)])
+    def _known(self, bricks: Bricks) -> tuple[dict[str, Material], dict[str, Material]]:
+        """Return the materials that bricks are of, without and with losses."""
+        without, lossy = (
+            {region: known[region] for region in bricks.regions}
+            for known in (self.without, self.with_losses)
+        )
+        return without, lossy
 
 
-def _joined(free: Bordered, foot: ReducedFoot, small: Floats | Numbers) -> Bordered:
-    """Add the foot's small matrix to the free part's, over [free, section, foot's own, ports]."""
-    own, shapes = foot.own, foot.section.shape[1]
-    n = free.inner.shape[0]
-    # section and ports after the foot's own fields, there and here
-    both = np.array(small, dtype=np.result_type(small, free.corner))
-    both[own:, own:] += free.corner
-    at = np.concatenate([own + np.arange(shapes), np.arange(own)])
-    ports = own + shapes + np.arange(PORTS)
-    added = sparse.csr_matrix(both[np.ix_(at, at)])
-    across = sparse.hstack(
-        [sparse.csr_matrix(free.border[:, :shapes]), sparse.csr_matrix((n, own))], format="csr"
-    )
-    inner = sparse.bmat([[free.inner, across], [across.T, added]], format="csr")
-    inner.sort_indices()
-    return Bordered(
-        inner,
-        np.vstack([free.border[:, shapes:], both[np.ix_(at, ports)]]),
-        both[np.ix_(ports, ports)],
-    )
+@dataclass(frozen=True)
+class _Place:
+    """Where what is: [shapes at the stretch's nodes, the foot's own fields, the tip's, ports]."""
+
+    shapes: int
+    nodes: int
+    foot: ReducedEnd
+    tip: ReducedEnd
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns less the ports."""
+        return self.nodes * self.shapes + self.foot.own + self.tip.own
+
+    @property
+    def order(self) -> Ints:
+        """A good order of elimination: upwards."""
+        of_nodes = np.arange(self.nodes * self.shapes)
+        own = of_nodes.size + np.arange(self.foot.own + self.tip.own)
+        return np.concatenate([own[: self.foot.own], of_nodes, own[self.foot.own :]])
+
+    def of(self, end: ReducedEnd) -> Ints:
+        """Return the places of an end's [own fields, section, ports]."""
+        above = end is self.tip
+        own = self.nodes * self.shapes + (self.foot.own if above else 0) + np.arange(end.own)
+        section = (self.nodes - 1 if above else 0) * self.shapes + np.arange(self.shapes)
+        return np.concatenate([own, section, self.size + np.arange(PORTS)])
+
+    def joined(self, stretch: Bordered, foot: Numbers, tip: Numbers) -> Bordered:
+        """Return the sum of all parts, each over what it has to do with."""
+        between = self.nodes * self.shapes
+        border = np.zeros((self.size, PORTS), dtype=np.result_type(stretch.border, foot, tip))
+        border[:between] = stretch.border
+        corner = np.array(stretch.corner, dtype=border.dtype)
+        entries = [stretch.inner.tocoo()]
+        for end, matrix in ((self.foot, foot), (self.tip, tip)):
+            at = self.of(end)[:-PORTS]
+            border[at] += matrix[:-PORTS, -PORTS:]
+            corner = corner + matrix[-PORTS:, -PORTS:]
+            rows, columns = np.meshgrid(at, at, indexing="ij")
+            values = (matrix[:-PORTS, :-PORTS].ravel(), (rows.ravel(), columns.ravel()))
+            entries.append(sparse.coo_matrix(values, shape=(self.size, self.size)))
+        data, rows, columns = (
+            np.concatenate([getattr(part, name) for part in entries])
+            for name in ("data", "row", "col")
+        )
+        inner = sparse.csr_matrix((data, (rows, columns)), shape=(self.size, self.size))
+        inner.sum_duplicates()
+        return Bordered(inner, border, corner)
+
+
+def _rounding(stiffness: Sparse, place: _Place, section: Section) -> float:
+    """Return the stiffness (N/m) by which rounding may change that of bending.
+
+    All but the foot moves along an axis without a force; this is the sum of those that it seems
+    to need.
+    """
+    unit = np.zeros(place.shapes, dtype=np.longdouble)
+    unit[0] = section.functions.values[0::4, 0].sum()  # orthonormal: an amplitude of 1 along x
+    moved = np.zeros(place.size, dtype=np.longdouble)
+    moved[: place.nodes * place.shapes] = np.tile(unit, place.nodes)
+    work = moved * wide_product(stiffness, moved).real
+    # the lowest node is held by the foot
+    return float(np.abs(work[place.shapes :]).sum())

@@ -56,8 +56,8 @@ def test_moments_of_a_disc():
     assert one_x @ area @ one_x == pytest.approx(np.pi / 96.0, rel=1e-13)
 
 
-def test_another_length_has_the_same_foot():
-    """Foot and section are asked of the store by what they are."""
+def test_another_length_has_the_same_ends():
+    """Foot, tip and section are asked of the store by what they are, to the last bit."""
     short, long = (
         rod_parts(
             GLUED.model_copy(update={"bimorph": Bimorph(tab_length=2e-3, length=length)}),
@@ -67,16 +67,18 @@ def test_another_length_has_the_same_foot():
     )
     assert isinstance(short, BrickParts)
     assert isinstance(long, BrickParts)
-    for part in ("foot", "middle"):
+    for part in ("foot", "tip", "middle"):
         one, other = (getattr(parts, part) for parts in (short, long))
         assert one.slabs == other.slabs
         for a, b in zip(one.axes, other.axes, strict=True):
             assert np.array_equal(a.breaks, b.breaks)
-    assert long.free.z.breaks[-1] - short.free.z.breaks[-1] == pytest.approx(11e-3)
+    assert long.stretch.breaks[-1] - short.stretch.breaks[-1] == pytest.approx(11e-3)
+    assert short.stretch.breaks[0] == 0.0
+    assert (np.diff(short.stretch.breaks) > 0.0).all()
 
 
 def test_a_stub_is_left_whole():
-    """Where the section would be seen from the tip."""
+    """Where nothing would be left between the sections."""
     stub = Bimorph(tab_length=2e-3, length=2e-3)
     assert isinstance(rod_parts(Device(bimorph=stub), ROD_LEVELS[0]), Bricks)
 

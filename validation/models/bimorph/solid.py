@@ -1,7 +1,7 @@
 """The solid on bricks of high order, the fast reference, on two levels of a family.
 
-The bimorph alone is one body.  On its rod it is two: the foot, reduced once and kept, and the free
-part, so that another length asks for the free part only.
+The bimorph alone is one body.  On its rod it is three: foot and tip, reduced once and kept, and
+what is between them, so that another length asks for a small system only.
 """
 
 from __future__ import annotations
@@ -94,7 +94,10 @@ class BrickPair:
     @property
     def method(self) -> str:
         """How the error bars come about, for the reader."""
-        fine, coarse = (system.size for system in self.systems)
+        fine, coarse = (
+            mesh.values if isinstance(mesh, BrickParts) else system.size
+            for mesh, system in zip(self.meshes, self.systems, strict=True)
+        )
         return (
             f"two levels of bricks ({fine} and {coarse} unknowns), the error assumed to fall by "
             f"{ASSUMED_GAIN:g}, safety factor {SAFETY}"

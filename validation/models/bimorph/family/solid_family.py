@@ -212,7 +212,7 @@ def reading(scene: Scene, quantities: Sequence[str]) -> tuple[bool, tuple[float,
 def is_family_key(scene: Scene, key: str) -> bool:
     """Return whether a scene key may vary within a family: a number that the bricks read.
 
-    On its rod the bimorph is in two parts, of which there are no families.
+    On its rod the bimorph is in three parts, of which there are no families.
     """
     if scene.support.kind == "rod":
         return False
