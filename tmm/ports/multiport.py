@@ -14,6 +14,7 @@ import difflib
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -58,7 +59,7 @@ class Multiport:
         row, column = entry
         return self.stiffness[:, self.index(row), self.index(column)]
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """The ports' names in order."""
         return tuple(port.name for port in self.ports)

@@ -82,7 +82,10 @@ def test_error_bars_cover_the_map():
         *(pytest.param(*grid, marks=pytest.mark.heavy) for grid in ((2, 2.0), (4, 0.75))),
     ],
 )
-@pytest.mark.parametrize(("current", "gap"), [(0.13, 0.2e-3), (0.05, 0.1e-3)])
+@pytest.mark.parametrize(
+    ("current", "gap"),
+    [(0.13, 0.2e-3), pytest.param(0.05, 0.1e-3, marks=pytest.mark.heavy)],
+)
 def test_error_bars_cover(order, refinement, current, gap):
     """On every grid each error bar holds the converged value, and is not empty."""
     # order 2 at fineness 1 is refused by default at the narrower gap; its bars hold still
@@ -104,7 +107,7 @@ def test_truncation_is_in_the_error_bars():
     assert near.coenergy < far.coenergy
 
 
-@pytest.mark.parametrize("current", [0.02, 0.5])
+@pytest.mark.parametrize("current", [pytest.param(0.02, marks=pytest.mark.heavy), 0.5])
 def test_force_is_the_derivative_of_the_coenergy(current):
     """−ΔW'/Δg between separate grids is the force, far into saturation too."""
     step = 5e-6

@@ -223,7 +223,9 @@ def test_energy_balance(coarse, saturated, which):
     assert (ahead - behind) / (2.0 * step) == pytest.approx(field.flux_linkage, rel=1e-5)
 
 
-@pytest.mark.parametrize("which", [0, 1], ids=["vector", "scalar"])
+@pytest.mark.parametrize(
+    "which", [pytest.param(0, marks=pytest.mark.heavy), 1], ids=["vector", "scalar"]
+)
 def test_solution_does_not_depend_on_where_newton_starts(coarse, saturated, which):
     """The energy is convex: from rest and from another current the same field."""
     other = coarse[which].solve(1000.0)

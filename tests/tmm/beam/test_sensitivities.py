@@ -208,7 +208,9 @@ ROWS = {
 }
 
 
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.heavy] * (n == "taper")) for n in ROWS]
+)
 def test_rows_of_pieces_and_other_ends(name):
     """Tab, rod, taper, bare ceramic, series wiring, mass, spring: like difference quotients.
 

@@ -137,7 +137,16 @@ def quick(name):
 
 
 @pytest.mark.parametrize(
-    "name", ["narrow gap", "long core", "3D slivers", "3D ball", "network", "no answer exists"]
+    "name",
+    [
+        "narrow gap",
+        "long core",
+        "3D slivers",
+        "network",
+        "no answer exists",
+        # by default the ball is in tests/fem/reluctance/test_three_d_potentials.py
+        pytest.param("3D ball", marks=pytest.mark.heavy),
+    ],
 )
 def test_magnetic_families(name):
     """The normal actuator's models converge, or say why not."""

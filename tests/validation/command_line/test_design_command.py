@@ -38,7 +38,15 @@ def test_table_and_statement_on_stdout(capsys):
     assert lines[-1].startswith("less than 0.0005: ")
 
 
-@pytest.mark.parametrize("arguments", [[], ["--aim", "margin"], ["--margin", "50"], ["prototype"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--aim", "margin"],
+        ["--margin", "50"],
+        pytest.param([], marks=pytest.mark.heavy),
+        pytest.param(["prototype"], marks=pytest.mark.heavy),
+    ],
+)
 def test_json_contract(capsys, arguments):
     """Strict JSON in SI units, whatever decides the length; exit code 0 also if none keeps it."""
     code, out, err = run(capsys, "--json", *arguments)

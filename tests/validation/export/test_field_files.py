@@ -19,7 +19,7 @@ from tactgen.validation.scene.scene import load_scene
 
 @pytest.fixture(scope="module")
 def scene():
-    return load_scene("j1", ["mesh.level=2", "modes=1", "models=solid"])[0]
+    return load_scene("j1", ["mesh.level=1", "modes=1", "models=solid"])[0]
 
 
 @pytest.fixture(scope="module")

@@ -92,7 +92,7 @@ def test_contact_and_machine_take_its_pull(field):
     assert len(field) == 1
 
 
-@pytest.mark.parametrize("history", ["rising", "falling"])
+@pytest.mark.parametrize("history", ["rising", pytest.param("falling", marks=pytest.mark.heavy)])
 def test_bars_cover_what_a_map_of_four_times_the_samples_says(history):
     """Stiffness, pull per current and inductance, on either stop; and are no wider than a fifth."""
     scene = generator("tmm,network", f"coil.history={history}")

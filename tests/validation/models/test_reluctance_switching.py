@@ -91,7 +91,9 @@ def solved(*overrides, quantities=("pull_in_current", "holding_current", "drop_o
     return solve(load_scene("reluctance", ["models=network", *overrides])[0], None, quantities)
 
 
-@pytest.mark.parametrize("current", ["0 A", "50 mA", "130 mA", "5 A", "1 kA"])
+@pytest.mark.parametrize(
+    "current", ["0 A", "50 mA", "130 mA", "5 A", pytest.param("1 kA", marks=pytest.mark.heavy)]
+)
 def test_the_network_switches_where_its_force_balances(current):
     """At the current found the network pulls with the spring's force, whatever coil.current is."""
     solution = solved(f"coil.current={current}")

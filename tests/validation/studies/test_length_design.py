@@ -470,7 +470,7 @@ def test_threshold_sensitivity(paper):
     ("name", "key"),
     [
         pytest.param("paper", "piezo.density", marks=pytest.mark.heavy),
-        ("paper", "support.rotational_stiffness"),
+        pytest.param("paper", "support.rotational_stiffness", marks=pytest.mark.heavy),
         ("prototype", "piezo.density"),
         pytest.param("prototype", "bimorph.piezo_thickness", marks=pytest.mark.heavy),
     ],

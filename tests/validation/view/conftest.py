@@ -9,5 +9,5 @@ from tactgen.validation.scene.scene import load_scene
 @pytest.fixture(scope="session")
 def seen():
     """Return the fields of a clamped bimorph by two models, with one driven state."""
-    scene, _ = load_scene("j1", ["mesh.level=2", "modes=3", "models=solid,tmm"])
+    scene, _ = load_scene("j1", ["mesh.level=1", "modes=3", "models=solid,tmm"])
     return gather(scene, ["solid", "tmm"], Request((900.0,), "edges"))

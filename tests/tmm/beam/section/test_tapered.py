@@ -222,7 +222,11 @@ ENTANGLED = (
 RUNNING_OUT = ("bimorph.piezo_thickness_profile=0 mm: 0.26 mm, 20 mm: 0.001 mm", "load.kind=none")
 
 
-@pytest.mark.parametrize("settings", [ENTANGLED, RUNNING_OUT], ids=["steps", "runs out"])
+@pytest.mark.parametrize(
+    "settings",
+    [ENTANGLED, pytest.param(RUNNING_OUT, marks=pytest.mark.heavy)],
+    ids=["steps", "runs out"],
+)
 def test_natural_frequencies_agree_with_beam_elements(settings):
     """Two models of one theory: all modes and the coupling factor agree within their bars."""
     from tactgen.validation.engine.solve import solve

@@ -113,7 +113,10 @@ def test_driven_deep_beam():
     assert abs(total) == pytest.approx(moved, rel=3e-3)  # NAFEMS damps each mode alike
 
 
-@pytest.mark.parametrize(("case", "thickness"), [("CYL1", 0.385e-3), ("CYL3", 2.5e-3)])
+@pytest.mark.parametrize(
+    ("case", "thickness"),
+    [("CYL1", 0.385e-3), pytest.param("CYL3", 2.5e-3, marks=pytest.mark.heavy)],
+)
 def test_cylindrical_bending(case, thickness):
     """Frequencies by the state-space solution, thin and thick."""
     short, free = references(laminates, case)
