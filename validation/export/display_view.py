@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +24,9 @@ from tactgen.validation.view.formats import engineering
 from tactgen.validation.view.page.display import DrawnPart, Swing, display_page
 from tactgen.validation.view.page.html import Still
 from tactgen.validation.view.pictures import assembly_picture
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 #: Pictures of a film's one period, milliseconds that each is shown, and periods in an .mp4.
 _FRAMES, _SHOWN, _REPEATS = 24, 80, 4
@@ -55,25 +59,30 @@ def view_display(
         check_ffmpeg(path)
     announce("solids of the display")
     parts = drawn_parts(scene)
-    for kind, path in files.items():
-        if kind in ("gif", "mp4"):
-            _write_film(path, scene, parts, announce)
-            continue
-        announce("still" if kind == "png" else "page")
-        picture = assembly_picture(parts)
-        if kind == "png":
-            with written_whole(path) as temporary:
-                temporary.write_bytes(picture)
-        else:
-            still = Still(picture, f"{scene.name}: the display")
-            write_text(path, display_page(scene.name, parts, swing(scene), still))
+    films = [path for kind, path in files.items() if kind in ("gif", "mp4")]
+    if films:
+        images = _film(scene, parts, announce)
+        for path in films:
+            save_film(path, images, _SHOWN, _REPEATS)
+    if "out" in files or "png" in files:
+        announce("still")
+        still = Still(assembly_picture(parts), f"{scene.name}: the display")
+        if "png" in files:
+            with written_whole(files["png"]) as temporary:
+                temporary.write_bytes(still.png)
+        if "out" in files:
+            announce("page")
+            write_text(files["out"], display_page(scene.name, parts, swing(scene), still))
     return list(files.values())
 
 
-def _write_film(
-    path: Path, scene: Scene, parts: tuple[DrawnPart, ...], announce: Callable[[str], None]
-) -> None:
-    """Write one period of a wave that runs along x: each column a quarter period after the last."""
+def _film(
+    scene: Scene, parts: tuple[DrawnPart, ...], announce: Callable[[str], None]
+) -> list[Image]:
+    """Return one period of a wave that runs along x, each column a quarter period after the last.
+
+    Drawn once, whatever films it is saved as.
+    """
     from tactgen.validation.view.assembly_frames import assembly_frames, enlargement
 
     announce("motions of the display")
@@ -89,8 +98,7 @@ def _write_film(
     )
     phases = [2.0 * np.pi * k / _FRAMES for k in range(_FRAMES)]
     seen = [part for part in parts if part.name not in _HIDES]
-    images = assembly_frames(seen, tips, ceramic, times, words, phases, announce)
-    save_film(path, images, _SHOWN, _REPEATS)
+    return assembly_frames(seen, tips, ceramic, times, words, phases, announce)
 
 
 def travelling_wave(scene: Scene) -> tuple[float, Complex]:

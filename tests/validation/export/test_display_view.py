@@ -1,0 +1,67 @@
+"""``tactgen view display``: a film of the wave, drawn once for all its files, and a still."""
+
+import numpy as np
+import pytest
+from PIL import Image, ImageSequence
+
+from tactgen.validation.export import display_view
+from tactgen.validation.export.display_view import travelling_wave, view_display
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.view import assembly_frames
+
+SMALL = ["display.rows=1", "display.columns=2", "frequency=10,430", "models=tmm"]
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return load_scene("display", SMALL)[0]
+
+
+def test_each_column_follows_the_one_before(scene):
+    """By a quarter period, but for what passes between them; at the livelier frequency."""
+    frequency, tips = travelling_wave(scene)
+    assert frequency in scene.frequency
+    behind = np.degrees(np.angle(tips[1] / tips[0]))
+    assert behind == pytest.approx(-90.0, abs=35.0)
+    assert 1e-6 < np.abs(tips).max() < 1e-3
+
+
+def test_a_film_moves_and_is_drawn_once(scene, tmp_path, monkeypatch):
+    """Both files hold all its pictures, in each of which the tips are elsewhere."""
+    drawn = []
+    own = assembly_frames.assembly_frames
+
+    def counted(*given):
+        drawn.append(given[4])
+        return own(*given)
+
+    monkeypatch.setattr(assembly_frames, "assembly_frames", counted)
+    monkeypatch.setattr(assembly_frames, "_SIZE", (160, 180))
+    monkeypatch.setattr(display_view, "_FRAMES", 4)
+    monkeypatch.setattr(display_view, "check_ffmpeg", lambda _: None)
+    saved = []
+    monkeypatch.setattr(
+        display_view, "save_film", lambda path, images, *_: saved.append((path, images))
+    )
+    files = {"gif": tmp_path / "a.gif", "mp4": tmp_path / "a.mp4"}
+    assert view_display(scene, files, lambda _: None) == list(files.values())
+    assert len(drawn) == 1
+    assert [path for path, _ in saved] == list(files.values())
+    images = [np.asarray(image.convert("L"), dtype=float) for image in saved[0][1]]
+    assert len(images) == 4
+    apart = [np.abs(images[0] - image) > 30.0 for image in images[1:]]
+    assert all(0.005 < np.mean(changed) < 0.5 for changed in apart)
+
+
+def test_a_gif_goes_round(scene, tmp_path, monkeypatch):
+    """Its pictures, each shown for 80 ms, without end."""
+    plain = [Image.new("RGB", (16, 16)) for _ in range(3)]
+    for k, image in enumerate(plain):
+        image.putpixel((k, 0), (250, 0, 0))
+    monkeypatch.setattr(display_view, "_film", lambda *_: plain)
+    path = tmp_path / "a.gif"
+    view_display(scene, {"gif": path}, lambda _: None)
+    with Image.open(path) as film:
+        assert film.info["loop"] == 0
+        shown = [frame.info["duration"] for frame in ImageSequence.Iterator(film)]
+    assert shown == [80, 80, 80]
