@@ -46,11 +46,12 @@ def job(
     longest: float,
     first: float,
     growth: float = 4.0,
+    device: Device | None = None,
 ) -> Job:
-    """Return job J1 as plain numbers; with frequencies, its damped sweep."""
+    """Return job J1, or another device's, as plain numbers; with frequencies, its damped sweep."""
     from tactgen.fem.bimorph.system import materials
 
-    device = j1().device
+    device = device or j1().device
     regions = ("piezo_top", "shim")
     exact, lossy = (
         materials(device, regions, device.piezo.ceramic(), lossy=loss) for loss in (False, True)

@@ -1,0 +1,55 @@
+"""Programs that share nothing with this one solve fresh bimorphs: both bars cover, everywhere."""
+
+import secrets
+
+import numpy as np
+import pytest
+
+from tactgen.validation.bench.bimorph import jobs, peers
+from tactgen.validation.checks.coverage.scenes import drawn_bimorph
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
+
+#: Order of the witness's bricks; the error of the finer is judged by the coarser.
+ORDERS = (2, 3)
+QUANTITIES = ("static_tip_displacement", "capacitance_free", "short_circuit_frequencies")
+
+
+def witnessed(peer, scene):
+    """Return deflection, capacitance and frequencies by a witness, with what its order leaves."""
+    bimorph = scene.bimorph
+    fine = {
+        "longest": bimorph.length / 12.0, "first": bimorph.thickness / 12.0,
+        "through_piezo": 2, "through_shim": 2, "across": 4,
+    }  # fmt: skip
+    coarse, finer = (
+        peers.solve(peer, jobs.job(order=order, device=scene.device, **fine)) for order in ORDERS
+    )
+    volts = scene.drive.voltage
+    return [
+        (scale * np.atleast_1d(finer[key]), scale * np.abs(np.subtract(finer[key], coarse[key])))
+        for key, scale in (("deflection", volts), ("capacitance", 1.0), ("natural", 1.0))
+    ]
+
+
+#: Bimorphs; each costs a witness half a minute.
+_COUNT = 4
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("peer", peers.PEERS)
+def test_fresh_bimorphs(peer):
+    """Deflection, capacitance and four frequencies; the seed is drawn anew and shown."""
+    if why := peers.missing(peer):
+        pytest.skip(why)
+    seed = secrets.randbits(32)
+    print(f"seed {seed}")
+    rng = np.random.default_rng(seed)
+    for _ in range(_COUNT):
+        drawn = [o for o in drawn_bimorph(rng) if not o.startswith(("support", "frequency"))]
+        clamped = ["support.kind=clamped", "load.kind=none", f"modes={jobs.MODES}", "accuracy=3e-3"]
+        scene, _ = load_scene("paper", [*drawn, *clamped])
+        own = {q.name: q for q in solve(scene, ["solid"], QUANTITIES).quantities}
+        for name, (value, bar) in zip(QUANTITIES, witnessed(peer, scene), strict=True):
+            apart = np.abs(np.atleast_1d(own[name].value) - value)
+            assert (apart <= own[name].uncertainty + bar).all(), (name, drawn)
