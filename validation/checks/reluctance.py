@@ -6,7 +6,7 @@ import math
 from functools import partial
 
 from tactgen.validation.checks import reluctance_measurements as m
-from tactgen.validation.checks.cases.magnetics import collared_actuator
+from tactgen.validation.checks.cases.magnetics import collared_actuator, scaled_actuator
 from tactgen.validation.checks.row import Check
 from tactgen.validation.checks.team20 import TEAM20_CHECKS
 
@@ -139,6 +139,22 @@ _KNOWN: tuple[Check, ...] = (
         "Nor those of the map made from the axisymmetric field.",
         (0.0, 1e-6), "1", "both belong to one co-energy", 0.0, "as LOOP-1",
         m.field_map_loop_work, heavy=True,
+    ),
+    *(
+        Check(
+            f"EULER-{letter}", "code verification",
+            f"The {words}'s derivatives by all lengths and the current add up as its power of "
+            "the size.",
+            power, "1", "Euler's theorem: at one H and B, W' grows as s³, λ and F as s²", 2e-3,
+            "differences at 1 % of 18 keys, across corners of the iron's curve; air that does "
+            "not grow leaves 1e-5",
+            partial(scaled_actuator.power_of_size, name), heavy=True,
+        )
+        for letter, words, name, power in (
+            ("W", "co-energy", "coenergy", 3.0),
+            ("L", "flux linkage", "flux_linkage", 2.0),
+            ("F", "pull", "magnetic_force", 2.0),
+        )
     ),
 )  # fmt: skip
 
