@@ -111,6 +111,14 @@ PROBLEMS = {
         "are taken around a rectangle and back.",
         "model network; the co-energy maps made from network and axisymmetric field",
     ),
+    ("reluctance", "EULER"): Problem(
+        "Derivatives by all dimensions",
+        "If all lengths of a normal actuator grow, and the current with them, H and B stay: the "
+        "co-energy grows as the cube of the size, pull and flux linkage as its square. So the "
+        "logarithmic derivatives by all lengths and the current, each taken alone, add up to 3, 2 "
+        "and 2.",
+        "model axisymmetric, differences on grids that move with each dimension",
+    ),
     ("reluctance", "FORCE"): Problem(
         "One force by independent routes",
         "The built-in normal actuator at four pairs of current and gap: force by the stress in "

@@ -31,6 +31,7 @@ SPEAKS_FOR: dict[str, dict[str, tuple[str, ...]]] = {
     "reluctance": {
         "COI": ("axisymmetric",), "SOL": ("axisymmetric",), "ACT": ("axisymmetric",),
         "VM213": ("network",), "LOOP": ("network", "axisymmetric"),
+        "EULER": ("axisymmetric",),
         "BALL": ("magnetic3d",), "VM188": ("magnetic3d",),
     },
     "motion": {}, "amplitude": {}, "display": {}, "misprints": {},
