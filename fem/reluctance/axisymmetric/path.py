@@ -14,7 +14,6 @@ import numpy as np
 
 from tactgen.fem.reluctance.axisymmetric.actuator import ORDER, FieldPoint, field_point
 from tactgen.fem.reluctance.axisymmetric.two_orders import (
-    Pair,
     Start,
     fitted,
     solve_pair,
@@ -58,12 +57,12 @@ class FieldPath:
     ) -> None:
         self._home = two_orders(device, gap, order, refinement, outer_radius)
         self._places: list[Floats] = []
-        self._pairs: list[Pair] = []
+        self._solved: list[Start] = []  # potentials alone: the tables of a field are large
 
     def fork(self) -> FieldPath:
         """Return a path along something else from this one's first point, on the same grid."""
         other = copy(self)
-        other._places, other._pairs = self._places[:1], self._pairs[:1]
+        other._places, other._solved = self._places[:1], self._solved[:1]
         return other
 
     def reaches(self, device: Device, gap: float) -> bool:
@@ -93,19 +92,19 @@ class FieldPath:
             )
         pair = solve_pair(model, current, self._start(place))
         self._places.append(np.asarray(place, dtype=float))
-        self._pairs.append(pair)
+        self._solved.append(Start(pair.coarse.potential, pair.fine.potential))
         return field_point(model, pair)
 
     def _start(self, place: Floats) -> Start | None:
-        if not self._pairs:
+        if not self._solved:
             return None
-        solved = np.array(self._places)
-        near = np.argsort(np.linalg.norm(solved - place, axis=1))[:_NEAR]
-        weights = _weights(solved[near], place)
-        pairs = [self._pairs[n] for n in near]
+        places = np.array(self._places)
+        near = np.argsort(np.linalg.norm(places - place, axis=1))[:_NEAR]
+        weights = _weights(places[near], place)
+        solved = [self._solved[n] for n in near]
         return Start(
-            weights @ np.array([pair.coarse.potential for pair in pairs]),
-            weights @ np.array([pair.fine.potential for pair in pairs]),
+            weights @ np.array([each.coarse for each in solved]),
+            weights @ np.array([each.fine for each in solved]),
         )
 
 
