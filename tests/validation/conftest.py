@@ -114,13 +114,13 @@ def driven(tmp_path):
     if browser is None:
         pytest.skip("no Chromium on this machine")
 
-    def drive(page, steps):
+    def drive(page, steps, *options):
         path = tmp_path / "driven.html"
         script = f"<head><script>{DRIVER.replace(STEPS, steps)}</script>"
         path.write_text(page.replace("<head>", script, 1), encoding="utf-8")
         done = run_browser(
             browser, path.as_uri(), "--dump-dom", "--virtual-time-budget=20000",
-            "--window-size=900,700", "--enable-logging=stderr",
+            "--window-size=900,700", "--enable-logging=stderr", *options,
         )  # fmt: skip
         written = re.search(r'<pre id="report">(.*?)</pre>', done.stdout, flags=re.DOTALL)
         assert written is not None, done.stderr[-2000:]

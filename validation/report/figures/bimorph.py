@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +69,30 @@ def response_plot(
     axes[0][0].legend(frameon=False)
     if _spans_decades(frequencies):
         axes[0][0].set_xscale("log")
+    if len(frequencies) > 1:  # the page tells the values where it is pointed at
+        axes[0][0].set_xlim(frequencies[0], frequencies[-1])
     return svg(figure)
+
+
+def response_values(
+    frequencies: Array, curves: dict[str, dict[str, Array]], labels: dict[str, str]
+) -> str:
+    """Return what the page tells of :func:`response_plot` where it is pointed at, as JSON."""
+
+    def told(values: Array) -> dict[str, list[str]]:
+        size = [f"{1e6 * abs(value):.4g}" for value in values]
+        phase = [f"{np.rad2deg(np.angle(value)):.1f}" for value in values]
+        return {"size": size, "phase": phase}
+
+    shown = {
+        "frequency": [float(f"{f:.6g}") for f in frequencies],
+        "log": _spans_decades(frequencies),
+        "cases": [
+            {"title": labels[case], "models": {name: told(v) for name, v in models.items()}}
+            for case, models in curves.items()
+        ],
+    }
+    return json.dumps(shown, separators=(",", ":"))
 
 
 def bridge_plot(rungs: Sequence[Rung], whole: str) -> str:

@@ -11,7 +11,7 @@ from tactgen.validation.checks.paper import audit
 from tactgen.validation.checks.stress import output as stress_output
 from tactgen.validation.models.bimorph.rows import LumpedModel
 from tactgen.validation.models.comparison import UNEXPLAINED
-from tactgen.validation.report.figures.bimorph import response_plot
+from tactgen.validation.report.figures.bimorph import response_plot, response_values
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections.bridge import (
     bridge_section,
@@ -62,7 +62,11 @@ def _response(study: Study) -> Context:
     curves = {case.name: {m: case.curve(m) for m in case.models} for case in cases}
     titles = {case.name: case.title for case in cases}
     frequency = np.asarray(study.scene.frequency)
-    return {"cases": cases, "response": response_plot(frequency, curves, titles)}
+    return {
+        "cases": cases,
+        "response": response_plot(frequency, curves, titles),
+        "values": response_values(frequency, curves, titles) if len(frequency) > 1 else "",
+    }
 
 
 def _stress(study: Study) -> Context | None:
