@@ -65,6 +65,17 @@ def test_accuracy_and_level_choose_the_bricks():
     assert levels[0] < levels[-1]
 
 
+def test_the_coarsest_level_is_said_to_be_the_next():
+    """Of both bimorphs, since both are judged by a coarser one; other levels need no word."""
+    for scene in ("paper", "bimorph_on_rod"):
+        found = [
+            SolidModel(load_scene(scene, [f"mesh.level={n}"])[0], None).warnings((FREQUENCIES,))
+            for n in (0, 1, 2)
+        ]
+        assert [len(sentences) for sentences in found] == [0, 1, 0]
+        assert "mesh.level = 2" in found[1][0]
+
+
 def test_what_only_the_bimorph_alone_has_is_not_promised():
     """Families of reduced bases, exact derivatives, fields in pictures."""
     scene = scene_with()

@@ -6,6 +6,7 @@ what is between them, so that another length asks for a small system only.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -55,6 +56,16 @@ class SolidModel(TwoMeshModel):
     def finest(cls, scene: Scene) -> float:
         """Return the relative error bar that the finest bricks keep to."""
         return _ROD_FINEST if scene.support.kind == "rod" else super().finest(scene)
+
+    def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
+        """Say that the coarsest level is no answer of its own."""
+        if self.scene.mesh.level != 1:
+            return ()
+        sentence = (
+            "mesh.level = 1 is 2 for the model solid, whose error bar needs a coarser level than "
+            "its own; write mesh.level = 2 to say what it is"
+        )
+        return (sentence,)
 
     def make_pair(self) -> BrickPair:
         """Return the level that the accuracy asks for, and the next coarser one."""
