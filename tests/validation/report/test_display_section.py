@@ -11,7 +11,7 @@ from tactgen.validation.export.display_view import swing, travelling_wave
 from tactgen.validation.export.view import Look, view
 from tactgen.validation.report.page import templates
 from tactgen.validation.report.sections.contents import sections
-from tactgen.validation.report.sections.display import display_section
+from tactgen.validation.report.sections.display import _numbers, display_section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 
@@ -38,6 +38,15 @@ def test_the_section_in_words(study):
     ):  # fmt: skip
         assert wanted in text, wanted
     assert "nan" not in text
+
+
+def test_a_number_that_no_model_knows_has_no_row(study):
+    """The network knows nothing of an undriven neighbour's pull, the others are its."""
+    asked = [q for q in study.solution.quantities if q.name.startswith(("pull_", "passive"))]
+    assert [row.label for row in _numbers(asked)] == [
+        "pull all driven", "pull alternating", "pull one driven",
+    ]  # fmt: skip
+    assert any(np.isnan(q.value) for q in asked)
 
 
 def test_the_study_of_a_display_leaves_the_normal_actuators_sections_out(study):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from tactgen.geometry.display.bill import bill_of_parts, total_mass
 from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import levels
@@ -60,13 +62,14 @@ def display_section(study: Study) -> Context:
 
 
 def _numbers(asked: list[Quantity]) -> list[Row]:
-    """Return the scalars, one row each."""
-    names = dict.fromkeys(q.name for q in asked if q.value.ndim == 0)
+    """Return the scalars, one row each, of models that know a value."""
+    known = [q for q in asked if q.value.ndim == 0 and not np.isnan(q.value)]
+    names = dict.fromkeys(q.name for q in known)
     return [
         Row(
             QUANTITIES[name].label,
             QUANTITIES[name].meaning,
-            tuple(q for q in asked if q.name == name),
+            tuple(q for q in known if q.name == name),
         )
         for name in names
     ]
