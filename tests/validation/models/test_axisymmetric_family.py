@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.families import find_families
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.reluctance import family, field, field_tables
+from tactgen.validation.scene.keys import value_of, with_values
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif import answers
 from tactgen.validation.studies.whatif.asked.statement import Statement
@@ -116,3 +118,35 @@ def test_only_points_are_tabled():
     """Currents of the stroke are no smooth functions: another place of the stroke may decide."""
     scene, _ = load_scene("reluctance", SETS)
     assert find_families("axisymmetric", [scene] * 20, ("pull_in_current",)) == []
+
+
+#: Sizes that may be a little larger or smaller without parts meeting.
+SIZES = (
+    "rod.head_radius", "rod.head_thickness", "rod.flange_radius", "rod.flange_thickness",
+    "rod.flange_position", "rod.length", "coil.outer_radius", "coil.length", "coil.turns",
+    "sleeve.length", "gap", "coil.current",
+)  # fmt: skip
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("seed", range(20))
+def test_bars_hold_a_better_field_anywhere(seed, monkeypatch):
+    """Size, range, current and gap by chance, against a field of one order more on finer grids."""
+    rng = np.random.default_rng(seed)
+    monkeypatch.setattr(field_tables, "REFINEMENTS", ((0.0, 1.0),))
+    key = SIZES[int(rng.integers(len(SIZES)))]
+    middle = {"gap": rng.uniform(0.05e-3, 0.22e-3), "coil.current": rng.uniform(0.02, 0.3)}
+    there = [f"gap={middle['gap']!r} m", f"coil.current={middle['coil.current']!r} A"]
+    scene, _ = load_scene("reluctance", [*SETS, *there])
+    value = float(value_of(scene, key))
+    low = value * (1.0 - rng.uniform(0.01, 0.08))
+    # the coil has 40 um to the flange, the sleeve is as long as it must be
+    high = value * (1.0 + rng.uniform(0.001, 0.008))
+    found = family.point_family(scene, {key: (low, high)})
+    for asked in rng.uniform(low, high, 2):
+        given = found.read({key: np.array([asked])})
+        exact = with_values(scene, {key: float(asked)})
+        point = solve_point(exact.device, exact.coil.current, exact.gap, order=5, refinement=1.5)
+        for name, (near, bar) in given.items():
+            off = abs(float(near[0]) - getattr(point, name))
+            assert off <= float(bar[0]) + getattr(point.errors, name), (key, asked, name)
