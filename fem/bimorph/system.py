@@ -62,6 +62,9 @@ class SolidSystem:
         A good order in which to eliminate all but the last three unknowns.
     rounding : float, optional
         The spurious stiffness where unknowns are not values at nodes.
+    behind : int
+        Values at the nodes of the parts that it was reduced from, which another class of motion
+        may first have to factorise; 0 of a body that was not reduced.
     """
 
     stiffness: Bordered
@@ -76,6 +79,7 @@ class SolidSystem:
     related: Callable[[Motion], SolidSystem] | None = None
     elimination: Ints | None = None
     rounding: float | None = None
+    behind: int = 0
 
     @property
     def has_ports(self) -> bool:

@@ -103,6 +103,7 @@ class _Joined:
             related=self.system,
             elimination=place.order,
             rounding=_rounding(stiffness.inner, place, section),
+            behind=self.parts.values,
         )
 
     def _stiffness(self, end: ReducedEnd) -> Numbers:

@@ -72,7 +72,7 @@ def _mesh_modes(system: SolidSystem, others: dict[Motion, int], count: int) -> M
 
     jobs: list[Callable[[], Any]] = [partial(modal_model, system, count)]
     jobs += [partial(_other, system, motion, wanted) for motion, wanted in others.items()]
-    if system.size <= _MOST_TOGETHER:
+    if max(system.size, system.behind) <= _MOST_TOGETHER:
         ports, *found = side_by_side(lambda job: job(), jobs)
     else:
         ports, *found = (job() for job in jobs)

@@ -92,6 +92,15 @@ def test_as_many_pivots_are_negative_as_there_are_potentials():
     assert factorise(system.stiffness.inner).negative_pivots == system.potentials
 
 
+def test_a_small_system_tells_what_stands_behind_it():
+    """Whoever solves several classes at once must know how large their ends are."""
+    parts = in_parts(BRICKS, 0, SECTIONS, 1e-1)
+    system = joined_system(DEVICE, parts, lossy=False)
+    ends = parts.foot.used().sum() + parts.tip.used().sum()
+    assert system.behind == 4 * ends > system.size
+    assert whole().behind == 0
+
+
 def test_a_translation_needs_no_force():
     """The section has the rigid motions to rounding."""
     assert in_three(1e-1).spurious_stiffness < 10.0 * whole().spurious_stiffness
