@@ -70,16 +70,6 @@ def test_a_study_takes_one_table_and_says_so(vary, held, monkeypatch):
         hold(point, answer)
 
 
-@pytest.mark.heavy
-def test_two_numbers_that_vary_at_random():
-    """A gap and a current, drawn: one table of both."""
-    statement = stated("gap=0.15mm:0.25mm", "coil.current=80mA:160mA", samples=40)
-    study = run_study(statement, 1)
-    assert study.counts.together == 40
-    for point, _, answer in list(study.rows)[::8]:
-        hold(point, answer)
-
-
 def test_edges_that_pass_another_divide_the_range():
     """The head grows past the sleeve: two tables meet where both are as wide."""
     scene, _ = load_scene("reluctance", SETS)
