@@ -2,6 +2,7 @@
 
 import pytest
 
+from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.derivatives import by_differences, derivatives
 from tactgen.validation.models.reluctance import field, field_derivatives
 from tactgen.validation.scene.scene import load_scene
@@ -36,14 +37,15 @@ def test_force_and_flux_linkage_are_slopes_of_the_co_energy(on_grids):
         assert abs(float(energy.slopes[key]) - exact) <= energy.bars[key]
 
 
-#: The flange ends where the rod does, the edges of head and sleeve are one line.
-TWO_GRIDS = ("sleeve.outer_radius", "rod.length", "rod.flange_thickness", "rod.head_radius")
+#: The edges of head and sleeve are one line.  The flange ends where the rod does, so neither its
+#: thickness nor the rod's length can be varied to both sides.
+TWO_GRIDS = ("sleeve.outer_radius", "rod.head_radius")
 KEYS = (
     "rod.head_thickness",
     "sleeve.outer_radius",
     *(
         pytest.param(key, marks=pytest.mark.heavy)
-        for key in ("coil.length", "rod.length", "rod.flange_thickness", "rod.head_radius", "gap")
+        for key in ("coil.length", "rod.head_radius", "gap")
     ),
 )
 
@@ -66,3 +68,12 @@ def test_bars_hold_a_finer_grid_and_are_narrow(key, on_grids):
 def test_what_is_smooth_has_derivatives(name, given):
     scene, _ = load_scene("reluctance", SETS)
     assert field_derivatives.gives_derivatives(scene, name) is given
+
+
+def test_what_has_no_room_on_one_side_is_refused():
+    """The built-in flange ends with its rod: a shorter rod is no device, and the key is named."""
+    scene, _ = load_scene("reluctance", SETS)
+    with pytest.raises(InputError, match=r"rod.length = 4.69\d* mm ends above the flange's lower"):
+        derivatives(
+            scene, changed_scenes("reluctance", SETS), "axisymmetric", NAMES, ["rod.length"], print
+        )
