@@ -19,7 +19,12 @@ def engineering(value: float, unit: str, digits: int = 5) -> str:
         return f"{value:g} {unit}"
     shown = float(f"{value:.{digits - 1}e}")  # what rounds up to 1000 has the next prefix
     exponent = max(-15, min(9, 3 * math.floor(math.log10(abs(shown)) / 3.0)))
-    return f"{value / 10.0**exponent:.{digits}g} {_PREFIX[exponent]}{unit}"
+    text = f"{value / 10.0**exponent:.{digits}g}"
+    if (
+        "e" in text and 1.0 <= abs(float(text)) < 1000.0
+    ):  # fewer digits than it has before the point
+        text = f"{float(text):.0f}"
+    return f"{text} {_PREFIX[exponent]}{unit}"
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:

@@ -103,6 +103,8 @@ def test_numbers_for_people():
     assert engineering(4.955e-5, "m") == "49.55 µm"
     assert engineering(0.0, "m") == "0 m"
     assert engineering(9.9996e-7, "m", 3) == "1 µm"  # and not 1e+03 nm
+    assert engineering(4.96e-4, "N m", 2) == "500 µN m"  # and not 5e+02 µN m
+    assert engineering(5e12, "Pa", 2) == "5e+03 GPa"  # no prefix goes further
     assert engineering(9.9996e-7, "m", 5) == "999.96 nm"
     assert with_bar(4.7087e-5, 2.6e-8, "m") == "47.087 ± 0.026 µm"
     assert with_bar(-6.7582e-7, 1e-20, "m").startswith("-675.82 nm (±1e-14")
