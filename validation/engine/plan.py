@@ -121,9 +121,11 @@ def check_models(models: Sequence[str], quantities: Sequence[str]) -> None:
     for quantity in quantities:
         if not any(gives(model, quantity) for model in models):
             able = [model for model in MODELS if gives(model, quantity)]
+            # the cheapest that takes no shortcut
+            enough = next((model for model in able if not MODELS[model].shortcut), able[0])
             raise InputError(
                 f'quantity "{quantity}" is computed by {", ".join(able)}, not by '
-                f"{', '.join(models)}; add for example --set models={able[min(1, len(able) - 1)]}"
+                f"{', '.join(models)}; write for example --set models={','.join([*models, enough])}"
             )
 
 
