@@ -159,7 +159,10 @@ def test_no_half_a_document(refused, command):
         (["report", "--model", ""], ["--model is empty"]),
         (["report", "--model", "tnm"], ['did you mean "tmm"']),
         (["report", "--out", ""], ["--out is empty"]),
-        (["report", "--set", "quantities=magnetic_force"], ["--set models=lumped,tmm,beam,solid,cad,network"]),
+        (
+            ["report", "--set", "quantities=magnetic_force"],
+            ["--set models=lumped,tmm,beam,solid,cad,network"],
+        ),
         (
             ["solve", "reluctance", "--set", "coil.turns=1e7"],
             ["coil.turns", "must be from 1 to 1000000"],
