@@ -114,7 +114,8 @@ def test_named_causes_add_up_in_the_rod():
         beam, cad = row.cells
         allowed = 2.0 * cad.uncertainty / abs(cad.value)
         assert getattr(summed, BRIDGED[name]) == pytest.approx(beam.difference, abs=allowed)
-        if beam.verdict == "agrees":  # within the bars there is nothing to say
+        if beam.verdict == "agrees":  # the bars of the derived three may cover it: nothing to say
+            assert BRIDGED[name] in ("open_frequency", "coupling", "blocked_capacitance")
             continue
         for said in ("field varies", "Poisson's effect", "the shim alone clamped", "elastic rod"):
             assert said in beam.why
