@@ -30,7 +30,10 @@ _COMPARISONS = {
 
 @dataclass(frozen=True)
 class Mistake:
-    """One: bytes `start` to `end` of the file become `after`; `function` "" is module level."""
+    """One: bytes `start` to `end` of the file become `after`.
+
+    `function` is the outermost one around it, after the classes around that; "" is module level.
+    """
 
     file: str
     line: int
@@ -44,6 +47,11 @@ class Mistake:
     def put(self, source: bytes) -> bytes:
         """Return the file with the mistake in it."""
         return source[: self.start] + self.after.encode() + source[self.end :]
+
+    def touches(self, other: "Mistake") -> bool:
+        """Return whether both could not be put at once, or stand on one line."""
+        apart = self.end <= other.start or other.end <= self.start
+        return self.file == other.file and (self.line == other.line or not apart)
 
     def __str__(self) -> str:
         short = (" ".join(text.split())[:60] for text in (self.before, self.after))
@@ -74,7 +82,8 @@ class _Finder:
             self.starts.append(self.starts[-1] + len(line))
 
     def all(self) -> list[Mistake]:
-        return list(self._below(ast.parse(self.source), "", looks=self.file.startswith(LOOKS)))
+        looks = self.file.startswith(LOOKS)
+        return list(self._below(ast.parse(self.source), "", "", looks=looks))
 
     def _span(self, node: ast.AST) -> tuple[int, int]:
         return (
@@ -86,19 +95,23 @@ class _Finder:
         start, end = self._span(node)
         return self.source[start:end].decode()
 
-    def _below(self, node: ast.AST, function: str, *, looks: bool) -> Iterator[Mistake]:
+    def _below(
+        self, node: ast.AST, function: str, within: str, *, looks: bool
+    ) -> Iterator[Mistake]:
         for kind, where, after in self._here(node, looks=looks):
             start, end = where if isinstance(where, tuple) else self._span(where)
             before = self.source[start:end].decode()
             line = self.source[:start].count(b"\n") + 1
             if after != before:
                 yield Mistake(self.file, line, kind, function, start, end, before, after)
-        if isinstance(node, ast.FunctionDef):
-            function = function or f"{node.name}:{node.lineno}"
+        if isinstance(node, ast.ClassDef) and not function:
+            within = f"{within}{node.name}."
+        elif isinstance(node, ast.FunctionDef) and not function:
+            function = f"{within}{node.name}"
         for child in _children(node):
             aside = isinstance(child, ast.keyword) and child.arg in _LOOK_KEYWORDS
             if not aside:
-                yield from self._below(child, function, looks=looks)
+                yield from self._below(child, function, within, looks=looks)
 
     def _here(self, node: ast.AST, *, looks: bool) -> Iterator[tuple]:
         """Yield kind, node or span, and the text that takes its place."""

@@ -10,6 +10,8 @@ import atexit
 import json
 import os
 import time
+from collections import defaultdict
+from collections.abc import Iterable
 from pathlib import Path
 
 PACKAGES = ("geometry", "tmm", "fem", "validation")
@@ -29,23 +31,26 @@ def instrument(root: Path) -> None:
     for package in PACKAGES:
         for path in sorted((root / package).rglob("*.py")):
             tree = ast.parse(path.read_text(encoding="utf-8"))
-            if _note(tree, str(path.relative_to(root))):
+            if _note(tree, f"{path.relative_to(root).as_posix()}::"):
                 at = _after_the_first_lines(tree)
                 tree.body.insert(at, ast.parse(_NOTEBOOK).body[0])
                 path.write_text(ast.unparse(tree), encoding="utf-8")
 
 
-def _note(node: ast.AST, file: str) -> bool:
-    """Put the note into every outermost function below; whether there is one."""
+def _note(node: ast.AST, place: str) -> bool:
+    """Put the note into every outermost function below; whether there is one.
+
+    `place` is the file and the classes around: ``file::Class.``.
+    """
     any_found = False
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.FunctionDef):
             at = 1 if ast.get_docstring(child) is not None else 0
-            said = f"{file}::{child.name}:{child.lineno}"
-            child.body.insert(at, ast.parse(f"_seen.add({said!r})").body[0])
+            child.body.insert(at, ast.parse(f"_seen.add({place + child.name!r})").body[0])
             any_found = True
         else:
-            any_found |= _note(child, file)
+            inner = f"{place}{child.name}." if isinstance(child, ast.ClassDef) else place
+            any_found |= _note(child, inner)
     return any_found
 
 
@@ -54,6 +59,30 @@ def _after_the_first_lines(tree: ast.Module) -> int:
     while isinstance(tree.body[at], ast.ImportFrom) and tree.body[at].module == "__future__":
         at += 1
     return at
+
+
+def gathered(lines: Iterable[str], known: dict | None = None) -> dict:
+    """Return seconds by test, and by function the tests that enter it and those of its fixtures.
+
+    What was noted before of other tests is kept (`known`).
+    """
+    noted = [json.loads(line) for line in lines]
+    anew = {line["test"] for line in noted}
+    found = {"seconds": {}, "entered": {}, "fixtures": {}} if known is None else known
+    seconds = defaultdict(float, {t: s for t, s in found["seconds"].items() if t not in anew})
+    entered = {
+        by: defaultdict(set, {f: set(tests) - anew for f, tests in found[by].items()})
+        for by in ("entered", "fixtures")
+    }
+    for line in noted:
+        seconds[line["test"]] += line["seconds"]
+        within = entered["entered" if line["when"] == "call" else "fixtures"]
+        for function in line["entered"]:
+            within[function].add(line["test"])
+    return {
+        "seconds": {test: round(s, 3) for test, s in seconds.items()},
+        **{by: {f: sorted(tests) for f, tests in kept.items()} for by, kept in entered.items()},
+    }
 
 
 def _spent() -> float:

@@ -1,6 +1,8 @@
-"""What the mutation run puts in: each kind of mistake where it is wanted, and nothing else."""
+"""The mutation run: what it puts in, which tests it chooses, what it says of a run."""
 
-import importlib.util
+import importlib
+import json
+import subprocess
 import sys
 from pathlib import Path
 
@@ -22,20 +24,23 @@ def answer(a, b, k):
 '''
 
 
-@pytest.fixture(scope="module")
-def mistakes():
-    """Return the module, which is beside this file and in no package."""
-    path = Path(__file__).parent / "mistakes.py"
-    spec = importlib.util.spec_from_file_location("mistakes", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules[spec.name]
+HERE = Path(__file__).parent
 
 
-def test_every_kind_once_and_no_word_of_what_is_said(mistakes, tmp_path):
+@pytest.fixture
+def tool(monkeypatch):
+    """Return what imports a module from beside this file, which is in no package."""
+    monkeypatch.syspath_prepend(HERE)
+    before = set(sys.modules)
+    yield importlib.import_module
+    for name in set(sys.modules) - before:
+        if Path(getattr(sys.modules[name], "__file__", None) or "/").parent == HERE:
+            del sys.modules[name]
+
+
+def test_every_kind_once_and_no_word_of_what_is_said(tool, tmp_path):
     """Numbers of docstrings, messages, annotations and looks stay; each file is still Python."""
+    mistakes = tool("mistakes")
     (tmp_path / "a.py").write_text(SOURCE, encoding="utf-8")
     found = mistakes.mistakes_in(tmp_path, "a.py")
     assert {(m.line, m.kind, m.before, m.after) for m in found} >= {
@@ -59,4 +64,103 @@ def test_every_kind_once_and_no_word_of_what_is_said(mistakes, tmp_path):
     assert not [m for m in found if m.before in ("4", "(4, 3)")]
     source = SOURCE.encode()
     assert all(mistakes.is_python(m.put(source)) for m in found)
-    assert {m.function for m in found} == {"", "answer:7"}
+    assert {m.function for m in found} == {"", "answer"}
+
+
+def test_a_method_is_named_after_its_class_and_both_tools_agree(tool, tmp_path):
+    """Where a mistake stands is what the noting copy says when it is entered."""
+    source = (
+        "class A:\n    def f(self):\n        def g():\n            return 1\n        return g\n"
+    )
+    (tmp_path / "fem").mkdir()
+    (tmp_path / "fem/a.py").write_text(source, encoding="utf-8")
+    (found,) = tool("mistakes").mistakes_in(tmp_path, "fem/a.py")
+    tool("reach").instrument(tmp_path)
+    assert found.function == "A.f"
+    assert "_seen.add('fem/a.py::A.f')" in (tmp_path / "fem/a.py").read_text("utf-8")
+
+
+def _line(test, entered, when="call", seconds=0.1):
+    said = {"test": test, "when": when, "seconds": seconds, "entered": entered}
+    return json.dumps(said)
+
+
+def test_tests_noted_anew_replace_what_was_noted_of_them_alone(tool):
+    """Seconds of the phases add up; another test's notes stay."""
+    gathered = tool("reach").gathered
+    known = gathered([_line("t::a", ["f"]), _line("t::b", ["f"])])
+    lines = [_line("t::a", ["g"], "setup", 0.5), _line("t::a", ["h"])]
+    assert gathered(lines, known) == {
+        "seconds": {"t::b": 0.1, "t::a": 0.6},
+        "entered": {"f": ["t::b"], "h": ["t::a"]},
+        "fixtures": {"g": ["t::a"]},
+    }
+
+
+def test_cheap_tests_of_its_own_room_come_first_and_slow_ones_are_left_out(tool, tmp_path):
+    """Then the tests of other rooms; what a fixture enters comes with its whole file."""
+    seconds = {"tests/fem/t.py::slow": 9.0, "tests/fem/t.py::a": 0.2, "tests/fem/t.py::b": 0.1,
+               "tests/tmm/t.py::c": 1.0, "tests/tmm/t.py::never": 30.0,
+               "tests/x.py::d": 0.1, "tests/x.py::e": 0.1}  # fmt: skip
+    direct = [t for t in seconds if not t.startswith("tests/x.py")]
+    known = {"seconds": seconds, "entered": {"fem/a.py::f": direct},
+             "fixtures": {"fem/a.py::f": ["tests/x.py::d"]}}  # fmt: skip
+    chooser = tool("choice").Chooser(tmp_path, known)
+    mistake = tool("mistakes").Mistake("fem/a.py", 1, "sign", "f", 0, 1, "-", "")
+    near, others = chooser.turns(mistake)
+    assert near == ["tests/fem/t.py::b", "tests/fem/t.py::a"]
+    assert others == ["tests/tmm/t.py::c", "tests/fem/t.py::slow", "tests/x.py::d", "tests/x.py::e"]
+    unseen = tool("mistakes").Mistake("fem/b/c.py", 1, "sign", "f", 0, 1, "-", "")
+    assert chooser.turns(unseen) == [["tests/fem/t.py::b", "tests/fem/t.py::a"]]
+
+
+def test_no_two_drawn_touch_and_a_seed_draws_the_same(tool, tmp_path):
+    """All survivors can be put in at once."""
+    for package in ("geometry", "tmm", "fem", "validation"):
+        (tmp_path / package).mkdir()
+        (tmp_path / package / "a.py").write_text(SOURCE, encoding="utf-8")
+    drawn = tool("run").drawn
+    found = drawn(tmp_path, 1, 12)
+    assert found == drawn(tmp_path, 1, 12)
+    assert len({(m.file, m.line) for m in found}) == 12
+    one = tool("mistakes").Mistake("a.py", 1, "sign", "f", 4, 9, "-a - b", "a - b")
+    assert one.touches(tool("mistakes").Mistake("a.py", 2, "sign", "f", 8, 12, "b", "c"))
+    assert not one.touches(tool("mistakes").Mistake("a.py", 2, "sign", "f", 9, 12, "b", "c"))
+
+
+def test_a_mistake_is_there_while_the_tests_run_and_never_after(tool, tmp_path, monkeypatch):
+    """With a time of its own, so that no compiled file is taken for it."""
+    run, mistake = tool("run"), tool("mistakes").Mistake
+    path = tmp_path / "a.py"
+    path.write_text("b = 1 + 2\n")
+    before, during = path.stat().st_mtime_ns, []
+    monkeypatch.setattr(
+        run, "tried", lambda *_, **__: during.append((path.read_text(), path.stat().st_mtime_ns))
+    )
+    ones = [mistake("a.py", 1, "integer", "", 4, 5, "1", "10"),
+            mistake("a.py", 1, "integer", "", 8, 9, "2", "3")]  # fmt: skip
+    run._tried_on(tmp_path, ones, [])
+    ((text, time),) = during
+    assert (text, time > before) == ("b = 10 + 3\n", True)
+    assert (path.read_text(), path.stat().st_mtime_ns) == ("b = 1 + 2\n", before)
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize(
+    ("body", "verdict"),
+    [("pass", "('survived', [])"), ("assert 0", "('killed', ['tests/test_a.py::test_b'])"),
+     ("while True: pass", "('undecided', [])")],
+)  # fmt: skip
+def test_a_run_survives_is_killed_or_takes_too_long(tmp_path, body, verdict):
+    """Only what is chosen runs, and what ends it is named."""
+    tests = tmp_path / "copy/tests"
+    tests.mkdir(parents=True)
+    (tests / "test_a.py").write_text(f"def test_a():\n    assert 0\ndef test_b():\n    {body}\n")
+    code = (
+        "from pathlib import Path\nimport trial\ntrial.SECONDS = 2\n"
+        f"print(trial.tried(Path({str(tmp_path / 'copy')!r}), ['tests/test_a.py::test_b']))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=HERE, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == verdict

@@ -1,0 +1,80 @@
+"""Which tests are run on a mistake: those that enter its function, cheapest first."""
+
+import ast
+from collections import defaultdict
+from pathlib import Path
+
+from mistakes import Mistake
+from reach import PACKAGES
+
+#: Tests that read the sources: they enter no function of what they judge.
+READERS = ("tests/geometry/test_files.py", "tests/validation/catalogue/test_names.py")
+#: Processor time (s), as measured while noting, that the tests on one mistake may take:
+#: those of its own room, which are run alone first, and all.
+NEAR, BUDGET = 5.0, 20.0
+#: What it costs to collect one more file of tests (s).
+FILE = 0.15
+
+
+class Chooser:
+    """Chooses by what was noted: seconds by test, and tests by function that they enter."""
+
+    def __init__(self, root: Path, known: dict) -> None:
+        self.seconds, self.entered, self.fixtures = (
+            known[k] for k in ("seconds", "entered", "fixtures")
+        )
+        self.importers = _importers(root)
+
+    def turns(self, mistake: Mistake) -> list[list[str]]:
+        """Return the tests of the mistake's own room that enter its function, and all others."""
+        direct = self._reaching(self.entered, mistake)
+        by_fixture = {t.split("::")[0] for t in self._reaching(self.fixtures, mistake)}
+        late = {t for t in self.seconds if t.split("::")[0] in by_fixture} - direct
+        room = f"tests/{Path(mistake.file).parent.as_posix()}"
+        near = {t for t in direct if t.startswith(room)}
+        if not direct and not late:
+            near = self._nearest(Path(room))
+        first = self._within(near, NEAR)
+        rest = self._within(direct - set(first), BUDGET)
+        rest += self._within(late, BUDGET - sum(self.seconds[t] for t in rest))
+        readers = [t for t in self.seconds if t.startswith(READERS)]
+        return [turn for turn in (first, [*rest, *readers]) if turn]
+
+    def _reaching(self, by: dict[str, list[str]], mistake: Mistake) -> set[str]:
+        """Return tests that enter the function; outside one, any of the file or its importers."""
+        if mistake.function:
+            return set(by.get(f"{mistake.file}::{mistake.function}", ()))
+        files = {mistake.file, *self.importers[mistake.file]}
+        return {t for f, tests in by.items() if f.split("::")[0] in files for t in tests}
+
+    def _within(self, tests: set[str], budget: float) -> list[str]:
+        """Return the cheapest tests, as many as the budget (s) lets, one at least."""
+        taken: list[str] = []
+        files: set[str] = set()
+        for test in sorted(tests, key=lambda t: (self.seconds[t], t)):
+            file = test.split("::")[0]
+            budget -= self.seconds[test] + (0.0 if file in files else FILE)
+            if taken and budget < 0.0:
+                break
+            files.add(file)
+            taken.append(test)
+        return taken
+
+    def _nearest(self, room: Path) -> set[str]:
+        """Return the tests in the folder that mirrors a room, or the nearest that has some."""
+        while not (found := {t for t in self.seconds if t.startswith(f"{room.as_posix()}/")}):
+            room = room.parent
+        return found
+
+
+def _importers(root: Path) -> dict[str, set[str]]:
+    """Return by file the files that import from it."""
+    found: dict[str, set[str]] = defaultdict(set)
+    for package in PACKAGES:
+        for path in sorted((root / package).rglob("*.py")):
+            for node in ast.walk(ast.parse(path.read_bytes())):
+                if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("tactgen."):
+                    base = node.module.removeprefix("tactgen.").replace(".", "/")
+                    for name in (base, *(f"{base}/{alias.name}" for alias in node.names)):
+                        found[f"{name}.py"].add(path.relative_to(root).as_posix())
+    return found
