@@ -18,7 +18,7 @@ from tactgen.fem.bimorph.bordered import PORTS
 from tactgen.fem.bimorph.reduction.extremes import extremes, motions, standard_ends
 from tactgen.fem.bimorph.reduction.port_model import PortModel, undamped_modes
 from tactgen.fem.bimorph.system import SolidSystem
-from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.fem.solvers.sparse_rows import wide_product
 from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Sparse
 from tactgen.geometry.store.values import storable
@@ -26,8 +26,8 @@ from tactgen.tmm.ports.multiport import Multiport
 
 Wide = NDArray[Any]
 
-#: Blocks per shift of the Krylov basis.
-_BLOCKS = 5
+#: Blocks of the Krylov basis that the first shift begins with, and that any shift has at most.
+_FIRST_BLOCKS, _BLOCKS = 3, 5
 #: Most shifts, each a complex factorisation.
 _MOST_SHIFTS = 6
 #: A unit vector of which less than this is new is rounding of the factorisation; what is lost
@@ -117,13 +117,15 @@ def reduce_to_ports(
 
     Notes
     -----
-    One complex factorisation per shift.  The shifts Ω² (1 + j) keep clear of all poles.
+    One complex factorisation per shift.  The shifts Ω² (1 + j) keep clear of all poles.  Three
+    blocks serve a range well below the second resonance to rounding; two more cost less than
+    another shift, so they are tried first.
     """
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     bounds = float(frequencies.min()), float(frequencies.max())
-    chains = [_krylov_chain(system, max(0.7 * bounds[1], 500.0))]
+    chains = [_Chain(system, max(0.7 * bounds[1], 500.0), _FIRST_BLOCKS)]
     while True:
-        fine, coarse = _project(system, chains)
+        fine, coarse = _project(system, [chain.blocks for chain in chains])
         reduced = ReducedSolid(fine, coarse, bounds, np.inf, system.size)
         checked = frequencies
         if np.any(fine.stiffness.imag):
@@ -131,27 +133,41 @@ def reduce_to_ports(
             checked = np.concatenate([frequencies, extremes(fine, *bounds, ends)])
         estimate = reduced.error_estimate(checked)
         worst = int(np.argmax(estimate))
-        if estimate[worst] <= tolerance or len(chains) == _MOST_SHIFTS:
+        full = len(chains[-1].blocks) == _BLOCKS
+        if estimate[worst] <= tolerance or (full and len(chains) == _MOST_SHIFTS):
             return replace(reduced, error=float(estimate[worst]))
-        chains.append(_krylov_chain(system, max(float(checked[worst]), 20.0)))
+        if full:
+            chains.append(_Chain(system, max(float(checked[worst]), 20.0), _BLOCKS))
+        else:
+            chains[-1].lengthen(_BLOCKS)
 
 
-def _krylov_chain(system: SolidSystem, centre: float) -> list[Complex]:
-    """Return the blocks (n, 5) of one shift: responses to the ports, then their moments."""
-    shift = (2.0 * np.pi * centre) ** 2 * (1.0 + 1.0j)
-    stiffness, mass = system.stiffness, system.mass
-    factor = factorise(stiffness.inner - shift * mass.inner, order=system.elimination)
-    loads = np.hstack([shift * mass.border - stiffness.border, system.tip[:-PORTS]])
-    chain = [factor.solve(loads)]
-    right = mass.inner @ chain[0]
-    right[:, :PORTS] += mass.border
-    for _ in range(1, _BLOCKS):
-        # a voltage that moves nothing (a passive ceramic) has no moments
-        block = factor.solve(right[:, right.any(axis=0)])
-        # powers alone turn parallel and lose what is new; the first block has its own load
-        chain.append(_orthogonal(block, chain[1:]))
-        right = mass.inner @ chain[-1]
-    return chain
+class _Chain:
+    """The blocks (n, 5) of one shift: responses to the ports, then their moments."""
+
+    def __init__(self, system: SolidSystem, centre: float, length: int) -> None:
+        stiffness, self._mass = system.stiffness, system.mass
+        shift = (2.0 * np.pi * centre) ** 2 * (1.0 + 1.0j)
+        self._factor: Factor | None = factorise(
+            stiffness.inner - shift * self._mass.inner, order=system.elimination
+        )
+        loads = np.hstack([shift * self._mass.border - stiffness.border, system.tip[:-PORTS]])
+        self.blocks: list[Complex] = [self._factor.solve(loads)]
+        self.lengthen(length)
+
+    def lengthen(self, length: int) -> None:
+        """Append blocks up to this length; a chain of full length lets its factor go."""
+        assert self._factor is not None
+        while len(self.blocks) < length:
+            right = self._mass.inner @ self.blocks[-1]
+            if len(self.blocks) == 1:
+                right[:, :PORTS] += self._mass.border
+            # a voltage that moves nothing (a passive ceramic) has no moments
+            block = self._factor.solve(right[:, right.any(axis=0)])
+            # powers alone turn parallel and lose what is new; the first block has its own load
+            self.blocks.append(_orthogonal(block, self.blocks[1:]))
+        if length == _BLOCKS:
+            self._factor = None
 
 
 def _orthogonal(block: Complex, earlier: list[Complex]) -> Complex:
@@ -172,15 +188,17 @@ def _project(system: SolidSystem, chains: list[list[Complex]]) -> tuple[PortMode
     p, few_p = _basis(blocks, last, ~moves)
     k, s = u.shape[1], u.shape[1] + PORTS
     stiffness, border = system.stiffness.inner, system.stiffness.border
+    # apart, since a complex matrix would make the real vectors complex
+    parts = [stiffness.real, stiffness.imag] if np.iscomplexobj(stiffness.data) else [stiffness]
     both = np.hstack([u, p])
-    inner = both.T @ (stiffness @ both)
+    inner = _narrow(both, parts, both)
     softness, turn = np.linalg.eigh(_condensed(inner, p.shape[1]).real.astype(float))
     u = u @ turn
     whole = np.zeros((s + p.shape[1], s + p.shape[1]), dtype=np.clongdouble)
     whole[:k, :k], whole[:k, s:] = turn.T @ inner[:k, :k] @ turn, turn.T @ inner[:k, k:]
     whole[s:, s:] = inner[k:, k:]
     soft = int((softness < _SOFT * softness[-1]).sum())
-    exact = _wide(u[:, :soft], stiffness, np.hstack([u, p]))
+    exact = _wide(u[:, :soft], parts, np.hstack([u, p]))
     whole[:soft, :k], whole[:soft, s:] = exact[:, :k], exact[:, k:]
     whole[:k, k:s] = u.T @ border.astype(np.clongdouble)
     whole[k:s, s:], whole[k:s, k:s] = border.T @ p, system.stiffness.corner
@@ -205,16 +223,22 @@ def _project(system: SolidSystem, chains: list[list[Complex]]) -> tuple[PortMode
     return kept(k, p.shape[1]), kept(few_u, few_p)
 
 
-def _wide(left: Floats, matrix: Sparse, right: Floats) -> Wide:
-    """Return leftᵀ matrix right of a symmetric matrix, the real part in long double.
+def _narrow(left: Floats, parts: list[Sparse], right: Floats) -> Wide:
+    """Return leftᵀ matrix right of a matrix given by its real and, if any, imaginary part."""
+    products = [left.T @ (part @ right) for part in parts]
+    return np.asarray(products[0] + 1j * products[1] if len(products) == 2 else products[0])
+
+
+def _wide(left: Floats, parts: list[Sparse], right: Floats) -> Wide:
+    """Return the same of a symmetric matrix, the real part in long double.
 
     A bimorph bends ten million times more easily than its elements stretch, so the energy of
     bending is what is left of large terms; a peak magnifies what is lost by Q once more.
     """
-    real = wide_product(matrix.real, left).T @ right.astype(np.longdouble)
-    if not np.iscomplexobj(matrix.data):
+    real = wide_product(parts[0], left).T @ right.astype(np.longdouble)
+    if len(parts) == 1:
         return np.asarray(real)
-    return np.asarray(real + 1j * ((matrix.imag @ left).T @ right))
+    return np.asarray(real + 1j * ((parts[1] @ left).T @ right))
 
 
 def _condensed(matrix: Wide, last: int) -> Wide:

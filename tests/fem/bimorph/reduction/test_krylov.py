@@ -7,6 +7,7 @@ from tactgen.fem.bimorph.ports import direct_multiport
 from tactgen.fem.bimorph.reduction.extremes import extremes, motions, standard_ends
 from tactgen.fem.bimorph.reduction.krylov import port_error, reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Device, Load, Piezo, Support
@@ -92,6 +93,25 @@ def test_poor_basis_is_seen(system):
     error = port_error(exact, narrow.multiport(far))
     assert np.all(error > 1e-6)  # it is poor indeed
     assert np.all(narrow.error_estimate(far) > error)
+
+
+def test_no_more_is_solved_than_the_range_needs(system, monkeypatch):
+    """A few hundred hertz take three blocks; before another shift come more blocks of the first."""
+    made = []
+
+    def counted(*args, **kwargs):
+        made.append(1)
+        return factorise(*args, **kwargs)
+
+    monkeypatch.setattr("tactgen.fem.bimorph.reduction.krylov.factorise", counted)
+    models = [reduce_to_ports(system, np.array([10.0, top])) for top in (500.0, 7000.0)]
+    assert all(model.error <= 1e-6 for model in models)
+    assert len(made) == 2  # one shift each
+    few, more = (model.fine.stiffness.shape[0] for model in models)
+    # two blocks more, of five responses with a real and an imaginary part each
+    assert few < more <= few + 2 * 5 * 2
+    at = np.array([10.0, 120.0, 440.0, 500.0])
+    assert port_error(direct_multiport(system, at), models[0].multiport(at)).max() < PORTS
 
 
 def test_estimate_is_kept(system):
