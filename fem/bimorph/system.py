@@ -208,16 +208,17 @@ def materials(
     return {region: known[region] for region in regions}
 
 
-def difference(lossy: dict[str, Material], lossless: dict[str, Material]) -> dict[str, Material]:
-    """Return what losses add to the tensors of each region, as materials."""
-    added = {}
-    for region, less in lossless.items():
-        of, piezo = lossy[region], None
-        if of.piezo is not None and less.piezo is not None:
-            c, e, eps = (getattr(of.piezo, t) - getattr(less.piezo, t) for t in ("c", "e", "eps"))
-            piezo = PiezoTensors(c, e, eps)
-        added[region] = Material(of.c - less.c, of.density, piezo)
-    return added
+def loss_tensors(lossy: dict[str, Material]) -> dict[str, Material]:
+    """Return the imaginary parts of the tensors, of the regions that have any, as materials.
+
+    They are all that losses add: of E (1 + iη), ε (1 − i tan δ) the real parts are the lossless.
+    """
+    lost = {}
+    for region, of in lossy.items():
+        piezo = of.piezo and PiezoTensors(of.piezo.c.imag, of.piezo.e.imag, of.piezo.eps.imag)
+        if of.c.imag.any() or (piezo and piezo.eps.any()):
+            lost[region] = Material(of.c.imag, of.density, piezo)
+    return lost
 
 
 def volts_per_unit(known: dict[str, Material]) -> float:

@@ -7,9 +7,10 @@ What the quarter stands for says :mod:`fem.bimorph.symmetry`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import sparse
 
 from tactgen.fem.bimorph.bricks.matrices import brick_matrices
 from tactgen.fem.bimorph.bricks.order import elimination_order
@@ -61,6 +62,21 @@ def quarter_matrices(
     stepped = any(slab.y or np.isfinite(slab.radius) for slab in bricks.slabs)
     make = stacked_matrices if stepped else brick_matrices
     return make(bricks, known, unit)
+
+
+def loss_matrix(bricks: Bricks, lost: dict[str, Material], unit: float) -> Sparse:
+    """Return the imaginary part (4 n, 4 n) of the stiffness, by the regions that lose something.
+
+    Parameters
+    ----------
+    lost : dict of str to Material
+        Imaginary parts, as :func:`fem.bimorph.system.loss_tensors` has them.
+    """
+    slabs = tuple(slab for slab in bricks.slabs if slab.region in lost)
+    n = 4 * int(np.prod(bricks.shape))
+    if not slabs:
+        return sparse.csr_matrix((n, n))
+    return quarter_matrices(replace(bricks, slabs=slabs), lost, unit)[0]
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ import numpy as np
 
 from tactgen.fem.bimorph.bordered import PORTS, Bordered
 from tactgen.fem.bimorph.bricks.assembly import (
+    loss_matrix,
     quarter_matrices,
     quarter_unknowns,
     tip_functionals,
@@ -27,9 +28,9 @@ from tactgen.fem.bimorph.bricks.order import elimination_order
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.parts.section_functions import SectionFunctions
 from tactgen.fem.bimorph.symmetry import Unknowns
-from tactgen.fem.bimorph.system import Material, difference, volts_per_unit
+from tactgen.fem.bimorph.system import Material, loss_tensors, volts_per_unit
 from tactgen.fem.solvers.linear_solver import factorise
-from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Numbers, Sparse
+from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.store.values import storable
 
@@ -46,8 +47,8 @@ class ReducedEnd:
     ----------
     stiffness, mass : (k, k) array
         Lossless; the last row of the stiffness is minus the charge.
-    losses : (k, k) complex array
-        What losses add to the stiffness; zero where no port takes part.
+    losses : (k, k) array
+        Imaginary part of the stiffness with losses; zero where no port takes part.
     face : (k, 2) array
         Displacement and rotation of the tip face; zero of a foot.
     own : int
@@ -58,7 +59,7 @@ class ReducedEnd:
 
     stiffness: Floats
     mass: Floats
-    losses: Complex
+    losses: Floats
     face: Floats
     own: int
     charged: int
@@ -80,17 +81,13 @@ class End:
     @cached_property
     def matrices(self) -> tuple[Sparse, Sparse]:
         """Lossless stiffness and mass."""
-        return self._matrices(self.lossless)
+        return quarter_matrices(self.bricks, self.lossless, volts_per_unit(self.lossless))
 
     @cached_property
     def losses(self) -> Sparse:
-        """What losses add to the stiffness."""
-        lost, _ = self._matrices(difference(self.lossy, self.lossless))
-        lost.eliminate_zeros()  # most of a foot on a rod is steel without losses
-        return lost
-
-    def _matrices(self, known: dict[str, Material]) -> tuple[Sparse, Sparse]:
-        return quarter_matrices(self.bricks, known, volts_per_unit(self.lossless))
+        """Imaginary part of the stiffness with losses."""
+        lost = loss_tensors(self.lossy)
+        return loss_matrix(self.bricks, lost, volts_per_unit(self.lossless))
 
     def reduced(self, motion: Motion, functions: SectionFunctions) -> ReducedEnd:
         """Reduce the end in one class of motion: one factorisation."""
@@ -179,13 +176,13 @@ class _Loads:
         stiff[:few, :few] = by_forces.fields.T @ by_forces.loads
         stiff[few:k, few:k] = by_charges.fields.T @ by_charges.loads
         stiff[k:, k:] = self.stiffness.corner + self.stiffness.border.T @ static
-        lost = np.zeros((k + count, k + count), dtype=complex)
+        lost = np.zeros_like(stiff)
         if self.losses is not None:
-            lost = _projected(self.losses, own, static, np.eye(count)).astype(complex)
+            lost = _projected(self.losses, own, static, np.eye(count))
         # what is raised in a body at rest has no inertia and moves no face, to the last bit
         inert = np.zeros_like(stiff)
         moves, at = np.diag(self.moving.astype(float)), np.r_[:few, k : k + count]
-        inert[np.ix_(at, at)] = _projected(self.mass, by_forces.fields, static @ moves, moves).real
+        inert[np.ix_(at, at)] = _projected(self.mass, by_forces.fields, static @ moves, moves)
         face = np.vstack([own.T @ self.face[:n], static.T @ self.face[:n] + self.face[n:]])
         face[np.r_[few:k, k + np.flatnonzero(~self.moving)]] = 0.0
         # one size for all: what is left of bending after rounding is looked for among them
@@ -195,7 +192,7 @@ class _Loads:
         return ReducedEnd(
             stiffness=turn.T @ (0.5 * (stiff + stiff.T)) @ turn,
             mass=size[:, None] * inert * size,
-            losses=(turn.T @ lost @ turn).astype(complex),
+            losses=turn.T @ lost @ turn,
             face=size[:, None] * face,
             own=k,
             charged=charged,
@@ -210,12 +207,12 @@ class _Loads:
         solve = factorise(stiffness.inner, order=order).solve
         at_rest = self._at_rest(order)
         static = -solve(stiffness.border)
-        by_ports = stiffness.border[:, ~self.moving].real
+        by_ports = stiffness.border[:, ~self.moving]
         raised = self._forces(-at_rest(by_ports)) - np.where(self.potential[:, None], 0.0, by_ports)
         inertia = (mass.inner @ static + mass.border)[:, self.moving]
         lost = np.zeros_like(static[:, :0])
         if losses is not None:
-            lost = (losses.inner @ static + losses.border).imag
+            lost = losses.inner @ static + losses.border
         charged = self.potential[:, None]
         by_charges = _Group.of(at_rest, np.where(charged, lost, 0.0), -1.0)
         pushed = [np.where(charged, 0.0, lost), self._forces(by_charges.fields)]
@@ -247,7 +244,7 @@ class _Loads:
         return np.where(self.potential[:, None], 0.0, -(self.stiffness.inner @ potentials))
 
 
-def _projected(matrix: Bordered, own: Floats, static: Floats, ports: Floats) -> Numbers:
+def _projected(matrix: Bordered, own: Floats, static: Floats, ports: Floats) -> Floats:
     """Return the matrix over the end's own fields, and static ones with their ports' values."""
     inside = np.hstack([own, static])
     there = np.hstack([np.zeros((ports.shape[0], own.shape[1])), ports])

@@ -16,7 +16,7 @@ from tactgen.fem.bimorph.parts.stretch import Section, Stretch, section_of
 from tactgen.fem.bimorph.system import (
     Material,
     SolidSystem,
-    difference,
+    loss_tensors,
     materials,
     volts_per_unit,
 )
@@ -107,13 +107,13 @@ class _Joined:
         )
 
     def _stiffness(self, end: ReducedEnd) -> Numbers:
-        return end.stiffness + end.losses if self.lossy else end.stiffness
+        return end.stiffness + 1j * end.losses if self.lossy else end.stiffness
 
     def _section(self, motion: Motion) -> Section:
         parts, known = self.parts, self._known(self.parts.middle)
 
         def work() -> Section:
-            lossless, lost = known[0], difference(*reversed(known))
+            lossless, lost = known[0], loss_tensors(known[1])
             functions = section_functions(parts.middle, lossless, lost, motion, parts.share)
             return section_of(parts.middle, functions, lossless, lost, motion)
 

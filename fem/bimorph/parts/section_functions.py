@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import legendre
 
-from tactgen.fem.bimorph.bricks.assembly import quarter_matrices, quarter_unknowns
+from tactgen.fem.bimorph.bricks.assembly import loss_matrix, quarter_matrices, quarter_unknowns
 from tactgen.fem.bimorph.bricks.order import elimination_order
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.system import Material, volts_per_unit
@@ -63,7 +63,7 @@ def section_functions(
     middle : Bricks
         The stretch; its middle is a break point along z.
     known, losses : dict of str to Material
-        Lossless materials, and what losses add to their tensors.
+        Lossless materials, and the imaginary parts of those with losses.
     motion : str
         Class of motion.
     share : float
@@ -88,8 +88,7 @@ def section_functions(
     rigid = _rigid(middle, motion)
     more = [(mass @ _moved(middle, rigid))[at]]
     if motion == "bending_x":
-        lost, _ = quarter_matrices(middle, losses, unit)
-        more.append((lost @ values)[at].imag)
+        more.append((loss_matrix(middle, losses, unit) @ values)[at])
     inertia, *lossy = (factor.solve(loads) for loads in more)
     shown = [np.hstack([values[at], *lossy]), np.hstack([values[at][:, _TRIED:], inertia])]
     seen, own = (_at_middle(fields, at, free) for fields in shown)

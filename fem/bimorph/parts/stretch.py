@@ -16,13 +16,13 @@ import numpy as np
 from scipy import sparse
 
 from tactgen.fem.bimorph.bordered import PORTS, Bordered
-from tactgen.fem.bimorph.bricks.assembly import quarter_matrices, quarter_unknowns
+from tactgen.fem.bimorph.bricks.assembly import loss_matrix, quarter_matrices, quarter_unknowns
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.parts.section_functions import SectionFunctions
 from tactgen.fem.bimorph.symmetry import lumped, mirror_signs
 from tactgen.fem.bimorph.system import Material, volts_per_unit
 from tactgen.fem.elements.line_basis import line_matrices
-from tactgen.geometry.arrays import Complex, Floats, Numbers, Sparse
+from tactgen.geometry.arrays import Floats, Numbers, Sparse
 from tactgen.geometry.bimorph.brick_parts import uniform
 from tactgen.geometry.bimorph.bricks import Axis, Bricks, mirrored_axis
 from tactgen.geometry.store.values import storable
@@ -39,8 +39,8 @@ class Section:
         The s shapes.
     stiffness : (2, 2, s + 1, s + 1) array
         Of the shapes and of the outer electrodes at 1 V, lossless.
-    losses : (2, 2, s + 1, s + 1) complex array
-        What losses add to it; zero where no port takes part.
+    losses : (2, 2, s + 1, s + 1) array
+        Its imaginary part with losses; zero where no port takes part.
     mass : (s, s) array
         Mass per length.
     points : (m, 2) array
@@ -53,7 +53,7 @@ class Section:
 
     functions: SectionFunctions
     stiffness: Floats
-    losses: Complex
+    losses: Floats
     mass: Floats
     points: Floats
     point_mass: Floats
@@ -76,7 +76,7 @@ def section_of(
     functions : SectionFunctions
         Its shapes.
     known, losses : dict of str to Material
-        Lossless materials, and what losses add to their tensors.
+        Lossless materials, and the imaginary parts of those with losses.
     motion : str
         Class of motion.
     """
@@ -90,15 +90,14 @@ def section_of(
         still.shape
     )
     stiffness, mass = quarter_matrices(slice_, known, unit)
-    lost = np.zeros((2, 2, s + 1, s + 1), dtype=complex)
+    lost = np.zeros((2, 2, s + 1, s + 1))
     if motion == "bending_x":
-        added, _ = quarter_matrices(slice_, losses, unit)
-        lost = _integrals(added, still, along, length).astype(complex)
+        lost = _integrals(loss_matrix(slice_, losses, unit), still, along, length)
     points, seen = _points(middle, functions, motion, unit)
     return Section(
         functions,
-        _unstrained(_integrals(stiffness, still, along, length)).real,
-        _unstrained(lost).astype(complex),
+        _unstrained(_integrals(stiffness, still, along, length)),
+        _unstrained(lost),
         still[:, :s].T @ (mass @ still[:, :s]) / length,
         points,
         _point_mass(middle, known, unit),
@@ -106,7 +105,7 @@ def section_of(
     )
 
 
-def _integrals(matrix: Sparse, still: Floats, along: Floats, length: float) -> Numbers:
+def _integrals(matrix: Sparse, still: Floats, along: Floats, length: float) -> Floats:
     """Return the integrals over the section from a slice, by fields 1 and z of zero mean."""
     on_still, on_along = matrix @ still, matrix @ along
     plain = still.T @ on_still / length
@@ -117,7 +116,7 @@ def _integrals(matrix: Sparse, still: Floats, along: Floats, length: float) -> N
     return np.asarray(0.5 * (found + found.transpose(1, 0, 3, 2)))
 
 
-def _unstrained(stiffness: Numbers) -> Numbers:
+def _unstrained(stiffness: Floats) -> Floats:
     """Return the integrals less what rounding lets the first shape strain the section.
 
     In a slender bimorph bending is (L/h)⁴ times softer than that rounding's terms.
@@ -171,7 +170,7 @@ class Stretch:
     def stiffness(self, *, lossy: bool) -> Bordered:
         """Return the stiffness, the last row minus the charge."""
         integrals = self.section.stiffness
-        of = integrals + self.section.losses if lossy else integrals
+        of = integrals + 1j * self.section.losses if lossy else integrals
         s = of.shape[2] - 1
         lines = self._lines()
         inner = sum(
