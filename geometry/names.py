@@ -7,6 +7,8 @@ from collections.abc import Iterable
 
 #: Longest name (characters) for which the nearest known one is looked for.
 _LONGEST = 100
+#: Names that are suggested at most.
+_SHOWN = 3
 
 
 def folded(name: str) -> str:
@@ -15,15 +17,29 @@ def folded(name: str) -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return `` (did you mean "…"?)`` for a misspelt name, or nothing."""
+    """Return `` (did you mean "…"?)`` for a misspelt name, or nothing.
+
+    Of dotted names the last part may be all that was written; several may end in it.
+    """
     known = tuple(known)
     if len(name) > _LONGEST:  # no slip of the pen; comparing takes its square in time
         return ""
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    if not close and "." in name:
-        tails = {k.rsplit(".", 1)[-1]: k for k in known}
-        close = [tails[t] for t in difflib.get_close_matches(name.rsplit(".", 1)[-1], tails, n=1)]
+    close = (
+        ("." not in name and _of_ending(name, known, cutoff=0.8))
+        or difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+        or _of_ending(name.rsplit(".", 1)[-1], known, cutoff=0.6)
+    )
     if not close:
         plain = {folded(k): k for k in known}
         close = [plain[f] for f in difflib.get_close_matches(folded(name), plain, n=1, cutoff=0.6)]
-    return f' (did you mean "{close[0]}"?)' if close else ""
+    if not close:
+        return ""
+    shown = ", ".join(f'"{k}"' for k in close[:_SHOWN])
+    return f" (did you mean {shown}{', …' if len(close) > _SHOWN else ''}?)"
+
+
+def _of_ending(ending: str, known: tuple[str, ...], *, cutoff: float) -> list[str]:
+    """Return the dotted names that end in what is nearest to `ending`."""
+    dotted = [(k, k.rsplit(".", 1)[-1]) for k in known if "." in k]
+    close = difflib.get_close_matches(ending, [last for _, last in dotted], n=1, cutoff=cutoff)
+    return [k for k, last in dotted if last in close]

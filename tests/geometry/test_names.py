@@ -1,0 +1,40 @@
+"""Misspelt names get the nearest known one."""
+
+import pytest
+
+from tactgen.geometry.names import nearest
+
+KEYS = (
+    "gap", "frequency", "bimorph.length", "bimorph.width", "rod.length", "coil.length",
+    "sleeve.length", "coil.current", "display.coil_current", "spring.stiffness", "load.stiffness",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("gapp", ["gap"]),
+        ("frequncy", ["frequency"]),
+        ("bimorph.lenght", ["bimorph.length"]),
+        ("coil.curent", ["coil.current"]),
+        ("currnt", ["coil.current"]),
+        # several groups have it, and nobody said which
+        ("stiffness", ["spring.stiffness", "load.stiffness"]),
+    ],
+)
+def test_a_slip_of_the_pen_is_understood(written, meant):
+    """A group that was left out as well, whichever groups have the key."""
+    shown = ", ".join(f'"{key}"' for key in meant)
+    assert nearest(written, KEYS) == f" (did you mean {shown}?)"
+
+
+def test_of_many_only_some_are_shown():
+    """More groups than fit a sentence are hinted at."""
+    first = '"bimorph.length", "rod.length", "coil.length"'
+    assert nearest("lenght", KEYS) == f" (did you mean {first}, …?)"
+
+
+def test_what_is_like_nothing_gets_no_guess():
+    """No guess is better than a wild one; a text that is no name at all is not compared."""
+    assert nearest("xyzzy", KEYS) == ""
+    assert nearest("length" * 50, KEYS) == ""
