@@ -43,9 +43,6 @@ if TYPE_CHECKING:
 _PLOT_POINTS = 400
 #: Accuracy that the quick version is content with.
 _QUICK_ACCURACY = 1e-2
-#: Error bar that the tetrahedra on the way into the rod may have.  The steps there are differences
-#: between solutions on one mesh, most of whose errors they share.
-_CHAIN_ACCURACY = 1e-2
 #: Asymmetry and negative dissipation (relative) that condensing a field model may leave by
 #: rounding; a wrong sign or a missing term shows at order one.
 INVARIANT_TOLERANCE = 1e-6
@@ -245,7 +242,7 @@ class Study:
             return None
         from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
 
-        return GeneratorChain(self.scene, self.announce, accuracy=_CHAIN_ACCURACY)
+        return GeneratorChain(self.scene, self.announce)
 
     @cached_property
     def causes(self) -> list[Cause] | None:

@@ -238,7 +238,7 @@ def _joint(chain: GeneratorChain, tab: SupportCompliance) -> SupportCompliance:
     """Return the compliance at the slot's mouth.
 
     Glue and rod are the difference of two solids on one mesh.  That the rigid slot holds the
-    tab by its faces and not by its section shows only between bricks and tetrahedra, too near
+    tab by its faces and not by its section shows only between two divisions into bricks, too near
     to their errors but for the rotation, to which it is added.
     """
     length = chain.scene.bimorph.length

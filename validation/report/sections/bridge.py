@@ -84,9 +84,10 @@ def holding_section(study: Study) -> Context | None:
     chain = study.chain
     if study.quick or chain is None:
         return None
-    from tactgen.geometry.device.checks import check_fit
+    from tactgen.geometry.device.checks import check_fit, check_plain_layers
 
     try:
+        check_plain_layers(chain.device.device)
         check_fit(chain.device.device, chain.device.support)
     except InputError as error:
         return {"refused": str(error)}

@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_bricks
 from tactgen.geometry.device.parameters import Glue, Rod
-from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.tmm.beam.transfer.scattering import Element
+from tactgen.validation.engine.refinement import BRICK_FACTOR
 from tactgen.validation.models.bimorph.bridge.beam_values import beam_values, values_of_row
 from tactgen.validation.models.bimorph.bridge.rung import Rung, Values
 from tactgen.validation.models.bimorph.bridge.solid_values import (
@@ -24,9 +24,6 @@ from tactgen.validation.models.bimorph.bridge.solid_values import (
     solve_solid,
 )
 from tactgen.validation.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from tactgen.validation.models.bimorph.adaptive_meshes import AdaptedPair
 
 #: Tab of a scene that has none (m): that of the built-in scene ``bimorph_on_rod``.
 USUAL_TAB = 2e-3
@@ -47,15 +44,15 @@ class GeneratorChain:
     announce : callable
         Told what is being solved.
     level : int
-        Index of the division into bricks.
-    accuracy : float or None
-        Error bar that the tetrahedra may have; None takes what the scene asks for.
+        Index of the division into bricks where there is no rod.
+    rod_level : int
+        The same in the rod.
     """
 
     scene: Scene
     announce: Callable[[str], None]
     level: int = 2
-    accuracy: float | None = None
+    rod_level: int = 1
 
     @property
     def device(self) -> Scene:
@@ -95,51 +92,43 @@ class GeneratorChain:
         return self._bricks("clamped by the tab", self.tab_scene)
 
     @cached_property
-    def _adapted(self) -> AdaptedPair:
-        from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
-
-        self.announce("bridge: tetrahedra of the generator")
-        accuracy, most = level_limits(self.device)
-        return adapted_pair(self.device, max(accuracy, self.accuracy or 0.0), most)
-
-    @property
-    def mesh(self) -> Mesh:
-        """The tetrahedra of bimorph, glue and rod: a quarter."""
-        return self._adapted.fine.mesh
-
-    @property
     def bar(self) -> float:
-        """Largest relative error bar of deflection, frequency and capacitance on them."""
-        return self._adapted.largest_bar
+        """Largest relative error bar of deflection, frequency and capacitance in the rod."""
+        self.announce("bridge: coarser bricks of the generator")
+        coarse = self._solved_in_rod(self.device, self.rod_level - 1).values
+        apart = coarse.step_from(self.on_rod.values)
+        return BRICK_FACTOR * max(
+            abs(apart.deflection), abs(apart.first_frequency), abs(apart.capacitance)
+        )
 
     @cached_property
     def in_rigid_slot(self) -> SolvedSolid:
         """The tab in its slot, glue and rod rigid."""
-        return self._tetrahedra("rigid slot", glue=_RIGID, rod=_RIGID)
+        return self._in_rod("rigid slot", glue=_RIGID, rod=_RIGID)
 
     @cached_property
     def on_glue(self) -> SolvedSolid:
         """The tab in its glue, the rod rigid."""
-        return self._tetrahedra("glue", glue=1.0, rod=_RIGID)
+        return self._in_rod("glue", glue=1.0, rod=_RIGID)
 
     @cached_property
     def on_rod(self) -> SolvedSolid:
         """The generator."""
-        return self._tetrahedra("elastic rod", glue=1.0, rod=1.0)
+        return self._in_rod("elastic rod", glue=1.0, rod=1.0)
 
-    def rungs(self, *, tetrahedra: bool = True) -> list[Rung]:
-        """Return the steps; those in the rod only with tetrahedra."""
-        return _chained(self._steps(tetrahedra=tetrahedra), "beam model")
+    def rungs(self) -> list[Rung]:
+        """Return the steps."""
+        return _chained(self._steps(), "beam model")
 
     def pairs(self) -> list[tuple[str, Values, Values]]:
         """Return name, beam model's values and solid's values from the clamp to the rod."""
-        steps = self._steps(tetrahedra=True)
+        steps = self._steps()
         return [(name, by_beam, solved.values) for name, _, solved, by_beam in steps]
 
-    def _steps(self, *, tetrahedra: bool) -> list[tuple[str, str, SolvedSolid, Values]]:
+    def _steps(self) -> list[tuple[str, str, SolvedSolid, Values]]:
         clamped, tab = beam_values(self.clamped_scene), beam_values(self.tab_scene)
         glue, rod = (values_of_row(self.device, row) for row in self._rod_rows())
-        steps = [
+        return [
             ("all layers clamped", "", self.clamped, clamped),
             (
                 "the shim alone clamped",
@@ -153,22 +142,18 @@ class GeneratorChain:
                 self.on_tab,
                 tab,
             ),
-        ]
-        if tetrahedra:
-            steps += [
+            (
+                "the tab in a slot",
                 (
-                    "the tab in a slot",
-                    (
-                        "glue and rod rigid: the tab is held by its faces, its section is not; "
-                        "from bricks to tetrahedra, whose own error is in this step"
-                    ),
-                    self.in_rigid_slot,
-                    tab,
+                    "glue and rod rigid: the tab is held by its faces, its section is not; from "
+                    "bricks of the bimorph to bricks of all, whose own error is in this step"
                 ),
-                ("glue", "the bond line as soft as it is", self.on_glue, glue),
-                ("elastic rod", "the rod bends, held at its lower face", self.on_rod, rod),
-            ]
-        return steps
+                self.in_rigid_slot,
+                tab,
+            ),
+            ("glue", "the bond line as soft as it is", self.on_glue, glue),
+            ("elastic rod", "the rod bends, held at its lower face", self.on_rod, rod),
+        ]
 
     @property
     def beam_values(self) -> Values:
@@ -218,14 +203,17 @@ class GeneratorChain:
         self.announce(f"bridge: {name}")
         return solve_solid(SolidCase(scene, level=self.level))
 
-    def _tetrahedra(self, name: str, *, glue: float, rod: float) -> SolvedSolid:
-        mesh, scene = self.mesh, self.device
+    def _in_rod(self, name: str, *, glue: float, rod: float) -> SolvedSolid:
         self.announce(f"bridge: {name}")
+        scene = self.device
         stiffer = {
             "glue": _stiffer(scene.glue, glue),
             "rod": _stiffer(scene.rod, rod),
         }
-        return solve_solid(SolidCase(scene.model_copy(update=stiffer), mesh=mesh))
+        return self._solved_in_rod(scene.model_copy(update=stiffer), self.rod_level)
+
+    def _solved_in_rod(self, scene: Scene, level: int) -> SolvedSolid:
+        return solve_solid(SolidCase(scene, mesh=rod_bricks(scene.device, ROD_LEVELS[level])))
 
 
 def _chained(steps: list[tuple[str, str, SolvedSolid, Values]], theory: str) -> list[Rung]:

@@ -43,8 +43,8 @@ class SolidCase:
         Part of the lowest section that the base is.
     level : int
         Index of the division into bricks.
-    mesh : Mesh or None
-        To be solved on in place of bricks.
+    mesh : Mesh, Bricks or None
+        To be solved on in place of the bimorph's own bricks.
     """
 
     scene: Scene
@@ -52,7 +52,7 @@ class SolidCase:
     uniform_field: bool = False
     held: Held = "layers"
     level: int = 1
-    mesh: Mesh | None = None
+    mesh: Mesh | Bricks | None = None
 
     def bricks(self) -> Mesh | Bricks:
         """Return what it is solved on."""
