@@ -127,13 +127,14 @@ class ModalReadout:
         An analytic function of the first bending frequencies in x (Hz) of these circuits, one
         argument each, numbers or arrays; without it the quantity is the list of frequencies
         of the one circuit.
-    rounding_gain : callable
-        By how much `combine` magnifies relative rounding of the frequencies, from its value.
+    rounding : callable
+        What relative rounding of the frequencies (second argument) does to a value of `combine`
+        (first argument), in its unit.
     """
 
     circuits: tuple[Circuit, ...]
     combine: Callable[..., Any] | None = None
-    rounding_gain: Callable[[float], float] = lambda _: 1.0
+    rounding: Callable[[float, float], float] = lambda value, of: abs(value) * of
 
     @property
     def is_transduced(self) -> bool:

@@ -26,6 +26,15 @@ def coupling_factor(short: Any, opened: Any) -> Any:
     return np.sqrt(np.maximum(1.0 - (short / opened) ** 2, 0.0))
 
 
+def coupling_rounding(value: float, of: float) -> float:
+    """Return what relative rounding of both frequencies together does to a coupling factor.
+
+    k² is the difference of nearly equal numbers, and k its root, also where nothing is left of it.
+    """
+    square, off = value**2, 2.0 * (1.0 - value**2) * of
+    return float(max(np.sqrt(square + off) - value, value - np.sqrt(max(square - off, 0.0))))
+
+
 TIP_DISPLACEMENT = QuantityRow(
     "tip_displacement", "m", "lateral displacement of the tip under the drive voltage",
     Readout("w_tip", "motion"), varied=True,
@@ -76,9 +85,7 @@ OPEN_CIRCUIT_FREQUENCIES = QuantityRow(
 )  # fmt: skip
 COUPLING_FACTOR = QuantityRow(
     "coupling_factor", "1", "sqrt(1 - (f_short/f_open)^2) of the first bending mode in x",
-    # k² is the difference of nearly equal numbers
-    ModalReadout(("short", "open"), coupling_factor, lambda value: 1.0 / max(value**2, 1e-12)),
-    varied=True,
+    ModalReadout(("short", "open"), coupling_factor, coupling_rounding), varied=True,
 )  # fmt: skip
 CAPACITANCE_FREE = QuantityRow(
     "capacitance_free", "F", "static charge per voltage, tip free, lossless",

@@ -194,7 +194,8 @@ def _combination(readout: ModalReadout, answers: Sequence[Refined[Modes]]) -> Ju
         answers[0].method,
     )
     rounding = sum((_of_bending(answer) for answer in answers), _ROUNDING)
-    return _judge(together, of, rounding * readout.rounding_gain(float(of(together.fine))))
+    found = _judge(together, of, 0.0)
+    return replace(found, bar=found.bar + readout.rounding(float(found.value), rounding))
 
 
 def _by_mode(refined: Refined[Modes]) -> Array:

@@ -17,6 +17,7 @@ PARTS = {
     "solid": "tactgen.validation.checks.stress.solid",
     "magnetics": "tactgen.validation.checks.stress.magnetics",
     "machine": "tactgen.validation.checks.stress.driven.machine",
+    "random": "tactgen.validation.checks.stress.driven.at_random",
     "faults": "tactgen.validation.checks.stress.faults.run",
 }
 

@@ -73,15 +73,15 @@ class Pair:
 
     def row(self, sweep: Sweep, quick: bool) -> Row:
         """Return what the judged model says over a sweep."""
+        return driven(f"{self.judged}: {sweep.family}", sweep, self.scene, self.add, quick)
 
-        def add(family: Family, where: str, scene: Scene) -> None:
-            found = solve(scene, (self.judged, self.witness), self.quantities)
-            for name in self.quantities:
-                one, other = (found.get(name, model) for model in (self.judged, self.witness))
-                error, bound = worst(one, other)
-                family.add(f"{where}, {name}", error, bound + self.form)
-
-        return driven(f"{self.judged}: {sweep.family}", sweep, self.scene, add, quick)
+    def add(self, family: Family, where: str, scene: Scene) -> None:
+        """Solve a scene by both models, and take every quantity."""
+        found = solve(scene, (self.judged, self.witness), self.quantities)
+        for name in self.quantities:
+            one, other = (found.get(name, model) for model in (self.judged, self.witness))
+            error, bound = worst(one, other)
+            family.add(f"{where}, {name}", error, bound + self.form)
 
 
 def driven(

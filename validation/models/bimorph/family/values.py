@@ -230,8 +230,7 @@ class _Chunk:
                 moved = list(own)
                 moved[number] = moved[number] + first(f, bound)
                 basis += factor * np.abs(combine(*moved) - at)
-        gain = np.array([read.rounding_gain(float(v)) for v in value])
-        rounding = len(fine) * _ROUNDING * gain * np.abs(value)
+        rounding = np.array([read.rounding(float(v), len(fine) * _ROUNDING) for v in value])
         return FamilyValues(value, BRICK_FACTOR * np.abs(value - other) + basis + rounding, basis)
 
 
