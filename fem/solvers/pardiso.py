@@ -5,14 +5,17 @@ The library comes with the mkl wheel.  No scaling, no judgement of the answers: 
 
 Fill-reducing ordering and symbolic factorisation (phase 11) look at the pattern only, so
 they stay valid for every matrix that has it.  Weighted matching permutes by value, so with
-it every factorisation orders anew.
+it every factorisation orders anew.  The ordering, which takes longer than many a factorisation,
+is kept for the patterns met last; what comes of it is the same to the last bit.
 """
 
 from __future__ import annotations
 
 import ctypes
 import weakref
+from collections import OrderedDict
 from functools import cache
+from hashlib import blake2b
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -25,6 +28,11 @@ Array: TypeAlias = NDArray[Any]
 
 #: With fewer stored entries than this, a second thread costs more than it brings.
 _WORTH_THREADS = 100_000
+
+
+#: Orderings by the digest of their pattern; those longest unused go first.
+_ORDERS: OrderedDict[bytes, Ints] = OrderedDict()
+_MOST_ORDERS = 32
 
 
 class PardisoError(RuntimeError):
@@ -80,7 +88,6 @@ class Pardiso:
         self._handle = np.zeros(64, dtype=np.int64)
         self._control = _control(definite=self._definite, matching=matching)
         self._order = None if order is None else np.ascontiguousarray(order, dtype=np.int32)
-        self._control[4] = int(order is not None)  # ordered by us
         self._ordered = False
         weakref.finalize(self, _release, self._handle, self._kind, self._n, self._control)
 
@@ -96,7 +103,7 @@ class Pardiso:
         # kept: Pardiso reads the entries again when it refines a solution
         self._data = np.ascontiguousarray(data, dtype=complex if self._complex else float)
         if not self._ordered:
-            self._call(11)
+            self._analyse()
             self._ordered = not self._matching
         self._call(22)
         self.perturbed_pivots = int(self._control[13])
@@ -105,11 +112,30 @@ class Pardiso:
 
     def found_order(self) -> Ints:
         """Return the unknowns in the order of their elimination, found without a factorisation."""
-        self._order = np.zeros(self._n.value, dtype=np.int32)
-        self._control[4] = 2  # written by Pardiso
         self._data = np.ones(self._indices.size)
-        self._call(11)
+        self._analyse()
         return np.asarray(self._order, dtype=np.int64)
+
+    def _analyse(self) -> None:
+        """Find the ordering, unless it is known, and what follows from it."""
+        if self._matching:
+            self._call(11)
+            return
+        written, read = 2, 1
+        if self._order is not None:
+            self._control[4] = read
+            self._call(11)
+            return
+        pattern = blake2b(self._indptr, digest_size=16)
+        pattern.update(self._indices)
+        key = pattern.digest()
+        known = _ORDERS.pop(key, None)
+        self._control[4] = written if known is None else read
+        self._order = np.zeros(self._n.value, dtype=np.int32) if known is None else known
+        self._call(11)
+        _ORDERS[key] = self._order
+        while len(_ORDERS) > _MOST_ORDERS:
+            _ORDERS.popitem(last=False)
 
     def solve(self, right: Array) -> Array:
         """Return A⁻¹ right for right (n, k) of the matrix's own type."""

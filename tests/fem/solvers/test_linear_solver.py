@@ -1,12 +1,14 @@
 """The two factorisations behind one call give the same answers, and say when they cannot."""
 
+from collections import OrderedDict
+
 import numpy as np
 import pytest
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from tactgen.fem.bimorph.solid import assemble
-from tactgen.fem.solvers import linear_solver, sparse_rows
+from tactgen.fem.solvers import linear_solver, pardiso, sparse_rows
 from tactgen.fem.solvers.linear_solver import Factor, SolverError, factorise, refined_solution
 from tactgen.fem.solvers.pardiso import nested_dissection
 from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
@@ -182,6 +184,30 @@ def test_order_found_for_a_pattern():
         return lu.L.nnz
 
     assert filled(order) < 0.6 * filled(np.arange(1200))
+
+
+@needs_mkl
+def test_an_ordering_is_found_once_and_changes_no_bit(monkeypatch):
+    """A second factor of the same pattern takes the first one's ordering; few are kept."""
+    orders = OrderedDict()
+    monkeypatch.setattr(pardiso, "_ORDERS", orders)
+    monkeypatch.setattr(pardiso, "_MOST_ORDERS", 2)
+    right = np.sin(np.arange(60.0))
+
+    def solution(n, **known):
+        grid = laplacian(n, 60 // n) + 0.1 * sparse.identity(60)
+        return factorise(grid, **known).solve(right)
+
+    assert solution(6, order=np.arange(60)) == pytest.approx(solution(6), rel=1e-12)
+    (found,) = orders.values()
+    assert np.array_equal(np.sort(found), np.arange(60))
+    assert not np.array_equal(found, np.arange(60))  # the one stated belongs to its caller
+    assert np.array_equal(solution(6), solution(6, order=found))
+    (again,) = orders.values()
+    assert again is found
+    for n in (5, 4, 3):
+        solution(n)
+    assert len(orders) == 2
 
 
 @both
