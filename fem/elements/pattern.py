@@ -32,12 +32,17 @@ class Pattern:
         renumbered = np.full(int(dofs.max()) + 1, -1)
         renumbered[free] = np.arange(free.size)
         self._dofs = renumbered[dofs]
-        rows, columns = np.broadcast_arrays(self._dofs[:, :, None], self._dofs[:, None, :])
-        self._kept = np.flatnonzero((rows.ravel() >= 0) & (columns.ravel() >= 0))
-        keys = rows.ravel()[self._kept].astype(np.int64) * self.size + columns.ravel()[self._kept]
-        unique, self._slot = np.unique(keys, return_inverse=True)
-        self._columns = (unique % self.size).astype(np.int32)
-        self._starts = np.searchsorted(unique, np.arange(self.size + 1) * self.size)
+        square = np.broadcast_arrays(self._dofs[:, :, None], self._dofs[:, None, :])
+        rows, columns = (side.ravel() for side in square)
+        self._kept = np.flatnonzero((rows >= 0) & (columns >= 0))
+        rows, columns = rows[self._kept], columns[self._kept]
+        # merged row by row, which takes half the time of sorting all places
+        ones = np.ones(self._kept.size, dtype=bool)
+        merged = sparse.coo_matrix((ones, (rows, columns)), shape=(self.size, self.size)).tocsr()
+        self._columns, self._starts = merged.indices, merged.indptr
+        heights = np.repeat(np.arange(self.size), np.diff(self._starts))
+        places = heights * self.size + self._columns
+        self._slot = np.searchsorted(places, rows * self.size + columns)
 
     def local(self, x: Floats) -> Floats:
         """Return the cells' values (n_cells, n_local) of the free unknowns x."""
@@ -85,19 +90,17 @@ class FieldKernel:
         S at the quadrature points; one matrix where it is constant on the cell.
     weights : (n_cells, n_points) float
         Volumes (m³) of the quadrature points.
-    dofs : (n_cells, n_local) int
-        Global unknowns of the cells.
-    free : (n_free,) int
-        Those unknowns that are solved for; the others are 0.
+    pattern : Pattern
+        The cells' unknowns, and those that are solved for.
     """
 
     def __init__(
-        self, reference: Floats, transform: Floats, weights: Floats, dofs: Ints, free: Ints
+        self, reference: Floats, transform: Floats, weights: Floats, pattern: Pattern
     ) -> None:
         self._n_local, _, self._n_points = reference.shape
-        self._transform = transform
+        self._transform = np.ascontiguousarray(transform)  # products of other strides take longer
         self._weights = weights
-        self._pattern = Pattern(dofs, free)
+        self._pattern = pattern
         # (local, point * axis) and (point * axis * axis, local * local)
         self._linear = np.ascontiguousarray(reference.transpose(0, 2, 1)).reshape(self._n_local, -1)
         products = np.einsum("iaq,jbq->qabij", reference, reference)

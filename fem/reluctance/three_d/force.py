@@ -81,28 +81,32 @@ def harmonic_weight(
     InputError
         If the mesh lacks a region, or iron is in the shell.
     """
-    from skfem import Basis, ElementTetP2
+    from skfem import Dofs, ElementTetP2
 
     mesh = solid.problem.mesh
     _check(solid, body, shell)
-    basis = Basis(solid.domain, ElementTetP2(), mapping=solid.mapping, intorder=2)
+    numbering = Dofs(solid.domain, ElementTetP2())
     in_shell = np.concatenate([mesh.cells_of(name) for name in shell])
     in_body = np.concatenate([mesh.cells_of(name) for name in body])
     outside = np.setdiff1d(np.arange(mesh.cells.shape[0]), np.concatenate([in_shell, in_body]))
-    dofs = basis.element_dofs
-    value = np.zeros(basis.N)
-    value[dofs[:, in_body]] = 1.0
-    free = np.setdiff1d(dofs[:, in_shell], dofs[:, np.concatenate([in_body, outside])])
+    dofs = numbering.element_dofs.T
+    value = np.zeros(numbering.N)
+    value[dofs[in_body]] = 1.0
+    free = np.setdiff1d(dofs[in_shell], dofs[np.concatenate([in_body, outside])])
 
-    gradients = gradient_kernel(solid, basis, np.arange(basis.N))
-    conductance = np.zeros((*solid.weights.shape, 3, 3))
-    conductance[in_shell] = np.eye(3)
-    matrix = gradients.matrix(conductance)
-    value[free] = factorise(matrix[free][:, free], definite=True).solve(-(matrix @ value)[free])
+    # elsewhere the weight is constant
+    known = np.unique(dofs[in_shell])
+    gradients = gradient_kernel(solid, dofs, known, in_shell)
+    gradient = np.zeros((*solid.weights.shape, 3))
+    identity = np.broadcast_to(np.eye(3), (*gradient[in_shell].shape, 3))
+    matrix, place = gradients.matrix(identity), np.searchsorted(known, free)
+    right = -(matrix @ value[known])[place]
+    value[free] = factorise(matrix[place][:, place], definite=True).solve(right)
+    gradient[in_shell] = gradients.field(value[known])
     return MotionWeight(
-        nodal=_at_mesh_points(mesh, value, basis.element_dofs),
-        gradient=gradients.field(value),
-        touched=_touched(solid, basis, value),
+        nodal=_at_mesh_points(mesh, value, dofs),
+        gradient=gradient,
+        touched=_touched(solid, numbering, value),
     )
 
 
@@ -119,21 +123,22 @@ def _check(solid: SampledSolid, body: tuple[str, ...], shell: tuple[str, ...]) -
             raise InputError(f"shell names '{name}', which is iron; use regions of air")
 
 
-def _at_mesh_points(mesh: Mesh, value: Floats, element_dofs: Ints) -> Floats:
+def _at_mesh_points(mesh: Mesh, value: Floats, dofs: Ints) -> Floats:
     """Return quadratic nodal values at the mesh's points, straight cells having corners only."""
     cells = with_sorted_corners(mesh).cells
     nodal = np.zeros(mesh.points.shape[0])
     # corners first, then edges in the order that VTK's mid-edge nodes have too
-    nodal[cells] = value[element_dofs[: cells.shape[1]].T]
+    nodal[cells] = value[dofs[:, : cells.shape[1]]]
     return nodal
 
 
-def _touched(solid: SampledSolid, basis: Any, value: Floats) -> Floats:
+def _touched(solid: SampledSolid, numbering: Any, value: Floats) -> Floats:
     """Return unit normals (n, 3) of the outer faces where the quadratic `value` is not zero."""
     domain = solid.domain
     faces = domain.boundary_facets()
     corners = domain.facets[:, faces]
-    nodes = np.concatenate([basis.nodal_dofs[0][corners], basis.edge_dofs[0][domain.f2e[:, faces]]])
+    vertices, edges = numbering.nodal_dofs[0], numbering.edge_dofs[0]
+    nodes = np.concatenate([vertices[corners], edges[domain.f2e[:, faces]]])
     a, b, c = domain.p[:, corners[:, np.any(value[nodes] != 0.0, axis=0)]].transpose(1, 2, 0)
     normal = np.cross(b - a, c - a)
     return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))

@@ -111,7 +111,7 @@ class SampledSolid:
     weights: Floats
     source: Floats
 
-    @property
+    @cached_property
     def jacobians(self) -> Floats:
         """Derivatives (n_cells, n_points or 1, 3, 3) of the mapping; 1 where cells are straight."""
         derivative = self.mapping.DF(self._few_points)

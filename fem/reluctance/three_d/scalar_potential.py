@@ -16,11 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.fem.elements.pattern import FieldKernel
+from tactgen.fem.elements.pattern import FieldKernel, Pattern
 from tactgen.fem.reluctance.iron import coenergy_density, flux_from_field, permeability_tensor
 from tactgen.fem.reluctance.three_d.problem import MagneticField, SampledSolid
-from tactgen.fem.solvers.linear_solver import factorise
-from tactgen.fem.solvers.newton import minimise
+from tactgen.fem.solvers.newton import Factors, minimise
 from tactgen.geometry.arrays import Floats, Ints, Sparse
 
 
@@ -28,11 +27,12 @@ class ScalarPotential:
     """The problem assembled for φ; solve as many currents as wanted."""
 
     def __init__(self, solid: SampledSolid) -> None:
-        from skfem import Basis, ElementTetP2
+        from skfem import Dofs, ElementTetP2
 
         self._solid = solid
-        basis = Basis(solid.domain, ElementTetP2(), mapping=solid.mapping, intorder=2)
-        self._gradient = gradient_kernel(solid, basis, _free(solid, basis))
+        dofs = Dofs(solid.domain, ElementTetP2())
+        self._gradient = gradient_kernel(solid, dofs.element_dofs.T, _free(solid, dofs))
+        self._factors = Factors()  # currents share an ordering
 
     @property
     def size(self) -> int:
@@ -44,11 +44,11 @@ class ScalarPotential:
         energy = _ScalarEnergy(self._solid, self._gradient, current)
         # H = T0 − grad φ keeps its shape from current to current only if φ grows with T0
         first = (
-            energy.unsaturated()
+            energy.unsaturated(self._factors)
             if start is None or start.current == 0.0
             else start.potential * (current / start.current)
         )
-        found = minimise(energy, first)
+        found = minimise(energy, first, self._factors)
         h = energy.field(found.x)
         return MagneticField(
             solid=self._solid,
@@ -60,26 +60,42 @@ class ScalarPotential:
         )
 
 
-def gradient_kernel(solid: SampledSolid, basis: Any, free: Ints) -> FieldKernel:
-    """Return the kernel of the gradients of quadratic nodal functions."""
-    local = [basis.elem.lbasis(solid.reference_points, i)[1] for i in range(10)]
-    inverse = np.linalg.inv(solid.jacobians)
+def gradient_kernel(
+    solid: SampledSolid, dofs: Ints, free: Ints, cells: Ints | slice = slice(None)
+) -> FieldKernel:
+    """Return the kernel of the gradients of quadratic nodal functions.
+
+    Parameters
+    ----------
+    solid : SampledSolid
+        The problem.
+    dofs : (n_cells, 10) int
+        Unknowns of all its cells.
+    free : (n_free,) int
+        Those that are solved for; the others are 0.
+    cells : (n,) int, optional
+        The cells over which to integrate, all by default.
+    """
+    from skfem import ElementTetP2
+
+    element = ElementTetP2()
+    local = [element.lbasis(solid.reference_points, i)[1] for i in range(10)]
+    inverse = np.linalg.inv(solid.jacobians[cells])
     return FieldKernel(
         np.array(local),
         np.swapaxes(inverse, -1, -2),
-        solid.weights,
-        np.ascontiguousarray(basis.element_dofs.T),
-        free,
+        solid.weights[cells],
+        Pattern(np.ascontiguousarray(dofs[cells]), free),
     )
 
 
-def _free(solid: SampledSolid, basis: Any) -> Ints:
+def _free(solid: SampledSolid, dofs: Any) -> Ints:
     """Return all unknowns but those of flux-normal walls, or but one if there is no such wall."""
     normal = solid.problem.flux_normal
     if not normal:
-        return np.arange(1, basis.N)
-    held = [basis.get_dofs(name).flatten() for name in normal]
-    return np.setdiff1d(np.arange(basis.N), np.concatenate(held))
+        return np.arange(1, dofs.N)
+    walls = np.concatenate([solid.domain.boundaries[name] for name in normal])
+    return np.setdiff1d(np.arange(dofs.N), dofs.get_facet_dofs(walls).flatten())
 
 
 class _ScalarEnergy:
@@ -105,12 +121,12 @@ class _ScalarEnergy:
     def hessian(self, x: Floats) -> Sparse:
         return self._gradient.matrix(permeability_tensor(self._solid.iron, self.field(x)))
 
-    def unsaturated(self) -> Floats:
+    def unsaturated(self, factors: Factors) -> Floats:
         """Return the potential of the same iron with its initial permeability throughout.
 
         From φ = 0 the iron would see T0 alone and seem saturated where it is not.
         """
         tensor = permeability_tensor(self._solid.iron, np.zeros_like(self._source))
         driven = np.einsum("cqab,cqb->cqa", tensor, self._source)
-        stiffness = factorise(self._gradient.matrix(tensor), definite=True)
-        return stiffness.solve(self._gradient.functional(driven))
+        factors.update(self._gradient.matrix(tensor))
+        return factors.solve(self._gradient.functional(driven))

@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.fem.elements.pattern import FieldKernel
+from tactgen.fem.elements.pattern import FieldKernel, Pattern
 from tactgen.fem.reluctance.iron import energy_density, field_from_flux, reluctivity_tensor
 from tactgen.fem.reluctance.three_d.problem import MagneticField, SampledSolid
-from tactgen.fem.solvers.newton import minimise
+from tactgen.fem.solvers.newton import Factors, minimise
 from tactgen.geometry.arrays import Floats, Ints, Sparse
 from tactgen.geometry.device.steel_law import MU0
 
@@ -41,28 +41,26 @@ class VectorPotential:
         self._solid = solid
         element = ElementTetEdge2()
         dofs = Dofs(solid.domain, element)
-        free = _free(solid, dofs)
+        pattern = Pattern(np.ascontiguousarray(dofs.element_dofs.T), _free(solid, dofs))
         local = [element.lbasis(solid.reference_points, i) for i in range(14)]
         jacobians = solid.jacobians
-        cells = np.ascontiguousarray(dofs.element_dofs.T)
         determinants = np.linalg.det(jacobians)[..., None, None]
         self._curl = FieldKernel(
             np.array([curl for _, curl in local]),
             jacobians / determinants,
             solid.weights,
-            cells,
-            free,
+            pattern,
         )
         values = FieldKernel(
             np.array([value for value, _ in local]),
             np.swapaxes(np.linalg.inv(jacobians), -1, -2),
             solid.weights,
-            cells,
-            free,
+            pattern,
         )
         identity = np.broadcast_to(np.eye(3), (*solid.weights.shape, 3, 3))
         diagonal = float(np.linalg.norm(np.ptp(solid.problem.mesh.points, axis=0)))
         self._gauge = (_GAUGE / (MU0 * diagonal**2)) * values.matrix(identity)
+        self._factors = Factors()  # currents share an ordering
 
     @property
     def size(self) -> int:
@@ -86,7 +84,8 @@ class VectorPotential:
         """
         energy = _VectorEnergy(self._solid, self._curl, self._gauge, current)
         rest = np.zeros(self.size)
-        found = minimise(energy, rest if start is None or current == 0.0 else start.potential)
+        first = rest if start is None or current == 0.0 else start.potential
+        found = minimise(energy, first, self._factors)
         b = self._curl.field(found.x)
         return MagneticField(
             solid=self._solid,
@@ -132,4 +131,6 @@ class _VectorEnergy:
 
     def hessian(self, x: Floats) -> Sparse:
         tensor = reluctivity_tensor(self._solid.iron, self._curl.field(x))
-        return self._curl.matrix(tensor) + self._gauge
+        matrix = self._curl.matrix(tensor)
+        matrix.data += self._gauge.data  # one pattern, which a sum of matrices would thin out
+        return matrix
