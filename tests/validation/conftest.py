@@ -31,7 +31,12 @@ def unlaid(request, monkeypatch):
     if not seen and request.node.get_closest_marker("heavy") is None:
         from tactgen.validation.view import figures
 
-        monkeypatch.setattr(figures, "lay_out", lambda _: None)
+        def as_they_come(figure):
+            figure.set_layout_engine("none")  # else it acts once they are drawn
+            lay_out(figure)
+
+        lay_out = figures.lay_out
+        monkeypatch.setattr(figures, "lay_out", as_they_come)
 
 
 @pytest.fixture(scope="session")

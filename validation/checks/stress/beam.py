@@ -42,6 +42,9 @@ from tactgen.validation.view.formats import engineering
 _LENGTH = 20e-3
 #: Frequencies above 0 Hz and lengths of the grids, of a quick run and of a full one.
 _QUICK, _FULL = (12, 8), (25, 13)
+#: Relative distances from the cut-off, and quality factors, of a quick run.
+_NEAR_CUT_OFF = (0.0, 1e-14, 1e-10, 1e-6, 1e-3)
+_QUALITIES = (1.0, 1e3, 1e9)
 _PAPER = ends_of(Support(), Load())
 _CLAMPED_FREE = Ends()
 
@@ -130,12 +133,14 @@ def _static(_: bool) -> Row:
 
 def _cut_off(quick: bool) -> Row:
     """Go through the cut-off of the second spectrum."""
-    steps = (0.0, 1e-14, 1e-10, 1e-6, 1e-3) if quick else (0.0, *10.0 ** -np.arange(2.0, 16.0))
+    steps = _NEAR_CUT_OFF if quick else (0.0, *10.0 ** -np.arange(2.0, 16.0))
     points = []
     for lossy in (True, False):
         beam = beam_of(lossy=lossy)
         cut = math.sqrt(beam.GA / beam.rhoI) / (2.0 * math.pi)
         for length, step, side in product((1e-3, _LENGTH, 1.0, 10.0), steps, (-1.0, 1.0)):
+            if not step and side < 0.0:
+                continue  # the same point
             where = f"{_si(length, 'm')}, cut-off (1 {'+' if side > 0 else '-'} {step:.0e})"
             frequency = cut * (1.0 + side * step)
             points.append(point(beam, length, frequency, _CLAMPED_FREE, where))
@@ -174,7 +179,7 @@ def _constants(_: bool) -> Row:
 def _quality(quick: bool) -> Row:
     """Vary the quality factor."""
     points: list[Point] = []
-    for quality in (1.0, 1e3, 1e9) if quick else (1.0, 3.0, 10.0, 1e2, 1e3, 1e5, 1e7, 1e9):
+    for quality in _QUALITIES if quick else (1.0, 3.0, 10.0, 1e2, 1e3, 1e5, 1e7, 1e9):
         beam = beam_of(device_of(quality=quality))
         points += _points(
             beam, _PAPER, (_LENGTH, 1.0), (1e2, 1044.0, 1e4, 1e5, 1e6), f"Q {quality:g}, "
