@@ -11,20 +11,20 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
 
 from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.motions import Motion
-from tactgen.fem.bimorph.reduction.parametric.answers import family_modes, family_statics
 from tactgen.fem.bimorph.reduction.parametric.expansion import (
     Expansion,
     expansion,
     with_values,
 )
 from tactgen.fem.bimorph.reduction.parametric.growing import GrowingBasis
-from tactgen.fem.bimorph.reduction.parametric.harmonic import family_harmonic
+from tactgen.fem.bimorph.reduction.parametric.lookout import Answers, Lookout, at_rest, response
 from tactgen.fem.bimorph.reduction.parametric.products import TermProducts
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members, ReducedMotion
 from tactgen.fem.bimorph.system import SolidSystem, materials
@@ -32,7 +32,6 @@ from tactgen.fem.solvers.threads import side_by_side
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.geometry.bimorph.bricks import Bricks
-from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.stretching import dividing, stretched
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.store.values import storable
@@ -43,8 +42,9 @@ T = TypeVar("T")
 _LOOKED_AT = 64
 #: Most members that are asked.
 _MOST = 60
-#: Safety on what was observed to be missing per squared norm of a residual.
-_SAFETY = 2.0
+#: Safety on what was observed to be missing per squared norm of a residual, where the bound
+#: without it was no more than this: beyond, neighbours that bounds rest on are far off themselves.
+_SAFETY, _OBSERVED = 2.0, 1e-2
 #: How much less is left out of the basis where a point that was asked is the worst again, and
 #: where what is left out is rounding.
 _CLOSER, _ROUNDING = 0.2, 1e-7
@@ -124,17 +124,13 @@ def build_family(
     for point in builder.corners():
         builder.ask(point, list(modes))
     while True:
-        bounds = builder.bounds()
-        worst = {motion: float(found.max()) for motion, found in bounds.items()}
+        bound, at = builder.worst()
         enough = builder.asked >= _MOST or builder.least < _ROUNDING
-        if max(worst.values()) <= tolerance or enough:
-            return builder.family(max(worst.values()))
-        announce(f"bound {max(worst.values()):.1e} after {builder.asked} members")
-        hardest = max(worst, key=lambda motion: worst[motion])
-        at = int(np.argmax(bounds[hardest]))
+        if bound <= tolerance or enough:
+            return builder.family(bound)
+        announce(f"bound {bound:.1e} after {builder.asked} members")
         builder.look_closer(at)
-        poor = [motion for motion, found in bounds.items() if found[at] > 0.3 * tolerance]
-        builder.ask(builder.points[at], poor)
+        builder.ask(builder.points[at], builder.poor(at))
 
 
 def tangent_family(
@@ -165,7 +161,6 @@ def tangent_family(
     builder = _Builder.of(
         device, {}, meshing, dict(modes), _AT_ONE_POINT, _looked_at_too(frequencies)
     )
-    builder.margins = dict.fromkeys(modes, _SAFETY)
     return builder.family(0.0)
 
 
@@ -219,7 +214,7 @@ class _Builder:
         low, high = np.array(list(ranges.values())).reshape(-1, 2).T
         share = np.random.default_rng(2).uniform(size=(_LOOKED_AT * len(ranges), len(ranges)))
         points = low + share * (high - low)
-        margins = dict.fromkeys(modes, 1.0)
+        margins = dict.fromkeys(modes, _SAFETY)
         return cls(
             device, ranges, modes, tolerance, frequencies, products, bases, margins, points, least
         )
@@ -240,6 +235,7 @@ class _Builder:
             before = self._answers(motion, point[None])
             lossy = _with_losses(member, bricks, basis, self.frequencies)
             basis.learn(_in_motion(system, motion), scale, self.least, lossy)
+            self._lookouts[motion].forget()
             self._observe(motion, before, self._answers(motion, point[None]))
 
         _for_each(motions, learn)
@@ -251,9 +247,20 @@ class _Builder:
             self.least *= _CLOSER
         self._seen.add(at)
 
-    def bounds(self) -> dict[Motion, Floats]:
-        """Return the largest relative bound (points,) of each class of motion."""
-        return _for_each(self.modes, lambda motion: self._answers(motion, self.points).bound)
+    def worst(self) -> tuple[float, int]:
+        """Return the largest relative bound, and at which point; below the tolerance of all."""
+
+        def of(motion: Motion) -> tuple[float, int]:
+            margin = self.margins[motion]
+            bound, at = self._lookouts[motion].worst(self.tolerance / margin)
+            return margin * bound, at
+
+        return max(_for_each(self.modes, of).values())
+
+    def poor(self, at: int) -> list[Motion]:
+        """Return the classes of motion that a member at this point is to be asked of."""
+        least = 0.3 * self.tolerance
+        return [m for m, own in self._lookouts.items() if self.margins[m] * own.at(at) > least]
 
     def family(self, bound: float) -> ReducedFamily:
         """Return the family as it is."""
@@ -267,27 +274,35 @@ class _Builder:
             first.unknowns,
         )
 
-    def _answers(self, motion: Motion, points: Floats) -> _Answers:
+    @cached_property
+    def _lookouts(self) -> dict[Motion, Lookout]:
+        """Bounds without their margins at the points of the range."""
+
+        def over(motion: Motion) -> Lookout:
+            return Lookout.over(
+                self.points.shape[0], lambda some: self._answers(motion, self.points[some]).bound
+            )
+
+        return {motion: over(motion) for motion in self.modes}
+
+    def _answers(self, motion: Motion, points: Floats) -> Answers:
+        """Return what is looked at, with bounds without their margin."""
         values = dict(zip(self.ranges, points.T, strict=True))
-        terms, basis = self.products.terms, self.bases[motion].frozen(self.margins[motion])
+        terms, basis = self.products.terms, self.bases[motion].frozen(1.0)
         members = basis.members(terms, terms.coefficients(self.device, values))
-        found = _looked_at(members, self.modes[motion])
+        found = at_rest(members, self.modes[motion])
         if self.frequencies.size and basis.has_ports:
             lossy = terms.coefficients(self.device, values, lossy=True)
-            response = _response(basis.members(terms, lossy), found, self.frequencies)
-            found = _Answers(
-                np.concatenate([found.values, response.values], axis=1),
-                np.concatenate([found.bars, response.bars], axis=1),
-            )
+            found = found.beside(response(basis.members(terms, lossy), found, self.frequencies))
         return found
 
-    def _observe(self, motion: Motion, before: _Answers, after: _Answers) -> None:
+    def _observe(self, motion: Motion, before: Answers, after: Answers) -> None:
         """Widen the margin if more was missing than the bound said, without its margin."""
         missing = np.abs(before.values - after.values) / np.abs(after.values)
-        said = before.bars / self.margins[motion]
-        worth = said > 1e-3 * self.tolerance  # below, rounding
+        # below, rounding
+        worth = (before.bars > 1e-3 * self.tolerance) & (before.bars < _OBSERVED)
         if worth.any():
-            ratio = float((missing[worth] / said[worth]).max())
+            ratio = float((missing[worth] / before.bars[worth]).max())
             self.margins[motion] = max(self.margins[motion], _SAFETY * ratio)
 
 
@@ -318,51 +333,3 @@ def _in_motion(system: SolidSystem, motion: Motion) -> SolidSystem:
         return system
     assert system.related is not None
     return system.related(motion)
-
-
-@dataclass(frozen=True)
-class _Answers:
-    """Numbers (n, m) of n members and the relative bounds of their errors."""
-
-    values: Floats
-    bars: Floats
-
-    @property
-    def bound(self) -> Floats:
-        """The largest bound (n,) of each member."""
-        return np.asarray(self.bars.max(axis=1))
-
-
-def _looked_at(members: Members, modes: int) -> _Answers:
-    """Return frequencies and, of a body with ports, compliance, deflection and capacitance."""
-    found = [family_modes(members, Ends(), modes, open_circuit=False)]
-    values = [found[0].frequencies]
-    bars = [found[0].bars / found[0].frequencies]
-    if members.ports is not None:
-        opened = family_modes(members, Ends(), modes, open_circuit=True)
-        statics = family_statics(members)
-        volt, force = statics.missing[:, 0], statics.missing[:, 1]
-        compliance = statics.compliance[:, 0, 0].real
-        moved, charge = statics.follows[:, 0, 2].real, statics.held[:, 2, 2].real
-        values += [opened.frequencies, np.column_stack([compliance, moved, charge])]
-        missing = np.column_stack([force**2, force * volt, volt**2])
-        bars += [opened.bars / opened.frequencies, missing / np.abs(values[-1])]
-    return _Answers(np.concatenate(values, axis=1), np.concatenate(bars, axis=1))
-
-
-def _response(members: Members, rest: _Answers, frequencies: Floats) -> _Answers:
-    """Return compliance, deflection and charge at frequencies, with bars in shares of `rest`.
-
-    What is magnified by a resonance is magnified in the answer, too, and left out here.
-    """
-    found = family_harmonic(members, frequencies)
-    at_rest = np.abs(rest.values[:, None, -3:])
-    volt, force = found.missing[:, :, 2], found.missing[:, :, 3]
-    missing = np.stack([force**2, force * volt, volt**2], axis=2)
-    served = np.where(np.isfinite(found.magnified), found.magnified, 1.0)
-    missing = np.where(np.isfinite(missing), missing, 0.0) / served[:, :, None]
-    moved = np.stack(
-        [found.compliance[:, :, 0, 0], found.follows[:, :, 0, 2], found.held[:, :, 2, 2]], axis=2
-    )
-    count = missing.shape[0]
-    return _Answers(np.abs(moved).reshape(count, -1), (missing / at_rest).reshape(count, -1))

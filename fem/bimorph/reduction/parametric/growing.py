@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -17,8 +17,8 @@ from tactgen.fem.bimorph.reduction.parametric.reduced import BasisTerms, RandomT
 from tactgen.fem.bimorph.reduction.parametric.sketch import random_loads
 from tactgen.fem.bimorph.reduction.parametric.snapshot import Grid, answers
 from tactgen.fem.bimorph.system import Material, SolidSystem
-from tactgen.fem.solvers.linear_solver import Factor, factorise
-from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
+from tactgen.fem.solvers.linear_solver import Factor
+from tactgen.geometry.arrays import Bools, Floats, Sparse
 
 
 class GrowingBasis:
@@ -50,18 +50,18 @@ class GrowingBasis:
         # a load and an open circuit each lift a mode past one other
         self._modes = modes + 2 * self.has_ports
         self._grid = Grid.of(bricks, system)
-        self._energy = _Energy.of(self._grid, system)
-        self._random = self._energy.compliance(
-            self._grid, random_loads(bricks, known, system.volts_per_unit)
-        )
+        moving, stiffness = self._grid.index % 4 != 3, system.stiffness.inner
+        self._moving = _Space(moving, stiffness[moving][:, moving])
+        self._field = _Space(~moving, -stiffness[~moving][:, ~moving])
+        loads = self._grid.gathered(random_loads(bricks, known, system.volts_per_unit))
+        self._random = self._grid.spread(system.held_factor.solve(loads))
         none = Shapes.none(bricks.shape)
         rigid = rigid_shapes(bricks) if self.has_ports else none
         self._rigid = int(rigid.moved.shape[-1])
         self._tip = tip_shapes(bricks) if self.has_ports else none
         self._shapes = none
         self._factor: Factor | None = None
-        # displacements and potentials of the basis as states of the unknowns
-        self._moving = self._field = np.zeros((self._grid.index.size, 0))
+        self._means = section_means(bricks, self._motion, none.moved)
         self._own = _own(products, none, none, self._tip)
         self._seen = _seen(products, self._random, none, self._tip)
         lift = self._grid.lift[..., None] if self.has_ports else none.charged
@@ -70,7 +70,7 @@ class GrowingBasis:
     @property
     def size(self) -> int:
         """Number of displacements in the basis."""
-        return int(self._moving.shape[1])
+        return int(self._moving.shapes.shape[1])
 
     @property
     def unknowns(self) -> int:
@@ -99,22 +99,19 @@ class GrowingBasis:
         else:
             system.take_factor(self._factor)
         states = answers(system, self._modes + 1, lossy)
-        found = self._grid.spread(states)
-        moved = found.moved * scale[:, None, None, None, None]
-        charged = found.charged * system.volts_per_unit / self._products.terms.unit
-        flat = self._grid.gathered(Shapes(moved, charged))
-        flat = flat / self._energy.size(flat)
-        moving = self._energy.fresh(self._moving, flat, least, moving=True)
-        field = self._energy.fresh(self._field, flat, least, moving=False)
-        self._moving = np.hstack([self._moving, moving])
-        self._field = np.hstack([self._field, field])
-        self._add(Shapes(self._grid.spread(moving).moved, self._grid.spread(field).charged))
+        scales = np.append(scale, system.volts_per_unit / self._products.terms.unit)
+        states *= scales[self._grid.index % 4, None]
+        moved, raised = states[self._moving.at], states[self._field.at]
+        forces, charges = self._moving.held(moved), self._field.held(raised)
+        size = np.sqrt((moved * forces).sum(axis=0) + (raised * charges).sum(axis=0))
+        moving = self._grid.spread(self._moving.take(moved / size, forces / size, least))
+        field = self._grid.spread(self._field.take(raised / size, charges / size, least))
+        self._add(Shapes(moving.moved, field.charged))
 
-    def norms(self, force: Floats) -> tuple[float, float]:
-        """Return the squared norm of a force (n, 1) on the unknowns: exactly, and by the sketch."""
-        exact = float((force * self._energy.solve(force)).sum())
+    def measured(self, force: Floats) -> float:
+        """Return the squared norm of a force (n, 1) on the unknowns, by the random shapes."""
         seen = self._grid.gathered(self._random).T @ force
-        return exact, float((seen**2).mean())
+        return float((seen**2).mean())
 
     def frozen(self, margin: float) -> ReducedMotion:
         """Return the family on the basis as it is."""
@@ -126,13 +123,15 @@ class GrowingBasis:
             rigid=self._rigid,
             basis=self._own,
             random=self._seen,
-            means=section_means(bricks, self._motion, self._shapes.moved),
+            means=self._means,
             section_weights=sections(bricks, self._motion).weights,
             margin=margin,
         )
 
     def _add(self, new: Shapes) -> None:
         old, self._shapes = self._shapes, self._shapes.joined(new)
+        means = section_means(self._products.bricks, self._motion, new.moved)
+        self._means = np.concatenate([self._means, means], axis=-1)
         columns = _own(self._products, self._shapes, new, self._tip)
         below = self._products.coupling(new, old)
         known = self._own
@@ -154,61 +153,47 @@ class GrowingBasis:
         self._seen = replace(self._seen, **joined)
 
 
-@dataclass(frozen=True)
-class _Energy:
-    """Strain energy at held potential beside field energy: the inner product of the basis."""
+class _Space:
+    """Shapes of displacement, or of potential, orthonormal in an energy.
 
-    moving: Bools
-    stiffness: Sparse
-    permittivity: Sparse
-    elimination: Ints
+    Parameters
+    ----------
+    at : (n,) bool array
+        Which unknowns they have.
+    matrix : sparse
+        The energy's: strain at held potential, or field.
 
-    @classmethod
-    def of(cls, grid: Grid, system: SolidSystem) -> _Energy:
-        moving = grid.index % 4 != 3
-        inner = system.stiffness.inner
-        assert system.elimination is not None
-        field = -inner[~moving][:, ~moving]
-        return cls(moving, inner[moving][:, moving], field, system.elimination)
+    Attributes
+    ----------
+    shapes, loads : (m, k) array
+        The shapes at their m unknowns, and the loads that hold them.
+    """
 
-    def compliance(self, grid: Grid, loads: Shapes) -> Shapes:
-        """Return the shapes that loads cause."""
-        return grid.spread(self.solve(grid.gathered(loads)))
+    def __init__(self, at: Bools, matrix: Sparse) -> None:
+        self.at, self._matrix = at, matrix
+        self.shapes = self.loads = np.zeros((matrix.shape[0], 0))
 
-    def solve(self, loads: Floats) -> Floats:
-        """Return the states (n, k) that loads cause, displacements and potentials apart."""
-        flat = loads.copy()
-        for part, matrix in ((self.moving, self.stiffness), (~self.moving, self.permittivity)):
-            if part.any():
-                order = (np.cumsum(part) - 1)[self.elimination[part[self.elimination]]]
-                factor = factorise(matrix.tocsr(), definite=True, order=order)
-                flat[part] = factor.solve(flat[part])
-        return flat
+    def held(self, states: Floats) -> Floats:
+        """Return the loads (m, k) that hold states (m, k)."""
+        return np.asarray(self._matrix @ states)
 
-    def size(self, states: Floats) -> Floats:
-        """Return the root of the energy of states (n, k)."""
-        u, p = states[self.moving], states[~self.moving]
-        energy = (u * (self.stiffness @ u)).sum(axis=0) + (p * (self.permittivity @ p)).sum(axis=0)
-        return np.asarray(np.sqrt(energy))
-
-    def fresh(self, basis: Floats, states: Floats, least: float, *, moving: bool) -> Floats:
-        """Return an orthonormal basis of what is new in one part of states (n, m)."""
-        at = self.moving if moving else ~self.moving
-        matrix = self.stiffness if moving else self.permittivity
-        known, new = basis[at], states[at]
-        out = np.zeros((states.shape[0], 0))
-        if not at.any():
-            return out
+    def take(self, states: Floats, loads: Floats, least: float) -> Floats:
+        """Add what is new in states (m, j) of these loads; return it over all unknowns (n, k)."""
+        new, held = states, loads
         for _ in range(2):  # twice is enough (Kahan, Parlett)
-            new = new - known @ (known.T @ (matrix @ new))
-        values, vectors = np.linalg.eigh(new.T @ (matrix @ new))
-        kept = values > least**2
-        new = new @ (vectors[:, kept] / np.sqrt(values[kept]))
-        new = new - known @ (known.T @ (matrix @ new))
-        lower = np.linalg.cholesky(new.T @ (matrix @ new))
-        out = np.zeros((states.shape[0], new.shape[1]))
-        out[at] = np.linalg.solve(lower, new.T).T
-        return out
+            known = self.loads.T @ new
+            new, held = new - self.shapes @ known, held - self.loads @ known
+        energies, vectors = np.linalg.eigh(new.T @ held)
+        kept = energies > least**2
+        new = new @ (vectors[:, kept] / np.sqrt(energies[kept]))
+        new = new - self.shapes @ (self.loads.T @ new)
+        held = self.held(new)
+        lower = np.linalg.cholesky(new.T @ held)
+        new, held = (np.linalg.solve(lower, columns.T).T for columns in (new, held))
+        self.shapes, self.loads = np.hstack([self.shapes, new]), np.hstack([self.loads, held])
+        full = np.zeros((self.at.size, new.shape[1]))
+        full[self.at] = new
+        return full
 
 
 def _own(of: TermProducts, left: Shapes, right: Shapes, tip: Shapes) -> BasisTerms:

@@ -1,11 +1,14 @@
 """Random shapes that measure a residual: their products with it have its norm for a mean square.
 
-The norm that bounds errors is that of the undivided body's compliance, rᵀ X⁻¹ r, X its stiffness
-at held potential beside its permittivity.  With z = X⁻¹ Bᵀ √D ξ, ξ independent normal numbers and
-X = Bᵀ D B, E (zᵀ r)² = rᵀ X⁻¹ r.  Of k such shapes the mean of (zᵀ r)² is within √(2/k) of it
-(one standard deviation), whatever r is; zᵀ of a sum of terms is a sum of small vectors, so
-a residual's norm costs no large vector (O. Balabanov, A. Nouy, Randomized linear algebra for
-model reduction, part I, 2019).
+The norm that bounds errors is that of the undivided body's compliance, rᵀ X⁻¹ r.  With A its
+stiffness at held potential, D its permittivity, B what couples them, and K = [A, Bᵀ; B, −D], X⁻¹
+has the diagonal blocks of K⁻¹, the second with its sign changed: X is A + Bᵀ D⁻¹ B beside
+D + B A⁻¹ Bᵀ.  With z = K⁻¹ f of random loads f of covariance A beside D, E (zᵀ r)² = rᵀ X⁻¹ r: one
+solution with the factor that answers with.  f is Bᵀ √C ξ of strains and fields, ξ independent
+normal numbers.  Of k such shapes the mean of (zᵀ r)² is within √(2/k) of the norm (one standard
+deviation), whatever r is; zᵀ of a sum of terms is a sum of small vectors, so a residual's norm
+costs no large vector (O. Balabanov, A. Nouy, Randomized linear algebra for model reduction,
+part I, 2019).
 """
 
 from __future__ import annotations
@@ -23,7 +26,7 @@ SKETCHES = 48
 
 
 def random_loads(bricks: Bricks, known: dict[str, Material], unit: float) -> Shapes:
-    """Return loads Bᵀ √D ξ at all nodes: random stresses and fluxes in every point."""
+    """Return loads of covariance A beside D: random stresses and fluxes in every point."""
     rng = np.random.default_rng(1)
     shape = bricks.shape
     moved = np.zeros((3, *shape, SKETCHES))
