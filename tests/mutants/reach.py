@@ -121,7 +121,10 @@ def _write_at_exit() -> None:
             "test": test.rpartition(" (")[0], "when": "call", "outcome": "command",
             "seconds": 0.0, "entered": sorted(SEEN),
         }  # fmt: skip
-        (Path(os.environ["TACTGEN_REACH"]) / name).write_text(json.dumps(line) + "\n")
+        whole = Path(os.environ["TACTGEN_REACH"]) / name
+        part = whole.with_suffix(".part")  # left behind where the command is killed meanwhile
+        part.write_text(json.dumps(line) + "\n")
+        part.replace(whole)
 
 
 atexit.register(_write_at_exit)

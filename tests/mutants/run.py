@@ -87,7 +87,7 @@ def _reach(arguments: argparse.Namespace, copy: Path) -> None:
     known = None
     if arguments.tests and arguments.out.exists():
         known = json.loads(arguments.out.read_text())
-    lines = [line for file in notes.iterdir() for line in file.read_text().splitlines()]
+    lines = [line for file in notes.glob("*.jsonl") for line in file.read_text().splitlines()]
     collected = reach.gathered(lines, known)
     arguments.out.write_text(json.dumps(collected))
     print(f"{len(collected['seconds'])} tests, {len(collected['entered'])} functions")
