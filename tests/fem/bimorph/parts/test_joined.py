@@ -128,3 +128,10 @@ def test_another_length_asks_for_the_same_parts_another_shim_for_others(monkeypa
     assert sorted(kind for kind, _ in first) == ["end", "end", "section"]
     assert asked(DEVICE, longer) == first
     assert not set(asked(stiffer, BRICKS)) & set(first)
+
+
+def test_losses_of_ends_are_refused_where_they_are_not_known():
+    """Ends are reduced with losses for the motions that the ports drive alone."""
+    parts = in_parts(BRICKS, 0, SECTIONS, 1e-2)
+    with pytest.raises(ValueError, match="of the motions that ports drive only"):
+        joined_system(DEVICE, parts, lossy=True, motion="torsion")

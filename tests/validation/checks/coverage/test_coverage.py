@@ -5,7 +5,11 @@ import json
 import numpy as np
 import pytest
 
-from tactgen.validation.checks.coverage import PARTS, beam, run, taper
+from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+from tactgen.fem.bimorph.ports import direct_multiport
+from tactgen.geometry.bimorph.brick_family import bimorph_bricks
+from tactgen.geometry.device.parameters import Device
+from tactgen.validation.checks.coverage import PARTS, beam, run, solid, taper
 from tactgen.validation.checks.coverage.result import MULTIPLES, Judged, calibration, rows
 from tactgen.validation.command_line.cli import main
 
@@ -49,6 +53,17 @@ def test_bars_of_beams_hold_on_fresh_devices():
     for judge in (beam.judge, taper.judge):
         found = judge(np.random.default_rng([2026, 0]))
         assert all(one.within for one in found), [one for one in found if not one.within]
+
+
+@pytest.mark.parametrize("frequency", [0.0, 900.0])
+def test_what_judges_the_solid_finds_the_ports_of_its_bricks(few_bricks, frequency):
+    """A route of its own, without refinement of what it solves: to seven digits."""
+    device = Device()
+    system = assemble_bricks(device, bimorph_bricks(device, few_bricks[0]), lossy=True)
+    exact = direct_multiport(system, np.array([frequency])).stiffness[0]
+    found = solid._ports(system, frequency).stiffness[0]
+    size = np.sqrt(np.abs(np.diag(exact)))
+    assert (np.abs(found - exact) / np.outer(size, size)).max() < 1e-7
 
 
 def test_a_seed_draws_the_same_devices(monkeypatch, capsys, tmp_path):
