@@ -9,7 +9,8 @@ from reach import PACKAGES
 
 #: Tests that read the sources: they enter no function of what they judge.
 READERS = (
-    "tests/test_house.py", "tests/geometry/test_files.py", "tests/validation/catalogue/test_names.py",
+    "tests/test_house.py", "tests/geometry/test_files.py",
+    "tests/validation/catalogue/test_names.py",
 )  # fmt: skip
 #: Processor time (s), as measured while noting, that the tests on one mistake may take:
 #: those of its own room, which are run alone first, and all.
