@@ -158,6 +158,23 @@ def test_part_is_known():
         command.run(options)
 
 
+@pytest.mark.parametrize(("quick", "fine"), [(True, 3), (False, 4)])
+def test_the_reference_is_the_finer_of_two_with_the_models_bar(monkeypatch, quick, fine):
+    """What the coarser differs by, times the solid model's factor; of the sweep the largest."""
+
+    def own(family, level):
+        off = {fine: 1.0, fine - 1: 1.01}[level]
+        values = {"deflection": 2.0 * off, "natural": [3.0 * off, 4.0], "capacitance": 5.0}
+        return lambda sweep: {**values, "sweep": [(6.0, 0.0), (0.0, 7.0 * off**2)][: len(sweep)]}
+
+    monkeypatch.setattr(solid, "own", own)
+    found = solid._reference(quick, lambda _: None)
+    assert found.values.tolist() == [2.0, 3.0, 4.0, 5.0]
+    assert found.bars == pytest.approx(solid.BRICK_FACTOR * np.array([0.01, 0.01, 0.0, 0.0]))
+    assert found.sweep.tolist() == [6.0, 7.0j]
+    assert found.sweep_bar == pytest.approx(solid.BRICK_FACTOR * 0.0201)
+
+
 def test_time_at_an_error():
     """Between neighbours of the front in logarithms, never beyond its ends."""
     points = [(1.0, 1e-2), (2.0, 5e-2), (4.0, 1e-4)]
