@@ -98,3 +98,12 @@ def test_references_of_the_coils_are_maxwells():
     assert by_id["COI-2"] == by_id["COI-3"] == pytest.approx(one * other * slope, rel=1e-12)
     assert by_id["VM213-1"] == pytest.approx(square_law.COENERGY, rel=1e-15)
     assert by_id["VM213-2"] == pytest.approx(square_law.ENERGY, rel=1e-15)
+
+
+def test_known_deviations_of_a_quotient_and_of_what_it_divides_agree():
+    """ROCK-9 divides ROCK-7 by ROCK-8: so do the models' values that the rows state."""
+    rows = {c.id: c for c in AMPLITUDE_CHECKS}
+    held, up, quotient = (
+        rows[name].reference * (1.0 + rows[name].known) for name in ("ROCK-7", "ROCK-8", "ROCK-9")
+    )
+    assert held / up == pytest.approx(quotient, rel=2e-4)  # four digits of each deviation
