@@ -7,12 +7,12 @@ Weak form, for all (v, φ):  ∫ EI ψ' φ' + GA (w' + ψ)(v' + φ) − Ω² (m 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from tactgen.fem.beam.row_mesh import row_mesh, thinnest
 from tactgen.fem.beam.section import gauss, section_constants
 from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.geometry.bimorph.ends import Ends
@@ -27,8 +27,6 @@ from tactgen.tmm.ports.port import BIMORPH
 ORDER = 5
 #: Elements of the glued part of the tab: far more than its waves on the glue need.
 _TAB_ELEMENTS = 8
-
-
 #: Most elements along a row: beyond, its dense matrices and their condition take minutes.
 MOST_ELEMENTS = 200
 
@@ -104,14 +102,14 @@ def elements_for(device: Device, highest: float) -> int:
         If that is more than dense matrices bear.
     """
     piezo, bimorph = device.piezo, device.bimorph
-    ceramic = [p for p in beam_pieces(device, Support()) if p.section == "bimorph"]
-    ends = [piece.layers(bimorph, end) for piece in ceramic for end in (0.0, 1.0)]
-    thinnest = min(2.0 * layers.piezo_thickness + layers.shim_thickness for layers in ends)
     slowest = math.sqrt(min(1.0 / piezo.s55, device.shim.shear_modulus) / piezo.density)
     modulus = 1.0 / (piezo.s11 * piezo.density)
     omega = 2.0 * math.pi * highest
-    bending = math.sqrt(omega / math.sqrt(modulus) / thinnest * math.sqrt(12.0))
-    radians = (bimorph.length + bimorph.tab_length) * max(bending, omega / slowest)
+    bending = math.sqrt(omega / math.sqrt(modulus) * math.sqrt(12.0))
+    radians = sum(
+        piece.length * max(bending / math.sqrt(thinnest(piece, bimorph)), omega / slowest)
+        for piece in beam_pieces(device, Support())
+    )
     if not radians <= MOST_ELEMENTS:
         raise InputError(
             f"frequency = {highest:g} Hz makes waves so short that the model beam would need "
@@ -124,12 +122,12 @@ def elements_for(device: Device, highest: float) -> int:
 def assemble(
     device: Device, support: Support, beam: Beam, *, elements: int, lossy: bool
 ) -> BeamMatrices:
-    """Assemble the row of beams, `elements` shared out by length, at least one a piece."""
+    """Assemble the row of beams, `elements` shared out by waves, at least one a piece."""
     from skfem import Basis, ElementLinePp, LinearForm, asm
 
     pieces = beam_pieces(device, support)
     beams = [piece for piece in pieces if piece.section != "bond"]
-    mesh, piece_of, joints = _mesh(pieces, elements)
+    mesh, piece_of, joints = row_mesh(pieces, device.bimorph, elements)
     w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
     constants = np.stack(
         [
@@ -162,32 +160,6 @@ def assemble(
             for z, dof in zip(mesh.p[0], w_space.nodal_dofs[0], strict=True)
         ],
     )
-
-
-def _mesh(pieces: Sequence[Piece], elements: int) -> tuple[Any, Ints, list[tuple[int, float]]]:
-    """Return the line mesh from base to tip, the beam of each element, and the joints.
-
-    A joint is a node, whose successor lies at the same height and which no element connects
-    to it, and the depth of the slot (m).
-    """
-    from skfem import MeshLine
-
-    total = sum(piece.length for piece in pieces if piece.section != "bond")
-    nodes, cells, piece_of, joints = [0.0], [], [], []
-    beams = 0
-    for piece in pieces:
-        last = len(nodes) - 1
-        if piece.section == "bond":
-            joints.append((last, piece.length))
-            nodes.append(nodes[-1])
-            continue
-        count = max(1, round(elements * piece.length / total))
-        nodes += list(nodes[-1] + np.linspace(0.0, piece.length, count + 1)[1:])
-        cells += [(last + i, last + i + 1) for i in range(count)]
-        piece_of += count * [beams]
-        beams += 1
-    mesh = MeshLine(np.array([nodes]), np.array(cells).T, sort_t=False)
-    return mesh, np.array(piece_of), joints
 
 
 def _shares(space: Any, piece_of: Ints) -> Floats:

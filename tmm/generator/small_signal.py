@@ -163,9 +163,16 @@ def machine(bimorph: Multiport, linear: Linearised) -> Multiport:
     The bimorph moves along the axis as a rigid mass, which is in `linear`; so u is the tip's
     axial motion, too.
     """
+    return reduce(joined(bimorph, linear), MACHINE)
+
+
+def joined(bimorph: Multiport, linear: Linearised) -> Multiport:
+    """Return bimorph and rod as :func:`machine`, over the bimorph's foot and the tip's turn, too.
+
+    Its condition is what the machine costs in digits: much on a contact that hardly holds.
+    """
     rod = rod_ports(linear, bimorph.frequencies)
-    joined = connect(bimorph, rod, {"w_base": "w_base", "psi_base": "psi_base"})
-    return reduce(joined, MACHINE)
+    return connect(bimorph, rod, {"w_base": "w_base", "psi_base": "psi_base"})
 
 
 def axial_poles(linear: Linearised, *, voltage: bool) -> Complex:

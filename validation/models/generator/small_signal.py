@@ -15,7 +15,7 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.generator.positions import RestingPlace, axial_forces, resting_place
-from tactgen.tmm.generator.small_signal import Linearised, axial_poles, linearised, machine
+from tactgen.tmm.generator.small_signal import Linearised, axial_poles, joined, linearised, machine
 from tactgen.tmm.ports.loads.measured_law import disturbed
 from tactgen.tmm.ports.multiport import Multiport, in_series, respond, round_off, terminate
 from tactgen.tmm.ports.terminations import tip_stiffness
@@ -178,9 +178,9 @@ class SmallSignal:
 
     def _judged(self, of: Callable[[Multiport], Complex]) -> MeasuredList:
         """Return what `of` reads off the machine, with the bars of bimorph's ports and map."""
-        port = self._whole(self.ports.fine)
-        value = of(port)
-        rounding = round_off(port, ("voltage", "current")) * (1.0 + self.ports.elimination)
+        value = of(self._whole(self.ports.fine))
+        rounding = round_off(self._unreduced, ("voltage", "current"))
+        rounding = rounding * (1.0 + self.ports.elimination)
         bar: Floats = np.abs(value) * (rounding + self.ports.rounding)
         for coarser, factor in self.ports.coarser:
             bar = bar + factor * np.abs(value - of(self._whole(coarser)))
@@ -195,14 +195,23 @@ class SmallSignal:
     def _ends(self) -> Ends:
         return self.scene.ends
 
+    @cached_property
+    def _unreduced(self) -> Multiport:
+        """The machine with the tip's load, the ports between its parts included."""
+        return self._loaded(joined(self._wired(self.ports.fine), self.linear.fine), self._ends)
+
     def _whole(
         self, bimorph: Multiport, ends: Ends | None = None, rod: Linearised | None = None
     ) -> Multiport:
         """Return the machine with the tip's load."""
-        if self.scene.bimorph.wiring == "series":
-            bimorph = in_series(bimorph)
-        load = tip_stiffness((ends or self._ends).tip, bimorph.frequencies)
-        return terminate(machine(bimorph, rod or self.linear.fine), {"w_tip": load})
+        port = machine(self._wired(bimorph), rod or self.linear.fine)
+        return self._loaded(port, ends or self._ends)
+
+    def _wired(self, bimorph: Multiport) -> Multiport:
+        return in_series(bimorph) if self.scene.bimorph.wiring == "series" else bimorph
+
+    def _loaded(self, port: Multiport, ends: Ends) -> Multiport:
+        return terminate(port, {"w_tip": tip_stiffness(ends.tip, port.frequencies)})
 
 
 @dataclass(frozen=True)
