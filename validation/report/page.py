@@ -17,17 +17,18 @@ from tactgen.validation.models.bimorph.beam_theory_error import Band, expected_d
 from tactgen.validation.models.comparison import ComparedRow
 from tactgen.validation.report.provenance.record import FILE, read_record, recorded
 from tactgen.validation.report.provenance.seal import seal, unseal
+from tactgen.validation.report.request import check_report, prepared
 from tactgen.validation.report.second_process import ahead
 from tactgen.validation.report.sections.contents import (
     APPENDIX,
     alone,
-    here_only,
     made_alone,
+    meanwhile,
     part,
     sections,
 )
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.report.study import Study, check_report, prepared
+from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.browser import print_pdf
 from tactgen.validation.view.page.html import assets
@@ -68,7 +69,7 @@ def write_report(
     with ahead((scene, origins, quick), made_alone, names) as other:
         study = Study(scene, origins, announce, quick=quick, ahead=other)
         if other is not None:
-            other.meanwhile(partial(part, study), here_only(asked))
+            other.meanwhile(partial(part, study), meanwhile(asked))
         page = _page(study, started)
     unseal(out)
     written = write_text(out / PAGE, page)

@@ -1,8 +1,9 @@
 """Parts of a report that stand alone, made by another process while this one solves.
 
-That process takes the longest first.  What it has not begun when it is wanted is made here, and so
-is what it fails to hand over: a report is the same with it and without.  While this process waits
-for a part, it makes the shortest that nobody has begun.
+What that process has not begun when it is wanted is made here, and so is what it fails to hand
+over: a report is the same with it and without.  While this process waits for a part, it makes
+others that nobody has begun.  Both have an order of their own: the longest first, so that they end
+together, and what shares work by the same.
 """
 
 from __future__ import annotations
@@ -32,23 +33,25 @@ class Ahead:
     ) -> None:
         self._pool, self._make, self._asked = pool, make, asked
         self._left, self._begun = deque(names), dict[str, Future[Any]]()
-        self._first = deque[str]()
+        self._order = list[str]()
         self._here: Callable[[str], Any] | None = None
         self._made = dict[str, Any]()
         self._lock = Lock()
         self._next()
 
-    def meanwhile(self, here: Callable[[str], Any], first: Sequence[str]) -> None:
-        """Say what makes parts in this process while it waits, and which are made here only."""
-        self._here, self._first = here, deque(first)
+    def meanwhile(self, here: Callable[[str], Any], order: Sequence[str]) -> None:
+        """Say what makes parts in this process while it waits, and which, in their order.
+
+        What is not among those that the other process makes is made here only.
+        """
+        self._here, self._order = here, list(order)
 
     def take(self, name: str, here: Callable[[], Any]) -> Any:
         """Return a part: from the other process if it has begun it, else made by `here`."""
         with self._lock:
             future = self._begun.get(name)
-            for waiting in (self._first, self._left):
-                if future is None and name in waiting:
-                    waiting.remove(name)
+            if future is None:
+                self._claim(name)
         if future is None:
             return self._made[name] if name in self._made else here()
         self._work_until(future)
@@ -59,10 +62,17 @@ class Ahead:
         """Make parts that nobody has begun until another one is done."""
         while self._here is not None and not future.done():
             with self._lock:
-                if not self._first and not self._left:
+                name = next((name for name in self._order if name not in self._begun), None)
+                if name is None:
                     return
-                name = self._first.popleft() if self._first else self._left.pop()
+                self._claim(name)
             self._made[name] = self._here(name)
+
+    def _claim(self, name: str) -> None:
+        """Leave a part to this process."""
+        for waiting in (self._order, self._left):
+            if name in waiting:
+                waiting.remove(name)
 
     def _next(self, _: object = None) -> None:
         """Hand over the next part: one at a time, since what is handed over is not taken back."""

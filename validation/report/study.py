@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from tactgen.geometry.arrays import Complex
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
-from tactgen.tmm.ports.terminations import outside_known_range
-from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.checks.row import Outcome, run_check
 from tactgen.validation.checks.verification import group_rows
-from tactgen.validation.engine.plan import Plan, asks_display, check_models
+from tactgen.validation.engine.plan import Plan, asks_display
 from tactgen.validation.engine.results import Quantity
-from tactgen.validation.engine.solve import Solution, check_request, solve
+from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.models.comparison import ComparedRow, compare
-from tactgen.validation.report.normal_actuator import NormalActuator, merged, needs_map
+from tactgen.validation.report.load_cases import LoadCase, load_cases
+from tactgen.validation.report.normal_actuator import NormalActuator, merged
+from tactgen.validation.report.request import (
+    is_of_rest,
+    model_apart,
+    prepared,
+    quantities_of,
+    shown_model,
+)
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
 
@@ -39,51 +41,9 @@ if TYPE_CHECKING:
     from tactgen.validation.report.second_process import Ahead
     from tactgen.validation.studies.uncertainty.propagation import Uncertainty
 
-#: Points of the frequency response in the report.
-_PLOT_POINTS = 400
-#: Accuracy that the quick version is content with.
-_QUICK_ACCURACY = 1e-2
 #: Asymmetry and negative dissipation (relative) that condensing a field model may leave by
 #: rounding; a wrong sign or a missing term shows at order one.
 INVARIANT_TOLERANCE = 1e-6
-
-
-@dataclass(frozen=True)
-class LoadCase:
-    """A load under which all models' responses are plotted."""
-
-    name: str
-    title: str
-    solution: Solution
-
-    @property
-    def models(self) -> tuple[str, ...]:
-        """Models that give the response."""
-        return tuple(self.solution.by_model(TIP_DISPLACEMENT.name))
-
-    def curve(self, model: str) -> Complex:
-        """Return the tip displacement (n,); nan where the load model does not reach."""
-        values = self.solution.get(TIP_DISPLACEMENT.name, model).value
-        outside = outside_known_range(
-            self.solution.scene.load, np.asarray(self.solution.scene.frequency)
-        )
-        return np.where(outside, np.nan, values)
-
-    def summary(self, model: str) -> dict[str, float]:
-        """Return largest and first displacement (m), where (Hz), and the widest bar."""
-        q = self.solution.get(TIP_DISPLACEMENT.name, model)
-        size = np.abs(self.curve(model))
-        at = int(np.nanargmax(size))
-        known = np.isfinite(size) & (size > 0.0)
-        first = int(np.flatnonzero(known)[0]) if known.any() else 0
-        frequency = np.asarray(self.solution.scene.frequency)
-        return {
-            "largest": float(size[at]),
-            "at": float(frequency[at]),
-            "first": float(size[first]),
-            "first_at": float(frequency[first]),
-            "bar": float(np.max(q.uncertainty[known] / size[known], initial=0.0)),
-        }
 
 
 @dataclass(frozen=True)
@@ -178,8 +138,8 @@ class Study:
         driven = self.scene.model_copy(update={"coil": coil})
         names = [
             name
-            for name in _quantities(driven.models, {"reluctance"}, quick=self.quick)
-            if not _is_of_rest(name)
+            for name in quantities_of(driven.models, {"reluctance"}, quick=self.quick)
+            if not is_of_rest(name)
         ]
         solution = solve(driven, tuple(models), names, self.announce, reuse=self.solution)
         return NormalActuator(solution, self.announce)
@@ -187,7 +147,7 @@ class Study:
     @cached_property
     def resting(self) -> list[ComparedRow]:
         """Where the machine's rod rests, by all models, where the normal actuator has no row."""
-        found = [q for q in self.solution.quantities if _is_of_rest(q.name)]
+        found = [q for q in self.solution.quantities if is_of_rest(q.name)]
         return compare(self.scene, found, "reluctance") if not self.scene.coil.current else []
 
     @property
@@ -306,21 +266,7 @@ class Study:
     @cached_property
     def cases(self) -> list[LoadCase]:
         """The scene's response and, without new field solutions, that of another load."""
-        titles = {
-            "finger": "under the finger",
-            "none": "free tip",
-            "mass": "with the tip mass",
-            "spring_damper": "on spring and damper",
-            "table": "under the measured load",
-            "pad": "under imitation skin and its weight",
-        }
-        kind = self.scene.load.kind
-        other = "none" if kind != "none" else "finger"
-        self.announce(f"response: {titles[other]}")
-        load = self.scene.load.model_copy(update={"kind": other})
-        changed = self.scene.model_copy(update={"load": load})
-        again = solve(changed, quantities=(TIP_DISPLACEMENT.name,), reuse=self.solution)
-        return [LoadCase(kind, titles[kind], self.solution), LoadCase(other, titles[other], again)]
+        return load_cases(self.solution, self.announce)
 
     @cached_property
     def parameters(self) -> list[ParameterRow]:
@@ -347,91 +293,3 @@ class Study:
         """What each stage of the plan cost."""
         apart = self.normal.seconds if self.normal else {}
         return apart | self.solution.stages.seconds
-
-
-def shown_model(scene: Scene) -> str | None:
-    """Return the field model to be shown, if the scene asks for one: bricks before tetrahedra.
-
-    On the rod the bricks have no fields to show.
-    """
-    shown = ("cad",) if scene.support.kind == "rod" else ("solid", "cad")
-    return next((name for name in shown if name in scene.models), None)
-
-
-def model_apart(scene: Scene) -> str | None:
-    """Return the field model that stands beside the one that is shown: only its numbers count."""
-    others = {"solid", "cad"} & set(scene.models) - {shown_model(scene)}
-    return min(others) if shown_model(scene) and others else None
-
-
-def check_report(scene: Scene, *, quick: bool) -> None:
-    """Refuse at once, before anything is computed or written, what cannot be reported on.
-
-    Raises
-    ------
-    InputError
-        With the remedy.
-    """
-    asked = prepared(scene, quick=quick)
-    magnetic = any(QUANTITIES[name].actuator == "reluctance" for name in asked.quantities)
-    if magnetic and not scene.coil.current and scene.support.kind != "contact":
-        raise InputError(
-            "coil.current = 0 mA leaves nothing of the normal actuator to report; set the current "
-            "of interest, such as coil.current=130mA, or leave its models out"
-        )
-    check_request(asked, asked.models, asked.quantities)
-
-
-def prepared(scene: Scene, *, quick: bool) -> Scene:
-    """Return the scene with all quantities, a sweep dense enough to plot, coarser if quick.
-
-    An actuator of which the scene asks for no quantity, or no model, is left alone.
-
-    Raises
-    ------
-    InputError
-        If the scene asks for a quantity that none of its models can compute.
-    """
-    check_models(scene.models, scene.quantities)
-    about = {QUANTITIES[name].actuator for name in scene.quantities}
-    joined = about & {"generator", "display"}
-    if joined:
-        about.add("bimorph")
-    models = tuple(
-        name
-        for name in scene.models
-        if MODELS[name].actuator in about
-        or any(gives(name, q) for q in scene.quantities if QUANTITIES[q].actuator in joined)
-    )
-    quantities = _quantities(models, about, quick=quick)
-    if scene.support.kind == "contact" and not scene.coil.current:
-        # without current a pull, an inductance say nothing: see Study.normal
-        own = (n for n in quantities if QUANTITIES[n].actuator != "reluctance" or _is_of_rest(n))
-        quantities = tuple(own)
-    changes: dict[str, Any] = {"models": models, "quantities": quantities}
-    low, high = min(scene.frequency), max(scene.frequency)
-    if low < high and len(scene.frequency) < _PLOT_POINTS:
-        spaced = np.geomspace if 0.0 < 30.0 * low < high else np.linspace
-        changes["frequency"] = (low, *spaced(low, high, _PLOT_POINTS)[1:-1].tolist(), high)
-    if quick:
-        changes["accuracy"] = max(scene.accuracy, _QUICK_ACCURACY)
-    return scene.model_copy(update=changes)
-
-
-def _quantities(models: Sequence[str], about: Collection[str], *, quick: bool) -> tuple[str, ...]:
-    """Return all quantities of some actuators that models give; if quick, none by slow maps."""
-    found = tuple(
-        name
-        for name, row in QUANTITIES.items()
-        if row.actuator in about and any(gives(m, name) for m in models)
-    )
-    slow = any(
-        needs_map(name) and gives(model, name) and not MODELS[model].quick
-        for name in found
-        for model in models
-    )
-    return tuple(name for name in found if not (quick and slow and needs_map(name)))
-
-
-def _is_of_rest(quantity: str) -> bool:
-    return "rest" in QUANTITIES[quantity].needs

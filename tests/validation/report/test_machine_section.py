@@ -13,10 +13,11 @@ from tactgen.validation.models.amplitude.deflection import LoadedDeflection
 from tactgen.validation.models.amplitude.held_head import STATES
 from tactgen.validation.models.amplitude.states import rocking_states
 from tactgen.validation.report.page import summary, templates
+from tactgen.validation.report.request import check_report
 from tactgen.validation.report.sections import large_motion
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.sections.machine import MOTIONS, POSITIONS, SUPPORT
-from tactgen.validation.report.study import Study, check_report
+from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 
 FEW = ("models=tmm,network", "frequency=10,100,439,1000")

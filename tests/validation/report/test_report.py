@@ -1,18 +1,23 @@
 """The report: complete, self-contained, written in one piece; exports beside it."""
 
 import re
+import shutil
+import subprocess
 from html import unescape
 
+import numpy as np
 import pytest
 
 from tactgen.geometry.cad import system_libraries
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh_files import read_mesh
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.report.page import write_report
+from tactgen.validation.report.page import _with_pages, print_report, write_report
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.uncertainty import propagation
+from tactgen.validation.view.browser import find_browser
 from tactgen.validation.view.formats import engineering, percent, share, with_bar
+from tactgen.validation.view.pdf_pages import anchor_pages
 
 
 def make(tmp_path, name, *overrides):
@@ -47,18 +52,32 @@ def test_report_is_complete_and_self_contained(tmp_path, run_elsewhere):
     assert not re.search(r"\bnan\b|\bNone\b|Undefined", text)
 
 
-@pytest.mark.usefixtures("run_elsewhere", "undrawn")
-def test_report_without_the_solid_says_so(tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def prototype(tmp_path_factory):
+    """The page of a bimorph by the cheapest models at few frequencies, figures as they come.
+
+    Its checks count as passed, and few samples are drawn: both have tests of their own.
+    """
+    from tactgen.validation.report import study  # slow to import
+    from tactgen.validation.view import figures
+
+    asked = ("models=lumped,tmm", "frequency=10,100,439,1000")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(study, "run_check", lambda check: study.Outcome(check, 1.0, 0.0, "pass"))
+        patch.setattr(propagation, "affordable", lambda _: 100)
+        patch.setattr(figures, "lay_out", lambda _: None)
+        return make(tmp_path_factory.mktemp("prototype"), "prototype", *asked)
+
+
+def test_report_without_the_solid_says_so(prototype):
     """A scene that asks for one-dimensional models gets a report about those.
 
     Where its drive and load are not those that a length is designed for, that is said.
     """
-    # the samples of the parameters' ranges have tests of their own
-    monkeypatch.setattr(propagation, "affordable", lambda _: 100)
-    html, steps = make(tmp_path, "prototype", "models=lumped,tmm", "frequency=10,100,439,1000")
+    html, steps = prototype
     assert re.findall(r'<h2 id="(\w+)">', html) == [
-        "what", "models", "modes", "bridge", "response", "drive_limits", "length", "voltage",
-        "uncertainty", "checks", "credibility", "audit", "parameters", "plan",
+        "what", "models", "modes", "bridge", "response", "drive_limits", "length",
+        "voltage", "uncertainty", "checks", "credibility", "audit", "parameters", "plan",
     ]  # fmt: skip
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert "The solid model was not asked for" in html
@@ -66,6 +85,70 @@ def test_report_without_the_solid_says_so(tmp_path, monkeypatch):
     assert "at 50 V under the finger instead of this scene's 1 V, with a free tip" in text
     assert not re.search(r"\bnan\b|\bNone\b|Undefined", re.sub(r"<[^>]+>", " ", html))
     assert not any(step.startswith("solid.") for step in steps if "check" not in step)
+
+
+#: Rules for paper, put in force on the screen.
+PAPER = """
+  const rules = [...document.styleSheets].flatMap((sheet) => [...sheet.cssRules])
+    .filter((rule) => rule instanceof CSSMediaRule);
+  const under = (word) => rules.filter((rule) => rule.conditionText.includes(word))
+    .flatMap((rule) => [...rule.cssRules]);
+  const style = document.createElement('style');
+  style.textContent = under('print').map((rule) => rule.cssText).join(' ');
+"""
+
+
+def test_a_report_in_a_browser(prototype, driven):
+    """Opened where all is dark: what is pointed at, followed, and printed; light is no other."""
+    found = driven(
+        prototype[0],
+        f"""
+        const plot = one('figure:has(.values)'), drawn = plot.querySelectorAll('g[id^="axes_"]');
+        const panels = [...drawn].map((g) => g.querySelector('path').getBoundingClientRect());
+        found.panels = panels.length;
+        const point = (x, y) => plot.dispatchEvent(
+          new PointerEvent('pointermove', {{ clientX: x, clientY: y, bubbles: true }}));
+        const [first, second] = panels;
+        found.before = text('.told');
+        point(first.left - 20, first.top + 5); found.beside = text('.told');
+        point(first.left + 0.1, first.top + 5); found.low = text('.told');
+        point(second.right - 0.1, second.bottom - 5); found.high = text('.told');
+        found.frequencies = JSON.parse(text('.values')).frequency;
+        found.links = all('nav a').map((a) => [a.hash, one(a.hash) !== null]);
+        one('#parameters').scrollIntoView(); dispatchEvent(new Event('scroll'));
+        found.current = all('nav a[aria-current]').map((a) => a.hash);
+        found.parts = all('nav b').map((b) => b.textContent);
+        found.dark = matchMedia('(prefers-color-scheme: dark)').matches;
+        {PAPER}
+        found.darkened = under('dark').map((rule) => rule.selectorText).filter(one);
+        document.head.append(style);
+        found.paper = getComputedStyle(one('main')).backgroundColor;
+        found.rules = under('print').length;
+        found.moving = all('.tv, .up, .told').length;
+        const beyond = (node) => node.getBoundingClientRect().right > innerWidth + 1;
+        const wide = all('main *:not(svg *)').filter(beyond);
+        found.wide = wide.map((node) => node.outerHTML.slice(0, 90));
+        """,
+        "--blink-settings=preferredColorScheme=0",
+    )
+    assert found["panels"] == 6
+    assert found["before"] == found["beside"] == "Point at a panel: the values there."
+    assert found["low"].startswith("free tip, 10.00 Hz: lumped ")
+    assert "tmm " in found["low"]
+    assert "µm" in found["low"]
+    assert found["high"].startswith("under the finger, 1000 Hz: ")
+    assert found["frequencies"][0] == 10.0
+    assert len(found["frequencies"]) == 400
+    assert {"#what", "#response", "#plan"} <= {link for link, _ in found["links"]}
+    assert all(there for _, there in found["links"])
+    assert found["current"] == ["#parameters"]
+    assert found["parts"] == ["For the engineer", "Appendix"]
+    assert found["dark"]
+    assert found["darkened"] == []  # no rule for the dark: words and pictures are made for white
+    assert found["paper"] == "rgb(255, 255, 255)"
+    assert found["rules"] >= 1
+    assert found["moving"] == 0
+    assert found["wide"] == []
 
 
 def test_folder_is_checked_before_any_work(tmp_path):
@@ -127,32 +210,41 @@ def test_printing_without_a_browser_is_refused_before_any_work(tmp_path, monkeyp
     assert not (tmp_path / "out").exists()
 
 
-def test_a_page_prints_with_numbered_pages(tmp_path):
-    """Chromium makes a PDF of two pages; where anchors stand in it is found again."""
-    from tactgen.validation.view.browser import find_browser, print_pdf
-    from tactgen.validation.view.pdf_pages import anchor_pages
+def test_a_report_prints(prototype, tmp_path):
+    """Pages with numbers and none nearly empty; each section where the contents have it, once."""
+    browser = find_browser()
+    if browser is None or shutil.which("pdftotext") is None:
+        pytest.skip("no Chromium or no Poppler on this machine")
+    page = tmp_path / "page.html"
+    page.write_text(prototype[0], encoding="utf-8")
+    pdf = print_report(browser, page)
+    pages = said("pdftotext", "-layout", pdf, "-").decode().split("\f")[:-1]
+    assert [text.split("\n\n")[-1].strip() for text in pages] == [
+        f"{number} / {len(pages)}" for number in range(1, len(pages) + 1)
+    ]
+    titles = re.findall(r'<h2 id="\w+">(.*?)</h2>', prototype[0])
+    contents = "\n".join(pages[:2])
+    for title in titles:
+        (at,) = (
+            k for k, text in enumerate(pages, 1) if re.search(rf"^ *{title}$", text, re.MULTILINE)
+        )
+        assert re.search(rf"{title} +{at}\b", contents), title
+    drawn = said("pdftoppm", "-r", "12", "-gray", pdf).split(b"P5\n")[1:]
+    for picture in drawn[:-1]:
+        size, _, dots = picture.split(b"\n", 2)
+        width, height = map(int, size.split())
+        ink = (np.frombuffer(dots, np.uint8).reshape(height, width) < 220).any(axis=1)
+        # the foot with the page's number apart
+        assert np.flatnonzero(ink[: int(0.93 * height)])[-1] > 0.5 * height
 
-    found = find_browser()
-    if found is None:
-        pytest.skip("no Chromium on this machine")
-    page = tmp_path / "index.html"
-    page.write_text(
-        "<a href='#one'>1</a><a href='#two'>2</a><p id=one>one</p>"
-        "<p id=two style='break-before:page'>two</p>",
-        encoding="utf-8",
-    )
-    print_pdf(found, page, tmp_path / "page.pdf")
-    pdf = (tmp_path / "page.pdf").read_bytes()
-    assert pdf.startswith(b"%PDF")
-    assert pdf.count(b"/Type /Page\n") == 2
-    assert anchor_pages(pdf) == {"one": 1, "two": 2}
+
+def said(*command):
+    """Return what a command writes."""
+    return subprocess.run(command, check=True, capture_output=True).stdout
 
 
 def test_contents_have_page_numbers_where_a_printed_page_tells_them():
     """Of what is no PDF of Chromium's nothing is told, and the page stays as it is."""
-    from tactgen.validation.report.page import _with_pages
-    from tactgen.validation.view.pdf_pages import anchor_pages
-
     html = '<a href="#what">1 What <span class="page" data-of="what"></span></a>'
     assert ">12</span>" in _with_pages(html, {"what": 12, "elsewhere": 3})
     assert _with_pages(html, anchor_pages(b"%PDF-1.4 of another program")) == html

@@ -11,6 +11,7 @@ import pytest
 from tactgen.fem.solvers.threads import VARIABLE
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report import study
+from tactgen.validation.report.request import prepared
 from tactgen.validation.report.second_process import Ahead, ahead
 from tactgen.validation.report.sections.contents import alone, made_alone, made_apart
 from tactgen.validation.report.study import Study
@@ -55,7 +56,7 @@ def test_two_processes_share_the_cores(monkeypatch):
 
 
 def test_who_waits_makes_what_is_left():
-    """First what only this process makes, then the shortest that nobody has begun; once each."""
+    """In an order of its own, also what only this process makes; nothing begun; once each."""
     may_go_on, here = threading.Event(), []
 
     def make(asked, name):
@@ -71,7 +72,7 @@ def test_who_waits_makes_what_is_left():
 
     with ThreadPoolExecutor(1) as pool:
         other = Ahead(pool, make, "scene", ["long", "next", "shorter", "shortest"])
-        other.meanwhile(meanwhile, ["mine"])
+        other.meanwhile(meanwhile, ["mine", "long", "shortest", "shorter"])
         assert other.take("long", pytest.fail) == "long"
         assert here == ["mine", "shortest", "shorter"]
         assert [other.take(name, pytest.fail) for name in here] == [n.upper() for n in here]
@@ -82,7 +83,7 @@ def test_a_model_solved_elsewhere_is_not_solved_here(monkeypatch):
     """Its quantities, and what its stages gave and cost, come from there."""
     scene, origins = load_scene("prototype", ["models=lumped,tmm,beam"])
     monkeypatch.setattr(study, "model_apart", lambda _: "beam")
-    scene = study.prepared(scene, quick=True)
+    scene = prepared(scene, quick=True)
     found = pickle.loads(pickle.dumps(made_apart(Study(scene, origins, str, quick=True), "beam")))
     whole, steps = solve(scene), []
     with ThreadPoolExecutor(1) as pool:

@@ -8,16 +8,11 @@ from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.engine.plan import asks_display
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.report.request import model_apart, shown_model
 from tactgen.validation.report.second_process import Asked
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.report.study import (
-    INVARIANT_TOLERANCE,
-    Apart,
-    Study,
-    model_apart,
-    shown_model,
-)
+from tactgen.validation.report.study import INVARIANT_TOLERANCE, Apart, Study
 from tactgen.validation.scene.scene import Scene
 
 #: What is looked up rather than read.
@@ -64,8 +59,13 @@ _LIMITS, _APART = ("drive_limits",), ("holding", "length", "voltage", "stress")
 #: What stands alone beside a model, in the order in which another process makes it: first what
 #: takes the CAD kernel that the model has loaded, and what others need, then what takes longest.
 _ALONE = (
-    "pictures", "run", "rungs", "stress", "holding", "material", "length", "bridge",
+    "pictures", "run", "rungs", "bridge", "holding", "stress", "material", "length",
     "parameter_uncertainty", "load", "voltage", "drive_limits", "audit",
+)  # fmt: skip
+#: What the process that puts the report together makes while it waits, in this order.
+_MEANWHILE = (
+    "moving", "holding", "stress", "material", "length", "parameter_uncertainty", "load",
+    "voltage", "drive_limits", "audit",
 )  # fmt: skip
 
 
@@ -83,9 +83,10 @@ def alone(scene: Scene) -> tuple[str, ...]:
     return (*([apart] if apart else []), *(name for name in _ALONE if name not in unused))
 
 
-def here_only(scene: Scene) -> tuple[str, ...]:
-    """Return the names of parts that this process makes first while it waits for another."""
-    return ("moving",) if model_apart(scene) else ()
+def meanwhile(scene: Scene) -> tuple[str, ...]:
+    """Return the names of parts that the report's own process makes while it waits for another."""
+    known = {*alone(scene), *(("moving",) if model_apart(scene) else ())}
+    return tuple(name for name in _MEANWHILE if name in known)
 
 
 def made_alone(asked: Asked, name: str) -> Any:

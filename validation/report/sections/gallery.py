@@ -10,7 +10,8 @@ from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
-from tactgen.validation.report.study import Study, model_apart, shown_model
+from tactgen.validation.report.request import model_apart, shown_model
+from tactgen.validation.report.study import Study
 from tactgen.validation.view.page.html import fragment, inline
 
 if TYPE_CHECKING:

@@ -33,7 +33,7 @@ def contributors_plot(rows: Sequence[Uncertainty]) -> str:
             error_kw={"elinewidth": 1.0},
         )
         axis.invert_yaxis()
-        axis.set_title(row.target.label, fontsize=10)
+        axis.set_title(row.target.label, loc="right", fontsize=10)  # longer than the panel
         axis.tick_params(labelsize=8)
     for axis in axes[len(rows) :]:
         axis.set_visible(False)

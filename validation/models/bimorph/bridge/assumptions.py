@@ -152,7 +152,7 @@ def bridge(
         found = solve_solid(case)
         laminate = change.gives_up.laminate(consistent)
         predicted = beam_values(consistent, laminate) if laminate else _unknown()
-        far = beam_values(consistent, far_section(case, found)) if sections else _unknown()
+        far = beam_values(consistent, far_section(case, found.static)) if sections else _unknown()
         rungs.append(
             Rung(
                 name=" and ".join(c.name for c in passed),

@@ -53,7 +53,7 @@ def end_effect(scene: Scene, *, level: int = 1) -> EndEffect:
     case = SolidCase(scene.model_copy(update={"support": support}), level=level)
     cases = [case.shortened(share) for share in _SHARES]
     solved = [solve_solid(one) for one in cases]
-    own = far_section(case, solved[0])
+    own = far_section(case, solved[0].static)
     effects = [
         found.values.step_from(beam_values(one.scene, own))
         for one, found in zip(cases, solved, strict=True)

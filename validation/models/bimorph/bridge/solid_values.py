@@ -102,18 +102,16 @@ def tip_compliance(static: Multiport) -> Floats:
     return np.linalg.inv(static.block("w_tip", "psi_tip").stiffness[0].real)
 
 
-def far_section(case: SolidCase, longer: SolvedSolid) -> Section:
+def far_section(case: SolidCase, longer: Multiport) -> Section:
     """Return the section constants of a solid far from its ends.
 
-    `longer` is `case` solved; half its length is solved here.  Shear stiffness, mass and
+    `longer` is D(0) of `case`; half its length is solved here.  Shear stiffness, mass and
     rotary inertia stay the beam model's.
     """
     shorter = solve_static(case.shortened(0.5))
     added = 0.5 * case.scene.bimorph.length
-    turned, charge = (
-        a - b for a, b in zip(_per_volt(longer.static), _per_volt(shorter), strict=True)
-    )
-    bent = tip_compliance(longer.static)[1, 1] - tip_compliance(shorter)[1, 1]
+    turned, charge = (a - b for a, b in zip(_per_volt(longer), _per_volt(shorter), strict=True))
+    bent = tip_compliance(longer)[1, 1] - tip_compliance(shorter)[1, 1]
     stiffness = float(added / bent)
     moment = float(turned / added * stiffness)
     scene = case.scene

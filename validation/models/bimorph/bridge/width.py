@@ -13,7 +13,7 @@ from tactgen.tmm.beam.section.laminate import laminate_section
 from tactgen.validation.models.bimorph.bridge.solid_values import (
     SolidCase,
     far_section,
-    solve_solid,
+    solve_static,
 )
 from tactgen.validation.scene.scene import Scene
 
@@ -44,7 +44,7 @@ def _point(scene: Scene, width: float, level: int) -> WidthPoint:
     length = max(scene.bimorph.length, _LENGTHS * width)
     bimorph = scene.bimorph.model_copy(update={"width": width, "length": length})
     case = SolidCase(scene.model_copy(update={"bimorph": bimorph}), level=level)
-    own = far_section(case, solve_solid(case))
+    own = far_section(case, solve_static(case))
     device, beam = case.scene.device, scene.beam
     strip = laminate_section(device, beam, poisson=False, d32=False)
     plate = laminate_section(device, beam)

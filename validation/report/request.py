@@ -1,0 +1,110 @@
+"""What a report asks of a scene: which quantities by which models, at which frequencies."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import Any
+
+import numpy as np
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.models import MODELS, gives
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.plan import check_models
+from tactgen.validation.engine.solve import check_request
+from tactgen.validation.report.normal_actuator import needs_map
+from tactgen.validation.scene.scene import Scene
+
+#: Points of the frequency response in the report.
+_PLOT_POINTS = 400
+#: Accuracy that the quick version is content with.
+_QUICK_ACCURACY = 1e-2
+
+
+def shown_model(scene: Scene) -> str | None:
+    """Return the field model to be shown, if the scene asks for one: bricks before tetrahedra.
+
+    On the rod the bricks have no fields to show.
+    """
+    shown = ("cad",) if scene.support.kind == "rod" else ("solid", "cad")
+    return next((name for name in shown if name in scene.models), None)
+
+
+def model_apart(scene: Scene) -> str | None:
+    """Return the field model that stands beside the one that is shown: only its numbers count."""
+    others = {"solid", "cad"} & set(scene.models) - {shown_model(scene)}
+    return min(others) if shown_model(scene) and others else None
+
+
+def check_report(scene: Scene, *, quick: bool) -> None:
+    """Refuse at once, before anything is computed or written, what cannot be reported on.
+
+    Raises
+    ------
+    InputError
+        With the remedy.
+    """
+    asked = prepared(scene, quick=quick)
+    magnetic = any(QUANTITIES[name].actuator == "reluctance" for name in asked.quantities)
+    if magnetic and not scene.coil.current and scene.support.kind != "contact":
+        raise InputError(
+            "coil.current = 0 mA leaves nothing of the normal actuator to report; set the current "
+            "of interest, such as coil.current=130mA, or leave its models out"
+        )
+    check_request(asked, asked.models, asked.quantities)
+
+
+def prepared(scene: Scene, *, quick: bool) -> Scene:
+    """Return the scene with all quantities, a sweep dense enough to plot, coarser if quick.
+
+    An actuator of which the scene asks for no quantity, or no model, is left alone.
+
+    Raises
+    ------
+    InputError
+        If the scene asks for a quantity that none of its models can compute.
+    """
+    check_models(scene.models, scene.quantities)
+    about = {QUANTITIES[name].actuator for name in scene.quantities}
+    joined = about & {"generator", "display"}
+    if joined:
+        about.add("bimorph")
+    models = tuple(
+        name
+        for name in scene.models
+        if MODELS[name].actuator in about
+        or any(gives(name, q) for q in scene.quantities if QUANTITIES[q].actuator in joined)
+    )
+    quantities = quantities_of(models, about, quick=quick)
+    if scene.support.kind == "contact" and not scene.coil.current:
+        # without current a pull, an inductance say nothing: see Study.normal
+        own = (n for n in quantities if QUANTITIES[n].actuator != "reluctance" or is_of_rest(n))
+        quantities = tuple(own)
+    changes: dict[str, Any] = {"models": models, "quantities": quantities}
+    low, high = min(scene.frequency), max(scene.frequency)
+    if low < high and len(scene.frequency) < _PLOT_POINTS:
+        spaced = np.geomspace if 0.0 < 30.0 * low < high else np.linspace
+        changes["frequency"] = (low, *spaced(low, high, _PLOT_POINTS)[1:-1].tolist(), high)
+    if quick:
+        changes["accuracy"] = max(scene.accuracy, _QUICK_ACCURACY)
+    return scene.model_copy(update=changes)
+
+
+def quantities_of(models: Sequence[str], about: Collection[str], *, quick: bool) -> tuple[str, ...]:
+    """Return all quantities of some actuators that models give; if quick, none by slow maps."""
+    found = tuple(
+        name
+        for name, row in QUANTITIES.items()
+        if row.actuator in about and any(gives(m, name) for m in models)
+    )
+    slow = any(
+        needs_map(name) and gives(model, name) and not MODELS[model].quick
+        for name in found
+        for model in models
+    )
+    return tuple(name for name in found if not (quick and slow and needs_map(name)))
+
+
+def is_of_rest(quantity: str) -> bool:
+    """Return whether a quantity is about where the rod rests."""
+    return "rest" in QUANTITIES[quantity].needs
