@@ -129,10 +129,13 @@ def assemble(
     beams = [piece for piece in pieces if piece.section != "bond"]
     mesh, piece_of, joints = row_mesh(pieces, device.bimorph, elements)
     w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
-    constants = np.stack(
+    shares = _shares(w_space, piece_of)
+    constants = np.concatenate(
         [
-            section_constants(beams[k], device, beam, share, lossy=lossy)
-            for k, share in zip(piece_of, _shares(w_space, piece_of), strict=True)
+            section_constants(
+                piece, device, beam, shares[piece_of == k].ravel(), lossy=lossy
+            ).reshape(6, -1, shares.shape[1])
+            for k, piece in enumerate(beams)
         ],
         axis=1,
     )

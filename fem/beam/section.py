@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -126,6 +127,12 @@ def _cylinder_section(radius: float, device: Device, *, lossy: bool) -> Numbers:
 
 def gauss(low: Any, high: Any, points: int = 3) -> list[tuple[Any, Any]]:
     """Return points and weights between two ends, numbers or arrays."""
-    x, weights = np.polynomial.legendre.leggauss(points)
     centre, half = 0.5 * (low + high), 0.5 * (high - low)
-    return [(centre + half * float(a), half * float(b)) for a, b in zip(x, weights, strict=True)]
+    return [(centre + half * a, half * b) for a, b in _rule(points)]
+
+
+@cache
+def _rule(points: int) -> list[tuple[float, float]]:
+    """Return points and weights of Gauss' rule on −1 to 1."""
+    x, weights = np.polynomial.legendre.leggauss(points)
+    return list(zip(x.tolist(), weights.tolist(), strict=True))

@@ -96,7 +96,7 @@ CASES = [
     ("reluctance", (), "network", "pull_in_current"),
     ("reluctance", ("coil.current=50mA",), "network", "rod_position"),
     ("display", ("bimorph.tab_length=2mm",), "network", "pull_one_driven"),
-    ("reluctance", ("accuracy=1%",), "axisymmetric", "magnetic_force"),
+    ("reluctance", ("accuracy=10%",), "axisymmetric", "magnetic_force"),
     pytest.param(
         "reluctance", ("accuracy=10%",), "magnetic3d", "magnetic_force", marks=pytest.mark.heavy
     ),

@@ -39,12 +39,7 @@ def lossless():
 
 @pytest.fixture(scope="module")
 def lossy():
-    return assemble(Device(), bimorph_bricks(Device(), LEVELS[0]), lossy=True)
-
-
-@pytest.fixture(scope="module")
-def small():
-    """As `lossy`, on so few bricks as a reduction can still be wrong about."""
+    """On so few bricks as a reduction can still be wrong about."""
     bricks = BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=10.0, pieces=(4.0, 10.0))
     return assemble(Device(), bimorph_bricks(Device(), bricks), lossy=True)
 
@@ -132,15 +127,15 @@ def test_reduction_equals_direct_solution(lossy):
         assert error < 100.0 * bar + 1e-9
 
 
-def test_wide_sweep_adds_shifts(small):
+def test_wide_sweep_adds_shifts(lossy):
     """A request from 10 Hz to 100 kHz is as good at its ends as two narrow ones.
 
     One shift near the top is worthless at the bottom; the estimate must see that.
     """
     wide = np.array([10.0, 500.0, 1065.0, 3300.0, 6600.0, 100000.0])
-    got = reduce_to_ports(small, wide).multiport(wide).stiffness
+    got = reduce_to_ports(lossy, wide).multiport(wide).stiffness
     for i in (0, 2, 5):  # the ends, and the first resonance
-        exact = direct_multiport(small, wide[i]).stiffness[0]
+        exact = direct_multiport(lossy, wide[i]).stiffness[0]
         size = np.sqrt(np.abs(np.diag(exact)))
         # the tolerance asked for is 1e-6 in the estimate
         assert (np.abs(got[i] - exact) / np.outer(size, size)).max() < 1e-5
@@ -249,7 +244,7 @@ def test_base_that_is_not_held_has_elastic_modes_only(lossless, loose):
 
 def test_tip_mass_stays_out_of_motions_without_ports():
     """Torsion and axial motion leave the tip's mean displacement at rest: the quarter knows."""
-    system = assemble(Device(), bimorph_bricks(Device(), LEVELS[0]), lossy=False)
+    system = assemble(Device(), bimorph_bricks(Device(), COARSE), lossy=False)
     for motion in ("bending_y", "torsion", "axial"):
         plain, loaded = (
             natural_modes(system.related(motion), Ends(tip=TipLoad(mass=mass)), 2)
@@ -258,6 +253,7 @@ def test_tip_mass_stays_out_of_motions_without_ports():
         assert [m.frequency for m in loaded] == [m.frequency for m in plain]
 
 
+@pytest.mark.usefixtures("own_store", "coarse_bricks")
 @pytest.mark.parametrize("springs", [(0.0, 0.24), (3e6, 0.0), (0.0, 0.0)])
 @pytest.mark.parametrize("tip_stiffness", [0.0, 1e3])
 def test_only_motions_that_no_spring_resists_are_left_out(springs, tip_stiffness):

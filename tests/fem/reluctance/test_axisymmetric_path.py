@@ -11,7 +11,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 
 NAMES = tuple(FieldErrors.__dataclass_fields__)
-PLACES = np.linspace(-1.0, 1.0, 9)
+PLACES = np.linspace(-1.0, 1.0, 7)
 THICKNESSES = 0.5e-3 + 0.1e-3 * PLACES
 
 
@@ -22,11 +22,11 @@ def device(thickness):
 @cache
 def along():
     path = FieldPath(Device(), 0.2e-3, order=3, refinement=0.5)
-    middle_first = sorted(range(9), key=lambda n: abs(n - 4))
+    middle_first = sorted(range(7), key=lambda n: abs(n - 3))
     found = {
         n: path.at(device(THICKNESSES[n]), 0.13, 0.2e-3, PLACES[n : n + 1]) for n in middle_first
     }
-    return [found[n] for n in range(9)]
+    return [found[n] for n in range(7)]
 
 
 @cache

@@ -37,7 +37,8 @@ from tactgen.validation.checks.cases.magnetics.sphere_mesh import (
     sphere_mesh,
 )
 
-DOWN = np.array([0.0, 0.0, -1.0])
+UP = np.array([0.0, 0.0, 1.0])
+DOWN = -UP
 STEP = 2e-6  # m, beside a gap of 1.5 mm
 
 
@@ -93,20 +94,30 @@ def force_on_ball():
 
 
 @cache
-def ball_force_errors(potential, *, curved):
-    """Relative error of stress and of virtual work, two intervals along each edge."""
+def ball(potential, *, curved):
+    """A ball in the growing field, two intervals along each edge: problem, weight and stress."""
     mesh = mirrored(sphere_mesh(2, curved=curved), axis=2)
     problem = MagneticSolid(
         mesh, {"ball": linear(PERMEABILITY)}, growing_field, flux_normal=("outer",), copies=4
     )
     solid = sample(problem)
     weight = harmonic_weight(solid, ("ball",), ("air",))
-    up = np.array([0.0, 0.0, 1.0])
-    stress = eggshell_force(potential(solid).solve(1.0), weight, up)
+    return problem, weight, eggshell_force(potential(solid).solve(1.0), weight, UP)
+
+
+def stress_error(potential, *, curved):
+    """Relative error of the eggshell's force."""
+    return ball(potential, curved=curved)[2] / force_on_ball() - 1.0
+
+
+@cache
+def work_error(potential):
+    """Relative error of virtual work, on curved cells."""
+    problem, weight, _ = ball(potential, curved=True)
     work = virtual_work_force(
-        problem, weight, up, 1e-3, lambda other: potential(sample(other)).solve(1.0).coenergy
+        problem, weight, UP, 1e-3, lambda other: potential(sample(other)).solve(1.0).coenergy
     )
-    return stress / force_on_ball() - 1.0, work / force_on_ball() - 1.0
+    return work / force_on_ball() - 1.0
 
 
 @pytest.mark.parametrize(
@@ -123,10 +134,10 @@ def test_force_on_a_ball_in_a_growing_field(potential, flat):
     Measured for 2, 3, 4 intervals: curved −0.34, −0.07, −0.02 % by A and −0.17, −0.03,
     −0.01 % by φ; straight −6, −2.8, −1.6 % by either, which is the ball's missing volume.
     """
-    stress, work = ball_force_errors(potential, curved=True)
-    assert max(abs(stress), abs(work)) < 5e-3
+    stress = stress_error(potential, curved=True)
+    assert max(abs(stress), abs(work_error(potential))) < 5e-3
     if flat:
-        assert abs(ball_force_errors(potential, curved=False)[0]) > 10.0 * abs(stress)
+        assert abs(stress_error(potential, curved=False)) > 10.0 * abs(stress)
 
 
 def test_routes_are_one_derivative_on_curved_cells():
@@ -134,8 +145,8 @@ def test_routes_are_one_derivative_on_curved_cells():
 
     Two quite different programs, one number, to the error of the difference quotient.
     """
-    stress, work = ball_force_errors(VectorPotential, curved=True)
-    assert stress == pytest.approx(work, abs=1e-6)
+    stress = stress_error(VectorPotential, curved=True)
+    assert stress == pytest.approx(work_error(VectorPotential), abs=1e-6)
 
 
 # Two long conductors: ANSYS verification manual, VM188

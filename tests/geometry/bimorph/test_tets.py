@@ -29,7 +29,7 @@ from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
 
 GENERATOR = Device(bimorph=Bimorph(tab_length=0.4e-3))
 #: Finer at the root.
-GRADED = TetMeshing(edge_length=0.5e-3, root_edge_length=0.12e-3, grading=0.2)
+GRADED = TetMeshing(edge_length=0.8e-3, root_edge_length=0.2e-3, grading=0.3)
 ON_ROD = ("piezo_top", "piezo_bottom", "shim", "glue", "rod")
 
 

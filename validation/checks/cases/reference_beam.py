@@ -150,7 +150,7 @@ def _exponential(rows: list[list[tuple[int, Any]]]) -> mp.matrix:
     """Return exp of a matrix of few entries, given as (column, value) by row.
 
     Its power series in whole numbers, multiples of 2^-_FIXED, of the real matrix
-    [[A, -B], [B, A]] for A + jB: an entry that is 0 costs nothing.
+    [[A, -B], [B, A]] for A + jB, or of A alone: an entry that is 0 costs nothing.
     """
     n = len(rows)
     real, imaginary = (
@@ -158,9 +158,10 @@ def _exponential(rows: list[list[tuple[int, Any]]]) -> mp.matrix:
         for part in (mp.re, mp.im)
     )
     twice = [[*a, *((j + n, -v) for j, v in b)] for a, b in zip(real, imaginary, strict=True)]
-    twice += [[*b, *((j + n, v) for j, v in a)] for a, b in zip(real, imaginary, strict=True)]
+    if any(v for row in imaginary for _, v in row):
+        twice += [[*b, *((j + n, v) for j, v in a)] for a, b in zip(real, imaginary, strict=True)]
     entries = [[(j, v) for j, v in row if v] for row in twice]
-    power = [[int(i == j) << _FIXED for j in range(n)] for i in range(2 * n)]
+    power = [[int(i == j) << _FIXED for j in range(n)] for i in range(len(entries))]
     total, k, ended = power, 0, 0
     # any power is made of the n before it (Cayley, Hamilton): n that are rounding end the series
     while ended < n:
@@ -171,7 +172,7 @@ def _exponential(rows: list[list[tuple[int, Any]]]) -> mp.matrix:
         ]
         ended = ended + 1 if all(abs(v) <= 1 for row in power for v in row) else 0
     back = [[mp.ldexp(mp.mpf(v), -_FIXED) for v in row] for row in total]
-    return mp.matrix(back[:n]) + mp.j * mp.matrix(back[n:])
+    return mp.matrix(back[:n]) + (mp.j * mp.matrix(back[n:]) if back[n:] else mp.zeros(n))
 
 
 def _combined(row: list[tuple[int, int]], power: list[list[int]]) -> list[int]:
