@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import pytest
 
+from tactgen.geometry.bimorph.brick_family import LEVELS
+from tactgen.validation.checks import bimorph_measurements
 from tactgen.validation.checks.amplitude import AMPLITUDE_CHECKS
 from tactgen.validation.checks.bimorph import CHECKS
 from tactgen.validation.checks.cases.magnetics import coaxial_coils, square_law
@@ -12,6 +14,7 @@ from tactgen.validation.checks.display import DISPLAY_CHECKS
 from tactgen.validation.checks.motion import MOTION_CHECKS
 from tactgen.validation.checks.reluctance import MAGNETIC_CHECKS
 from tactgen.validation.checks.row import run_check
+from tactgen.validation.models.bimorph.bridge import solid_values
 
 ALL = (*CHECKS, *MAGNETIC_CHECKS, *AMPLITUDE_CHECKS, *MOTION_CHECKS, *DISPLAY_CHECKS)
 
@@ -20,6 +23,16 @@ ALL = (*CHECKS, *MAGNETIC_CHECKS, *AMPLITUDE_CHECKS, *MOTION_CHECKS, *DISPLAY_CH
 #: (tests/validation/engine/test_refinement.py), of the force and its
 #: derivative in another state.
 _ELSEWHERE = ("SOL-1", "SOL-2", "FORCE-2", "FORCE-3", "FORCE-D2", "FORCE-D3", "FORCE-D4")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarsest():
+    """Take the coarsest bricks for what bridges from a beam to the solid."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(solid_values, "LEVELS", LEVELS[:1] * len(LEVELS))
+        yield
+    for bridged in (bimorph_measurements._clamped_bridge, bimorph_measurements._ends_rest):
+        bridged.cache_clear()
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from tactgen.validation.models.bimorph.family.solid_family import is_family_key
 from tactgen.validation.models.bimorph.solid import SolidModel, level_for
 from tactgen.validation.scene.scene import load_scene
 
-COARSE = RodMeshing((2, 2, 3), 0.8, 1.0, tip=2.0, share=1e-5)
+COARSE = RodMeshing((2, 2, 3), 0.8, 2.0, tip=2.0, share=1e-5)
 FREQUENCIES = "short_circuit_frequencies"
 
 
@@ -46,7 +46,7 @@ def test_responses_with_losses_are_those_of_the_whole():
     the stretch do better than coarse bricks, 1e-6 of f₁.
     """
     device = scene_with().device
-    frequencies = np.array([10.0, 300.0, 361.0, 420.0, 1000.0])
+    frequencies = np.array([10.0, 361.0, 1000.0])
     whole, parts = (
         reduced_solid(device, make(device, COARSE), frequencies, tolerance=1e-6)
         .multiport(frequencies)

@@ -82,6 +82,7 @@ def test_without_webgl_the_still_is_shown(page, driven):
     found = driven(
         page.replace("<head>", "<head><script>delete window.WebGL2RenderingContext;"
                      "HTMLCanvasElement.prototype.getContext = () => null</script>", 1),
-        "found.shown = all('img').map((img) => img.alt); found.panel = all('.td-panel').length;"
+        "found.shown = all('img').map((img) => img.alt); found.panel = all('.td-panel').length;",
+        "--disable-gpu",
     )  # fmt: skip
     assert found == {"shown": ["two posts on a board"], "panel": 0}

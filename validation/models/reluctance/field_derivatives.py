@@ -76,15 +76,16 @@ def exact_derivatives(
     """
     from tactgen.fem.reluctance.axisymmetric.path import FieldPath
 
-    base = solve(scene, ("axisymmetric",), quantities, announce)
     refinement = next(fineness for bar, fineness in REFINEMENTS if scene.accuracy >= bar)
+    varied = [_Key(scene, changed, key, refinement) for key in keys]  # before all that takes time
+    base = solve(scene, ("axisymmetric",), quantities, announce)
     slopes: dict[str, dict[str, Numbers]] = {name: {} for name in quantities}
     bars: dict[str, dict[str, Floats]] = {name: {} for name in quantities}
     home = FieldPath(scene.device, scene.gap, refinement=refinement)
     home.at(scene.device, scene.coil.current, scene.gap, np.zeros(1))
-    for number, key in enumerate(keys):
+    for number, (key, each) in enumerate(zip(keys, varied, strict=True)):
         announce(f"axisymmetric: derivative {number + 1} of {len(keys)}, {key}")
-        found = _Key(scene, changed, key, refinement).slopes(home, quantities)
+        found = each.slopes(home, quantities)
         if found is None:  # edges that no grid can follow
             other = by_differences(scene, changed, "axisymmetric", quantities, [key], announce)
             found = {d.quantity.name: (d.slopes[key], d.bars[key]) for d in other}
@@ -113,14 +114,15 @@ class _Key:
         self._refinement = refinement
         self._value = float(value_of(scene, key))
         self._distance = within(changed, key, self._value, _DISTANCE * abs(self._value))
+        self._scenes = [self._at(float(place)) for place in PLACES]
 
     def slopes(
         self, home: FieldPath, quantities: Sequence[str]
     ) -> dict[str, tuple[Numbers, Floats]] | None:
         """Return by quantity the derivative and its bar; None where no grid follows the key."""
-        scenes = [self._at(float(place)) for place in PLACES]
-        if all(home.reaches(each.device, each.gap) for each in scenes):
-            points = [_solved(home.fork(), s, x) for s, x in zip(scenes, PLACES, strict=True)]
+        if all(home.reaches(each.device, each.gap) for each in self._scenes):
+            places = zip(self._scenes, PLACES, strict=True)
+            points = [_solved(home.fork(), s, x) for s, x in places]
             return {name: self._central(_values(points, name)) for name in quantities}
         sides = []
         for side in (1.0, -1.0):

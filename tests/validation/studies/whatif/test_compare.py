@@ -96,6 +96,7 @@ def test_a_browser_has_no_complaint(capsys, tmp_path, driven):
         """found.cells = all('td').map((cell) => cell.textContent);
         found.pictures = all('figure > svg').map((svg) => svg.getAttribute('aria-label'));
         found.wide = document.documentElement.scrollWidth - window.innerWidth;""",
+        "--disable-gpu",
     )
     assert found["cells"][:3] == ["drive.voltage", "1 V", "2 V"]
     assert "+100.000 %" in found["cells"]

@@ -89,20 +89,31 @@ const note = (name) => {
 
 
 def test_sliders_and_choices_change_what_is_shown(tmp_path, driven):
-    """In a browser: the study's own values at each stop, one key from point to point."""
-    study, page, _ = written(
+    """In a browser: the study's own values at each stop, one key from point to point.
+
+    A point without a value has no mark: not that of another point that happens to have one.
+    """
+    study, page, data = written(
         tmp_path, "bimorph.length=16mm,14mm,15mm", "load.kind=none,finger",
         models=("tmm", "lumped"), quantities=(*STATIC, "tip_displacement"),
     )  # fmt: skip
+    values = data["grids"][0]["numbers"][STATIC[0]]["value"]
+    without = [value if place != 3 else None for place, value in enumerate(values)]
     found = driven(
-        page,
+        page.replace(json.dumps(values), json.dumps(without), 1),
         NOTE
         + """note('first'); set('#slider-0', 0); note('shortest'); set('#slider-0', 2);
         note('longest'); set('#sliders select', 1, 'change'); note('finger');
+        set('#slider-0', 0); note('none'); set('#slider-0', 2);
         set('#quantity', 1, 'change'); note('other');
         found.stops = +one('#slider-0').max + 1;""",
+        "--disable-gpu",
     )
     assert found["stops"] == 3
+    # 14 mm under the finger, by tmm
+    assert found["none"]["cells"][1] == "no value"
+    assert [len(found[at]["marks"]) for at in ("none", "finger")] == [1, 2]
+    assert found["none"]["marks"] == found["shortest"]["marks"][:1]
     said = [found[at]["said"] for at in ("shortest", "first", "longest")]
     assert said == ["14.000 mm", "15.000 mm", "16.000 mm"]
     # the marks of both models stand together, further right at each stop
@@ -120,18 +131,3 @@ def test_sliders_and_choices_change_what_is_shown(tmp_path, driven):
                 )
     assert found["finger"]["label"] == "static_tip_displacement over bimorph.length by tmm, lumped"
     assert found["other"]["label"] == "tip_displacement over bimorph.length by tmm, lumped"
-
-
-def test_a_point_without_a_value_has_no_mark(tmp_path, driven):
-    """The mark stands at the slider's point, not at another that happens to have a value."""
-    _, page, data = written(tmp_path, "bimorph.length=14mm:16mm:3")
-    values = data["grids"][0]["numbers"][STATIC[0]]["value"]
-    page = page.replace(json.dumps(values), json.dumps([None, *values[1:]]))
-    found = driven(
-        page,
-        NOTE
-        + "note('middle'); set('#slider-0', 2); note('end'); set('#slider-0', 0); note('none');",
-    )
-    assert found["none"]["cells"][1] == "no value"
-    assert [len(found[at]["marks"]) for at in ("none", "middle", "end")] == [0, 1, 1]
-    assert found["middle"]["marks"] < found["end"]["marks"]
