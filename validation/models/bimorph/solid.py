@@ -47,10 +47,11 @@ class SolidModel(TwoMeshModel):
     @classmethod
     def check(cls, scene: Scene) -> None:
         """Refuse what bricks do not know: profiles, layers that slide; on the rod also others."""
-        check_constant_section(scene.device)
-        check_bonded(scene.device)
+        device = scene.device
+        check_constant_section(device)
+        check_bonded(device)
         if scene.support.kind == "rod":
-            check_plain_layers(scene.device)
+            check_plain_layers(device)
 
     @classmethod
     def finest(cls, scene: Scene) -> float:

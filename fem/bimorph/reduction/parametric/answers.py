@@ -120,10 +120,10 @@ def softest(stiffness: Floats, mass: Floats, count: int) -> tuple[Floats, Floats
     size, block = stiffness.shape[1], 2 * count + _SPARE
     if size <= 2 * block:
         return _all_pairs(stiffness, mass)
-    inverse = np.linalg.inv(stiffness)
-    basis = inverse @ (mass @ np.random.default_rng(4).standard_normal((size, block)))
+    softness = np.linalg.solve(stiffness, mass)
+    basis = softness @ np.random.default_rng(4).standard_normal((size, block))
     for _ in range(_ITERATIONS):
-        basis = inverse @ (mass @ np.linalg.qr(basis)[0])
+        basis = softness @ np.linalg.qr(basis)[0]
     basis = np.linalg.qr(basis)[0]
     across = np.swapaxes(basis, 1, 2)
     values, vectors = _all_pairs(across @ (stiffness @ basis), across @ (mass @ basis))

@@ -10,7 +10,9 @@ import numpy as np
 
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.answers import family_modes
+from tactgen.fem.bimorph.reduction.parametric.expansion import Coefficients
 from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily
+from tactgen.fem.bimorph.reduction.parametric.reduced import Members
 from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.multiport import in_series, round_off
@@ -77,11 +79,11 @@ def family_values(
         if not gives_family(name):
             raise InputError(f'quantity "{name}" is not read off a family of the solid')
     count = next(iter(points.values())).size
-    parts = [
-        _Chunk(scene, family, {key: at[i : i + _AT_ONCE] for key, at in points.items()})
-        for i in range(0, count, _AT_ONCE)
-    ]
-    return {name: joined([part.read(name) for part in parts]) for name in quantities}
+    parts: list[dict[str, FamilyValues]] = []
+    for i in range(0, count, _AT_ONCE):
+        some = _Chunk(scene, family, {key: at[i : i + _AT_ONCE] for key, at in points.items()})
+        parts.append({name: some.read(name) for name in quantities})
+    return {name: joined([part[name] for part in parts]) for name in quantities}
 
 
 def joined(parts: list[FamilyValues]) -> FamilyValues:
@@ -112,6 +114,8 @@ class _Chunk:
         self._scene, self._family, self._values = scene, family, values
         self._forms: dict[bool, tuple[MixedForm, MixedForm]] = {}
         self._modes: dict[bool, tuple[_Level, _Level]] = {}
+        self._worth: dict[tuple[bool, bool], Coefficients] = {}
+        self._members: dict[tuple[bool, Motion, bool], Members] = {}
 
     def read(self, name: str) -> FamilyValues:
         """Return a quantity."""
@@ -155,7 +159,7 @@ class _Chunk:
         return self._forms[static]
 
     def _form(self, level: ReducedFamily, *, static: bool) -> MixedForm:
-        members = level.members("bending_x", self._scene.device, self._values, lossy=not static)
+        members = self._of(level, "bending_x", lossy=not static)
         if static:
             return MixedForm.static(members)
         form = MixedForm.harmonic(members, np.asarray(self._scene.frequency, dtype=float))
@@ -166,6 +170,19 @@ class _Chunk:
                 "basis is made of; ask for more modes or a lower frequency"
             )
         return form
+
+    def _of(self, level: ReducedFamily, motion: Motion, *, lossy: bool = False) -> Members:
+        """Return the small systems of the members on one of the two levels."""
+        fine = level is self._family.fine
+        if (fine, lossy) not in self._worth:
+            self._worth[fine, lossy] = level.terms.coefficients(
+                self._scene.device, self._values, lossy=lossy
+            )
+        if (fine, motion, lossy) not in self._members:
+            self._members[fine, motion, lossy] = level.motions[motion].members(
+                level.terms, self._worth[fine, lossy]
+            )
+        return self._members[fine, motion, lossy]
 
     def _levels(self, *, open_circuit: bool) -> tuple[_Level, _Level]:
         if open_circuit not in self._modes:
@@ -179,7 +196,7 @@ class _Chunk:
     def _level(self, level: ReducedFamily, *, open_circuit: bool) -> _Level:
         frequencies, bounds, kinds = {}, {}, {}
         for motion, count in self._family.counts(self._scene.modes).items():
-            members = level.members(motion, self._scene.device, self._values)
+            members = self._of(level, motion)
             found = family_modes(members, self._scene.ends, count, open_circuit=open_circuit)
             frequencies[motion], bounds[motion] = found.frequencies, found.bars
             if level is self._family.fine:
