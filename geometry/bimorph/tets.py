@@ -59,10 +59,12 @@ _ENVELOPE_PER_EDGE = 0.05
 #: … of the shortest one where sizes are given point by point.
 _ENVELOPE_PER_SHORTEST = 0.25
 
-#: A mesh that fails its checks is tried again with a tighter envelope, and so is one on which
-#: the mesher got stuck: each attempt has this share of the time that is left.
-_SHARES = (0.25, 0.35, 1.0)
-_TIGHTER = 0.7
+#: A mesh that fails its checks is tried again with a tighter envelope, then with smaller elements
+#: besides, and so is one on which the mesher got stuck.  Of each attempt: its share of the time
+#: that is left, its envelope and its sizes relative to the first.
+_ATTEMPTS = (
+    (0.25, 1.0, 1.0), (0.35, 0.7, 1.0), (0.5, 0.49, 1.0), (0.7, 0.7, 0.85), (1.0, 0.49, 0.7)
+)  # fmt: skip
 
 #: Distance of the triangulated from the true cylinders, as a share of the thinnest feature.
 #: A closer triangulation has narrower triangles, on which the mesher gets stuck.
@@ -249,7 +251,7 @@ def _first_good_mesh(
     stretching: Stretching,
     mesher: Mesher,
 ) -> Mesh:
-    """Return the first mesh that passes all checks, with a tighter envelope each time."""
+    """Return the first mesh that passes all checks: :data:`_ATTEMPTS` says what is tried."""
     deadline = time.monotonic() + options.time_limit
     thinnest = thinnest_feature(solids)
     deflection = _DEFLECTION * thinnest
@@ -260,16 +262,16 @@ def _first_good_mesh(
     widest = min(_ENVELOPE * thinnest, _ENVELOPE_PER_EDGE * length)
     if sizing is not None:
         widest = min(widest, _ENVELOPE_PER_SHORTEST * float(sizing.lengths.min()) * MM)
-    for attempt, share in enumerate(_SHARES):
-        envelope = widest * _TIGHTER**attempt
+    for number, (share, tighter, smaller) in enumerate(_ATTEMPTS, 1):
+        envelope = widest * tighter
         limit = share * max(deadline - time.monotonic(), 0.0)
         try:
             raw, tets = run_ftetwild(
                 surface,
                 tessellation.triangles,
-                edge_length=length,
+                edge_length=smaller * length,
                 envelope=envelope,
-                sizing=field,
+                sizing=field and field.scaled(smaller),
                 time_limit=limit,
                 mesher=mesher,
             )
@@ -289,7 +291,7 @@ def _first_good_mesh(
                     f"no mesh was done and passed its checks within {options.time_limit:g} s; "
                     "raise the time limit or the edge length"
                 ) from error
-            if attempt == len(_SHARES) - 1:
+            if number == len(_ATTEMPTS):
                 raise
     raise AssertionError("unreachable: the last attempt returns or raises")
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -52,6 +52,10 @@ class SizingField:
     points: Floats
     tets: Ints
     lengths: Floats
+
+    def scaled(self, factor: float) -> SizingField:
+        """Return the field with all lengths times a factor."""
+        return replace(self, lengths=factor * self.lengths)
 
 
 def run_ftetwild(

@@ -7,6 +7,7 @@ import meshio
 import numpy as np
 import pytest
 
+from tactgen.geometry.bimorph import tets
 from tactgen.geometry.bimorph.tets import MeshError, TetMeshing, squeezed, tetrahedralise
 from tactgen.geometry.cad.solids import build_solids, fuse
 from tactgen.geometry.cad.tessellation import tessellate
@@ -211,6 +212,37 @@ def test_mesher_that_crashes_is_explained(monkeypatch):
     monkeypatch.setattr(ftetwild, "_WORKER", "-c import os; os.abort()")
     with pytest.raises(MeshError, match="fTetWild failed"):
         tetrahedralise(Device(), "alone", options=TetMeshing(edge_length=0.45e-3))
+
+
+@pytest.mark.parametrize("failures", [3, 5])
+def test_mesh_that_fails_its_checks_is_tried_otherwise(failures, bimorph, monkeypatch):
+    """First closer to the surface, then with smaller elements too; the fifth refusal stands."""
+    tried = []
+
+    def recorded(*_, edge_length, envelope, sizing, **__):
+        tried.append((envelope, edge_length, sizing.lengths.min()))
+        return np.zeros((0, 3)), np.zeros((0, 4), dtype=int)
+
+    def checked(*_):
+        if len(tried) <= failures:
+            raise MeshError(f"no good: {len(tried)}")
+        return bimorph
+
+    monkeypatch.setattr(tets, "run_ftetwild", recorded)
+    monkeypatch.setattr(tets, "conform", checked)
+    options = replace(GRADED, edge_length=0.5e-3 + failures * 1e-6)  # none that is kept
+    if failures == 5:
+        with pytest.raises(MeshError, match="no good: 5"):
+            tetrahedralise(Device(), "alone", options=options)
+    else:
+        assert_same(tetrahedralise(Device(), "alone", options=options), bimorph)
+    envelope, edge_length, sizes = (np.array(tried) / tried[0]).T
+    assert envelope.size == min(failures + 1, 5)
+    assert np.all(np.diff(envelope[:3]) < 0.0)
+    assert np.all(envelope[1:] < 1.0)
+    assert edge_length[:3] == pytest.approx(1.0)
+    assert np.all(np.diff(edge_length[2:]) < 0.0)
+    assert sizes == pytest.approx(edge_length)
 
 
 def test_gap_too_thin_to_mesh_is_refused():
