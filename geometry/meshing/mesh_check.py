@@ -126,7 +126,7 @@ def check_conformity(tets: Ints, n_skin: int) -> None:
 
 
 def check_shape(points: Floats, tets: Ints) -> None:
-    """Refuse flat or inverted elements.
+    """Refuse flat elements; inverted ones have turned volumes (:func:`check_volumes`).
 
     Raises
     ------
@@ -142,5 +142,5 @@ def check_shape(points: Floats, tets: Ints) -> None:
 
 
 def is_poor(points: Floats, tets: Ints) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Return which tetrahedra (n, 4) are flat or inverted."""
+    """Return which tetrahedra (n, 4) are flat; those inside out have the same angles."""
     return np.asarray(smallest_dihedral_angles(points[tets]) < SMALLEST_ANGLE)

@@ -14,7 +14,7 @@ READERS = (
 )  # fmt: skip
 #: Processor time (s), as measured while noting, that the tests on one mistake may take:
 #: those of its own room, which are run alone first, and all.
-NEAR, BUDGET = 5.0, 20.0
+NEAR, BUDGET = 3.0, 10.0
 #: What it costs to collect one more file of tests (s).
 FILE = 0.15
 

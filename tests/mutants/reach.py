@@ -18,9 +18,9 @@ PACKAGES = ("geometry", "tmm", "fem", "validation")
 #: Tests may start commands in an environment of their own, in which nothing is noted.
 _NOTEBOOK = """
 try:
-    from reach import SEEN as _seen
+    from reach import SEEN as _reached
 except ImportError:
-    _seen = set()
+    _reached = set()
 """
 #: Functions entered since the last test began.
 SEEN: set[str] = set()
@@ -46,7 +46,7 @@ def _note(node: ast.AST, place: str) -> bool:
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.FunctionDef):
             at = 1 if ast.get_docstring(child) is not None else 0
-            child.body.insert(at, ast.parse(f"_seen.add({place + child.name!r})").body[0])
+            child.body.insert(at, ast.parse(f"_reached.add({place + child.name!r})").body[0])
             any_found = True
         else:
             inner = f"{place}{child.name}." if isinstance(child, ast.ClassDef) else place

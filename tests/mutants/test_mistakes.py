@@ -77,7 +77,7 @@ def test_a_method_is_named_after_its_class_and_both_tools_agree(tool, tmp_path):
     (found,) = tool("mistakes").mistakes_in(tmp_path, "fem/a.py")
     tool("reach").instrument(tmp_path)
     assert found.function == "A.f"
-    assert "_seen.add('fem/a.py::A.f')" in (tmp_path / "fem/a.py").read_text("utf-8")
+    assert "_reached.add('fem/a.py::A.f')" in (tmp_path / "fem/a.py").read_text("utf-8")
 
 
 def _line(test, entered, when="call", seconds=0.1):

@@ -1,0 +1,191 @@
+"""What a program made wrong is refused where it is seen: meshes, stored values, steps, pages."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tactgen.fem.elements.skfem_mesh import _facets
+from tactgen.geometry.bimorph.brick_family import bimorph_bricks
+from tactgen.geometry.bimorph.brick_parts import in_parts
+from tactgen.geometry.bimorph.tets import _refuse_too_thin
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError, MeshError
+from tactgen.geometry.meshing.mesh_check import (
+    check_areas,
+    check_conformity,
+    check_shape,
+    check_volumes,
+)
+from tactgen.geometry.store.values import from_bytes, storable, to_bytes
+from tactgen.tmm.generator.transient import newton
+from tactgen.validation.command_line.streams import _plainly
+from tactgen.validation.models import ladder
+from tactgen.validation.models.bimorph.meshes import cells_of
+from tactgen.validation.studies.identification import measured_data
+from tactgen.validation.studies.transient.film import _film
+from tactgen.validation.view import browser
+
+#: A straight tetrahedron of ten nodes, its volume 1/6 and its slanted face.
+CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+EDGES = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]
+POINTS = np.concatenate([CORNERS, [CORNERS[list(edge)].mean(axis=0) for edge in EDGES]])
+CELL = np.arange(10)[None]
+
+
+@pytest.mark.parametrize(
+    ("moved", "volume", "message"),
+    [
+        (None, 1.0 / 6.0, ""),
+        (None, 1.001 / 6.0, r"volume of shim is 0\.166667 mm\^3 in the mesh but 0\.166833"),
+        (None, 0.999 / 6.0, r"volume of shim .* \(\+0\.1 %\)"),
+        ((4, [0.0, 0.6, 0.6]), 1.0 / 6.0, "folds over"),
+    ],
+)
+def test_cells_that_fold_or_do_not_add_up(moved, volume, message):
+    """A node between two others that is far off, and CAD volumes that are a thousandth off."""
+    points = POINTS.copy()
+    if moved:
+        points[moved[0]] = moved[1]
+    if not message:
+        check_volumes(points, CELL, np.array([0]), {"shim": volume}, {"shim"})
+        return
+    with pytest.raises(MeshError, match=message):
+        check_volumes(points, CELL, np.array([0]), {"shim": volume}, {"shim"})
+
+
+@pytest.mark.parametrize(
+    ("tets", "skin"),
+    [([[0, 1, 2, 3], [0, 1, 2, 4], [0, 1, 2, 5]], 9), ([[0, 1, 2, 3]], 3)],
+)
+def test_cells_that_do_not_share_their_faces(tets, skin):
+    """Three at one face; and one face more than the surface has."""
+    check_conformity(np.array([[0, 1, 2, 3], [0, 1, 2, 4]]), 6)
+    with pytest.raises(MeshError, match="do not share their faces"):
+        check_conformity(np.array(tets), skin)
+
+
+def test_a_face_that_its_triangles_do_not_fill():
+    """CAD says 1 % more than the mesh has."""
+    triangle, place = np.array([[0, 1, 2, 4, 5, 6]]), np.array([0])
+    face = SimpleNamespace(sides=frozenset({"shim", "air"}), area=0.5)
+    check_areas(POINTS, triangle, place, [face])
+    face.area = 0.505
+    with pytest.raises(MeshError, match="area between air and shim"):
+        check_areas(POINTS, triangle, place, [face])
+
+
+def test_flat_cells():
+    """Inside out they fold over, which volumes tell."""
+    check_shape(CORNERS, np.array([[0, 1, 2, 3]]))
+    with pytest.raises(MeshError, match="1 elements have angles below"):
+        check_shape(CORNERS * [1.0, 1.0, 1e-9], np.array([[0, 1, 2, 3]]))
+
+
+def test_features_too_thin_to_mesh():
+    """As a share of the whole device, not in metres."""
+    device = SimpleNamespace(points=np.array([[0.0, 0.0, 0.0], [3.0, 4.0, 0.0]]))
+    _refuse_too_thin(device, 1.0)
+    with pytest.raises(MeshError, match=r"thinnest feature, 1e-06 um, .* device of 5 mm"):
+        _refuse_too_thin(device, 1e-9)
+
+
+def test_a_named_face_that_no_cell_has():
+    """Faces are found by their corners, whatever their order."""
+    mesh = SimpleNamespace(facets=np.array([[0, 0, 0, 1], [1, 1, 2, 2], [2, 3, 3, 3]]))
+    assert _facets(mesh, np.array([[3, 1, 0], [2, 1, 3]])).tolist() == [1, 3]
+    with pytest.raises(ValueError, match="not a face of the mesh"):
+        _facets(mesh, np.array([[0, 1, 1]]))
+
+
+def test_bricks_that_are_no_cells_to_show(few_bricks):
+    """What is round ends within bricks; parts are told apart only when they are joined."""
+    bricks = bimorph_bricks(Device(), few_bricks[0])
+    with pytest.raises(InputError):
+        cells_of(in_parts(bricks, 0, (1, 2), 1e-2))
+    first, *others = bricks.slabs
+    with pytest.raises(ValueError, match="no cells to show"):
+        replace(bricks, slabs=(replace(first, radius=1e-3), *others)).corner_mesh()
+
+
+def test_values_that_cannot_be_stored_or_hold_more_than_was():
+    """A class is known by its name, so a second one of it would be read as the first."""
+
+    @dataclass(frozen=True)
+    class OnlyHere:
+        length: float
+
+    storable(OnlyHere)
+    for kind in (OnlyHere, int):
+        with pytest.raises(TypeError, match="no dataclass, or a second one"):
+            storable(kind)
+    content = to_bytes(np.arange(3.0))
+    assert from_bytes(content).tolist() == [0.0, 1.0, 2.0]
+    with pytest.raises(ValueError, match="bytes left over"):
+        from_bytes(content + b"1")
+
+
+@pytest.mark.parametrize("rows", [[[0.0, 1.0], [1.0, 2.0]], [[1.0, 2.0], [2.0, 1.0]]])
+def test_a_step_over_which_a_pull_beats_inertia(rows):
+    """Elimination without pivots is told by the sign of the diagonal, first or later."""
+    assert newton._solved([[2.0, 1.0], [1.0, 2.0]], [3.0, 3.0]) == [1.0, 1.0]
+    with pytest.raises(newton.StepTooLongError, match="pulls beat"):
+        newton._solved(rows, [1.0, 1.0])
+
+
+def test_a_measured_curve_of_too_many_points(tmp_path, monkeypatch):
+    """As many as may be are read."""
+    path = tmp_path / "curve.csv"
+    path.write_text("frequency [Hz],velocity [m/s]\n" + "".join(f"{n},1\n" for n in range(1, 7)))
+    monkeypatch.setattr(measured_data, "_MOST", 6)
+    assert measured_data.read_measured(path).frequencies.size == 6
+    monkeypatch.setattr(measured_data, "_MOST", 5)
+    with pytest.raises(InputError, match="holds 6 points; thin it to at most 5"):
+        measured_data.read_measured(path)
+
+
+def test_a_run_whose_phases_have_other_names():
+    """They are read by their place."""
+    with pytest.raises(ValueError, match="other names"):
+        _film(SimpleNamespace(phases=b"up down", variables={}))
+
+
+def test_only_what_cannot_be_written_is_written_otherwise():
+    """An error of reading is none of the stream's."""
+    with pytest.raises(UnicodeDecodeError):
+        _plainly(UnicodeDecodeError("utf-8", b"\xff", 0, 1, "no start"))
+
+
+@pytest.mark.parametrize(("code", "written"), [(1, b"pdf"), (0, None), (0, b"")])
+def test_a_page_that_the_browser_did_not_print(tmp_path, monkeypatch, code, written):
+    """It says that it failed, writes nothing, or writes an empty file."""
+    target = tmp_path / "page.pdf"
+
+    def run(*_):
+        if written is not None:
+            target.write_bytes(written)
+        return SimpleNamespace(returncode=code)
+
+    monkeypatch.setattr(browser, "run_browser", run)
+    with pytest.raises(InputError, match="did not print"):
+        browser.print_pdf("browser", Path("page.html"), target)
+
+
+def test_a_judge_that_takes_no_scene_and_has_none_in_its_place(monkeypatch):
+    """The solid's place is taken by the model on CAD's mesh, the field's by none."""
+
+    class Nothing:
+        @staticmethod
+        def check(scene):
+            raise InputError("not this one")
+
+    monkeypatch.setattr(ladder, "model_class", lambda name: Nothing)
+    with pytest.raises(InputError, match="not this one"):
+        ladder._judge("reluctance", [None], ["magnetic_force"])
+    monkeypatch.setattr(
+        ladder, "model_class",
+        lambda name: Nothing if name == "solid" else SimpleNamespace(check=lambda scene: None),
+    )  # fmt: skip
+    assert ladder._judge("bimorph", [None], ["capacitance_free"]) == "cad"
