@@ -99,7 +99,7 @@ def test_tests_noted_anew_replace_what_was_noted_of_them_alone(tool):
 
 def test_cheap_tests_of_its_own_room_come_first_and_slow_ones_are_left_out(tool, tmp_path):
     """Then the tests of other rooms; what a fixture enters comes with its whole file."""
-    seconds = {"tests/fem/t.py::slow": 9.0, "tests/fem/t.py::a": 0.2, "tests/fem/t.py::b": 0.1,
+    seconds = {"tests/fem/t.py::slow": 5.0, "tests/fem/t.py::a": 0.2, "tests/fem/t.py::b": 0.1,
                "tests/tmm/t.py::c": 1.0, "tests/tmm/t.py::never": 30.0,
                "tests/x.py::d": 0.1, "tests/x.py::e": 0.1}  # fmt: skip
     direct = [t for t in seconds if not t.startswith("tests/x.py")]

@@ -8,6 +8,7 @@ from scipy.signal import BadCoefficients, StateSpace
 
 from tactgen.tmm.generator.small_signal import axial_poles
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.export import machine_state_space
 from tactgen.validation.export.machine_state_space import scene_state_space
 from tactgen.validation.models.generator.small_signal import rod_about
 from tactgen.validation.scene.scene import load_scene
@@ -49,6 +50,17 @@ def test_its_poles_are_the_axial_ones_and_decay(found):
     for poles in (whole, alone):
         for pole in exact:
             assert np.abs(poles - pole).min() < 1e-9 * abs(pole)
+
+
+def test_its_file_holds_all_of_it(found, tmp_path, monkeypatch):
+    """Every matrix and name under its letter, without code in the file."""
+    scene, made, *_ = found
+    monkeypatch.setattr(machine_state_space, "scene_state_space", lambda _: made)
+    machine_state_space.write_machine(tmp_path / "machine.npz", scene)
+    with np.load(tmp_path / "machine.npz", allow_pickle=False) as file:
+        for name in ("a", "b", "c", "d", "inputs", "outputs"):
+            np.testing.assert_array_equal(file[name], getattr(made, name))
+        assert {"title", "conventions"} < set(file)
 
 
 def test_its_transfers_are_those_of_the_ports(found):
