@@ -28,7 +28,7 @@ from tactgen.validation.models.bimorph.lowest_modes import (
 from tactgen.validation.models.bimorph.model import BimorphModel
 
 if TYPE_CHECKING:
-    from tactgen.fem.bimorph.reduction.modal_model import BareMode
+    from tactgen.fem.bimorph.reduction.modal_model import BareMode, ModalModel
     from tactgen.fem.bimorph.system import SolidSystem
     from tactgen.geometry.bimorph.brick_parts import BrickParts
     from tactgen.geometry.bimorph.bricks import Bricks
@@ -95,11 +95,18 @@ class SolidModes:
     mode_factors: tuple[float, float]
     method: str
 
-    def stiffened(self, ends: Ends, count: int) -> Floats:
-        """Return what an open circuit adds to Ω² of the lowest `count` bending modes, relative."""
-        modes = (self.fine.ports.modes(ends, count, open_circuit=q) for q in (False, True))
-        short, opened = (np.array([m.frequency for m in found]) for found in modes)
-        return np.asarray((opened / short) ** 2 - 1.0)
+    def stiffened(self, ends: Ends, count: int) -> tuple[Floats, Floats]:
+        """Return what an open circuit adds to Ω² of the lowest `count` bending modes, relative.
+
+        On the finer and on the coarser mesh, (count,) each.
+        """
+
+        def added(ports: ModalModel) -> Floats:
+            modes = (ports.modes(ends, count, open_circuit=q) for q in (False, True))
+            short, opened = (np.array([m.frequency for m in found]) for found in modes)
+            return np.asarray((opened / short) ** 2 - 1.0)
+
+        return added(self.fine.ports), added(self.coarse.ports)
 
 
 class TwoMeshModel(BimorphModel):
@@ -175,9 +182,11 @@ class TwoMeshModel(BimorphModel):
         rounding = 0.5 * modal.spurious_stiffness / stiffness
         bending, others = modal.mode_factors
         bends = np.array(fine.classes) == "bending_x"
-        if open_circuit:  # the charge, a static goal, has its part in it
-            bending = max(bending, modal.static_factor)
-            added = modal.stiffened(self.scene.ends, int(bends.sum()))
+        stiffer = fine.frequencies.copy()
+        if open_circuit:
+            # the charge is a static goal: what it adds is judged as one, and that alone
+            added, less = modal.stiffened(self.scene.ends, int(bends.sum()))
+            stiffer[bends] *= np.sqrt((1.0 + less) / (1.0 + added))
             rounding[bends] += modal.static_share * added
         coarse = _matched(fine, coarse)
         parts = ((bends, bending), (~bends, others))
@@ -186,6 +195,7 @@ class TwoMeshModel(BimorphModel):
             for of, factor in parts
             for other in (coarse, _moved(fine, coarse))
         )
+        coarser += ((Modes(stiffer, fine.classes), modal.static_factor),)
         return Refined(fine, coarser, modal.method, rounding)
 
     def motions(self, *, open_circuit: bool) -> dict[Motion, int]:
