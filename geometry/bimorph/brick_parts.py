@@ -124,7 +124,7 @@ def in_parts(bricks: Bricks, below: int, sections: tuple[int, int], share: float
     tip, _ = between(bricks, upper, bricks.z.intervals)
     tip = replace(tip, z=Axis(np.round(tip.z.breaks, _DIGITS), tip.z.degree))
     short, _ = between(bricks, below, lower)
-    height = float(short.z.breaks[-1])
+    height = round(float(short.z.breaks[-1]), _DIGITS)
     both = np.linspace(0.0, 2.0 * height, 2 * _STEPS + 1)
     length = float(bricks.z.breaks[upper] - bricks.z.breaks[lower])
     return BrickParts(

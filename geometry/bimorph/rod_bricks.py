@@ -25,6 +25,8 @@ from tactgen.geometry.device.parameters import NOMINAL_GAP, Device, Support
 _SECTION = 2.0
 #: Longest brick along z, in thicknesses of the bimorph, and ratio of neighbouring lengths.
 _LONGEST, _GROWTH = 3.0, 4.0
+#: Longest brick along z below the slot, in radii of the rod: flange, stem and head bend as one.
+_LONGEST_BELOW = 1.0
 #: Widest brick of the rod beside the slot (m): a smooth field in stiff steel.
 _WIDEST = 0.8e-3
 #: Lengths below this (m) are rounding.
@@ -64,14 +66,14 @@ class RodMeshing:
 
 
 #: A family of divisions for refinement studies, see :data:`geometry.bimorph.brick_family.LEVELS`.
-#: What tells most is the shim near the bond: f₁ of the built-in scene falls by 0.06 % where
-#: half the shim has two intervals instead of one.
+#: What tells most is the shim near the bond and the bond itself, across both: a lower degree on
+#: more intervals there is worth more than a higher one on few.
 ROD_LEVELS = (
-    RodMeshing((2, 2, 3), 0.4, 0.8, tip=2.0),
-    RodMeshing((3, 3, 3), 0.2, 0.5, core=(0.6, 0.4)),
-    RodMeshing((3, 3, 4), 0.1, 0.35, core=(0.75, 0.25), bond=(0.5, 0.5)),
-    RodMeshing((4, 3, 4), 0.07, 0.25, 0.5, (0.75, 0.25), (0.5, 0.5), share=3e-5),
-    RodMeshing((4, 4, 5), 0.035, 0.15, 0.2, (0.6, 0.3, 0.1), (0.3, 0.4, 0.3), (0.4, 0.6), 1e-5),
+    RodMeshing((2, 2, 3), 0.4, 0.8, 2.0, core=(0.6, 0.4)),
+    RodMeshing((3, 3, 3), 0.2, 0.8, core=(0.75, 0.25), bond=(0.5, 0.5)),
+    RodMeshing((3, 3, 4), 0.1, 0.4, core=(0.6, 0.3, 0.1), bond=(0.5, 0.5)),
+    RodMeshing((3, 3, 4), 0.07, 0.3, core=(0.66, 0.26, 0.08), bond=(0.15, 0.7, 0.15)),
+    RodMeshing((3, 3, 4), 0.04, 0.2, 1.0, (0.68, 0.24, 0.06, 0.02), (0.15, 0.7, 0.15), (0.3, 0.7)),
 )
 
 
@@ -174,9 +176,10 @@ def _along(device: Device, meshing: RodMeshing) -> tuple[Floats, dict[str, int]]
             ("lower section", ceramic + height, None),
             ("upper section", ceramic + b.length - height, None),
         ]
-    longest = _LONGEST * b.thickness
+    below, above = _LONGEST_BELOW * rod.radius, _LONGEST * b.thickness
     z, at = np.array([bottom]), {"bottom": 0}
     for (_, low, first), (name, high, last) in pairwise(marks):
+        longest = below if high <= -rod.slot_depth else above
         if high - low > _ROUNDING:
             z = np.concatenate([z, low + _graded(high - low, first, last, longest)[1:]])
             z[-1] = high

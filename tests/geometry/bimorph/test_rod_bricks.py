@@ -11,6 +11,7 @@ from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_bricks, rod_part
 from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Bimorph, Device, Rod
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.values import fingerprint
 
 GLUED = Device(bimorph=Bimorph(tab_length=2e-3))
 
@@ -75,6 +76,25 @@ def test_another_length_has_the_same_ends():
     assert long.stretch.breaks[-1] - short.stretch.breaks[-1] == pytest.approx(11e-3)
     assert short.stretch.breaks[0] == 0.0
     assert (np.diff(short.stretch.breaks) > 0.0).all()
+
+
+def test_another_tab_has_the_same_tip_and_section():
+    """To the last bit: only the foot depends on tab, slot and rod."""
+    parts = [
+        rod_parts(
+            GLUED.model_copy(
+                update={"bimorph": Bimorph(tab_length=tab), "rod": Rod(slot_depth=deep)}
+            ),
+            ROD_LEVELS[1],
+        )
+        for tab, deep in ((2e-3, 0.45e-3), (1.7e-3, 0.45e-3), (1.3e-3, 0.41e-3))
+    ]
+    first, *others = (part for part in parts if isinstance(part, BrickParts))
+    assert len(others) == 2
+    for other in others:
+        assert not np.array_equal(first.foot.z.breaks, other.foot.z.breaks)
+        for part in ("tip", "middle"):
+            assert fingerprint(getattr(first, part)) == fingerprint(getattr(other, part))
 
 
 def test_a_stub_is_left_whole():
