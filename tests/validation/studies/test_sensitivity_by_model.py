@@ -1,14 +1,17 @@
 """Derivatives by models other than tmm: exact ones against differences, and physics' identities."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.circuit import CELLS, FULL, circuit
 from tactgen.tmm.reluctance.flux_ladder import solve as solve_ladder
 from tactgen.validation.command_line import cli
+from tactgen.validation.engine import derivatives as engine
 from tactgen.validation.engine.derivatives import by_differences, derivatives, extrapolated
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
@@ -96,6 +99,22 @@ def test_one_co_energy_map_gives_force_and_inductance():
 
 
 NETWORK = ("magnetic_force", "flux_linkage", "inductance")
+
+
+def test_a_key_that_changes_how_many_values_there_are_is_refused(monkeypatch):
+    """As resonances that come and go: there is no difference to take."""
+    scene, _ = load_scene("paper", [])
+
+    def solved(count):
+        answer = SimpleNamespace(name="f", value=np.ones(count), uncertainty=np.zeros(count))
+        return SimpleNamespace(get=lambda *_: answer)
+
+    monkeypatch.setattr(engine, "solve", lambda *_: solved(2))
+    near = iter([2, 2, 2, 3])
+    monkeypatch.setattr(engine, "_solved", lambda *_: solved(next(near)))
+    key = "bimorph.length"
+    with pytest.raises(InputError, match="changes how many values f has by tmm"):
+        by_differences(scene, lambda *_: scene, "tmm", ["f"], [key], lambda _: None)
 
 
 @pytest.mark.parametrize(

@@ -100,3 +100,23 @@ def test_values_between_a_runs_times_are_those_of_the_cubic():
     )
     at = np.linspace(0.0, 1.0, 9)
     assert motion._between(run, np.ones(1), at) == pytest.approx(cubic(at), rel=1e-12)
+
+
+def test_the_machines_run_holds_every_family_and_says_which_it_is_at(monkeypatch):
+    """Rows in the order of what is announced; those of the circuit by their own pair."""
+    for name in ("_PAIR", "CIRCUIT_PAIR"):
+        row = SimpleNamespace(row=lambda sweep, quick, by=name: (by, sweep.family, quick))
+        monkeypatch.setattr(machine, name, row)
+    for name in ("slow_row", "edge_row"):
+        monkeypatch.setattr(machine, name, lambda quick, by=name: by)
+    monkeypatch.setattr(machine, "motion_rows", lambda quick: ["motion"])
+    said = []
+    rows = machine.run(True, said.append).rows
+    families = [row[1] for row in rows[:-3]]
+    assert rows[-3:] == ("slow_row", "edge_row", "motion")
+    assert said[:-2] == [f"machine: {family}" for family in families]
+    assert said[-2:] == ["machine: slow motion against rest", "machine: in time"]
+    assert [row[0] for row in rows[:-3]] == ["_PAIR"] * (4 + len(machine.HELD)) + [
+        "CIRCUIT_PAIR"
+    ] * len(machine.DRIVEN)
+    assert all(row[2] is True for row in rows[:-3])
