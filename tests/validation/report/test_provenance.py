@@ -17,6 +17,7 @@ from tactgen.validation.report.provenance import record as files
 from tactgen.validation.report.provenance import reproduce as again
 from tactgen.validation.report.provenance.checksums import FILE as SUMS
 from tactgen.validation.report.provenance.crate import FILE as CRATE
+from tactgen.validation.report.provenance.crate import _root
 from tactgen.validation.report.provenance.seal import seal, unseal
 from tactgen.validation.scene.scene import load_scene
 
@@ -238,6 +239,7 @@ def test_the_metadata_name_what_is_there(sealed, record):
     assert named - set(entities) == {"https://w3id.org/ro/crate/1.1"}
     assert entities["ro-crate-metadata.json"]["about"] == {"@id": "./"}
     assert entities["#program"]["sha256"] == this_origin().code
+    assert entities["./"]["description"].endswith(f": {record.scene['description']}.")
     for part in entities["./"]["hasPart"]:
         found = entities[part["@id"]]
         assert found["contentSize"] == str((sealed / part["@id"]).stat().st_size)
@@ -246,6 +248,12 @@ def test_the_metadata_name_what_is_there(sealed, record):
     )
     assert check.returncode == 0
     assert check.stdout.count(b": OK") == 3
+
+
+def test_a_scene_without_a_description_is_said_to_have_none(record):
+    """In the metadata of the whole."""
+    bare = replace(record, scene={**record.scene, "description": ""})
+    assert _root((PAGE,), bare)["description"].endswith(": no description.")
 
 
 def test_the_command_prints_every_quantity(sealed, record, capsys):

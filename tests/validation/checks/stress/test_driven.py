@@ -120,3 +120,12 @@ def test_the_machines_run_holds_every_family_and_says_which_it_is_at(monkeypatch
         "CIRCUIT_PAIR"
     ] * len(machine.DRIVEN)
     assert all(row[2] is True for row in rows[:-3])
+
+
+def test_stiff_circuits_drive_fifty_milliamperes():
+    """Each source through its own resistance, once the coil has answered."""
+    assert len(motion._CIRCUITS) == 6
+    for run in motion._CIRCUITS:
+        scene, _ = load_scene("generator", list(run.overrides))
+        assert run.by_voltage
+        assert run.coil.level / scene.coil.source_resistance == pytest.approx(0.05)
