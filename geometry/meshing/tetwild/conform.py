@@ -6,13 +6,14 @@ Knows nothing of the device: only solids, their faces and planes that have a nam
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.cad.tessellation import Plane, Tessellation
+from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.cad.tessellation import Plane, Surface, Tessellation
 from tactgen.geometry.device.layout import MM
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import Mesh
@@ -115,13 +116,28 @@ def _draft(
         seen = stretching.squeezed(points)
         flat = _flat_on_the_outside(seen, tets, found)
         if not flat.size:
-            free = np.ones(len(points), dtype=bool)
-            free[belongs[0]] = False
-            points = np.where(
-                free[:, None], stretching.restored(relaxed(seen, tets[labels >= 0], free)), points
-            )
+            free = _free_axes(len(points), *belongs, surfaces)
+            moved = stretching.restored(relaxed(seen, tets[labels >= 0], free))
+            points = np.where(free, moved, points)
             return _Draft(points, tets, labels, found)
         labels[flat] = -1
+
+
+def _free_axes(n: int, members: Ints, surface_of: Ints, surfaces: Sequence[Surface]) -> Bools:
+    """Return along which axes (n, 3) each point can move and stay on its surfaces.
+
+    The device's planes are across an axis; along a cylinder or another plane nothing moves.
+    """
+    held = np.array(
+        [np.abs(s.normal) > 0.0 if _across_an_axis(s) else np.ones(3, bool) for s in surfaces]
+    )
+    free = np.ones((n, 3), dtype=bool)
+    np.logical_and.at(free, members, ~held[surface_of])
+    return free
+
+
+def _across_an_axis(surface: Surface) -> TypeGuard[Plane]:
+    return isinstance(surface, Plane) and np.count_nonzero(surface.normal) == 1
 
 
 def _flat_on_the_outside(points: Floats, tets: Ints, found: Skin) -> Ints:

@@ -1,5 +1,6 @@
 """Meshes refined for a goal: sizes from errors, slender elements, the loop itself."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import cadquery as cq
@@ -7,18 +8,19 @@ import numpy as np
 import pytest
 
 from tactgen.fem.bimorph.refinement.error_indicator import GoalError
-from tactgen.geometry.cad.tessellation import tessellate
+from tactgen.geometry.cad.tessellation import Cylinder, Plane, tessellate
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.quadratic import smallest_dihedral_angles, tet_volumes, unique_edges
 from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild import mesher as ftetwild
-from tactgen.geometry.meshing.tetwild.conform import conform
+from tactgen.geometry.meshing.tetwild.conform import _free_axes, conform
 from tactgen.geometry.meshing.tetwild.run import sizing_along_z, sizing_at_points
 from tactgen.geometry.meshing.tetwild.sizing import limited_growth, sizing_for
 from tactgen.geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
 from tactgen.geometry.store.values import fingerprint
 from tactgen.validation.engine.refinement import SAFETY
+from tactgen.validation.models.bimorph import adaptive_meshes
 from tactgen.validation.models.bimorph.adaptive_meshes import (
     AdaptedPair,
     Solved,
@@ -156,15 +158,45 @@ def test_flat_tetrahedron_inside_is_cured(box_in_a_box):
     assert tet_volumes(mesh.points[mesh.cells]).min() > 0.0
 
 
-def test_flat_tetrahedron_that_nothing_can_move_is_refused(box_in_a_box):
-    """Four corners on faces of the solid leave no room: the angle tells, the mesh is not used."""
+@pytest.fixture
+def flat_on_an_edge(box_in_a_box):
+    """The same with the middle of an edge of the solid next to a corner, which has to stay."""
     solids, surface, raw, tets = box_in_a_box
-    # a corner of the solid next to the middle of an edge of it: both have to stay
     raw = raw.copy()
     moving = np.flatnonzero(np.linalg.norm(raw - [1.0, 1.0, 0.5], axis=1) < 1e-9)
     raw[moving] = [1.0, 1.0, 0.999]
+    return raw, tets, solids, surface, 0.01, {}
+
+
+def test_flat_tetrahedron_on_an_edge_is_cured(flat_on_an_edge):
+    """A vertex slides along the faces it lies on: the body keeps its edges, and its volume."""
+    mesh = conform(*flat_on_an_edge, curved=True)
+    corners = mesh.points[mesh.cells]
+    assert smallest_dihedral_angles(corners).min() > 3.0
+    assert tet_volumes(corners).sum() == pytest.approx(8e-9, rel=1e-12)
+    # still on both faces
+    on_edge = (np.abs(mesh.points[:, :2] - 1e-3) < 1e-15).all(axis=1)
+    assert np.count_nonzero(on_edge) == 5
+
+
+def test_flat_tetrahedron_that_nothing_can_move_is_refused(flat_on_an_edge, monkeypatch):
+    """What moving cannot cure is not used: the angle tells."""
+    monkeypatch.setattr(
+        "tactgen.geometry.meshing.tetwild.conform.relaxed", lambda points, *_: points
+    )
     with pytest.raises(MeshError, match=r"elements have angles below 3 degrees"):
-        conform(raw, tets, solids, surface, 0.01, {}, curved=True)
+        conform(*flat_on_an_edge, curved=True)
+
+
+def test_vertices_on_a_cylinder_stay():
+    """Only planes across an axis are slid along."""
+    free = _free_axes(
+        4, np.array([0, 1, 1, 2]), np.array([0, 0, 1, 2]),
+        [Plane((0.0, 0.0, 1.0), 1.0), Plane((1.0, 0.0, 0.0), 1.0), Cylinder(1.0)],
+    )  # fmt: skip
+    assert free.tolist() == [
+        [True, True, False], [False, True, False], [False, False, False], [True, True, True]
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0], ids=["outside", "inside"])
@@ -246,6 +278,20 @@ def test_no_gain_beyond_what_a_mesh_is_aimed_at_is_believed():
     )
     assert static == pytest.approx([SAFETY, SAFETY / 2.0, SAFETY / 4.0, SAFETY / 4.0])
     assert modes == pytest.approx([SAFETY, SAFETY / 2.0, SAFETY / 2.3, SAFETY / 2.3])
+
+
+def test_a_mesh_like_the_last_one_ends_the_study(monkeypatch):
+    """Where the smallest elements are as small as they may be, another mesh brings nothing."""
+    errors = iter([1e-1, 3e-2, 2.9e-2, 1e-3])
+    monkeypatch.setattr(adaptive_meshes, "_solved", lambda *_: made(next(errors)))
+    monkeypatch.setattr(adaptive_meshes, "_finer", lambda *_: made(next(errors)))
+
+    def made(error):
+        return replace(solved_with(3_000, error), mesh=SimpleNamespace(cells=range(10)))
+
+    pair = adapted_pair(load_scene("j1")[0], 1e-4)
+    assert pair.fine.error == 2.9e-2
+    assert next(errors) == 1e-3
 
 
 def test_stopped_study_goes_on_from_the_cache(pair, monkeypatch):

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from tactgen.fem.bimorph.refinement.error_indicator import GoalError
     from tactgen.fem.bimorph.system import SolidSystem
 
-#: Edge length of the first mesh and shortest edge of any, in thicknesses of the shim.
+#: Edge length of the first mesh, in thicknesses of the shim, and shortest edge of any, relative to
+#: the thinnest layer or the width.
 _START, _SHORTEST = 2.0, 0.04
 
 #: Elements of the bimorph's first mesh if its edges are what they are asked to be, at most.
@@ -49,6 +50,10 @@ _MOST_MESHES = 7
 
 #: Share of the most elements from which on a mesh is the last: sizes are met no better.
 _ENOUGH = 0.7
+
+#: A mesh that keeps more than this of the last one's error is the last: its smallest elements are
+#: as small as they may be, so another one would be its like.
+_STUCK = 0.95
 
 #: Gain in error of every goal from which on the difference of two meshes says enough (a little
 #: less than any mesh is aimed at, since the mesher meets its sizes roughly), and the least, less
@@ -115,7 +120,8 @@ class AdaptedPair:
         meshes that are refined alike everywhere.
         """
         bending = self._factor(self._bending, _MOST_GAIN_OF_MODES)
-        ratio = self.fine.system.size / self.coarse.system.size
+        # the last mesh of a study that got no further may have no more unknowns
+        ratio = max(self.fine.system.size / self.coarse.system.size, 1.0 + _LEAST_GAIN)
         return bending, max(bending, two_mesh_factor(ratio ** (1.0 / 3.0)))
 
     @property
@@ -216,7 +222,8 @@ def adapted_pair(
             allowed = accuracy / (SAFETY * last.error)
             solved.append(_finer(scene, mesher, last, allowed, most_elements))
             pair = _judged(solved)
-            if pair.largest_bar <= accuracy or len(pair.fine.mesh.cells) > _ENOUGH * most_elements:
+            enough = len(pair.fine.mesh.cells) > _ENOUGH * most_elements
+            if pair.largest_bar <= accuracy or enough or pair.fine.error > _STUCK * last.error:
                 break
     return pair
 
@@ -243,7 +250,8 @@ def _finer(
     share = float(np.clip(_AIM * allowed, _LEAST_SHARE, _MOST_SHARE))
     wanted = share * last.error * spread
     seen = replace(last.mesh, points=squeezed(scene.device, _standing(scene), last.mesh.points))
-    shortest = _SHORTEST * scene.bimorph.shim_thickness
+    layers = scene.bimorph.shim_thickness, scene.bimorph.piezo_thickness
+    shortest = _SHORTEST * min(*layers, scene.bimorph.width)
     sizing = sizing_for(seen, shares, wanted, shortest=shortest, most=most_elements)
     return _solved(scene, mesher, sizing)
 
