@@ -153,3 +153,15 @@ class Record:
 def _squares(rows: Floats, matrix: Floats) -> Floats:
     """Return row · matrix · row for each row (k,)."""
     return np.asarray(np.einsum("ki,ki->k", rows @ matrix, rows))
+
+
+def output_at(run: Run, row: Floats, at: Floats) -> Floats:
+    """Return an output of a run at other times (s): cubics through its values and rates."""
+    value, rate = run.position @ row, run.velocity @ row
+    k = np.clip(np.searchsorted(run.time, at, "right") - 1, 0, run.time.size - 2)
+    h = run.time[k + 1] - run.time[k]
+    s = (at - run.time[k]) / h
+    rise = value[k + 1] - value[k]
+    bend = s * (1.0 - s)
+    start, end = h * rate[k] - rise, rise - h * rate[k + 1]
+    return np.asarray(value[k] + s * rise + bend * ((1.0 - s) * start + s * end))

@@ -3,27 +3,39 @@
 The parts and where they are: a part is imported when it is asked for.
 """
 
-#: Module of each part, how many devices by default, and what it holds against what.
-PARTS: dict[str, tuple[str, int, str]] = {
-    "beam": ("tactgen.validation.checks.coverage.beam", 60, "beam elements against exact spans"),
+_HERE = "tactgen.validation.checks.coverage"
+#: Module and function of each part, how many devices by default, and what it holds against what.
+PARTS: dict[str, tuple[str, str, int, str]] = {
+    "beam": (f"{_HERE}.beam", "judge", 60, "beam elements against exact spans"),
     "taper": (
-        "tactgen.validation.checks.coverage.taper",
-        40,
+        f"{_HERE}.taper", "judge", 40,
         "tapers by the transfer matrix against four times as many segments",
     ),
-    "solid": (
-        "tactgen.validation.checks.coverage.solid",
-        10,
-        "bricks against bricks two levels finer",
-    ),
+    "solid": (f"{_HERE}.solid", "judge", 16, "bricks against bricks two levels finer"),
     "cad": (
-        "tactgen.validation.checks.coverage.cad",
-        4,
+        f"{_HERE}.cad", "judge", 4,
         "tetrahedra of the CAD solids against much finer bricks",
     ),
+    "reduced": (
+        f"{_HERE}.reduced", "judge", 12,
+        "a member of a family by its reduced basis against bricks two levels finer",
+    ),
     "axisymmetric": (
-        "tactgen.validation.checks.coverage.axisymmetric",
-        6,
+        f"{_HERE}.axisymmetric", "judge", 20,
         "the magnetic field against a finer grid, higher order and farther walls",
     ),
-}
+    "magnetic3d": (
+        f"{_HERE}.magnetic3d", "judge", 20,
+        "the magnetic field on coarse tetrahedra against the half section's",
+    ),
+    "map": (f"{_HERE}.machine", "judge_map", 60, "the co-energy map against the network itself"),
+    "switching": (
+        f"{_HERE}.machine", "judge_switching", 30,
+        "switching currents against balances of a network four times as fine",
+    ),
+    "generator": (
+        f"{_HERE}.machine", "judge_motions", 30,
+        "small motions of the machine against those on a network four times as fine",
+    ),
+    "time": (f"{_HERE}.in_time", "judge", 30, "runs in time against runs ten times finer"),
+}  # fmt: skip

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint, solve_point
+from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
 from tactgen.validation.checks.coverage.result import Judged
@@ -15,14 +19,32 @@ from tactgen.validation.scene.scene import load_scene
 _ORDER, _REFINEMENT, _FARTHER = 5, 1.5, 3.0
 _VALUES = ("force", "flux_linkage", "coenergy", "incremental_inductance")
 
+#: A field with its error bars, and a better one.
+Fields: TypeAlias = tuple[Any, Any]
+
 
 def judge(rng: np.random.Generator) -> list[Judged]:
+    """Return the answers of one device, drawn by `rng`."""
+    return judged_fields(rng, _solved)
+
+
+def _solved(device: Device) -> Fields:
+    right = solve_point(
+        device, order=_ORDER, refinement=_REFINEMENT, outer_radius=_FARTHER * OUTER_RADIUS
+    )
+    return solve_point(device), right
+
+
+def judged_fields(rng: np.random.Generator, solved: Callable[[Device], Fields]) -> list[Judged]:
     """Return the answers of one device, drawn by `rng`; dimensions that do not fit are redrawn."""
     while True:
+        overrides = _drawn(rng)
         try:
-            return _judged(_drawn(rng))
+            scene, _ = load_scene("reluctance", overrides)
+            found, right = solved(scene.device)
         except InputError:
             continue
+        return [_one(" ".join(overrides), name, found, right) for name in _VALUES]
 
 
 def _drawn(rng: np.random.Generator) -> list[str]:
@@ -37,20 +59,7 @@ def _drawn(rng: np.random.Generator) -> list[str]:
     ]
 
 
-def _judged(overrides: list[str]) -> list[Judged]:
-    scene, _ = load_scene("reluctance", overrides)
-    found = solve_point(scene.device)
-    right = solve_point(
-        scene.device,
-        order=_ORDER,
-        refinement=_REFINEMENT,
-        outer_radius=_FARTHER * OUTER_RADIUS,
-    )
-    where = " ".join(overrides)
-    return [_one(where, name, found, right) for name in _VALUES]
-
-
-def _one(where: str, name: str, found: FieldPoint, right: FieldPoint) -> Judged:
+def _one(where: str, name: str, found: Any, right: Any) -> Judged:
     value, exact = getattr(found, name), getattr(right, name)
     bar = getattr(found.errors, name)
     return Judged(where, name, abs(value / exact - 1.0), bar / abs(exact))

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.store.values import storable
 
 #: Share of the errors that a bar promises to cover.
 PROMISED = 0.95
+#: Bars up to this, relative, are bounds of rounding.
+ROUNDING = 1e-9
 #: Multiples of the bars at which the calibration curve is drawn.
 MULTIPLES: Floats = np.geomspace(0.05, 5.0, 41)
 #: Chance at most that bars which keep the promise are called too narrow.
 _FALSE_ALARM = 0.01
 
 
+@storable
 @dataclass(frozen=True)
 class Judged:
     """An answer held against its reference; both error and bar relative to the reference.
@@ -49,7 +54,7 @@ class Row:
     inside, count : int
         How many lie within their bars, and of how many.
     width : float
-        Median of bar over error.
+        Median of bar over error, of the answers whose bar is no mere rounding; nan if all are.
     worst : Judged
         The answer whose error is largest beside its bar.
     """
@@ -83,8 +88,13 @@ def _row(quantity: str, found: list[Judged]) -> Row:
 
 
 def median_width(found: Sequence[Judged]) -> float:
-    """Return the median of bar over error; an error of 0 counts as rounding."""
-    return float(np.median([one.bar / max(one.error, 1e-15) for one in found]))
+    """Return the median of bar over error, of bars above :data:`ROUNDING`; nan if none is.
+
+    Rounding is bounded, not estimated: its bar is many times the error, and no digit that anybody
+    reads.
+    """
+    shown = [one.bar / max(one.error, 1e-15) for one in found if one.bar > ROUNDING]
+    return float(np.median(shown)) if shown else math.nan
 
 
 def calibration(found: Sequence[Judged]) -> Floats:

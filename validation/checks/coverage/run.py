@@ -5,11 +5,16 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from tactgen.geometry.store.store import kept
 from tactgen.validation.checks.coverage import PARTS
 from tactgen.validation.checks.coverage.result import Judged, Row, rows
+
+#: What computes answers and is loaded by names in strings.
+_CODE = ("tactgen.validation.models", "tactgen.fem", "tactgen.tmm")
 
 
 @dataclass(frozen=True)
@@ -46,16 +51,21 @@ def run_parts(
 ) -> list[Part]:
     """Judge as many random devices for each part; each device has a stream of its own.
 
-    So more devices of a seed are the same ones and others besides.
+    So more devices of a seed are the same ones and others besides.  Each is kept in the store: a
+    run that was stopped goes on with its seed where it was.
     """
     found = []
     for name in names:
-        module, usual, what = PARTS[name]
-        judge: Callable[[np.random.Generator], list[Judged]] = importlib.import_module(module).judge
+        module, function, usual, what = PARTS[name]
         count = usual if devices is None else devices
         answers: list[Judged] = []
         for number in range(count):
             announce(f"{name}: device {number + 1} of {count}")
-            answers += judge(np.random.default_rng([seed, number]))
+
+            def work(module: str = module, function: str = function, number: int = number) -> Any:
+                judge = getattr(importlib.import_module(module), function)
+                return tuple(judge(np.random.default_rng([seed, number])))
+
+            answers += kept("coverage", (name, seed, number), (module, *_CODE), work)
         found.append(Part(name, what, seed, count, tuple(answers)))
     return found

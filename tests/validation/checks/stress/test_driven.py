@@ -8,6 +8,7 @@ import pytest
 
 from tactgen.fem.beam import beam
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient import record
 from tactgen.validation.checks.stress.driven import holding, lateral, machine, motion, sweep
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import load_scene
@@ -99,7 +100,7 @@ def test_values_between_a_runs_times_are_those_of_the_cubic():
         time=time, position=cubic(time)[:, None], velocity=cubic.deriv()(time)[:, None]
     )
     at = np.linspace(0.0, 1.0, 9)
-    assert motion._between(run, np.ones(1), at) == pytest.approx(cubic(at), rel=1e-12)
+    assert record.output_at(run, np.ones(1), at) == pytest.approx(cubic(at), rel=1e-12)
 
 
 def test_the_machines_run_holds_every_family_and_says_which_it_is_at(monkeypatch):

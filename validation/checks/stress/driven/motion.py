@@ -10,9 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
 from tactgen.tmm.generator.transient.march import Sources, simulate
-from tactgen.tmm.generator.transient.record import Run
+from tactgen.tmm.generator.transient.record import output_at
 from tactgen.tmm.generator.transient.waveform import Constant, Sine, Waveform
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.result import Row, answered
@@ -97,7 +96,7 @@ def _judge(family: Family, run: _Run) -> None:
     )  # fmt: skip
     for name, output in found.system.outputs.items():
         values, bar = judged.outputs[name], judged.bars[name] + finer.bars[name][-1]
-        off = np.abs(values - _between(finer.run, output.row, judged.run.time))
+        off = np.abs(values - output_at(finer.run, output.row, judged.run.time))
         size = float(np.abs(values).max()) or 1.0
         at = int(np.argmax(off / np.maximum(bar, np.finfo(float).tiny)))
         family.add(f"{run.where}, {name}", off[at] / size, bar[at] / size)
@@ -106,15 +105,3 @@ def _judge(family: Family, run: _Run) -> None:
         last, known = (answer.run.current[-1] for answer in (judged, finer))
         family.compare(f"{run.where}, current at the end", float(last), float(known), float(bar))
     family.add(f"{run.where}, energy", judged.run.worst_imbalance, _BALANCE)
-
-
-def _between(run: Run, row: Floats, at: Floats) -> Floats:
-    """Return an output of a run at other times (s): cubics through its values and rates."""
-    value, rate = run.position @ row, run.velocity @ row
-    k = np.clip(np.searchsorted(run.time, at, "right") - 1, 0, run.time.size - 2)
-    h = run.time[k + 1] - run.time[k]
-    s = (at - run.time[k]) / h
-    rise = value[k + 1] - value[k]
-    bend = s * (1.0 - s)
-    start, end = h * rate[k] - rise, rise - h * rate[k + 1]
-    return np.asarray(value[k] + s * rise + bend * ((1.0 - s) * start + s * end))

@@ -35,6 +35,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.checks.coverage.run import run_parts
     from tactgen.validation.command_line.plain_values import plain
     from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import say
     from tactgen.validation.scene.wording import choices
 
     names = choices(",".join(options.only or PARTS), tuple(PARTS), "part", "--only")
@@ -42,6 +43,7 @@ def run(options: argparse.Namespace) -> int:
     seed = secrets.randbelow(2**31) if options.seed is None else _whole("--seed", options.seed, 0)
     if options.out is not None:
         writable_folder(options.out)
+    say(f"seed {seed}; a run that was stopped goes on with --seed {seed}")
     with announcer() as announce:
         parts = run_parts(names, devices, seed, announce)
     if options.json:

@@ -1,0 +1,159 @@
+"""Bars of the co-energy map and of what is read off it: switching currents, small motions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.network_pull import network_pull
+from tactgen.tmm.reluctance.circuit import CELLS
+from tactgen.tmm.reluctance.map_range import map_grid
+from tactgen.tmm.reluctance.switching import between_stops, spring_force
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import AnswerReadout
+from tactgen.validation.checks.coverage.exact_pull import ExactPull
+from tactgen.validation.checks.coverage.result import Judged
+from tactgen.validation.checks.coverage.scenes import between
+from tactgen.validation.engine.model import Refined, make_model
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.stages import Stages
+from tactgen.validation.models.generator.small_signal import SmallSignal, rod_about
+from tactgen.validation.scene.scene import Scene, load_scene
+
+#: How many times as many cells the references' ladder has.
+_FINER = 4
+_MOTIONS = (
+    "lateral_tip_per_voltage", "axial_tip_per_current", "axial_tip_per_coil_voltage",
+    "coil_impedance",
+)  # fmt: skip
+_SWITCHING = ("pull_in_current", "holding_current", "drop_out_current")
+#: Points of a map that are judged; gaps among which an extreme is looked for.
+_POINTS, _GAPS = 6, 9
+
+
+def judge_map(rng: np.random.Generator) -> list[Judged]:
+    """Return points of one device's map, drawn by `rng`, against the network it is made of.
+
+    Relative to a tenth of the largest at that gap, where less: so the map states its error.
+    """
+    scene, where = _fitting(rng, lambda scene: network_pull(scene.device))
+    surface, exact = network_pull(scene.device), ExactPull(scene.device, CELLS)
+    (near, far), most = surface.gap_limits, surface.current_limit
+    bars = surface.residual, surface.interpolation_error
+    found = []
+    for _ in range(_POINTS):
+        current, gap = between(rng, 1e-3 * most, most), rng.uniform(near, far)
+        right = exact.samples(np.array([current, most]), np.array([gap]))
+        for name in ("flux_linkage", "force"):
+            known, largest = (float(v) for v in getattr(right, name)[:, 0])
+            size = max(abs(known), 0.1 * abs(largest))
+            error = abs(float(getattr(surface, name)(current, gap)) - known) / size
+            at = f"{where} at {current:.4g} A, {1e6 * gap:.4g} um"
+            found.append(Judged(at, name, error, sum(getattr(b, name) for b in bars)))
+    return found
+
+
+def judge_switching(rng: np.random.Generator) -> list[Judged]:
+    """Return the switching currents of one device against balances of a finer network."""
+    scene, where = _fitting(rng, lambda scene: solve(scene, ("network",), _SWITCHING))
+    solution = solve(scene, ("network",), _SWITCHING)
+    right = _balances(scene)
+    found = []
+    for name in _SWITCHING:
+        value, bar = (
+            float(getattr(solution.get(name, "network"), of)) for of in ("value", "uncertainty")
+        )
+        if np.isfinite(value) and np.isfinite(right[name]):
+            size = abs(right[name])
+            found.append(Judged(where, name, abs(value - right[name]) / size, bar / size))
+    return found
+
+
+def judge_motions(rng: np.random.Generator) -> list[Judged]:
+    """Return one machine's small motions against those about where a finer network holds it."""
+    scene, where = _fitting(rng, lambda scene: scene.rest)
+    model = make_model("tmm", scene, Stages(make_plan(scene, ("tmm",), _MOTIONS).keys))
+    found = []
+    judged = model.answer("small_signal")
+    exact = Refined(rod_about(scene, ExactPull(scene.device, _FINER * CELLS)), (), "")
+    right: SmallSignal = replace(judged, linear=exact)
+    for name in _MOTIONS:
+        read = QUANTITIES[name].read
+        assert isinstance(read, AnswerReadout)
+        answer, known = read.of(judged), read.of(right)
+        size = np.abs(known.value)
+        pairs = zip(np.abs(answer.value - known.value) / size, answer.bar / size, strict=True)
+        found += [Judged(where, name, float(error), float(bar)) for error, bar in pairs]
+    return found
+
+
+def _fitting(rng: np.random.Generator, tried: Callable[[Scene], object]) -> tuple[Scene, str]:
+    """Return a drawn machine that `tried` does not refuse, and what it differs in."""
+    while True:
+        overrides = _drawn(rng)
+        try:
+            scene, _ = load_scene("generator", overrides)
+            tried(scene)
+        except InputError:
+            continue
+        return scene, " ".join(overrides)
+
+
+def _drawn(rng: np.random.Generator) -> list[str]:
+    at = ",".join(f"{between(rng, 10.0, 3000.0):.4g}Hz" for _ in range(3))
+    return [
+        f"gap={between(rng, 80.0, 300.0):.4g}um",
+        f"coil.current={between(rng, 2.0, 300.0):.4g}mA",
+        f"coil.history={rng.choice(['rising', 'falling'])}",
+        f"coil.turns={int(between(rng, 200, 2000))}",
+        f"rod.head_thickness={between(rng, 0.3, 0.8):.4g}mm",
+        f"sleeve.collar_thickness={between(rng, 0.1, 0.4):.4g}mm",
+        f"spring.preload={between(rng, 30.0, 300.0):.4g}mN",
+        f"steel.curve={rng.choice(['team20', 'linear'])}",
+        "load.kind=none",
+        f"frequency={at}",
+    ]
+
+
+def _balances(scene: Scene) -> dict[str, float]:
+    """Return the switching currents (A) by a finer network; nan where no current balances."""
+    from scipy.optimize import minimize_scalar
+
+    exact = ExactPull(scene.device, _FINER * CELLS)
+    currents = map_grid(scene.device)[0]
+
+    def balance(gap: float) -> float:
+        return _balance(exact, currents, gap)
+
+    gaps = between_stops(scene.device, _GAPS)
+    needed = np.array([balance(float(gap)) for gap in gaps])
+    found = {"holding_current": float(needed[0])}
+    for name, sign in (("pull_in_current", -1.0), ("drop_out_current", 1.0)):
+        at = int(np.argmin(sign * needed))
+        if at in (0, _GAPS - 1):  # at a stop
+            found[name] = float(needed[at])
+            continue
+        ends = float(gaps[at - 1]), float(gaps[at + 1])
+        closer = minimize_scalar(
+            lambda gap, sign=sign: sign * balance(gap), bounds=ends, method="bounded",
+            options={"xatol": 1e-3 * (ends[1] - ends[0])},
+        )  # fmt: skip
+        found[name] = sign * min(sign * float(needed[at]), float(closer.fun))
+    return found if np.isfinite(needed).all() else dict.fromkeys(found, np.nan)
+
+
+def _balance(exact: ExactPull, currents: np.ndarray, gap: float) -> float:
+    """Return the least current (A) whose pull balances the spring at a gap (m); nan for none."""
+    from scipy.optimize import brentq
+
+    against = float(spring_force(exact.device, gap))
+    over = exact.samples(currents, np.array([gap])).force[:, 0] >= against
+    if not over.any() or over[0]:
+        return np.nan
+    first = int(np.argmax(over))
+    low, high = currents[first - 1 : first + 1]
+    return float(brentq(lambda i: float(exact.force(i, gap)) - against, low, high, xtol=1e-12))
