@@ -58,10 +58,10 @@ class Bordered:
     def wide_product(self, y: Numbers) -> Numbers:
         """Return the product with y in long double."""
         inside, ports = y[:-PORTS], y[-PORTS:]
+        inner = wide_product(self.inner, inside) + self.border.astype(y.dtype) @ ports
+        return np.concatenate([inner, self.at_ports(y)])
+
+    def at_ports(self, y: Numbers) -> Numbers:
+        """Return the last three rows of the product with y, in the precision of y."""
         border, corner = (part.astype(y.dtype) for part in (self.border, self.corner))
-        return np.concatenate(
-            [
-                wide_product(self.inner, inside) + border @ ports,
-                border.T @ inside + corner @ ports,
-            ]
-        )
+        return np.asarray(border.T @ y[:-PORTS] + corner @ y[-PORTS:])

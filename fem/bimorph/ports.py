@@ -44,7 +44,7 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
             if (size * size <= _ROUNDING * last * _norms(x[:n])).all():
                 break
             last = size
-        force = _force(system, omega2, x)[n:]
+        force = system.stiffness.at_ports(x) - omega2 * system.mass.at_ports(x)
         seen = system.tip.T @ x
         blocks.append((force[:, :3], force[:, 3:], seen[:, :3], seen[:, 3:]))
     stacked = (np.array(part, dtype=complex) for part in zip(*blocks, strict=True))
