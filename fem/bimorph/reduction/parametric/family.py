@@ -1,6 +1,6 @@
 """A family of bimorphs on one level of bricks: built by looking where the basis knows least.
 
-The basis begins with what the middle and the corners of the range have to say.  Then the
+The basis begins with what the middle of the range and points near corners have to say.  Then the
 bound of every answer is looked at in many points of the range, which takes no large system,
 and the worst point is asked, until the bound is below the tolerance everywhere (a greedy
 search).  How much was really missing there, once it is known, sets the bound's margin.
@@ -42,6 +42,9 @@ T = TypeVar("T")
 _LOOKED_AT = 64
 #: Most members that are asked.
 _MOST = 60
+#: Where the first members lie, as a share of the way from the middle to the corners: what the
+#: basis misses is then about as much at the ends of a range as within.
+_NEAR = 0.93
 #: Safety on what was observed to be missing per squared norm of a residual, where the bound
 #: without it was no more than this: beyond, neighbours that bounds rest on are far off themselves.
 _SAFETY, _OBSERVED = 2.0, 1e-2
@@ -121,7 +124,7 @@ def build_family(
     builder = _Builder.of(
         device, dict(ranges), meshing, dict(modes), tolerance, _looked_at_too(frequencies)
     )
-    for point in builder.corners():
+    for point in builder.beginning():
         builder.ask(point, list(modes))
     while True:
         bound, at = builder.worst()
@@ -213,15 +216,24 @@ class _Builder:
         bases = _for_each(modes, begun)
         low, high = np.array(list(ranges.values())).reshape(-1, 2).T
         share = np.random.default_rng(2).uniform(size=(_LOOKED_AT * len(ranges), len(ranges)))
-        points = low + share * (high - low)
+        ends = np.array(list(itertools.product((0.0, 1.0), repeat=len(ranges))))
+        points = low + np.concatenate([share, ends]) * (high - low)
         margins = dict.fromkeys(modes, _SAFETY)
         return cls(
             device, ranges, modes, tolerance, frequencies, products, bases, margins, points, least
         )
 
-    def corners(self) -> list[Floats]:
-        """Return the corners of the range."""
-        return [np.array(corner) for corner in itertools.product(*self.ranges.values())]
+    def beginning(self) -> list[Floats]:
+        """Return the points that are asked before any bound is looked at.
+
+        Near the corners: of several keys every second one, no two of which have an edge in
+        common.
+        """
+        upper = np.array(list(itertools.product((-1.0, 1.0), repeat=len(self.ranges))))
+        if len(self.ranges) > 1:
+            upper = upper[upper.prod(axis=1) > 0.0]
+        low, high = np.array(list(self.ranges.values())).T
+        return list(0.5 * (low + high + _NEAR * upper * (high - low)))
 
     def ask(self, point: Floats, motions: list[Motion]) -> None:
         """Let a member add to the bases of some classes of motion."""

@@ -101,6 +101,23 @@ def test_a_thickness_changes_the_proportions_and_the_bound_is_reached():
     assert family.asked <= 20
 
 
+def test_a_narrow_range_of_three_keys_needs_fewer_members_than_it_has_corners():
+    ranges = {
+        "bimorph.length": (14e-3, 16e-3),
+        "bimorph.piezo_thickness": (0.24e-3, 0.26e-3),
+        "piezo.s11": (16e-12, 17e-12),
+    }
+    family = build_family(PLAIN, ranges, COARSE, {"bending_x": 1}, tolerance=1e-4)
+    assert family.bound <= 1e-4
+    assert family.asked <= 8
+    corner = {key: ends[1] for key, ends in ranges.items()}
+    system, values = direct(PLAIN, ranges, corner)
+    members = family.members("bending_x", PLAIN, values)
+    found = family_modes(members, Ends(), 1, open_circuit=False)
+    exact = natural_modes(system, Ends(), 1)[0].frequency
+    assert abs(found.frequencies[0, 0] - exact) <= found.bars[0, 0] + ROUNDING * exact
+
+
 def test_few_modes_of_a_large_basis_are_those_of_the_whole_problem():
     """Subspace iteration on compliances that fall as those of a rod, the slowest of all classes."""
     rng = np.random.default_rng(0)
