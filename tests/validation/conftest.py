@@ -1,5 +1,6 @@
 """Shared by the tests of reports: checks and stress runs have tests of their own."""
 
+import base64
 import html
 import json
 import re
@@ -21,22 +22,58 @@ STEPS = "/* what the test says */"
 LEAST_CONTRAST = 4.5
 
 
-@pytest.fixture(autouse=True)
-def unlaid(request, monkeypatch):
-    """Leave figures as they come: laying them out takes half of drawing.
+#: A picture of one dot.
+DOT = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR42mNgAAAAAgAB5Sfe/AAAAABJRU5ErkJggg=="
+)
 
-    The tests of what is seen, and heavy ones, lay them out.
-    """
-    seen = "view" in request.path.parent.parts
-    if not seen and request.node.get_closest_marker("heavy") is None:
+
+@pytest.fixture(scope="session")
+def leave_unlaid():
+    """Return what leaves figures as they come, given a monkeypatch: layout is half of drawing."""
+
+    def leave(patch):
         from tactgen.validation.view import figures
+
+        lay_out = figures.lay_out
 
         def as_they_come(figure):
             figure.set_layout_engine("none")  # else it acts once they are drawn
             lay_out(figure)
 
-        lay_out = figures.lay_out
-        monkeypatch.setattr(figures, "lay_out", as_they_come)
+        patch.setattr(figures, "lay_out", as_they_come)
+
+    return leave
+
+
+@pytest.fixture(scope="session")
+def make_plain(leave_unlaid):
+    """Return what makes reports plain, given a monkeypatch: for one that many tests read.
+
+    Figures as they come, dots for the CAD solids, checks that count as passed: all of these
+    have tests of their own.
+    """
+
+    def make(patch):
+        from tactgen.validation.export import files  # slow to import, as the next
+        from tactgen.validation.report import study
+        from tactgen.validation.view import pictures
+
+        leave_unlaid(patch)
+        patch.setattr(files, "scene_solids", lambda _: {})
+        patch.setattr(files, "normal_actuator_solids", lambda _: {})
+        patch.setattr(pictures, "solids_picture", lambda _: DOT)
+        patch.setattr(study, "run_check", lambda check: study.Outcome(check, 1.0, 0.0, "pass"))
+
+    return make
+
+
+@pytest.fixture(autouse=True)
+def unlaid(request, monkeypatch, leave_unlaid):
+    """Leave figures as they come; the tests of what is seen, and heavy ones, lay them out."""
+    seen = "view" in request.path.parent.parts
+    if not seen and request.node.get_closest_marker("heavy") is None:
+        leave_unlaid(monkeypatch)
 
 
 @pytest.fixture(scope="session")

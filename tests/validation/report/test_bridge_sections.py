@@ -33,9 +33,9 @@ def texts(scene, *overrides, quick):
 
 
 @pytest.mark.usefixtures("own_store", "coarse_bricks")
-def test_quick_report_has_the_bridge_alone(monkeypatch):
+def test_quick_report_has_the_bridge_alone(monkeypatch, few_bricks):
     """What takes tetrahedra or a dozen solids is left to the full report."""
-    monkeypatch.setattr(solid_values, "LEVELS", solid_values.LEVELS[:1] * 2)
+    monkeypatch.setattr(solid_values, "LEVELS", few_bricks)
     few = ("modes=2", "frequency=1000", "quantities=static_tip_displacement")
     shown = texts("j1", "mesh.level=2", "models=tmm,solid", *few, quick=True)
     assert list(shown) == ["bridge"]

@@ -19,6 +19,7 @@ from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.sections.machine import MOTIONS, POSITIONS, SUPPORT
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.uncertainty import propagation
 
 FEW = ("models=tmm,network", "frequency=10,100,439,1000")
 NUMBER = {"support": 3}
@@ -151,6 +152,7 @@ def test_a_quick_report_says_what_it_leaves_out(up):
 def test_more_than_the_head_bears_is_a_known_limit(up, monkeypatch):
     """On the first page, where the drive tips the head; not where it does not."""
     said = "outside their validity"
+    monkeypatch.setattr(propagation, "affordable", lambda _: 100)
     for moment, known in (({"largest": 2e-4, "tipping": 1e-4}, True),
                           ({"largest": 5e-5, "tipping": 1e-4}, False)):  # fmt: skip
         monkeypatch.setattr(up, "shown", {"support": {"moment": moment}})

@@ -37,19 +37,13 @@ def words(html):
 
 
 @pytest.fixture(scope="module")
-def reluctance(tmp_path_factory, rough_fields):
-    """The quick report of the built-in scene, with rough fields, its figures drawn as they come.
-
-    The checks, which solve fields of their own, count as passed: they have tests of their own.
-    """
-    from tactgen.validation.report import study  # slow to import
-    from tactgen.validation.report.sections import reluctance
-    from tactgen.validation.view import figures
+def reluctance(tmp_path_factory, rough_fields, make_plain):
+    """The plain quick report of the built-in scene, with rough fields."""
+    from tactgen.validation.report.sections import reluctance  # slow to import
 
     with rough_fields(tmp_path_factory.mktemp("rough")) as patch:
-        patch.setattr(study, "run_check", lambda check: study.Outcome(check, 1.0, 0.0, "pass"))
+        make_plain(patch)
         patch.setattr(reluctance, "_PICTURE", {"order": 2, "refinement": 0.7})
-        patch.setattr(figures, "lay_out", lambda _: None)
         return make(tmp_path_factory.mktemp("reluctance"), "reluctance")
 
 
@@ -117,7 +111,10 @@ def test_quick_report_solves_no_map_of_the_field(reluctance):
 
 @pytest.mark.usefixtures("undrawn")
 def test_network_alone(tmp_path):
-    """Without the field there is no picture of it, and the bridge ends at the network."""
+    """Without the field there is no picture of it, and the bridge ends at the network.
+
+    What is said of the paper's spring stands there.
+    """
     html, steps = make(tmp_path, "reluctance", "models=network")
     assert ids(html) == [
         "what",
@@ -130,24 +127,24 @@ def test_network_alone(tmp_path):
     ]
     assert "the field was not asked for" in html
     assert not any("axisymmetric" in step or "field" in step for step in steps)
+    check_words(
+        words(html),
+        ("stays at the upper stop until", "the preload was set to it",
+         "The turns were chosen so that", "That this number comes out right"),
+        ("floats", "this scene sets another", "this scene has another"),
+    )  # fmt: skip
 
 
-def shown(tmp_path, *overrides):
-    text = words(make(tmp_path, "reluctance", "models=network", *overrides)[0])
+def check_words(text, there, not_there):
     assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", text)
-    return text
+    assert [wanted for wanted in there if wanted not in text] == []
+    assert [wrong for wrong in not_there if wrong in text] == []
 
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     ("overrides", "there", "not_there"),
     [
-        (
-            (),
-            ("stays at the upper stop until", "the preload was set to it",
-             "The turns were chosen so that", "That this number comes out right"),
-            ("floats", "this scene sets another", "this scene has another"),
-        ),
         (
             ("spring.stiffness=1000 N/m",),
             ("leaves the upper stop at", "floats, further down", "snaps down"),
@@ -163,11 +160,8 @@ def shown(tmp_path, *overrides):
 )  # fmt: skip
 def test_words_follow_the_spring(tmp_path, overrides, there, not_there):
     """What is said of switching, turns and preload is true of this scene, not of the usual one."""
-    text = shown(tmp_path, *overrides)
-    for wanted in there:
-        assert wanted in text, wanted
-    for wrong in not_there:
-        assert wrong not in text, wrong
+    html, _ = make(tmp_path, "reluctance", "models=network", *overrides)
+    check_words(words(html), there, not_there)
 
 
 @pytest.mark.usefixtures("own_store", "undrawn")
@@ -175,10 +169,9 @@ def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
     """Words instead of a number wherever pull-in is shown, and no picture fails."""
     small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)
     monkeypatch.setattr("tactgen.tmm.reluctance.map_range.map_grid", lambda _: small)
-    text = shown(tmp_path, "coil.current=40 mA")
-    assert "No current up to 60 mA draws the rod down" in text
-    assert "not reached" in text
-    assert "snaps down" not in text
+    html, _ = make(tmp_path, "reluctance", "models=network", "coil.current=40 mA")
+    there = ("No current up to 60 mA draws the rod down", "not reached")
+    check_words(words(html), there, ("snaps down",))
 
 
 def test_steps_of_the_bridge_add_up(at_a_point):
@@ -264,8 +257,9 @@ def test_report_of_both_actuators(tmp_path):
     assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", text)
 
 
-LATERAL_ONLY = """
-import sys
+#: Reports of either actuator alone, each in a process of its own that begins with what both need.
+ALONE = """
+import os, sys
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 import tactgen.validation.report.study as study
 from tactgen.validation.view import figures
@@ -273,43 +267,36 @@ figures.lay_out = lambda _: None  # slow, of no concern here, as drawing is
 FigureCanvasSVG.print_svg = lambda _, file, **__: file.write("<svg></svg>")
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.scene.scene import load_scene
-scene, origins = load_scene("prototype", ("models=lumped,tmm",))
-made = study.Study(scene, origins, lambda _: None, quick=True)
-for section in sections(made):
-    if section.id not in ("what", "stress", "uncertainty", "length", "voltage"):  # slow, shared
-        section.context(made)
-made.parameters
-print(*sys.modules)
-"""
-NORMAL_ONLY = """
-import sys
-from matplotlib.backends.backend_svg import FigureCanvasSVG
-import tactgen.validation.report.study as study
-from tactgen.validation.view import figures
-figures.lay_out = lambda _: None  # slow, of no concern here, as drawing is
-FigureCanvasSVG.print_svg = lambda _, file, **__: file.write("<svg></svg>")
-from tactgen.validation.report.sections.contents import sections
-from tactgen.validation.scene.scene import load_scene
-scene, origins = load_scene("reluctance", ("models=network",))
-made = study.Study(scene, origins, lambda _: None, quick=True)
-for section in sections(made):
-    if section.id != "what":  # pictures
-        section.context(made)
-print(*sys.modules)
+for name, models in (("prototype", "lumped,tmm"), ("reluctance", "network")):
+    child = os.fork()
+    if child:
+        if os.waitpid(child, 0)[1]:
+            sys.exit(1)
+        continue
+    scene, origins = load_scene(name, (f"models={models}",))
+    made = study.Study(scene, origins, lambda _: None, quick=True)
+    for section in sections(made):
+        if section.id not in ("what", "stress", "uncertainty", "length", "voltage"):  # slow, shared
+            section.context(made)
+    made.parameters
+    print(name, *sys.modules, flush=True)
+    os._exit(0)
 """
 
 
-def modules(script):
-    command = [sys.executable, "-c", script]
+@pytest.fixture(scope="module")
+def loaded():
+    """The modules that a report of either actuator alone has loaded, by its scene."""
+    command = [sys.executable, "-c", ALONE]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
-    return set(done.stdout.split())
+    return {names[0]: set(names) for names in map(str.split, done.stdout.splitlines())}
 
 
-def test_lateral_report_imports_nothing_magnetic():
+def test_lateral_report_imports_nothing_magnetic(loaded):
     """A scene that asks for the bimorph alone loads no magnetic model, check or plot."""
-    loaded = modules(LATERAL_ONLY)
-    assert "tactgen.validation.report.sections.bimorph" in loaded
-    assert not loaded & {
+    lateral = loaded["prototype"]
+    assert "tactgen.validation.report.sections.bimorph" in lateral
+    assert not lateral & {
         "tactgen.fem.reluctance.axisymmetric.actuator", "tactgen.fem.reluctance.axisymmetric.field",
         "tactgen.tmm.reluctance.network", "tactgen.validation.checks.reluctance",
         "tactgen.validation.report.figures.reluctance",
@@ -317,11 +304,11 @@ def test_lateral_report_imports_nothing_magnetic():
     }  # fmt: skip
 
 
-def test_normal_report_imports_nothing_piezoelectric():
+def test_normal_report_imports_nothing_piezoelectric(loaded):
     """The other way round: no solid, no beam elements, no lateral sections."""
-    loaded = modules(NORMAL_ONLY)
-    assert "tactgen.tmm.reluctance.network" in loaded
-    assert not loaded & {
+    normal = loaded["reluctance"]
+    assert "tactgen.tmm.reluctance.network" in normal
+    assert not normal & {
         "tactgen.fem.bimorph.solid", "tactgen.fem.bimorph.modes", "tactgen.fem.bimorph.ports",
         "tactgen.fem.beam.beam",
         "tactgen.validation.models.bimorph.bridge", "tactgen.validation.checks.paper.audit",
