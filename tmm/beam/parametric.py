@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -78,6 +79,7 @@ class Actuator:
         return getattr(self if name in ("support", "load", "beam", "drive") else self.device, name)
 
 
+@lru_cache(maxsize=4)  # asked by several for one scene
 def parameter_keys(actuator: Actuator) -> tuple[str, ...]:
     """Return the scene keys of all numbers that the model reads and that can be varied.
 

@@ -3,11 +3,18 @@
 import pytest
 
 from tactgen.validation.fields.gather import Request, gather
+from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
 
 
 @pytest.fixture(scope="session")
-def seen():
-    """Return the fields of a clamped bimorph by two models, with one driven state."""
+def seen(tmp_path_factory, few_bricks):
+    """Return the fields of a clamped bimorph by two models, with one driven state.
+
+    On few bricks, with a store of their own whose keys do not know.
+    """
     scene, _ = load_scene("j1", ["mesh.level=1", "modes=3", "models=solid,tmm"])
-    return gather(scene, ["solid", "tmm"], Request((900.0,), "edges"))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("seen")))
+        patch.setattr(solid, "LEVELS", few_bricks)
+        return gather(scene, ["solid", "tmm"], Request((900.0,), "edges"))

@@ -10,11 +10,11 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.files import written_whole
+from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.units import quoted
 from tactgen.validation.studies.identification.curve_model import curve_model
 from tactgen.validation.studies.identification.identify import Identification
-from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels
+from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, svg
 from tactgen.validation.view.formats import engineering
 
 if TYPE_CHECKING:
@@ -56,13 +56,11 @@ def write_plot(found: Identification, path: Path) -> Path:
     InputError
         If the file cannot be written.
     """
-    import matplotlib as mpl
-
     figure = draw(found)
-    with written_whole(path) as temporary, mpl.rc_context({"svg.hashsalt": "tactgen"}):
-        kind = path.suffix.lower().removeprefix(".")
-        stamp = {"Date": None} if kind == "svg" else None  # the same fit gives the same file
-        figure.savefig(temporary, format=kind, dpi=150, metadata=stamp)
+    if path.suffix.lower() == ".svg":
+        return write_text(path, svg(figure))
+    with written_whole(path) as temporary:
+        figure.savefig(temporary, format="png", dpi=150)
     return path
 
 
