@@ -6,8 +6,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy import sparse
 
 from tactgen.fem.elements.skfem_mesh import _facets
+from tactgen.fem.solvers.linear_solver import SolverError
+from tactgen.fem.solvers.newton import Factors, minimise
 from tactgen.geometry.bimorph.brick_family import bimorph_bricks
 from tactgen.geometry.bimorph.brick_parts import in_parts
 from tactgen.geometry.bimorph.tets import _refuse_too_thin
@@ -125,6 +128,17 @@ def test_values_that_cannot_be_stored_or_hold_more_than_was():
     assert from_bytes(content).tolist() == [0.0, 1.0, 2.0]
     with pytest.raises(ValueError, match="bytes left over"):
         from_bytes(content + b"1")
+
+
+def test_an_energy_that_falls_no_way():
+    """Where its Hessian's factors point uphill, or nowhere; a diagonal tells before them."""
+    energy = SimpleNamespace(gradient=lambda x: x, hessian=lambda x: sparse.eye(2))
+    for share in (-1.0, np.nan):
+        uphill = SimpleNamespace(update=lambda matrix: None, solve=lambda g, by=share: by * g)
+        with pytest.raises(SolverError, match="convex"):
+            minimise(energy, np.ones(2), uphill)
+    with pytest.raises(SolverError, match="convex"):
+        Factors().update(sparse.diags_array([1.0, 0.0]))
 
 
 @pytest.mark.parametrize("rows", [[[0.0, 1.0], [1.0, 2.0]], [[1.0, 2.0], [2.0, 1.0]]])
