@@ -18,7 +18,7 @@ from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.view.browser import find_browser, run_browser
 from tactgen.validation.view.formats import with_bar
 from tactgen.validation.view.page.html import Still, page
-from tactgen.validation.view.page.shown import payload
+from tactgen.validation.view.page.shown import Block, payload
 from tactgen.validation.view.shading import SHADES, enlargement, shades_of
 
 PHASES = np.arange(8) * np.pi / 4
@@ -283,3 +283,16 @@ def test_a_field_at_rest_is_shown_and_read(browser, tmp_path):
     assert report["errors"] == []
     assert [name for name, changed in report["changes"].items() if not changed] == []
     assert re.search(r"\|B\|: [\d.]+ m?T", report["reading"]["text"])
+
+
+def test_equal_bytes_are_kept_once_for_each_meaning():
+    """Zeros are the same bytes as numbers, as places and as shares of any size."""
+    block = Block()
+    numbers, places = block.plain(np.zeros(2)), block.plain(np.zeros(2, dtype=int))
+    assert (numbers["type"], places["type"]) == ("f4", "u4")
+    small, large = (block.small(np.zeros(4), top) for top in (1.0, 2.0))
+    assert large["scale"] == 2.0 * small["scale"]
+    assert len({found["offset"] for found in (numbers, places, small, large)}) == 4
+    length = len(block.data)
+    assert block.plain(np.zeros(2)) == numbers
+    assert len(block.data) == length
