@@ -434,7 +434,7 @@ def test_two_processes_compute_once(folder, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "kills", [4, pytest.param(50, marks=pytest.mark.heavy)], ids=lambda kills: f"{kills} kills"
+    "kills", [2, pytest.param(50, marks=pytest.mark.heavy)], ids=lambda kills: f"{kills} kills"
 )
 def test_killed_at_any_moment(folder, tmp_path, kills):
     """After kill -9 at random moments no file is damaged, and the next run goes on from there."""

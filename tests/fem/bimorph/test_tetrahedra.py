@@ -69,6 +69,12 @@ def mesh(request):
     return request.getfixturevalue("tetwild")
 
 
+#: The whole has four times the cells: of fTetWild's it is heavy.
+few_and_many = pytest.mark.parametrize(
+    "mesh", ["structured", pytest.param("tetwild", marks=pytest.mark.heavy)], indirect=True
+)
+
+
 def body_of(device, mesh):
     """Unheld body with its materials and the size of the potential's unit."""
     known = materials(device, mesh.regions, device.piezo.ceramic(), lossy=False)
@@ -207,6 +213,7 @@ def test_axial_modes_are_those_of_a_bar():
         assert 0.0 <= mode.frequency / (odd * first) - 1.0 <= kh**4 / 1440.0 + 1e-9
 
 
+@few_and_many
 def test_quarter_and_whole_are_one_body(mesh):
     """Ports, goals, estimates and all modes of the quarter are those of the whole, mirrored."""
     part, whole = (assemble(SHORT, m, lossy=False) for m in (mesh, whole_mesh(mesh)))
@@ -226,6 +233,7 @@ def test_quarter_and_whole_are_one_body(mesh):
     assert [f for f, _ in found] == pytest.approx([m.frequency for m in modes], rel=1e-7)
 
 
+@few_and_many
 def test_quarter_and_whole_have_the_same_estimate(mesh):
     """Goals, signed errors, and the shares of four cells in the one that stands for them."""
     whole = whole_mesh(mesh)

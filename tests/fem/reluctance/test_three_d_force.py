@@ -175,15 +175,9 @@ def test_long_conductors_repel_as_published():
 # TEAM problem 20
 
 
-@pytest.mark.parametrize(
-    ("potential", "current"),
-    [
-        (VectorPotential, 5000.0),
-        (ScalarPotential, 1000.0),
-        pytest.param(VectorPotential, 1000.0, marks=pytest.mark.heavy),
-        pytest.param(ScalarPotential, 5000.0, marks=pytest.mark.heavy),
-    ],
-)
+@pytest.mark.heavy
+@pytest.mark.parametrize("potential", [VectorPotential, ScalarPotential])
+@pytest.mark.parametrize("current", [1000.0, 5000.0])
 def test_stress_agrees_with_virtual_work(potential, current):
     """Two routes, one force, saturated or not, apart by no more than the mesh's own error.
 

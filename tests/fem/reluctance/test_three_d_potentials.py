@@ -202,7 +202,8 @@ def test_coenergy_is_enclosed(saturated):
     assert density.sum() == pytest.approx(gap, rel=1e-6)  # Newton stops at 1e-7, squared in W'
 
 
-@pytest.mark.parametrize("scale", [6.0, pytest.param(2.8, marks=pytest.mark.heavy)])
+@pytest.mark.heavy
+@pytest.mark.parametrize("scale", [6.0, 2.8])
 def test_finer_mesh_narrows_the_enclosure_from_both_sides(saturated, scale):
     """On a finer mesh the lower bound rises and the upper bound falls."""
     solid = sample(team20(scale))

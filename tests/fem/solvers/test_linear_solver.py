@@ -20,8 +20,8 @@ both = pytest.mark.parametrize("solver", [pytest.param("pardiso", marks=needs_mk
 
 
 @pytest.fixture(scope="module", params=[False, True], ids=["lossless", "lossy"])
-def system(request):
-    return assemble(Device(), bimorph_bricks(Device(), LEVELS[0]), lossy=request.param)
+def system(request, few_bricks):
+    return assemble(Device(), bimorph_bricks(Device(), few_bricks[1]), lossy=request.param)
 
 
 def piezo_like(n=12, seed=5):

@@ -177,8 +177,15 @@ def test_network_map_of_ten_by_ten():
     assert np.sqrt(np.mean((said.force / exact.force - 1.0) ** 2)) < 5e-3
 
 
-@pytest.mark.parametrize("points", [7, 10, 14])
-@pytest.mark.parametrize("power", [1.0, 1.5])
+@pytest.mark.parametrize(
+    ("points", "power"),
+    [
+        (7, 1.0),
+        (14, 1.5),
+        *(pytest.param(*grid, marks=pytest.mark.heavy) for grid in ((7, 1.5), (14, 1.0))),
+        *(pytest.param(10, power, marks=pytest.mark.heavy) for power in (1.0, 1.5)),
+    ],
+)
 @pytest.mark.parametrize(
     "model", [lambda i, g: network_samples(DEVICE, i, g), saturating_samples], ids=("net", "exact")
 )

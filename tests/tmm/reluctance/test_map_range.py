@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from tactgen.geometry.device.parameters import Coil, Device, Spring
 from tactgen.tmm.reluctance.map_range import map_grid
@@ -14,13 +15,13 @@ def device(current=0.13, **spring):
 
 
 def balance(built):
-    """The network's balance current at the upper stop, by bisection on the network itself."""
-    low, high = 0.0, 300.0
-    for _ in range(30):  # to 3e-7 A
-        middle = 0.5 * (low + high)
-        force = network_samples(built, np.array([middle]), np.array([built.gap])).force[0, 0]
-        low, high = (low, middle) if force >= built.spring.preload else (middle, high)
-    return high
+    """The network's balance current at the upper stop, from the network itself."""
+
+    def missing(current):
+        samples = network_samples(built, np.array([current]), np.array([built.gap]))
+        return samples.force[0, 0] - built.spring.preload
+
+    return brentq(missing, 0.0, 300.0, xtol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """A bimorph in three parts against the same bricks whole."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -38,11 +39,13 @@ def _nothing_kept(monkeypatch):
     monkeypatch.setattr(joined, "kept", lambda kind, inputs, made_of, work: work())
 
 
+@cache
 def in_three(share, *, lossy=False):
     """The system joined of three parts."""
     return joined_system(DEVICE, in_parts(BRICKS, 0, SECTIONS, share), lossy=lossy)
 
 
+@cache
 def whole(*, lossy=False, motion="bending_x"):
     """The system of the same bricks, uncut."""
     return assemble_bricks(DEVICE, BRICKS, lossy=lossy, motion=motion)

@@ -4,7 +4,6 @@ import warnings
 
 import numpy as np
 import pytest
-from scipy.signal import BadCoefficients, StateSpace
 
 from tactgen.tmm.generator.small_signal import axial_poles
 from tactgen.validation.engine.solve import solve
@@ -36,6 +35,8 @@ def test_its_poles_are_the_axial_ones_and_decay(found):
 
     By numpy of the whole; by scipy.signal, which forms polynomials, of the axial states alone.
     """
+    from scipy.signal import BadCoefficients, StateSpace  # a second: not while tests are collected
+
     scene, made, *_ = found
     n = 2 * (len(made.a) // 2)
     axial = [2, n // 2 + 2, *range(n, len(made.a))]
