@@ -31,7 +31,7 @@ _WORTH_THREADS = 100_000
 
 
 #: Orderings by the digest of their pattern; those longest unused go first.
-_ORDERS: OrderedDict[bytes, Ints] = OrderedDict()
+_ORDERS: OrderedDict[bytes, Array] = OrderedDict()
 _MOST_ORDERS = 32
 
 
@@ -87,7 +87,9 @@ class Pardiso:
         self._data = np.zeros(0)
         self._handle = np.zeros(64, dtype=np.int64)
         self._control = _control(definite=self._definite, matching=matching)
-        self._order = None if order is None else np.ascontiguousarray(order, dtype=np.int32)
+        self._order: Array | None = (
+            None if order is None else np.ascontiguousarray(order, dtype=np.int32)
+        )
         self._ordered = False
         weakref.finalize(self, _release, self._handle, self._kind, self._n, self._control)
 
@@ -126,14 +128,15 @@ class Pardiso:
             self._control[4] = read
             self._call(11)
             return
-        pattern = blake2b(self._indptr, digest_size=16)
-        pattern.update(self._indices)
+        pattern = blake2b(self._indptr.data, digest_size=16)
+        pattern.update(self._indices.data)
         key = pattern.digest()
         known = _ORDERS.pop(key, None)
         self._control[4] = written if known is None else read
-        self._order = np.zeros(self._n.value, dtype=np.int32) if known is None else known
+        order: Array = np.zeros(self._n.value, dtype=np.int32) if known is None else known
+        self._order = order
         self._call(11)
-        _ORDERS[key] = self._order
+        _ORDERS[key] = order
         while len(_ORDERS) > _MOST_ORDERS:
             _ORDERS.popitem(last=False)
 
