@@ -1,11 +1,14 @@
 """Deflection under load where the head may rock: linear at small voltages, refusals."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.multiport import respond
 from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.models.amplitude import states
 from tactgen.validation.models.amplitude.deflection import (
     LoadedDeflection,
     loaded_deflection,
@@ -33,6 +36,30 @@ def test_small_voltages_see_the_linear_support(state):
     at = float(np.abs(linear[-1]))
     # between points of the branch it is interpolated, here along a straight line
     assert voltage_for(head, 60.0, at, 2e-3) == pytest.approx(1e-3, rel=1e-4)
+
+
+@pytest.mark.parametrize("kind", ["finger", "none"])
+def test_a_state_has_curves_without_its_load_and_a_deflection_under_it(monkeypatch, kind):
+    """None where the scene has no load; the voltage is the size of the scene's."""
+    asked = []
+    place = SimpleNamespace(contact_force=0.5)
+
+    def head(scene):
+        return SimpleNamespace(place=place, load=scene.load.kind)
+
+    monkeypatch.setattr(states, "held_head", head)
+    monkeypatch.setattr(
+        states,
+        "backbone",
+        lambda head, volts, *_: asked.append((head.load, volts)) or SimpleNamespace(curves=()),
+    )
+    monkeypatch.setattr(
+        states, "loaded_deflection", lambda head, volts, *_: asked.append((head.load, volts)) or 1.0
+    )  # fmt: skip
+    scene = load_scene("paper", (f"load.kind={kind}", "drive.voltage=-7 V"))[0]
+    found = states._state(scene, "held", (3.0,), lambda _: None)
+    assert (found.contact_force, found.deflection) == (0.5, None if kind == "none" else 1.0)
+    assert asked == [("none", (3.0,)), (kind, 7.0)][: 1 if kind == "none" else 2]
 
 
 @pytest.mark.heavy
