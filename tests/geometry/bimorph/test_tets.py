@@ -308,9 +308,14 @@ def test_bricks_go_to_files_too(tmp_path):
         regions=("shim", "piezo_top"),
         faces={"base": brick[None, :4], "tip": brick[None, 4:] + 1},
     )
+    fields = {"motion": np.sin(mesh.points + 1.0), "potential": np.arange(12.0)}
     for name in ("a.vtu", "a.msh"):
-        write_mesh(mesh, tmp_path / name)
+        write_mesh(mesh, tmp_path / name, point_data=fields)
         assert_same(mesh, read_mesh(tmp_path / name))
+        found = meshio.read(tmp_path / name).point_data
+        assert {of: values.tolist() for of, values in found.items()} == {
+            of: values.tolist() for of, values in fields.items()
+        }
 
 
 def test_files_that_cannot_be_used_are_explained(coil, tmp_path):
