@@ -62,6 +62,7 @@ def main() -> None:
     drawing.add_argument("--out", type=Path, required=True)
     together = commands.add_parser("together", help="run everything on all that survived")
     together.add_argument("--results", type=Path, required=True)
+    together.add_argument("folders", nargs="*", default=["tests"], help="run these alone")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
         copy = Path(folder) / "copy"
@@ -156,8 +157,10 @@ def _believe(copy: Path, results: list[dict]) -> None:
                 result["verdict"] = "undecided"
 
 
-def _tried_on(copy: Path, mistakes: list[Mistake], tests: list[str] | None) -> tuple:
-    """Run tests on packages with mistakes in them (all tests: None, and to the end)."""
+def _tried_on(
+    copy: Path, mistakes: list[Mistake], tests: list[str] | None, folders: tuple[str, ...] = ()
+) -> tuple:
+    """Run tests on packages with mistakes in them (None: all of the folders, to the end)."""
     whole = {m.file: ((copy / m.file).read_bytes(), (copy / m.file).stat()) for m in mistakes}
     for file, (source, status) in whole.items():
         for mistake in sorted(mistakes, key=lambda m: -m.start):
@@ -170,7 +173,7 @@ def _tried_on(copy: Path, mistakes: list[Mistake], tests: list[str] | None) -> t
         later = status.st_mtime_ns + (hash(tuple(mistakes)) % 10**6 + 1) * 10**9
         os.utime(copy / file, ns=(later, later))
     try:
-        return tried(copy, tests, first_only=tests is not None)
+        return tried(copy, tests, first_only=tests is not None, folders=folders)
     finally:
         for file, (source, status) in whole.items():
             (copy / file).write_bytes(source)
@@ -179,9 +182,10 @@ def _tried_on(copy: Path, mistakes: list[Mistake], tests: list[str] | None) -> t
 
 def _together(arguments: argparse.Namespace, copy: Path) -> None:
     results = json.loads(arguments.results.read_text())
-    left = [r for r in results["mistakes"] if r["verdict"] in ("survived", "undecided")]
+    alive = ("survived", "undecided")
+    left = [r for r in results["mistakes"] if r.get("verdict") in alive]
     import_ahead()
-    _, failed = _tried_on(copy, [_mistake(r) for r in left], None)
+    _, failed = _tried_on(copy, [_mistake(r) for r in left], None, tuple(arguments.folders))
     print(f"{len(left)} mistakes at once: {len(failed)} tests fail", *failed, sep="\n")
     for result in left if failed else []:
         result["verdict"], result["by"] = _tried_on(copy, [_mistake(result)], failed)

@@ -60,8 +60,10 @@ class _Chosen:
                 file.write(f"{report.nodeid}\n")
 
 
-def tried(copy: Path, tests: list[str] | None, *, first_only: bool = True) -> tuple[str, list[str]]:
-    """Run tests (None: all there are) on the packages in `copy`.
+def tried(
+    copy: Path, tests: list[str] | None, *, first_only: bool = True, folders: tuple[str, ...] = ()
+) -> tuple[str, list[str]]:
+    """Run tests (None: all there are in the folders) on the packages in `copy`.
 
     Return "survived" where none fails, "killed" and those that failed, or "undecided" where the
     run took too long before one did.  A test that is no longer there is left out.
@@ -71,7 +73,7 @@ def tried(copy: Path, tests: list[str] | None, *, first_only: bool = True) -> tu
     pid = os.fork()
     if pid == 0:
         try:
-            os._exit(_run(copy, tests, notes, first_only=first_only))
+            os._exit(_run(copy, tests, notes, folders or ("tests",), first_only=first_only))
         finally:
             os._exit(70)
     code = _waited(pid, LONGEST if first_only else None)
@@ -81,7 +83,9 @@ def tried(copy: Path, tests: list[str] | None, *, first_only: bool = True) -> tu
     return ("survived", []) if code in (0, 5) else ("killed", failed or [f"exit code {code}"])
 
 
-def _run(copy: Path, tests: list[str] | None, notes: Path, *, first_only: bool) -> int:
+def _run(
+    copy: Path, tests: list[str] | None, notes: Path, folders: tuple[str, ...], *, first_only: bool
+) -> int:
     """Run pytest in this process, which is a fork, and return its exit code."""
     os.setsid()
     with (copy.parent / "said.txt").open("w") as said:
@@ -93,12 +97,13 @@ def _run(copy: Path, tests: list[str] | None, notes: Path, *, first_only: bool) 
     os.environ["PYTHONPATH"] = str(copy / ".setup")
     sys.path.insert(0, str(copy / ".setup"))
     os.chdir(copy)
-    files = ["tests"]
-    if tests is not None:
-        files = [f for f in dict.fromkeys(t.split("::")[0] for t in tests) if Path(f).exists()]
+    files = folders if tests is None else dict.fromkeys(t.split("::")[0] for t in tests)
+    there = [file for file in files if Path(file).exists()]
+    if not there:
+        return pytest.ExitCode.NO_TESTS_COLLECTED
     options = ["-q", "-p", "no:cacheprovider", f"--basetemp={copy.parent / 'base'}"]
     stop = ["-x"] if first_only else []
-    return int(pytest.main([*options, *stop, *files], plugins=[_Chosen(tests, notes)]))
+    return int(pytest.main([*options, *stop, *there], plugins=[_Chosen(tests, notes)]))
 
 
 def _waited(pid: int, longest: float | None) -> int | None:
