@@ -156,13 +156,16 @@ def test_command(made_up, tmp_path, capsys):
     text = capsys.readouterr().out
     assert "100,000" in text
     assert "not met" in text
+    assert text.endswith(f"{tmp_path / 'bench-tmm.csv'}\n{tmp_path / 'bench-tmm.svg'}\n")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["bench-tmm.csv", "bench-tmm.svg"]
 
 
-def test_command_as_json(made_up, capsys):
-    """Timings and verdicts, machine-readable."""
-    command.run(options(only=["tmm"], json=True))
-    told = json.loads(capsys.readouterr().out)
+def test_command_as_json(made_up, tmp_path, capsys):
+    """Timings and verdicts, machine-readable; files are named elsewhere."""
+    command.run(options(only=["tmm"], json=True, out=str(tmp_path)))
+    said = capsys.readouterr()
+    told = json.loads(said.out)
+    assert "bench-tmm.svg" in said.err
     assert told["met"] == {"tmm": [False]}
     assert told["parts"][0]["timings"][0]["points"] == 100
 

@@ -2,9 +2,11 @@
 
 import pytest
 
+from tactgen.tmm.generator.transient.waveform import Sine, Square
 from tactgen.validation.catalogue import detection
 from tactgen.validation.checks.amplitude import AMPLITUDE_CHECKS
 from tactgen.validation.checks.bimorph import CHECKS
+from tactgen.validation.checks.motion_measurements import SOURCES
 from tactgen.validation.checks.reluctance import MAGNETIC_CHECKS
 from tactgen.validation.studies.reconstruction import stated
 
@@ -71,3 +73,9 @@ def test_states_of_the_normal_actuator():
     currents = stated.PULL_IN, stated.HELD, stated.DRIVEN
     assert currents == (0.13, 0.05, 0.12)
     assert (stated.OUTER_DIAMETER, stated.TOTAL_HEIGHT) == (2.3e-3, 41e-3)
+
+
+def test_drives_of_the_sequence():
+    """Section 2: 10 V at 200 Hz on the bimorph, 120 mA at 100 Hz, on and off, in the coil."""
+    drive, square = SOURCES.bimorph, SOURCES.coil
+    assert (drive, square) == (Sine(10.0, 200.0), Square(0.12, 100.0))

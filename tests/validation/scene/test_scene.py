@@ -11,7 +11,7 @@ from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.files import built_in_scenes
 from tactgen.validation.scene.frequencies import parse_frequencies
-from tactgen.validation.scene.idle_keys import scene_warnings
+from tactgen.validation.scene.idle_keys import idle, scene_warnings
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene, load_scene, scene_keys
 from tactgen.validation.scene.template import template
@@ -465,3 +465,30 @@ def test_names_of_ceramics_are_folded(written):
     scene, _ = load_scene("paper", [f"piezo.material={written}"])
     assert scene.piezo.material == "PZT-5H"
     assert scene == load_scene("paper", ["piezo.material=PZT-5H"])[0]
+
+
+def live(scene):
+    return {row.key for row in parameter_rows(scene, {}) if not idle(scene, row.key)}
+
+
+def test_groups_that_no_model_of_the_scene_reads_have_no_effect():
+    """A bimorph alone knows no coil, no spring and no display."""
+    scene, _ = load_scene("prototype", ["models=tmm"])
+    assert {key.split(".")[0] for key in live(scene) if "." in key} == {
+        "beam", "bimorph", "drive", "limits", "load", "piezo", "shim", "support", "threshold",
+    }  # fmt: skip
+
+
+def test_a_current_brings_the_circuit_to_the_contact():
+    """What pulls the head on its stop counts as soon as there is a current, and not before."""
+    sets = ["models=tmm", "support.kind=contact"]
+    without, with_current = (
+        live(load_scene("paper", [*sets, f"coil.current={current}"])[0])
+        for current in ("0 A", "50 mA")
+    )
+    assert with_current - without == {
+        "coil.turns", "coil.history", "sleeve.inner_radius", "sleeve.outer_radius",
+        "sleeve.length", "sleeve.collar_radius", "sleeve.collar_thickness", "spring.stop_gap",
+        "steel.curve", "gap",
+    }  # fmt: skip
+    assert without < with_current
