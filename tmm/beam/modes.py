@@ -45,9 +45,9 @@ _NOTHING = 1e-9
 #: seen in other units.  Of 114 frequencies of 38 rows held against 60 digits, foils at 10⁻⁷
 #: of the stiffness among them, none had more than a third of the error so estimated.
 _ROUNDINGS, _SAFETY = 4.0, 4.0
-#: Relative width of a bracket that is interpolated: tens of roundings, of which the angles
-#: have some, so that their signs are right at its ends.
-_NARROW = 64.0 * _EPS
+#: Relative width of a bracket that is interpolated: its square, which a straight line misses,
+#: is nothing beside rounding, and the angles' signs are right at its ends.
+_NARROW = 1e-10
 #: Reference stiffness in those, and the relative step of a difference quotient.
 _OTHER_UNIT, _STEP = 5.0, 1e-5
 #: Rounding from which it cannot be told: what moves is then of the size of the step.

@@ -14,6 +14,7 @@ from tactgen.validation.export.animated_gltf import drawn_scale, write_animated_
 from tactgen.validation.export.fields import STEPS, write_fields
 from tactgen.validation.export.files import export
 from tactgen.validation.fields.gather import Request, gather
+from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -23,8 +24,12 @@ def scene():
 
 
 @pytest.fixture(scope="module")
-def result(scene):
-    return gather(scene, ["solid"], Request((300.0,), "edges"))[0]
+def result(scene, tmp_path_factory, few_bricks):
+    """On few bricks, with a store of their own whose keys do not know."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("few")))
+        patch.setattr(solid, "LEVELS", few_bricks)
+        return gather(scene, ["solid"], Request((300.0,), "edges"))[0]
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".vtkhdf"])

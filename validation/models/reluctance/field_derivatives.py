@@ -121,8 +121,8 @@ class _Key:
     ) -> dict[str, tuple[Numbers, Floats]] | None:
         """Return by quantity the derivative and its bar; None where no grid follows the key."""
         if all(home.reaches(each.device, each.gap) for each in self._scenes):
-            places = zip(self._scenes, PLACES, strict=True)
-            points = [_solved(home.fork(), s, x) for s, x in places]
+            scenes = zip(self._scenes, PLACES, strict=True)
+            points = [_solved(home.fork(), s, x) for s, x in scenes]
             return {name: self._central(_values(points, name)) for name in quantities}
         sides = []
         for side in (1.0, -1.0):
