@@ -15,12 +15,15 @@ from tactgen.validation.scene.scene import load_scene
 
 #: Accuracy of the reference, of the run's that is judged.
 _FINER = 0.1
-#: Seconds that are run, steps of one run at which each output is judged.
-_UNTIL, _TIMES = 2e-4, 2
+#: Seconds that are run.
+_UNTIL = 2e-4
 
 
 def judge(rng: np.random.Generator) -> list[Judged]:
-    """Return outputs of one run at some times, drawn by `rng`; relative to their largest."""
+    """Return the outputs of one run, drawn by `rng`: the largest error until some time.
+
+    That is what a bar in time is of; relative to the output's largest.
+    """
     while True:
         try:
             return _judged(rng)
@@ -53,13 +56,11 @@ def _judged(rng: np.random.Generator) -> list[Judged]:
         for share in (1.0, _FINER)
     )  # fmt: skip
     where = f"{' '.join(overrides)}, {speed:.4g} m/s, accuracy {accuracy:.3g}"
-    at = rng.integers(run.run.time.size // 10, run.run.time.size, _TIMES)
+    at = int(rng.integers(run.run.time.size // 10, run.run.time.size))
     judged = []
     for name, output in found.system.outputs.items():
-        right = output_at(finer.run, output.row, run.run.time[at])
+        values, bar = run.outputs[name][:at], run.bars[name][at - 1]
+        off = np.abs(values - output_at(finer.run, output.row, run.run.time[:at])).max()
         size = float(np.abs(run.outputs[name]).max()) or 1.0
-        errors, bars = np.abs(run.outputs[name][at] - right) / size, run.bars[name][at] / size
-        judged += [
-            Judged(where, name, float(e), float(b)) for e, b in zip(errors, bars, strict=True)
-        ]
+        judged.append(Judged(where, name, float(off / size), float(bar / size)))
     return judged

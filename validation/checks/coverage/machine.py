@@ -31,29 +31,27 @@ _MOTIONS = (
     "coil_impedance",
 )  # fmt: skip
 _SWITCHING = ("pull_in_current", "holding_current", "drop_out_current")
-#: Points of a map that are judged; gaps among which an extreme is looked for.
-_POINTS, _GAPS = 6, 9
+#: Currents and gaps at which a map is judged; gaps among which an extreme is looked for.
+_POINTS, _GAPS = 20, 9
 
 
 def judge_map(rng: np.random.Generator) -> list[Judged]:
-    """Return points of one device's map, drawn by `rng`, against the network it is made of.
+    """Return the largest errors of one device's map, drawn by `rng`, against the network itself.
 
-    Relative to a tenth of the largest at that gap, where less: so the map states its error.
+    Relative to a tenth of the largest at that gap, where less: so the map states them.
     """
     scene, where = _fitting(rng, lambda scene: network_pull(scene.device))
     surface, exact = network_pull(scene.device), ExactPull(scene.device, CELLS)
-    (near, far), most = surface.gap_limits, surface.current_limit
-    bars = surface.residual, surface.interpolation_error
-    found = []
-    for _ in range(_POINTS):
-        current, gap = between(rng, 1e-3 * most, most), rng.uniform(near, far)
-        right = exact.samples(np.array([current, most]), np.array([gap]))
-        for name in ("flux_linkage", "force"):
-            known, largest = (float(v) for v in getattr(right, name)[:, 0])
-            size = max(abs(known), 0.1 * abs(largest))
-            error = abs(float(getattr(surface, name)(current, gap)) - known) / size
-            at = f"{where} at {current:.4g} A, {1e6 * gap:.4g} um"
-            found.append(Judged(at, name, error, sum(getattr(b, name) for b in bars)))
+    most = surface.current_limit
+    currents = np.append(rng.uniform(0.0, most, _POINTS), most)
+    gaps = rng.uniform(*surface.gap_limits, _POINTS)
+    right, found = exact.samples(np.sort(currents), gaps), []
+    for name in ("flux_linkage", "force"):
+        known = getattr(right, name)
+        off = np.abs(getattr(surface, name)(right.current[:, None], gaps) - known)
+        error = off / np.maximum(np.abs(known), 0.1 * np.abs(known[-1]))
+        bar = sum(getattr(of, name) for of in (surface.residual, surface.interpolation_error))
+        found.append(Judged(where, name, float(error.max()), bar))
     return found
 
 
