@@ -23,8 +23,9 @@ from tactgen.geometry.device.parameters import NOMINAL_GAP, Device, Support
 #: Distance of the sections from the ceramic's ends, in thicknesses of the bimorph: its edges are
 #: then seen through a few smooth fields.
 _SECTION = 2.0
-#: Longest brick along z, in thicknesses of the bimorph, and ratio of neighbouring lengths.
-_LONGEST, _GROWTH = 3.0, 4.0
+#: Longest brick along z, in thicknesses of the bimorph, and ratio of neighbouring lengths; and of
+#: neighbouring widths: bending across the width tells them.
+_LONGEST, _GROWTH, _GROWTH_ACROSS = 3.0, 4.0, 3.0
 #: Longest brick along z below the slot, in radii of the rod: flange, stem and head bend as one.
 _LONGEST_BELOW = 1.0
 #: Widest brick of the rod beside the slot (m): a smooth field in stiff steel.
@@ -112,7 +113,7 @@ def rod_bricks(device: Device, meshing: RodMeshing) -> Bricks:
     }
     x = _lines(lines, reach)
     side = meshing.side * b.shim_thickness
-    inside = _graded(width, None, side, width) / width
+    inside = _graded(width, None, side, width, _GROWTH_ACROSS) / width
     y = _lines({width: np.diff(inside), width + bond: (1.0,)}, reach)
     z, at = _along(device, meshing)
     nx, ny = x.size - 1, y.size - 1
@@ -201,7 +202,13 @@ def _lines(ends: dict[float, Sequence[float] | Floats], reach: float) -> Floats:
     return lines
 
 
-def _graded(length: float, first: float | None, last: float | None, longest: float) -> Floats:
+def _graded(
+    length: float,
+    first: float | None,
+    last: float | None,
+    longest: float,
+    growth: float = _GROWTH,
+) -> Floats:
     """Divide [0, length], intervals growing from `first` below and `last` above, if given."""
     lower, upper = ([] if end is None else [min(end, longest)] for end in (first, last))
     while sum(lower) + sum(upper) < length:
@@ -210,6 +217,6 @@ def _graded(length: float, first: float | None, last: float | None, longest: flo
             pieces = int(np.ceil(length / longest - 1e-9))
             return np.linspace(0.0, length, pieces + 1)
         side = min(ends, key=lambda steps: steps[-1])
-        side.append(min(side[-1] * _GROWTH, longest))
+        side.append(min(side[-1] * growth, longest))
     steps = np.array(lower + upper[::-1])
     return np.concatenate([[0.0], np.cumsum(steps)]) * float(length / steps.sum())

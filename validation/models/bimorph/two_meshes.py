@@ -148,6 +148,7 @@ class TwoMeshModel(BimorphModel):
     def _reduced(self) -> Refined[Multiport]:
         from tactgen.fem.bimorph.reduction.kept_reductions import reduced_solid
 
+        self.systems()  # parts that are reduced for these serve the lossy ones and modes, too
         ports = []
         extra: tuple[tuple[Multiport, float], ...] = ()
         for mesh in self.meshes():
