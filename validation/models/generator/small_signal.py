@@ -9,13 +9,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.tmm.generator.positions import RestingPlace, axial_forces, resting_place
-from tactgen.tmm.generator.small_signal import Linearised, axial_poles, joined, linearised, machine
+from tactgen.tmm.generator.positions import Pull, RestingPlace, axial_forces, resting_place
+from tactgen.tmm.generator.small_signal import (
+    Linearised,
+    Map,
+    axial_poles,
+    joined,
+    linearised,
+    machine,
+)
 from tactgen.tmm.ports.loads.measured_law import disturbed
 from tactgen.tmm.ports.multiport import Multiport, in_series, respond, round_off, terminate
 from tactgen.tmm.ports.terminations import tip_stiffness
@@ -27,6 +35,10 @@ from tactgen.validation.scene.scene import Scene
 
 #: Rounding of the roots of a cubic whose roots lie apart.
 _ROUNDING = 1e-12
+
+
+class MachinePull(Pull, Map, Protocol):
+    """What the machine reads of a co-energy map: pull and slopes at a current (A) and gap (m)."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +100,7 @@ def of_rod(rod: Refined[Linearised], of: Callable[[Linearised], float]) -> Measu
     return Measured(value, sum(factor * abs(value - of(r)) for r, factor in rod.coarser))
 
 
-def rod_about(scene: Scene, pull: CoenergyMap | _Scaled) -> Linearised:
+def rod_about(scene: Scene, pull: MachinePull) -> Linearised:
     """Return the rod about the place where it rests, by a map and with nothing to judge it by.
 
     Raises
@@ -100,7 +112,7 @@ def rod_about(scene: Scene, pull: CoenergyMap | _Scaled) -> Linearised:
     return linearised(scene.device, scene.beam, _rest(scene, pull), current, pull)
 
 
-def _rest(scene: Scene, pull: CoenergyMap | _Scaled) -> RestingPlace:
+def _rest(scene: Scene, pull: MachinePull) -> RestingPlace:
     forces = axial_forces(scene.device, pull, scene.load.normal_force)
     return resting_place(forces, abs(scene.coil.current), scene.coil.history)
 

@@ -43,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     seed = secrets.randbelow(2**31) if options.seed is None else _whole("--seed", options.seed, 0)
     if options.out is not None:
         writable_folder(options.out)
-    say(f"seed {seed}; a run that was stopped goes on with --seed {seed}")
+    say(f"note: seed {seed}; a run that was stopped goes on with --seed {seed}")
     with announcer() as announce:
         parts = run_parts(names, devices, seed, announce)
     if options.json:
