@@ -13,6 +13,7 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.engine.results import Quantity, quantity_json
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.report import page as report_page
 from tactgen.validation.report.provenance import record as files
 from tactgen.validation.report.provenance import reproduce as again
 from tactgen.validation.report.provenance.checksums import FILE as SUMS
@@ -254,6 +255,28 @@ def test_a_scene_without_a_description_is_said_to_have_none(record):
     """In the metadata of the whole."""
     bare = replace(record, scene={**record.scene, "description": ""})
     assert _root((PAGE,), bare)["description"].endswith(": no description.")
+
+
+def test_a_printed_report_appears_whole_or_not_at_all(tmp_path, monkeypatch):
+    """Printed twice, with the contents' pages the second time: an older one stays till then."""
+    page, target, drafts = tmp_path / "other.html", tmp_path / "report.pdf", []
+    page.write_text("<p>report</p>", encoding="utf-8")
+    target.write_bytes(b"older")
+
+    def printed(browser, draft, temporary):
+        drafts.append(draft.name)
+        temporary.write_bytes(b"newer")
+        assert target.read_bytes() == b"older"
+        if len(drafts) == 2:
+            raise InputError("the browser went away")
+
+    monkeypatch.setattr(report_page, "print_pdf", printed)
+    monkeypatch.setattr(report_page, "anchor_pages", lambda content: {})
+    with pytest.raises(InputError, match="went away"):
+        report_page.print_report("browser", page)
+    assert (target.read_bytes(), drafts) == (b"older", ["other.html"] * 2)
+    assert report_page.print_report("browser", page) == target
+    assert target.read_bytes() == b"newer"
 
 
 def test_the_command_prints_every_quantity(sealed, record, capsys):
