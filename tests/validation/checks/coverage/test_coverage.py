@@ -107,6 +107,21 @@ def told(monkeypatch, tmp_path):
     return numbers
 
 
+def test_references_of_the_solid_are_per_volt_of_the_drive(monkeypatch, few_bricks):
+    """At 3 V: three times the deflection, and the same capacitances and frequencies."""
+    monkeypatch.setattr(solid.Case, "reference", few_bricks[0])
+    one, three = (
+        solid.reference(solid.Case((f"drive.voltage={volts} V", "modes=1")), ()) for volts in (1, 3)
+    )
+    deflection = ("static_tip_displacement", "")
+    assert three.pop(deflection) == pytest.approx([3.0 * one.pop(deflection)[0]], rel=1e-9)
+    assert one.keys() == three.keys()
+    for name, values in one.items():
+        assert three[name] == pytest.approx(values, rel=1e-9), name
+    free, blocked = (abs(one[f"capacitance_{how}", ""][0]) for how in ("free", "blocked"))
+    assert blocked < free < 1e-6
+
+
 def test_a_seed_draws_the_same_devices(told, capsys, tmp_path, monkeypatch):
     """The second of two devices is that of a run of five; exit code 1 where bars are too narrow."""
     few = run.run_parts(["beam"], 2, 7, lambda _: None)[0].answers
