@@ -207,7 +207,7 @@ class _Loads:
         solve = factorise(stiffness.inner, order=order).solve
         at_rest = self._at_rest(order)
         static = -solve(stiffness.border)
-        by_ports = stiffness.border[:, ~self.moving]
+        by_ports = stiffness.border[:, ~self.moving].real
         raised = self._forces(-at_rest(by_ports)) - np.where(self.potential[:, None], 0.0, by_ports)
         inertia = (mass.inner @ static + mass.border)[:, self.moving]
         lost = np.zeros_like(static[:, :0])
