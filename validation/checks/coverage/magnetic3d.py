@@ -13,15 +13,15 @@ from tactgen.validation.checks.coverage.result import Judged
 from tactgen.validation.checks.coverage.scenes import between
 
 #: Lines of the sector's grid, of the usual: less than half to two thirds.
-_REFINEMENTS = 0.35, 0.65
+_REFINEMENTS = 0.4, 0.65
 
 
 def judge(rng: np.random.Generator) -> list[Judged]:
     """Return the answers of one device without a slot, drawn by `rng`."""
-    refinement = between(rng, *_REFINEMENTS)
 
     def solved(device: Device) -> Fields:
-        sector = Sector(refinement=refinement)
+        # drawn anew with each device: too coarse a grid is refused
+        sector = Sector(refinement=between(rng, *_REFINEMENTS))
         return solve_solid(device, device.coil.current, device.gap, sector), solve_point(device)
 
     return judged_fields(rng, solved)
