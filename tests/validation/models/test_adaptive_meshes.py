@@ -3,7 +3,6 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
-import cadquery as cq
 import numpy as np
 import pytest
 
@@ -137,6 +136,8 @@ def split_at(raw, tets, cell, point):
 @pytest.fixture
 def box_in_a_box():
     """A cube of 2 mm, and a raw mesh around it whose grid planes are its faces."""
+    import cadquery as cq  # here, since every worker collects every file
+
     solids = {"shim": cq.Workplane().box(2.0, 2.0, 2.0).val()}
     field = sizing_along_z(np.array([[-1.0] * 3, [1.0] * 3]), np.ones_like)
     planes = np.linspace(-1.5, 1.5, 7)
