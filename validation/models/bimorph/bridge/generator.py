@@ -15,7 +15,7 @@ from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_bricks
 from tactgen.geometry.device.parameters import Glue, Rod
 from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.tmm.beam.transfer.scattering import Element
-from tactgen.validation.engine.refinement import BRICK_FACTOR
+from tactgen.validation.engine.refinement import ROD_FACTOR
 from tactgen.validation.models.bimorph.bridge.beam_values import beam_values, values_of_row
 from tactgen.validation.models.bimorph.bridge.rung import Rung, Values
 from tactgen.validation.models.bimorph.bridge.solid_values import (
@@ -97,7 +97,7 @@ class GeneratorChain:
         self.announce("bridge: coarser bricks of the generator")
         coarse = self._solved_in_rod(self.device, self.rod_level - 1).values
         apart = coarse.step_from(self.on_rod.values)
-        return BRICK_FACTOR * max(
+        return ROD_FACTOR * max(
             abs(apart.deflection), abs(apart.first_frequency), abs(apart.capacitance)
         )
 
