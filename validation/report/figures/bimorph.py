@@ -77,12 +77,17 @@ def response_plot(
 def response_values(
     frequencies: Array, curves: dict[str, dict[str, Array]], labels: dict[str, str]
 ) -> str:
-    """Return what the page tells of :func:`response_plot` where it is pointed at, as JSON."""
+    """Return what the page tells of :func:`response_plot` where it is pointed at, as JSON.
 
-    def told(values: Array) -> dict[str, list[str]]:
-        size = [f"{1e6 * abs(value):.4g}" for value in values]
-        phase = [f"{np.rad2deg(np.angle(value)):.1f}" for value in values]
-        return {"size": size, "phase": phase}
+    Where a model has no value (nan), null.
+    """
+
+    def told(values: Array) -> dict[str, list[str | None]]:
+        there = [(value if np.isfinite(value) else None) for value in values]
+        return {
+            "size": [v if v is None else f"{1e6 * abs(v):.4g}" for v in there],
+            "phase": [v if v is None else f"{np.rad2deg(np.angle(v)):.1f}" for v in there],
+        }
 
     shown = {
         "frequency": [float(f"{f:.6g}") for f in frequencies],
