@@ -288,6 +288,20 @@ def gives(model: str, quantity: str) -> bool:
     return set(QUANTITIES[quantity].needs) <= set(MODELS[model].gives)
 
 
+def all_given(models: Iterable[str]) -> tuple[str, ...]:
+    """Return what "all" quantities are: those that the models give.
+
+    Of machine and display only what is named counts, since they want a bimorph on the rod's
+    contact.
+    """
+    able = tuple(models)
+    return tuple(
+        name
+        for name, row in QUANTITIES.items()
+        if row.actuator not in ("generator", "display") and any(gives(m, name) for m in able)
+    )
+
+
 def stage_reads() -> dict[str, tuple[str, ...]]:
     """Return the scene keys that each stage reads; a changed voltage re-meshes nothing."""
     return {

@@ -59,7 +59,9 @@ def stated(options: argparse.Namespace, before: Statement | None = None) -> Stat
     else:
         values, _ = scene_values(options.scene or "paper", overrides)
         base = before or Statement("", {}, (), (), ())
-    models, quantities = chosen(values, options.model, options.quantity, base)
+    # a scene that asks for all has chosen none: the headline ones, which cost a study the least
+    named = {key: of for key, of in values.items() if key != "quantities" or "all" not in of}
+    models, quantities = chosen(named, options.model, options.quantity, base)
     samples = (
         whole_number(options.sample, "--sample", 1, _MOST_SAMPLES, "16")
         if options.sample is not None

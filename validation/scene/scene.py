@@ -33,7 +33,7 @@ from tactgen.geometry.units import quoted
 from tactgen.geometry.whole_number import WholeNumber
 from tactgen.tmm.ports.terminations import ends_of
 from tactgen.validation.catalogue.detection import threshold_of
-from tactgen.validation.catalogue.models import MAPS, MODELS, gives, map_model, models_of
+from tactgen.validation.catalogue.models import MAPS, MODELS, all_given, map_model, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.scene.files import (
     assign,
@@ -198,17 +198,7 @@ class Scene(p.Device):
     @classmethod
     def _quantities(cls, value: Any, info: ValidationInfo) -> Any:
         named = choices(value, tuple(QUANTITIES), "quantity", "quantities")
-        if set(named) != set(QUANTITIES):
-            return named
-        # "all" is what the models can give; of machine and display only what is named, since
-        # they want a bimorph on the rod's contact
-        models = info.data.get("models", ())
-        return tuple(
-            name
-            for name in named
-            if QUANTITIES[name].actuator not in ("generator", "display")
-            and any(gives(model, name) for model in models)
-        )
+        return all_given(info.data.get("models", ())) if named == tuple(QUANTITIES) else named
 
 
 @lru_cache(maxsize=64)

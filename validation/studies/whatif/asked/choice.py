@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.catalogue.models import MODELS, gives
+from tactgen.validation.catalogue.models import MODELS, all_given, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.scene.wording import choices
 from tactgen.validation.studies.whatif.asked.statement import Statement
@@ -43,7 +43,9 @@ def chosen(
     by_name = _names(stated_models, tuple(MODELS), "model", "models") if stated_models else ()
     if stated_quantities:
         wanted = _names(stated_quantities, tuple(QUANTITIES), "quantity", "quantities")
-        if by_name:
+        if wanted == tuple(QUANTITIES):
+            wanted = all_given(by_name or _USUAL)
+        elif by_name:
             wanted = tuple(q for q in wanted if any(gives(m, q) for m in by_name)) or wanted
     else:
         actuators = {MODELS[m].actuator for m in by_name} or {"bimorph"}

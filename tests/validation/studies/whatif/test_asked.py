@@ -1,0 +1,39 @@
+"""What a study or a comparison asks when nothing is named."""
+
+import json
+
+import pytest
+
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.plan import check_models, check_on_contact
+from tactgen.validation.scene.files import built_in_scenes
+from tactgen.validation.scene.scene import checked_scene, scene_values
+from tactgen.validation.studies.whatif.asked.choice import chosen
+from tactgen.validation.studies.whatif.asked.statement import Statement
+
+
+@pytest.mark.parametrize("quantities", [None, ["all"]])
+@pytest.mark.parametrize("scene", built_in_scenes())
+def test_every_scene_gives_what_is_asked_of_it(scene, quantities):
+    """All that its models give, and nothing that it has no rod or neighbours for."""
+    values, _ = scene_values(scene)
+    models, names = chosen(values, None, quantities, Statement("", {}, (), (), ()))
+    check_models(models, names)
+    check_on_contact(checked_scene(values), names)
+
+
+def test_a_study_of_a_scene_that_asks_for_all_asks_its_headline_quantities(tmp_path, capsys):
+    """They cost least; all of them are had by name."""
+    vary = ["--vary", "coil.current=120mA,130mA", "--model", "network", "--json"]
+    for more, expected in (
+        ([], {name for name, row in QUANTITIES.items() if row.headline}),
+        (["--quantity", "all"], set(QUANTITIES)),
+    ):
+        study = str(tmp_path / f"study{len(more)}")
+        assert main(["whatif", "reluctance", *vary, *more, "--out", study]) == 0
+        points = json.loads(capsys.readouterr().out)["points"]
+        assert [point["status"] for point in points] == ["ok", "ok"]
+        found = {of["name"] for of in points[0]["quantities"]}
+        assert {"magnetic_force"} <= found <= expected
+        assert ("coenergy" in found) == bool(more)
