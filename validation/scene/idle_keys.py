@@ -36,7 +36,10 @@ _WEIGHS = (
 )  # fmt: skip
 _CIRCUIT = ("spring.stop_gap", "steel", "sleeve", "gap", "coil.turns", "coil.history")
 #: Of the contact, what where the rod rests depends on as well.
-_RESTS = ("contact.shape", "contact.decay_length", "coil.history", "load.normal_force")
+_RESTS = (
+    "contact.shape", "contact.decay_length", "contact.lower_decay_ratio", "coil.history",
+    "load.normal_force",
+)  # fmt: skip
 #: What only the machine in small motions reads.
 _IN_MOTION = (
     "coil.supply", "coil.source_resistance", "guide.axial_damping", "spring.eccentricity",
@@ -86,7 +89,7 @@ def _not_asked(scene: Scene, key: str) -> str:
         return f"{models}; use it with --set models=solid"
     if group in _LATERAL and not set(scene.models) & set(models_of("bimorph")):
         return f"{models}; use it with one of the lateral actuator, such as --set models=tmm"
-    if _holds_the_bimorph(scene, key):
+    if _holds_the_bimorph(scene, key) or _of_machine(scene, key):
         return ""
     magnetic = set(scene.models) & set(models_of("reluctance"))
     around = group in ("coil", "sleeve", "gap") and scene.support.kind != "rod"
@@ -118,7 +121,7 @@ def _not_shown(scene: Scene, key: str) -> str:
     asked = f"with quantities = {', '.join(scene.quantities)}"
     rests = any("rest" in QUANTITIES[name].needs for name in scene.quantities)
     moves = any("magnetic_map" in QUANTITIES[name].needs for name in scene.quantities)
-    if _holds_the_bimorph(scene, key):
+    if _holds_the_bimorph(scene, key) or _of_machine(scene, key):
         return ""
     if key in _RESTS and not rests:
         return f"{asked}; ask for {_listed('rest')} to use it"
@@ -145,6 +148,20 @@ def _holds_the_bimorph(scene: Scene, key: str) -> bool:
     if group in ("contact", "guide") or key in _PRESSES or key in _WEIGHS:
         return key not in _IN_MOTION
     return scene.coil.current != 0.0 and (group in _CIRCUIT or key in _CIRCUIT)
+
+
+def _of_machine(scene: Scene, key: str) -> bool:
+    """Return whether the machine, or the display of many, reads a key for what is asked of it."""
+    asked = (q for q in scene.quantities if QUANTITIES[q].actuator in ("generator", "display"))
+    needs = {need for name in asked for need in QUANTITIES[name].needs}
+    stages = (
+        (row, stage)
+        for row in (MODELS[name] for name in scene.models)
+        for need in needs & row.gives.keys()
+        for stage in row.gives[need]
+    )
+    group = key.split(".", 1)[0]
+    return any({key, group} & set(row.stages[stage]) for row, stage in stages)
 
 
 def _of_contact(scene: Scene, key: str) -> str:

@@ -33,7 +33,7 @@ from tactgen.geometry.units import quoted
 from tactgen.geometry.whole_number import WholeNumber
 from tactgen.tmm.ports.terminations import ends_of
 from tactgen.validation.catalogue.detection import threshold_of
-from tactgen.validation.catalogue.models import MAPS, MODELS, all_given, map_model, models_of
+from tactgen.validation.catalogue.models import MAPS, MODELS, all_given, gives, map_model, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.scene.files import (
     assign,
@@ -215,6 +215,9 @@ def _held_by_contact(
 def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scene, dict[str, str]]:
     """Read a scene by file or built-in name and apply ``KEY=VALUE`` overrides.
 
+    Where overrides name models only, the scene's own quantities that none of them gives are left
+    out.
+
     Returns
     -------
     scene : Scene
@@ -228,7 +231,11 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
         In one sentence, for anything that cannot be used.
     """
     values, origins = scene_values(name, overrides)
-    return checked_scene(values), origins
+    scene = checked_scene(values)
+    if origins.get("models") == ON_COMMAND_LINE != origins.get("quantities"):
+        given = tuple(q for q in scene.quantities if any(gives(m, q) for m in scene.models))
+        scene = scene.model_copy(update={"quantities": given or scene.quantities})
+    return scene, origins
 
 
 def scene_values(name: str, overrides: Sequence[str] = ()) -> tuple[dict[str, Any], dict[str, str]]:

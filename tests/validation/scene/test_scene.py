@@ -492,3 +492,12 @@ def test_a_current_brings_the_circuit_to_the_contact():
         "steel.curve", "gap",
     }  # fmt: skip
     assert without < with_current
+
+
+def test_models_named_alone_leave_out_what_none_of_them_gives():
+    """Of the scene's own quantities; what is named beside them stays and is refused later."""
+    scene, _ = load_scene("generator", ["models=tmm"])
+    assert "coil_impedance" in scene.quantities
+    assert "rod_position" not in scene.quantities
+    named, _ = load_scene("generator", ["models=tmm", "quantities=rod_position"])
+    assert named.quantities == ("rod_position",)

@@ -2,15 +2,18 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.plan import check_models, check_on_contact
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.files import built_in_scenes
-from tactgen.validation.scene.scene import checked_scene, scene_values
+from tactgen.validation.scene.scene import checked_scene, load_scene, scene_values
 from tactgen.validation.studies.whatif.asked.choice import chosen
 from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.shown.representative import representative
 
 
 @pytest.mark.parametrize("quantities", [None, ["all"]])
@@ -23,17 +26,26 @@ def test_every_scene_gives_what_is_asked_of_it(scene, quantities):
     check_on_contact(checked_scene(values), names)
 
 
-def test_a_study_of_a_scene_that_asks_for_all_asks_its_headline_quantities(tmp_path, capsys):
+def test_a_study_of_a_scene_that_asks_for_all_asks_its_headline_quantities(capsys):
     """They cost least; all of them are had by name."""
     vary = ["--vary", "coil.current=120mA,130mA", "--model", "network", "--json"]
     for more, expected in (
         ([], {name for name, row in QUANTITIES.items() if row.headline}),
         (["--quantity", "all"], set(QUANTITIES)),
     ):
-        study = str(tmp_path / f"study{len(more)}")
-        assert main(["whatif", "reluctance", *vary, *more, "--out", study]) == 0
+        assert main(["whatif", "reluctance", *vary, *more]) == 0
         points = json.loads(capsys.readouterr().out)["points"]
         assert [point["status"] for point in points] == ["ok", "ok"]
         found = {of["name"] for of in points[0]["quantities"]}
         assert {"magnetic_force"} <= found <= expected
         assert ("coenergy" in found) == bool(more)
+
+
+def test_one_number_stands_for_poles():
+    """The size of the first, which is its natural angular frequency: poles are complex."""
+    scene, _ = load_scene("generator", ["models=tmm", "quantities=axial_poles"])
+    (poles,) = solve(scene).quantities
+    assert np.iscomplex(poles.value[0])
+    shown = representative(poles)
+    assert shown.value == abs(poles.value[0])
+    assert "size of the first" in shown.what

@@ -18,7 +18,8 @@ class Representative:
     Attributes
     ----------
     what : str
-        ``first`` mode, ``largest`` magnitude of a response, or nothing of a single number.
+        ``first`` mode, ``size of the first`` pole, ``largest`` magnitude of a response, or nothing
+        of a single number.
     at : float or None
         Frequency (Hz) of the largest.
     """
@@ -41,15 +42,18 @@ class Representative:
 
 
 def representative(q: Quantity) -> Representative:
-    """Return the number itself, of modes the first, of a response the largest magnitude.
+    """Return the number itself, of modes and poles the first, of a response the largest magnitude.
 
+    Of what is complex it is the magnitude: a pole's is its natural angular frequency.
     Of one frequency it is the magnitude there, of a matrix its largest entry, without a bar.
     """
     bars = np.broadcast_to(q.uncertainty, q.value.shape)
     if q.frequency is None:
         place: Any = (0,) * q.value.ndim
-        what = "first" if q.value.ndim else ""
-        return Representative(float(q.value[place]), float(bars[place]), q.unit, what)
+        what, value = "first" if q.value.ndim else "", q.value[place]
+        if np.iscomplexobj(value):
+            what, value = "size of the first", np.abs(value)
+        return Representative(float(value), float(bars[place]), q.unit, what)
     size = np.abs(q.value)
     if not np.isfinite(size).any():
         return Representative(np.nan, np.nan, q.unit, "largest")

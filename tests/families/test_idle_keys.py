@@ -1,0 +1,89 @@
+"""What is said to have no effect has none: the key is turned and nothing moves, to the last bit."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.idle_keys import idle
+from tactgen.validation.scene.parameter_list import parameter_rows
+from tactgen.validation.scene.scene import load_scene
+
+SCENES = (
+    ("paper", ("models=tmm", "frequency=100")),
+    ("reluctance", ("models=network",)),
+    ("generator", ("models=tmm", "frequency=100")),
+    ("generator", ("models=tmm,network", "frequency=100", "coil.current=50mA")),
+    ("display", ("models=tmm", "frequency=100")),
+)
+#: Keys that are turned by default.
+FEW = 6
+
+
+def numbers(scene):
+    """Return every number of a scene with its bar, to the last bit."""
+    return {
+        (q.name, q.model): (q.value.tobytes(), q.uncertainty.tobytes())
+        for q in solve(scene).quantities
+    }
+
+
+def value_of(scene, key):
+    for part in key.split("."):
+        scene = getattr(scene, part)
+    return scene
+
+
+def turned(scene, key, factor):
+    """Return the scene with a key times a factor."""
+    group, _, last = key.rpartition(".")
+    if not group:
+        return scene.model_copy(update={last: factor * value_of(scene, key)})
+    own = getattr(scene, group)
+    changed = own.model_copy(update={last: factor * getattr(own, last)})
+    return scene.model_copy(update={group: changed})
+
+
+def idle_keys(scene):
+    """Return the keys with a number that are said to have no effect."""
+    keys = [row.key for row in parameter_rows(scene, {})]
+    numeric = [k for k in keys if isinstance(value_of(scene, k), float) and value_of(scene, k)]
+    return [key for key in numeric if idle(scene, key)]
+
+
+def check(scene, keys):
+    before = numbers(scene)
+    for key in keys:
+        for factor in (1.05, 0.95):
+            try:
+                assert numbers(turned(scene, key, factor)) == before, key
+                break
+            except InputError:  # a part that would not fit: the other way
+                continue
+        else:
+            pytest.fail(f"{key} cannot be turned either way")
+
+
+@pytest.mark.parametrize(("name", "overrides"), SCENES[:-1])
+def test_what_is_said_to_have_no_effect_has_none(name, overrides):
+    """A few keys of each scene, others each day that keys are added or taken away."""
+    scene, _ = load_scene(name, overrides)
+    keys = idle_keys(scene)
+    assert len(keys) > FEW
+    check(scene, np.random.default_rng(len(keys)).choice(keys, FEW, replace=False))
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize(("name", "overrides"), SCENES)
+def test_nothing_that_is_said_to_have_no_effect_has_one(name, overrides):
+    """Every key."""
+    scene, _ = load_scene(name, overrides)
+    check(scene, idle_keys(scene))
+
+
+@pytest.mark.parametrize("key", ["gap", "coil.turns", "sleeve.outer_radius", "coil.temperature"])
+def test_the_machine_reads_its_magnet_whatever_the_model_of_the_bimorph(key):
+    """By its coil's impedance, without a current too."""
+    scene, _ = load_scene("generator", ["models=tmm"])
+    assert "coil_impedance" in scene.quantities
+    assert not idle(scene, key)
