@@ -38,7 +38,7 @@ def _solved(device: Device) -> Fields:
 def judged_fields(rng: np.random.Generator, solved: Callable[[Device], Fields]) -> list[Judged]:
     """Return the answers of one device, drawn by `rng`; dimensions that do not fit are redrawn."""
     while True:
-        overrides = _drawn(rng)
+        overrides = drawn_actuator(rng)
         try:
             scene, _ = load_scene("reluctance", overrides)
             found, right = solved(scene.device)
@@ -47,7 +47,8 @@ def judged_fields(rng: np.random.Generator, solved: Callable[[Device], Fields]) 
         return [_one(" ".join(overrides), name, found, right) for name in _VALUES]
 
 
-def _drawn(rng: np.random.Generator) -> list[str]:
+def drawn_actuator(rng: np.random.Generator) -> list[str]:
+    """Return the overrides of a random normal actuator; they may not fit together."""
     turns = int(between(rng, 200, 2000))
     return [
         f"gap={between(rng, 20.0, 400.0):.4g}um",

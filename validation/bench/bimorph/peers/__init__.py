@@ -25,12 +25,16 @@ PYTHON = "TACTGEN_PEERS"
 
 def missing(peer: str) -> str:
     """Return a sentence if a peer is not installed, else nothing."""
-    package, _ = PEERS[peer]
+    return not_installed(PEERS[peer][0])
+
+
+def not_installed(package: str) -> str:
+    """Return a sentence if the peers' Python lacks a package, else nothing."""
     look = f"import importlib.util as u, sys; sys.exit(u.find_spec({package!r}) is None)"
     try:
-        done = subprocess.run([_python(), "-c", look], capture_output=True, check=False)
+        done = subprocess.run([python(), "-c", look], capture_output=True, check=False)
     except OSError:
-        return f"{PYTHON} = {_python()} cannot be run; name the Python that has {package}"
+        return f"{PYTHON} = {python()} cannot be run; name the Python that has {package}"
     return f"{package} is not installed; pip install 'tactgen[peers]'" if done.returncode else ""
 
 
@@ -42,8 +46,9 @@ def solve(peer: str, job: Job) -> Answer:
     InputError
         If the peer's process ends badly, with the last line that it wrote.
     """
-    return cast(Answer, on_one_core(PEERS[peer][1], "run", job, python=_python()))
+    return cast(Answer, on_one_core(PEERS[peer][1], "run", job, python=python()))
 
 
-def _python() -> str:
+def python() -> str:
+    """Return the interpreter that runs the peers."""
     return os.environ.get(PYTHON, sys.executable)
