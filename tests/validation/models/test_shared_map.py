@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from tactgen.fem.reluctance.axisymmetric import actuator
+from tactgen.fem.reluctance.axisymmetric import actuator, walk
 from tactgen.fem.reluctance.axisymmetric.actuator import FieldErrors, FieldPoint
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.validation.engine.solve import solve
@@ -39,6 +39,7 @@ def mapped(own_store, monkeypatch):
 
     monkeypatch.setattr(actuator, "solve_map", solve_map)
     monkeypatch.setattr(actuator, "solve_point", lambda _device, i, g, **_: _point(i, g))
+    monkeypatch.setattr(walk.FieldWalk, "at", lambda _self, _device, i, g, _place: _point(i, g))
     return maps
 
 

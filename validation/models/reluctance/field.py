@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept
 from tactgen.tmm.reluctance.coenergy.fit import fit
@@ -19,12 +21,19 @@ from tactgen.validation.engine.results import Measured
 from tactgen.validation.engine.stages import values_read
 from tactgen.validation.models.reluctance.model import MagneticModel
 from tactgen.validation.models.reluctance.point import MagneticPoint
+from tactgen.validation.models.reluctance.switching import Solver
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
     from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
     from tactgen.fem.reluctance.axisymmetric.field import MagneticField
     from tactgen.fem.reluctance.three_d.actuator import SolidPoint
+
+#: How the half section's error bars come about.
+_METHOD = (
+    "change from the lower polynomial order, truncation of the air, and for the force the "
+    "difference between virtual work and the stress in the air"
+)
 
 _Found = TypeVar("_Found", "FieldPoint", "SolidPoint")
 
@@ -79,10 +88,6 @@ class AxisymmetricModel(_FieldModel):
     """The nonlinear field in the half section."""
 
     name = "axisymmetric"
-    _METHOD = (
-        "change from the lower polynomial order, truncation of the air, and for the force the "
-        "difference between virtual work and the stress in the air"
-    )
 
     def point(self) -> MagneticPoint:
         """Return the values at the scene's current and gap."""
@@ -91,8 +96,19 @@ class AxisymmetricModel(_FieldModel):
 
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Return the values at a current (A) and gap (m)."""
-        found = self._solved(current, gap)
-        return replace(_judged(found, self._METHOD), force_by_stress=found.force_eggshell)
+        return axisymmetric_point(self._solved(current, gap))
+
+    def _solver(self) -> Solver:
+        from tactgen.fem.reluctance.axisymmetric.walk import FieldWalk
+
+        device = self.scene.device
+        walk = FieldWalk(finenesses(REFINEMENTS, self.scene.accuracy), self.scene.accuracy)
+
+        def at(current: float, gap: float) -> MagneticPoint:
+            place = nearness(device, current, gap)
+            return axisymmetric_point(walk.at(device, current, gap, place))
+
+        return at
 
     def field(self) -> MagneticField:
         """Return the field itself at the scene's current and gap."""
@@ -210,6 +226,25 @@ def check_solid_map(scene: Scene) -> None:
         )
 
 
+def axisymmetric_point(found: FieldPoint) -> MagneticPoint:
+    """Return what the field in the half section says as any model does."""
+    return replace(_judged(found, _METHOD), force_by_stress=found.force_eggshell)
+
+
+def finenesses(refinements: tuple[tuple[float, float], ...], accuracy: float) -> tuple[float, ...]:
+    """Return the finenesses that may be wanted, coarsest first.
+
+    The first is the one that was found to be enough at the paper's point.
+    """
+    first = next(n for n, (bar, _) in enumerate(refinements) if accuracy >= bar)
+    return tuple(fineness for _, fineness in refinements[first:])
+
+
+def nearness(device: Device, current: float, gap: float) -> Floats:
+    """Return the place (2,) of a current and gap: in how far it is near, fields differ little."""
+    return np.array([current / abs(device.coil.current or 1.0), math.log(gap / device.gap)])
+
+
 def _judged(found: FieldPoint | SolidPoint, method: str) -> MagneticPoint:
     def judged(name: str) -> Measured:
         return Measured(getattr(found, name), getattr(found.errors, name))
@@ -233,11 +268,9 @@ def _fine_enough(
 ) -> _Found:
     """Return the point of the coarsest grid whose force bar is within the accuracy wanted.
 
-    The first grid is the one that was found to be enough at the paper's point; where it is
-    not, the next is tried, up to the finest.
+    Where the first is not enough the next is tried, up to the finest.
     """
-    first = next(n for n, (bar, _) in enumerate(refinements) if accuracy >= bar)
-    for _, fineness in refinements[first:]:
+    for fineness in finenesses(refinements, accuracy):
         found = solve(fineness)
         if found.errors.force <= accuracy * abs(found.force):
             break

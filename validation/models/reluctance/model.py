@@ -20,7 +20,11 @@ from tactgen.validation.engine.model import Model
 from tactgen.validation.engine.results import Measured
 from tactgen.validation.models.reluctance.point import MagneticPoint
 from tactgen.validation.models.reluctance.rest import RestingState, resting_state
-from tactgen.validation.models.reluctance.switching import SwitchingCurrents, switching_currents
+from tactgen.validation.models.reluctance.switching import (
+    Solver,
+    SwitchingCurrents,
+    switching_currents,
+)
 from tactgen.validation.models.reluctance.warnings import magnetic_warnings
 from tactgen.validation.scene.files import leaves
 
@@ -44,6 +48,10 @@ class MagneticModel(Model):
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Return the values at a current (A) and gap (m)."""
 
+    def _solver(self) -> Solver:
+        """Return what solves currents and gaps one after another, as `at` does each alone."""
+        return self.at
+
     @abstractmethod
     def point(self) -> MagneticPoint:
         """Return the values at the scene's current and gap."""
@@ -64,7 +72,7 @@ class MagneticModel(Model):
         """Return the currents at which the rod moves."""
 
         def work() -> SwitchingCurrents:
-            return switching_currents(self.scene.device, self.map(), self.at)
+            return switching_currents(self.scene.device, self.map(), self._solver())
 
         return self.run("switching", work)
 
