@@ -2,6 +2,7 @@
 
 import ast
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -108,3 +109,28 @@ def test_nothing_is_written_but_drafts():
             continue
         assert isinstance(target, ast.Name), where
         assert target.id in ("draft", "temporary"), where
+
+
+def test_every_draft_is_handed_out_so_that_it_appears_whole():
+    """What is called a draft, and so may be written, is one of :func:`written_whole`."""
+    handed = 0
+    for package in ("geometry", "tmm", "fem", "validation"):
+        for path in sorted((PRODUCT / package).rglob("*.py")):
+            text = path.read_text(encoding="utf-8")
+            if not re.search(r"\b(drafts?|temporary)\b", text):
+                continue
+            for node in ast.walk(ast.parse(text)):
+                match node:
+                    case ast.withitem(optional_vars=ast.Name(id=name), context_expr=value):
+                        pass
+                    case ast.Assign(
+                        targets=[ast.Name(id="drafts" as name)], value=ast.DictComp() as value
+                    ):
+                        pass
+                    case _:
+                        continue
+                if name in ("draft", "drafts", "temporary"):
+                    called = [n.id for n in ast.walk(value) if isinstance(n, ast.Name)]
+                    assert "written_whole" in called, f"{path}: {ast.unparse(node)}"
+                    handed += 1
+    assert handed > 20

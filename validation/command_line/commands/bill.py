@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import json
 from typing import TYPE_CHECKING, Any
 
 from tactgen.validation.command_line.commands.common import Commands, scene_options
+from tactgen.validation.command_line.json_output import print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.scene.scene import Scene
@@ -33,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
     check_display(scene.device, scene.display)
     found = _found(scene)
     if options.json:
-        print(json.dumps(found))
+        print_json(found)
     else:
         _show(found, None if options.all else _SHOWN)
     return 0

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 
 from tactgen.validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.json_output import print_json
 
 #: Units of the table, largest first.
 _UNITS = (("GB", 1e9), ("MB", 1e6), ("kB", 1e3))
@@ -35,8 +34,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         kinds = {kind: {"entries": h.entries, "bytes": h.size} for kind, h in held.items()}
         found = {"folder": str(store_folder()), "limit": size_limit(), "kinds": kinds}
-        json.dump({**found, "cleared": options.clear}, sys.stdout)
-        print()
+        print_json({**found, "cleared": options.clear})
         return 0
     for kind, h in held.items():
         print(f"{kind:24} {h.entries:6}  {_readable(h.size):>9}")

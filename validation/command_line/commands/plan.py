@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 from typing import Any
 
 from tactgen.validation.command_line.commands.common import (
@@ -13,6 +11,7 @@ from tactgen.validation.command_line.commands.common import (
     asking_options,
     scene_options,
 )
+from tactgen.validation.command_line.json_output import print_json
 from tactgen.validation.command_line.study_options import (
     AXES,
     axis_options,
@@ -59,11 +58,8 @@ def run(options: argparse.Namespace) -> int:
             entry |= {"kept": prospect.kept, "seconds": prospect.seconds}
         found: dict[str, Any] = {"scene": scene.name, "plan": shown}
         if choice is not None:
-            from tactgen.validation.command_line.plain_values import plain
-
-            found["ladders"] = plain(choice.ladders)
-        json.dump(found, sys.stdout)
-        print()
+            found["ladders"] = choice.ladders
+        print_json(found)
     else:
         from tactgen.validation.command_line.tables import print_plan
 
@@ -75,7 +71,6 @@ def run(options: argparse.Namespace) -> int:
 
 def _of_study(options: argparse.Namespace) -> int:
     """Show what each model would do in a study: kept, by a reduced basis, or one by one."""
-    from tactgen.validation.command_line.plain_values import plain
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.studies.whatif.outlook import study_outlook
 
@@ -83,11 +78,10 @@ def _of_study(options: argparse.Namespace) -> int:
     with announcer() as announce:
         models = study_outlook(statement, announce)
     if options.json:
-        found: dict[str, Any] = {"scene": statement.scene, "study": plain(models)}
+        found: dict[str, Any] = {"scene": statement.scene, "study": models}
         if choice is not None:
-            found["ladders"] = plain(choice.ladders)
-        json.dump(found, sys.stdout)
-        print()
+            found["ladders"] = choice.ladders
+        print_json(found)
     else:
         over = ", ".join(statement.columns)
         print(f"study of {statement.scene}: {statement.size} points over {over}")

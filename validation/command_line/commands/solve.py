@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 
 from tactgen.validation.command_line.commands.common import (
     Commands,
@@ -13,6 +11,7 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
+from tactgen.validation.command_line.json_output import print_json
 from tactgen.validation.command_line.streams import say
 
 
@@ -58,8 +57,7 @@ def run(options: argparse.Namespace) -> int:
         say(sentence)
     warn(solution.warnings)
     if options.json:
-        json.dump(as_json(solution), sys.stdout)
-        print()
+        print_json(as_json(solution))
     elif options.quantity or origins.get("quantities") == ON_COMMAND_LINE:
         from tactgen.validation.command_line.tables import print_quantities
 

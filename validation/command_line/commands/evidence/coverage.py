@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 import secrets
 import sys
 from pathlib import Path
 
 from tactgen.validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.json_output import print_json
 
 
 def add(commands: Commands) -> None:
@@ -33,7 +33,6 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.checks.coverage import PARTS
     from tactgen.validation.checks.coverage.output import table, write
     from tactgen.validation.checks.coverage.run import run_parts
-    from tactgen.validation.command_line.plain_values import plain
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.command_line.streams import say
     from tactgen.validation.scene.wording import choices
@@ -47,9 +46,8 @@ def run(options: argparse.Namespace) -> int:
     with announcer() as announce:
         parts = run_parts(names, devices, seed, announce)
     if options.json:
-        rows = {part.name: plain(part.rows) for part in parts}
-        json.dump({"seed": seed, "rows": rows, "answers": plain(parts)}, sys.stdout)
-        print()
+        rows = {part.name: part.rows for part in parts}
+        print_json({"seed": seed, "rows": rows, "answers": parts})
     else:
         print(table(parts))
     if options.out is not None:

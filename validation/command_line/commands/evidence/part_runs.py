@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
 from tactgen.validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.json_output import print_json
 
 Part = TypeVar("Part")
 
@@ -54,10 +54,7 @@ def run_and_show(
     with announcer() as announce:
         parts = run_parts(names, options.quick, announce)
     if options.json:
-        from tactgen.validation.command_line.plain_values import plain
-
-        json.dump({"parts": plain(parts), **verdicts(parts)}, sys.stdout)
-        print()
+        print_json({"parts": parts, **verdicts(parts)})
     else:
         show(parts)
     if out is not None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tactgen.validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.json_output import print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.checks.verification import Extent, Verified
@@ -33,7 +33,6 @@ def run(options: argparse.Namespace) -> int:
     """Run the command; the exit code is 1 if a check fails."""
     from tactgen.geometry.files import writable_folder
     from tactgen.validation.checks.verification import GROUPS, verify
-    from tactgen.validation.command_line.plain_values import plain
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.scene.wording import choices
 
@@ -49,8 +48,7 @@ def run(options: argparse.Namespace) -> int:
             page = write_book(found, options.out, announce)
             print(f"{page} written", file=sys.stderr)
     if options.json:
-        json.dump({"rows": plain([row.plain() for row in found])}, sys.stdout)
-        print()
+        print_json({"rows": [row.plain() for row in found]})
     else:
         _print(found)
     return int(any(row.verdict == "fail" for row in found))

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +14,7 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
+from tactgen.validation.command_line.json_output import plain, print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.models.amplitude.backbone import Backbone, Curve
@@ -70,8 +69,7 @@ def run(options: argparse.Namespace) -> int:
             _draw(Path(options.plot), found)
     warn(found.warnings)
     if options.json:
-        json.dump(_as_json(scene, options.model, found), sys.stdout, allow_nan=False)
-        print()
+        print_json(_as_json(scene, options.model, found))
     else:
         _print(scene, found)
     return 0
@@ -165,12 +163,10 @@ def _print(scene: Scene, found: Backbone) -> None:
 
 
 def _as_json(scene: Scene, model: str, found: Backbone) -> dict[str, Any]:
-    from tactgen.validation.command_line.plain_values import plain
-
     return {
         "scene": scene.name,
         "model": model,
-        "place": plain(found.head.place),
+        "place": found.head.place,
         "small_rotational_stiffness": found.head.support.rotational_stiffness,
         "curves": [_curve(curve) for curve in found.curves],
         "warnings": list(found.warnings),
@@ -178,7 +174,5 @@ def _as_json(scene: Scene, model: str, found: Backbone) -> dict[str, Any]:
 
 
 def _curve(curve: Curve) -> dict[str, Any]:
-    from tactgen.validation.command_line.plain_values import plain
-
     displacement = [[w.real, w.imag] for w in curve.displacement.tolist()]
     return plain(curve) | {"displacement": displacement}  # type: ignore[no-any-return]

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from pathlib import Path
 
 from tactgen.validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.json_output import print_json
 
 
 def add(commands: Commands) -> None:
@@ -57,8 +57,7 @@ def run(options: argparse.Namespace) -> int:
             announce("drawing")
             page = write_page(out, sides, inputs, answers, scene_solids)
     if options.json:
-        json.dump(as_values(sides, inputs, answers), sys.stdout, allow_nan=False)
-        print()
+        print_json(as_values(sides, inputs, answers))
     else:
         print("\n".join(lines(sides, inputs, answers)))
     if out is not None:

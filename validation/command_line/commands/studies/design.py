@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +15,7 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
+from tactgen.validation.command_line.json_output import print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.scene.scene import Scene
@@ -123,8 +122,7 @@ def _search(options: argparse.Namespace) -> int:
     with announcer() as announce:
         found = search(statement, aims, present, announce)
     if options.json:
-        json.dump(as_values(found), sys.stdout, allow_nan=False)
-        print()
+        print_json(as_values(found))
     else:
         print("\n".join(sentences(found)))
     return 0
@@ -160,8 +158,7 @@ def _length_design(options: argparse.Namespace) -> int:
             _draw(Path(options.plot), study, found)
     warn((*field_warnings(scene, (TIP_DISPLACEMENT.name,)), *found.warnings))
     if options.json:
-        json.dump(_as_json(scene, study, found, rows), sys.stdout, allow_nan=False)
-        print()
+        print_json(_as_json(scene, study, found, rows))
     else:
         _print(scene, study, found, rows)
     return 0

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import (
@@ -13,6 +11,7 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
+from tactgen.validation.command_line.json_output import print_json
 
 _ABOUT = """\
 Fit parameters of a scene to a measured frequency response with the transfer-matrix model,
@@ -110,8 +109,7 @@ def run(options: argparse.Namespace) -> int:
     if target:
         write_scene(found, origins, target)
     if options.json:
-        json.dump(as_json(found), sys.stdout)
-        print()
+        print_json(as_json(found))
     else:
         print(as_text(found))
     return 0

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
+from tactgen.validation.command_line.json_output import print_json
 
 if TYPE_CHECKING:
     from tactgen.geometry.arrays import Floats
@@ -70,8 +69,7 @@ def run(options: argparse.Namespace) -> int:
     warn(solution.warnings)
     _write(options, loops, abs(scene.coil.current))
     if options.json:
-        json.dump({"scene": scene.name, "loops": [_plain(f) for f in loops]}, sys.stdout)
-        print()
+        print_json({"scene": scene.name, "loops": [_plain(f) for f in loops]})
     else:
         for found in loops:
             _print(found)
@@ -166,20 +164,18 @@ def _steps(found: RodLoop) -> list[tuple[float, list[str], list[str]]]:
 
 
 def _plain(found: RodLoop) -> dict[str, Any]:
-    from tactgen.validation.command_line.plain_values import plain
-
     loop = found.loop
 
     def way(places: Any, bars: Floats) -> dict[str, Any]:
-        return {"places": plain(places), "uncertainty": bars.tolist()}
+        return {"places": places, "uncertainty": bars}
 
     return {
         "model": found.model,
-        "current": loop.currents.tolist(),
+        "current": loop.currents,
         "rising": way(loop.rising, found.rising_bar),
         "falling": way(loop.falling, found.falling_bar),
-        "unstable": loop.unstable.tolist(),
-        "switching": plain(found.switching) if found.switching else None,
+        "unstable": loop.unstable,
+        "switching": found.switching,
     }
 
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +13,7 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
+from tactgen.validation.command_line.json_output import print_json
 from tactgen.validation.command_line.streams import say
 
 if TYPE_CHECKING:
@@ -112,8 +111,7 @@ def run(options: argparse.Namespace) -> int:
         say(f"note: {sentence}")
     known = _ranges(scene, dict.fromkeys(key for column in columns for key in column.logarithmic))
     if options.json:
-        json.dump(_as_json(scene.name, columns, uncertain, known), sys.stdout)
-        print()
+        print_json(_as_json(scene.name, columns, uncertain, known))
     else:
         shown = thinned(columns)
         if len(shown) < len(columns):

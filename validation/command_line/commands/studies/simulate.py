@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
+from tactgen.validation.command_line.json_output import print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.models.generator.transient import Simulation
@@ -97,8 +96,7 @@ def run(options: argparse.Namespace) -> int:
     with announcer() as announce:
         _write(options, found, announce)
     if options.json:
-        json.dump(as_json(found), sys.stdout)
-        print()
+        print_json(as_json(found))
     else:
         _print(found)
     return 0

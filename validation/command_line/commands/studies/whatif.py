@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import Commands, warn
+from tactgen.validation.command_line.json_output import print_json
 from tactgen.validation.command_line.study_options import (
     AXES,
     axis_options,
@@ -201,8 +201,7 @@ def _show(
               + (f", see {options.out}/study.csv" if options.out else "")])  # fmt: skip
     if options.json:
         aims = {"aims": as_values(study, found)} if found else {}
-        json.dump({**_as_json(study), **aims, **_ladders(choice)}, sys.stdout, allow_nan=False)
-        print()
+        print_json({**_as_json(study), **aims, **_ladders(choice)})
     else:
         print("\n".join([*table_lines(study), *(sentences(study, found) if found else ())]))
     counts = study.counts
@@ -217,14 +216,11 @@ def _show(
 
 
 def _ladders(choice: Choice | None) -> dict[str, Any]:
-    from tactgen.validation.command_line.plain_values import plain
-
-    return {} if choice is None else {"ladders": plain(choice.ladders)}
+    return {} if choice is None else {"ladders": choice.ladders}
 
 
 def _as_json(study: Study) -> dict[str, Any]:
     """Return the study as plain JSON values, SI units."""
-    from tactgen.validation.command_line.plain_values import plain
     from tactgen.validation.engine.results import quantity_json
 
     stated = study.statement
@@ -232,7 +228,7 @@ def _as_json(study: Study) -> dict[str, Any]:
         "scene": stated.scene,
         "axes": [
             {"key": a.key, "unit": a.unit, "dimension": stated.columns[a.key][0],
-             "values": plain(list(stated.columns[a.key][1]))}
+             "values": stated.columns[a.key][1]}
             for a in stated.axes
         ],
         "points": [
@@ -241,5 +237,5 @@ def _as_json(study: Study) -> dict[str, Any]:
              "warnings": list(answer.warnings)}
             for point, model, answer in study.rows
         ],
-        "counts": plain(study.counts),
+        "counts": study.counts,
     }  # fmt: skip

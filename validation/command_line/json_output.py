@@ -1,12 +1,16 @@
-"""Records as values that JSON knows."""
+"""What commands say with ``--json``: records as values that JSON knows, on standard output."""
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import fields, is_dataclass
 from typing import Any
 
-import numpy as np
+
+def print_json(value: Any) -> None:
+    """Print a record in one line, alone on standard output."""
+    print(json.dumps(plain(value), allow_nan=False))
 
 
 def plain(value: Any) -> Any:
@@ -15,7 +19,7 @@ def plain(value: Any) -> Any:
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, dict):
         return {key: plain(entry) for key, entry in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
+    if hasattr(value, "tolist"):  # arrays and NumPy's numbers
         return plain(value.tolist())
     if isinstance(value, list | tuple):
         return [plain(entry) for entry in value]
