@@ -58,6 +58,8 @@ class SolidSystem:
         three rows empty.
     related : callable, optional
         Gives the same body in another class of motion; None for a body taken whole.
+    with_losses : callable, optional
+        Gives the same body with losses where that is less work than to assemble it anew.
     elimination : (n - 3,) int array, optional
         A good order in which to eliminate all but the last three unknowns.
     rounding : float, optional
@@ -77,6 +79,7 @@ class SolidSystem:
     volts_per_unit: float
     motion: Motion = "all"
     related: Callable[[Motion], SolidSystem] | None = None
+    with_losses: Callable[[], SolidSystem] | None = None
     elimination: Ints | None = None
     rounding: float | None = None
     behind: int = 0

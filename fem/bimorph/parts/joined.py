@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NoReturn
 
 import numpy as np
 from scipy import sparse
@@ -62,7 +63,11 @@ def joined_system(
     without, with_losses = (
         materials(device, parts.regions, of, lossy=losses) for losses in (False, True)
     )
-    return _Joined(parts, without, with_losses, lossy).system(motion)
+    joined = _Joined(parts, without, with_losses)
+    if not lossy:
+        return joined.system(motion)
+    with_losses_too = joined.system(motion).with_losses
+    return with_losses_too() if with_losses_too is not None else _refused(motion)
 
 
 @dataclass(frozen=True)
@@ -72,25 +77,20 @@ class _Joined:
     parts: BrickParts
     without: dict[str, Material]
     with_losses: dict[str, Material]
-    lossy: bool
 
     def system(self, motion: Motion) -> SolidSystem:
-        """Return the system of one class of motion, of the whole body."""
-        if self.lossy and motion != "bending_x":
-            raise ValueError("losses of the ends are known of the motions that ports drive only")
+        """Return the lossless system of one class of motion, of the whole body."""
         section = self._section(motion)
         foot, tip = self._end(motion, section, is_foot=True), self._end(motion, section)
         stretch = Stretch(section, self.parts.stretch)
         place = _Place(section.functions.values.shape[1], stretch.nodes, foot, tip)
-        stiffness = place.joined(
-            stretch.stiffness(lossy=self.lossy), *(self._stiffness(end) for end in (foot, tip))
-        )
+        stiffness = place.joined(stretch.stiffness(lossy=False), foot.stiffness, tip.stiffness)
         nodes, seen, node_mass = stretch.whole_nodes()
         nothing = sparse.csr_matrix((seen.shape[0], foot.own + tip.own + PORTS))
         face = np.zeros((place.size + PORTS, 2))
         face[place.of(tip)] = tip.face
         potentials = place.shapes - section.functions.moving
-        return SolidSystem(
+        lossless = SolidSystem(
             stiffness=stiffness,
             mass=place.joined(stretch.mass(), foot.mass, tip.mass),
             tip=face,
@@ -106,8 +106,12 @@ class _Joined:
             behind=self.parts.values,
         )
 
-    def _stiffness(self, end: ReducedEnd) -> Numbers:
-        return end.stiffness + 1j * end.losses if self.lossy else end.stiffness
+        def with_losses() -> SolidSystem:
+            of_ends = (end.stiffness + 1j * end.losses for end in (foot, tip))
+            lossy = place.joined(stretch.stiffness(lossy=True), *of_ends)
+            return replace(lossless, stiffness=lossy, related=_refused, with_losses=None)
+
+        return replace(lossless, with_losses=with_losses) if motion == "bending_x" else lossless
 
     def _section(self, motion: Motion) -> Section:
         parts, known = self.parts, self._known(self.parts.middle)
@@ -141,6 +145,12 @@ class _Joined:
             for known in (self.without, self.with_losses)
         )
         return without, lossy
+
+
+def _refused(motion: Motion) -> NoReturn:
+    raise ValueError(
+        f"losses of the ends are known of the motions that ports drive only, not of {motion}"
+    )
 
 
 @dataclass(frozen=True)

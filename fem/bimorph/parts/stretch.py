@@ -11,6 +11,7 @@ a length then costs products of small matrices,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -21,7 +22,7 @@ from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.parts.section_functions import SectionFunctions
 from tactgen.fem.bimorph.symmetry import lumped, mirror_signs
 from tactgen.fem.bimorph.system import Material, volts_per_unit
-from tactgen.fem.elements.line_basis import line_matrices
+from tactgen.fem.elements.line_basis import LineMatrices, line_matrices
 from tactgen.geometry.arrays import Floats, Numbers, Sparse
 from tactgen.geometry.bimorph.brick_parts import uniform
 from tactgen.geometry.bimorph.bricks import Axis, Bricks, mirrored_axis
@@ -171,33 +172,38 @@ class Stretch:
         """Return the stiffness, the last row minus the charge."""
         integrals = self.section.stiffness
         of = integrals + 1j * self.section.losses if lossy else integrals
-        s = of.shape[2] - 1
-        lines = self._lines()
-        inner = sum(
-            sparse.kron(lines[a][b], of[a, b, :s, :s], format="csr")
-            for a in range(2)
-            for b in range(2)
+        s, along = of.shape[2] - 1, self._line.integrals
+        blocks = sum(
+            along[a, b][:, None, None] * of[a, b, :s, :s] for a in range(2) for b in range(2)
         )
         # a voltage is the same all along: its ∂/∂z is none
-        ones = np.ones(self.nodes)
-        by_voltage = np.kron(lines[0][0] @ ones, of[0, 0, :s, s])
-        by_voltage = by_voltage + np.kron(lines[1][0] @ ones, of[1, 0, :s, s])
+        by_voltage = np.kron(self._row_sums(along[0, 0]), of[0, 0, :s, s])
+        by_voltage = by_voltage + np.kron(self._row_sums(along[1, 0]), of[1, 0, :s, s])
         corner = float(self.axis.breaks[-1]) * of[0, 0, s, s]
-        return _bordered(inner, by_voltage, corner)
+        return _bordered(self._sparse(blocks), by_voltage, corner)
 
     def mass(self) -> Bordered:
         """Return the mass."""
-        inner = sparse.kron(self._lines()[0][0], self.section.mass, format="csr")
+        inner = self._sparse(self._line.integrals[0, 0][:, None, None] * self.section.mass)
         return _bordered(inner, np.zeros(inner.shape[0]), 0.0)
 
-    def _lines(self) -> list[list[Sparse]]:
-        """Return ∫ ∂^a N ∂^b N dz, [a][b]."""
-        line = line_matrices(self.axis)
-        shape = (self.nodes, self.nodes)
-        return [
-            [sparse.csr_matrix((values, (line.rows, line.columns)), shape=shape) for values in row]
-            for row in line.integrals
-        ]
+    @cached_property
+    def _line(self) -> LineMatrices:
+        """What is integrated along z: [a, b] ∫ ∂^a N ∂^b N dz."""
+        return line_matrices(self.axis)
+
+    def _row_sums(self, entries: Floats) -> Floats:
+        """Return the sums (nodes,) of the rows of a matrix along z, given by its entries."""
+        return np.asarray(np.bincount(self._line.rows, entries, minlength=self.nodes))
+
+    def _sparse(self, blocks: Numbers) -> Sparse:
+        """Return the matrix of blocks (nnz, s, s) that belong to the entries along z."""
+        n, s = self.nodes, blocks.shape[1]
+        starts = np.searchsorted(self._line.rows, np.arange(n + 1))
+        entries = (blocks, self._line.columns, starts)
+        matrix = sparse.bsr_matrix(entries, shape=(n * s, n * s)).tocsr()
+        matrix.eliminate_zeros()  # potentials have no mass
+        return matrix
 
     def whole_nodes(self) -> tuple[Floats, Sparse, Floats]:
         """Return nodes (n, 3), what is seen at them component by component, and their mass."""
@@ -208,7 +214,7 @@ class Stretch:
             [sparse.kron(sparse.identity(z.size), component) for component in section.seen],
             format="csr",
         )
-        along = np.asarray(self._lines()[0][0].sum(axis=1)).ravel()
+        along = self._row_sums(self._line.integrals[0, 0])
         return nodes, seen, np.outer(along, section.point_mass).ravel()
 
 

@@ -46,15 +46,15 @@ def extremes(model: PortModel, low: float, high: float, ends: tuple[Ends, ...]) 
     # of points that all but coincide, only rounding tells the higher one
     grid = grid[np.append(np.diff(grid) > 1e-6 * grid[:-1], True)]
     port = model.multiport(grid)
-    found = [np.zeros(0)]
+    found: list[Floats] = [np.zeros(0)]
     for end in ends:
         values = np.abs(motions(port, end))
-        rise = np.sign(np.diff(values, axis=1))
-        turns = (rise[:, 1:] != rise[:, :-1]) & values.all(axis=1)[:, None]  # 0: a passive ceramic
-        row, turn = np.nonzero(turns)
+        rise: Floats = np.sign(np.diff(values, axis=1))
+        rise[~values.all(axis=1)] = 0.0  # a passive ceramic moves nothing
+        row, turn = np.nonzero(rise[:, 1:] != rise[:, :-1])
         if row.size:
-            low, high = grid[turn], grid[turn + 2]
-            found.append(_refined(model, end, row, low, high, rise[row, turn]))
+            sign = np.asarray(rise[row, turn])
+            found.append(_refined(model, end, row, grid[turn], grid[turn + 2], sign))
     return np.unique(np.concatenate(found))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from tactgen.fem.bimorph.reduction.krylov import ReducedSolid, reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
-from tactgen.fem.bimorph.system import materials
+from tactgen.fem.bimorph.system import SolidSystem, materials
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
@@ -20,12 +20,18 @@ _MADE_OF = ("tactgen.fem.bimorph.reduction.kept_reductions",)
 
 
 def reduced_solid(
-    device: Device, mesh: Mesh | Bricks | BrickParts, frequencies: Floats, *, tolerance: float
+    device: Device,
+    mesh: Mesh | Bricks | BrickParts,
+    frequencies: Floats,
+    *,
+    tolerance: float,
+    lossless: SolidSystem | None = None,
 ) -> ReducedSolid:
     """Return the lossy solid reduced to its ports, from the store if it was reduced before.
 
     One that was reduced for these frequency limits serves all frequencies between them, as
-    far as its error estimate holds there too.
+    far as its error estimate holds there too.  Who has the `lossless` system already may save
+    assembling anew what losses do not change.
     """
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     bounds = float(frequencies.min()), float(frequencies.max())
@@ -34,15 +40,15 @@ def reduced_solid(
         # one that did not reach the tolerance would not reach it again
         return bool(found.error_estimate(frequencies).max() <= max(tolerance, found.error))
 
-    return kept(
-        "reduction",
-        (made_from(device, mesh), bounds, tolerance),
-        _MADE_OF,
-        lambda: reduce_to_ports(
-            assemble(device, mesh, lossy=True), frequencies, tolerance=tolerance
-        ),
-        serves=serves,
-    )
+    def work() -> ReducedSolid:
+        if lossless is not None and lossless.with_losses is not None:
+            system = lossless.with_losses()
+        else:
+            system = assemble(device, mesh, lossy=True)
+        return reduce_to_ports(system, frequencies, tolerance=tolerance)
+
+    inputs = (made_from(device, mesh), bounds, tolerance)
+    return kept("reduction", inputs, _MADE_OF, work, serves=serves)
 
 
 def made_from(device: Device, mesh: Mesh | Bricks | BrickParts) -> str:

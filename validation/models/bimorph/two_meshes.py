@@ -148,12 +148,15 @@ class TwoMeshModel(BimorphModel):
     def _reduced(self) -> Refined[Multiport]:
         from tactgen.fem.bimorph.reduction.kept_reductions import reduced_solid
 
-        self.systems()  # parts that are reduced for these serve the lossy ones and modes, too
         ports = []
         extra: tuple[tuple[Multiport, float], ...] = ()
-        for mesh in self.meshes():
+        for mesh, system in zip(self.meshes(), self.systems(), strict=True):
             reduced = reduced_solid(
-                self.scene.device, mesh, self.frequencies, tolerance=1e-3 * self.scene.accuracy
+                self.scene.device,
+                mesh,
+                self.frequencies,
+                tolerance=1e-3 * self.scene.accuracy,
+                lossless=system,
             )
             ports.append(reduced.multiport(self.frequencies))
             if not extra:
