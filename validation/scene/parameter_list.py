@@ -67,4 +67,6 @@ def show(value: Any, info: FieldInfo) -> str:
         return "derived"
     if unit is not None:
         return unit.show(float(value))
+    if isinstance(value, tuple):
+        return ", ".join(map(str, value))
     return str(value)

@@ -214,6 +214,13 @@ def test_bad_options_get_one_sentence(capsys, arguments, words):
     assert captured.out == ""
 
 
+def test_a_run_that_nothing_drives_says_so(capsys):
+    assert main(["simulate", "paper", "--set", "load.kind=none", "--until", "0.1 ms"]) == 0
+    assert 'nothing drives it; give --voltage or --coil, for example --voltage "50 V sine' in (
+        capsys.readouterr().err
+    )
+
+
 def test_an_oscillation_is_told_from_a_drift():
     """Half a period of two tips that swing by 3 µm, one drifting by 20: the phase's own, 3 µm."""
     time = np.linspace(0.0, 4e-3, 3000) ** 2 / 4e-3  # steps of all lengths, as a run's

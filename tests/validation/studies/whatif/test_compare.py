@@ -84,6 +84,21 @@ def test_two_scenes(capsys, tmp_path):
     assert out.count("the same") == 3
 
 
+def test_two_scenes_without_a_common_answer(capsys, tmp_path):
+    """It is said, with the remedy; names are listed as a scene writes them."""
+    magnet = tmp_path / "magnet.toml"
+    magnet.write_text('models = ["network"]\nquantities = ["magnetic_force", "coenergy"]\n')
+    same = ("--set", "bimorph.length=14mm", "--frequency", "100")  # so no devices are drawn
+    code, out, _ = compared(capsys, "prototype", magnet, *same, "--out", tmp_path)
+    assert code == 0
+    assert "no answer is on both sides; name quantities" in out
+    assert "no answer is on both sides" in (tmp_path / "compare.html").read_text("utf-8")
+    rows = {line.split()[0]: line.split()[1:] for line in out.splitlines() if line.strip()}
+    assert rows["models"] == ["tmm", "network"]
+    assert rows["quantities"][-2:] == ["magnetic_force,", "coenergy"]
+    assert " and 18 more " in out
+
+
 def test_a_browser_has_no_complaint(capsys, tmp_path, driven):
     """Two studies with an own axis: tables and curves are there, each with words for it."""
     asked = ("--vary", "bimorph.length=14mm:16mm:3", "--quantity", "static_tip_displacement")

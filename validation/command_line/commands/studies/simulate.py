@@ -50,6 +50,7 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.tmm.generator.transient.march import Sources
+    from tactgen.tmm.generator.transient.waveform import Constant
     from tactgen.tmm.reluctance.coenergy.files import read_map
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.models.generator.transient import run_scene
@@ -71,6 +72,9 @@ def run(options: argparse.Namespace) -> int:
             pull=read_map(options.map) if options.map else None,
             announce=announce,
         )
+    if voltage.waveform == coil.waveform == Constant(0.0):
+        volts = f"{scene.drive.voltage:g} V sine 100 Hz"
+        warn([f'nothing drives it; give --voltage or --coil, for example --voltage "{volts}"'])
     if found.load_misfit:
         text = (
             "the load is taken as springs, dampers and masses, which only take energy; they are up "

@@ -14,7 +14,7 @@ from tactgen.geometry.files import write_text
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.whatif.compare.differences import AnswerDifference, InputDifference
 from tactgen.validation.studies.whatif.compare.sides import Key, Side
-from tactgen.validation.studies.whatif.compare.wording import place, shown
+from tactgen.validation.studies.whatif.compare.wording import NOTHING_SHARED, place, shown
 from tactgen.validation.view.figures import BLUE, ORANGE, panels, plain_numbers, svg
 from tactgen.validation.view.formats import percent, prefixed
 from tactgen.validation.view.page.html import inline
@@ -48,7 +48,7 @@ def write_page(
         ("quantity", "model", "at", "A", "B", "change", "bars"),
         [(d.quantity, d.model, place(d.key), shown(d.first), shown(d.second),
           percent(d.relative), d.verdict) for d in answers],
-    ))  # fmt: skip
+    ) if answers else f"<p>{NOTHING_SHARED}.</p>")  # fmt: skip
     parts.append(
         "<p>A change is covered if it is no larger than both error bars together. The bars are "
         "numerical: how far a number is from the same model solved exactly.</p>"

@@ -155,6 +155,10 @@ def _text(cell: object) -> str:
 def _inputs(scene: Scene, origins: dict[str, str]) -> dict[str, str]:
     rows = parameter_rows(scene, origins)
     found = {row.key: row.text for row in rows if row.key not in ("name", "description")}
+    for key in ("models", "quantities"):
+        names = getattr(scene, key)
+        if len(names) > _LISTED:
+            found[key] = f"{', '.join(names[:2])} and {len(names) - 2} more"
     stated = scene.frequency
     if len(stated) > _LISTED:
         ends = f"{stated[0]:g}, {stated[1]:g} … {stated[-1]:g} Hz"  # the second tells the spacing

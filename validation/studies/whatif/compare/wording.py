@@ -10,6 +10,12 @@ from tactgen.validation.studies.whatif.compare.differences import AnswerDifferen
 from tactgen.validation.studies.whatif.compare.sides import Key, Number, Side
 from tactgen.validation.view.formats import percent, with_bar
 
+#: Where no quantity of the one is one of the other by the same model.
+NOTHING_SHARED = (
+    "no answer is on both sides; name quantities and models that both have with --quantity and "
+    "--model"
+)
+
 
 def lines(
     sides: tuple[Side, ...], inputs: list[InputDifference], answers: list[AnswerDifference]
@@ -20,6 +26,10 @@ def lines(
     found.append("input that differs:" if inputs else "the input is the same")
     table = [("key", "A", "B"), *((i.key, i.first or "-", i.second or "-") for i in inputs)]
     found += _aligned(table) if inputs else []
+    lacking = [(side.name, len(side.missing)) for side in sides if side.missing]
+    unanswered = [f"{name} has no answer to {count} questions" for name, count in lacking]
+    if not answers:
+        return [*found, "", NOTHING_SHARED, *unanswered]
     found += ["", "answers, where they differ most:"]
     rows = [("quantity", "model", "at", "A", "B", "change", "")]
     rows += [
@@ -27,10 +37,7 @@ def lines(
          d.verdict + _only(d))
         for d in answers
     ]  # fmt: skip
-    found += _aligned(rows)
-    lacking = [(side.name, len(side.missing)) for side in sides if side.missing]
-    found += [f"{name} has no answer to {count} questions" for name, count in lacking]
-    return found
+    return [*found, *_aligned(rows), *unanswered]
 
 
 def place(key: Key) -> str:
