@@ -23,12 +23,15 @@ def thinnest(piece: Piece, bimorph: Bimorph) -> float:
 
 
 def row_mesh(
-    pieces: Sequence[Piece], bimorph: Bimorph, elements: int
+    pieces: Sequence[Piece], bimorph: Bimorph, elements: int, halvings: int = 0
 ) -> tuple[Any, Ints, list[tuple[int, float]]]:
     """Return the line mesh from base to tip, the beam of each element, and the joints.
 
     Bending waves are the shorter the thinner a piece is: their number goes as its length over
     the root of its thickness, and so does its share of the elements.
+
+    `elements` are shared out, at least one a piece; then each of them is halved so many times:
+    a mesh and its halved one differ in every piece.
 
     A joint is a node, whose successor lies at the same height and which no element connects
     to it, and the depth of the slot (m).
@@ -45,7 +48,7 @@ def row_mesh(
             joints.append((last, piece.length))
             nodes.append(nodes[-1])
             continue
-        count = max(1, round(elements * share / total))
+        count = max(1, round(elements * share / total)) * 2**halvings
         nodes += list(nodes[-1] + np.linspace(0.0, piece.length, count + 1)[1:])
         cells += [(last + i, last + i + 1) for i in range(count)]
         piece_of += count * [beams]

@@ -19,6 +19,9 @@ ASSUMED_GAIN = 1.6
 #: The same of the bimorph on its rod, where the slot's edges slow it down: from its level 4 to 5
 #: the error of the first frequency falls by 1.43 (tests/validation/models/test_solid_on_rod.py).
 ROD_GAIN = 1.4
+#: Least gain in error of halved elements that is counted with.  Less is seen where rounding is all
+#: that separates two meshes; then what does separate them is the bar, with the safety factor.
+LEAST_HALVED = 2.0
 #: Safety factor on the extrapolated error.
 SAFETY = 1.25
 #: Share of the largest difference in a class of modes.
@@ -27,6 +30,23 @@ _BY_CHANCE = 0.1
 BRICK_FACTOR = SAFETY / (ASSUMED_GAIN - 1.0)
 #: The same on the rod.
 ROD_FACTOR = SAFETY / (ROD_GAIN - 1.0)
+
+
+def observed_factor(before: Floats, last: Floats, order: float) -> Floats:
+    """Return the error bar of the finest of three meshes per difference from the next coarser.
+
+    Each mesh has the last one's elements halved.  The error falls by what the two differences
+    show: at most by what the order promises, at least by :data:`LEAST_HALVED`.
+
+    Parameters
+    ----------
+    before, last : (...) array
+        Sizes of the difference of the coarser two meshes, and of the finer two.
+    order : float
+        Of the error in the size of elements.
+    """
+    shown = np.asarray(before) / np.maximum(last, np.finfo(float).tiny)
+    return np.asarray(SAFETY / (np.clip(shown, LEAST_HALVED, 2.0**order) - 1.0))
 
 
 def least_difference(fine: Floats, coarse: Floats) -> float:

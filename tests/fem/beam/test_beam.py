@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from tactgen.fem.beam import beam
+from tactgen.fem.beam.row_mesh import row_mesh
 from tactgen.geometry.bimorph.ends import Ends, Springs
+from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Support
 from tactgen.tmm.beam import modes
 from tactgen.tmm.beam.transfer import transfer_matrix
@@ -86,6 +88,15 @@ def test_resolution_follows_the_highest_frequency():
     assert low == 8
     assert high > 40
     assert high % 2 == 0
+
+
+def test_a_halved_mesh_differs_in_every_piece():
+    """Also in a tab so short that it has one element whatever their number."""
+    bimorph = Bimorph(tab_length=0.1e-3)
+    pieces = beam_pieces(Device(bimorph=bimorph), Support(kind="clamped"))
+    counts = [np.bincount(row_mesh(pieces, bimorph, 4, halvings)[1]) for halvings in (0, 2)]
+    assert counts[0].min() == 1
+    assert (counts[1] == 4 * counts[0]).all()
 
 
 def test_condition_follows_the_slenderness():

@@ -9,7 +9,13 @@ import pytest
 from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from tactgen.validation.checks.coverage.result import PROMISED, median_width
 from tactgen.validation.checks.coverage.solid import judged, varied_cases
-from tactgen.validation.engine.refinement import least_difference, two_mesh_factor
+from tactgen.validation.engine.refinement import (
+    LEAST_HALVED,
+    SAFETY,
+    least_difference,
+    observed_factor,
+    two_mesh_factor,
+)
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph.solid import _BRICK_BARS, level_for
 from tactgen.validation.scene.scene import load_scene
@@ -18,6 +24,13 @@ from tactgen.validation.scene.scene import load_scene
 def test_two_mesh_factor_is_wide_for_close_meshes():
     """The closer two meshes, the more their difference must be magnified."""
     assert two_mesh_factor(1.2) > two_mesh_factor(2.0) > 0.0
+
+
+def test_gain_of_three_meshes_is_the_one_seen():
+    """Between the least that is counted with, where rounding separates them, and the order's."""
+    before, last = np.array([9.0, 1e6, 1.0, 0.0]), np.array([1.0, 1.0, 2.0, 0.0])
+    gains = 1.0 + SAFETY / observed_factor(before, last, 4)
+    assert gains == pytest.approx([9.0, 16.0, LEAST_HALVED, LEAST_HALVED])
 
 
 def test_agreement_by_chance_is_not_trusted():

@@ -33,3 +33,25 @@ def test_bars_cover_the_distance_from_tmm(case):
         exact, found = (solution.get(name, model) for model in ("tmm", "beam"))
         distance = np.abs(found.value - exact.value)
         assert (distance <= found.uncertainty + exact.uncertainty).all(), name
+
+
+def test_bars_follow_the_order():
+    """Where the mesh is what limits the answer: the difference of two meshes is some hundred times
+    the error of the finer, and the bar is no more than a tenth of that."""
+    wanted = ("bimorph.length=40mm", "load.kind=none", "frequency=7000,9000", "models=tmm,beam")
+    solution = solve(load_scene("paper", wanted)[0], None, ("tip_displacement",))
+    exact, found = (solution.get("tip_displacement", model) for model in ("tmm", "beam"))
+    error = np.abs(found.value - exact.value)
+    assert (error > 1e-9 * np.abs(exact.value)).all()
+    assert (error <= found.uncertainty).all()
+    assert (found.uncertainty <= 10.0 * error).all()
+
+
+def test_rounding_of_a_mode_is_its_own():
+    """The slowest mode loses most digits; each of them no less than it is off by."""
+    solution = solved("paper", "support.kind=clamped", "bimorph.length=40mm", "modes=4")
+    exact, found = (solution.get("short_circuit_frequencies", model) for model in ("tmm", "beam"))
+    relative = found.uncertainty / found.value
+    assert (np.abs(found.value - exact.value) <= found.uncertainty + exact.uncertainty).all()
+    assert relative[0] > 2.0 * relative[1]
+    assert relative[:2].max() < 1e-9

@@ -39,8 +39,8 @@ def write(parts: Sequence[Part], out: Path) -> list[Path]:
     lines.writerow(["part", "seed", "device", "quantity", "relative error", "relative bar"])
     for part in parts:
         for one in part.answers:
-            row = [part.name, part.seed, one.where, one.quantity, repr(one.error), repr(one.bar)]
-            lines.writerow(row)
+            error, bar = float(one.error), float(one.bar)
+            lines.writerow([part.name, part.seed, one.where, one.quantity, repr(error), repr(bar)])
     return [
         write_text(out / "coverage.csv", buffer.getvalue()),
         write_text(out / "calibration.svg", calibration_plot(parts)),

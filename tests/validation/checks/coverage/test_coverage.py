@@ -1,5 +1,6 @@
 """The coverage study: what it counts, what it calls too narrow, and that seeds repeat."""
 
+import csv
 import json
 
 import numpy as np
@@ -101,7 +102,7 @@ def told(monkeypatch, tmp_path):
 
     def judge(rng):
         numbers.append(float(rng.random()))
-        return [Judged("device", "f", numbers[-1], 0.0)]
+        return [Judged("device", "f", numbers[-1], np.float64(0.0))]
 
     monkeypatch.setattr(beam, "judge", judge)
     return numbers
@@ -137,6 +138,8 @@ def test_a_seed_draws_the_same_devices(told, capsys, tmp_path, monkeypatch):
     assert code == 1
     assert len(out["answers"][0]["answers"]) == 9
     assert {path.name for path in tmp_path.iterdir()} == {"coverage.csv", "calibration.svg"}
+    with (tmp_path / "coverage.csv").open() as file:
+        assert [float(row["relative bar"]) for row in csv.DictReader(file)] == 9 * [0.0]
 
 
 def test_a_stopped_run_goes_on(told):
