@@ -2,7 +2,8 @@
 
 A mistake is a replacement of a piece of text, found in the syntax tree, so that the rest of the
 file stays as it is.  It is no style: what only places or colours a drawing is left out (numbers
-in `LOOKS` and in keywords of that kind), and so are docstrings, annotations and f-strings.
+in `LOOKS`, in tables of colours and in keywords of that kind), and so are docstrings, annotations
+and f-strings.
 """
 
 import ast
@@ -18,7 +19,7 @@ ABSENT = ("validation/bench/bimorph/peers",)
 _LOOK_KEYWORDS = {
     "alpha", "color", "dpi", "figsize", "fontsize", "height_ratios", "lw", "linewidth",
     "linestyle", "marker", "markersize", "pad", "padding", "style", "width_ratios", "zorder",
-    "help", "metavar", "font_size", "window_size",
+    "help", "metavar", "font_size", "window_size", "frameon", "clip_on", "sharex", "sharey",
 }  # fmt: skip
 
 _OPERATORS = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*", ast.FloorDiv: "*"}
@@ -108,6 +109,7 @@ class _Finder:
             within = f"{within}{node.name}."
         elif isinstance(node, ast.FunctionDef) and not function:
             function = f"{within}{node.name}"
+        looks |= isinstance(node, ast.AnnAssign) and ast.unparse(node.target).endswith("COLOURS")
         for child in _children(node):
             aside = isinstance(child, ast.keyword) and child.arg in _LOOK_KEYWORDS
             if not aside:

@@ -7,6 +7,7 @@ import contextlib
 import io
 import os
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
@@ -26,6 +27,12 @@ def say(text: str) -> None:
 
     with contextlib.suppress(OSError):
         print(f"tactgen: {one_line(text)}", file=sys.stderr)
+
+
+def name_files(paths: Iterable[Path]) -> None:
+    """Print where files were written, to stderr: standard output holds what was asked for."""
+    for path in paths:
+        print(path, file=sys.stderr)
 
 
 def usable_streams() -> None:

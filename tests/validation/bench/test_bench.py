@@ -151,12 +151,12 @@ def options(**changes):
 
 
 def test_command(made_up, tmp_path, capsys):
-    """Tables on stdout; with --out a CSV file and the time-against-error plot."""
+    """Tables on stdout; with --out a CSV file and the time-against-error plot, named on stderr."""
     assert command.run(options(only=["tmm"], out=str(tmp_path))) == 0
-    text = capsys.readouterr().out
+    text, err = capsys.readouterr()
     assert "100,000" in text
     assert "not met" in text
-    assert text.endswith(f"{tmp_path / 'bench-tmm.csv'}\n{tmp_path / 'bench-tmm.svg'}\n")
+    assert err.endswith(f"{tmp_path / 'bench-tmm.csv'}\n{tmp_path / 'bench-tmm.svg'}\n")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["bench-tmm.csv", "bench-tmm.svg"]
 
 

@@ -186,7 +186,9 @@ def test_command_writes_tables_and_plots(made_up_stress, tmp_path, capsys):
     """With --out come CSV files and SVG plots; the table goes to stdout."""
     made_up_stress([synthetic(1e-13)])
     assert command.run(options(only=["tmm"], out=str(tmp_path / "out"))) == 0
-    assert "holds" in capsys.readouterr().out
+    out, err = capsys.readouterr()
+    assert "holds" in out
+    assert err.splitlines()[-1] == str(tmp_path / "out" / "stress-tmm-resonance.svg")
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
     assert names == [
         "stress-tmm-map-1.csv",

@@ -135,6 +135,7 @@ def test_a_seed_draws_the_same_devices(told, capsys, tmp_path, monkeypatch):
     out, err = capsys.readouterr()
     out = json.loads(out)
     assert f"--seed {out['seed']}" in err
+    assert err.endswith(f"{tmp_path / 'coverage.csv'}\n{tmp_path / 'calibration.svg'}\n")
     assert code == 1
     assert len(out["answers"][0]["answers"]) == 9
     assert {path.name for path in tmp_path.iterdir()} == {"coverage.csv", "calibration.svg"}

@@ -56,11 +56,12 @@ def test_two_scenes(capsys, tmp_path):
     """Input and numbers are those of the scenes; the page needs nothing from elsewhere."""
     asked = ("--quantity", "static_tip_displacement", "--quantity", "tip_displacement",
              "--frequency", "10:1000:9")  # fmt: skip
-    code, out, _ = compared(
+    code, out, err = compared(
         capsys, "paper", "prototype", "--set", "bimorph.length=20mm", *asked, "--json",
         "--out", tmp_path,
     )  # fmt: skip
     assert code == 0
+    assert err.endswith(f"{tmp_path / 'compare.html'}\n")
     found = json.loads(out)
     assert {i["key"]: (i["a"], i["b"]) for i in found["inputs"]} == {
         "load.kind": ("finger", "none"), "drive.voltage": ("50 V", "1 V"),

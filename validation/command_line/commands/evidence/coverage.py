@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import secrets
-import sys
 from pathlib import Path
 
 from tactgen.validation.command_line.commands.common import Commands
@@ -34,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.checks.coverage.output import table, write
     from tactgen.validation.checks.coverage.run import run_parts
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.command_line.streams import say
+    from tactgen.validation.command_line.streams import name_files, say
     from tactgen.validation.scene.wording import choices
 
     names = choices(",".join(options.only or PARTS), tuple(PARTS), "part", "--only")
@@ -51,8 +50,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         print(table(parts))
     if options.out is not None:
-        for path in write(parts, options.out):
-            print(path, file=sys.stderr)
+        name_files(write(parts, options.out))
     return int(not all(part.holds for part in parts))
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
 from tactgen.validation.command_line.commands.common import Commands
 from tactgen.validation.command_line.json_output import print_json
+from tactgen.validation.command_line.streams import name_files
 
 Part = TypeVar("Part")
 
@@ -58,6 +58,5 @@ def run_and_show(
     else:
         show(parts)
     if out is not None:
-        for path in write(parts, out):
-            print(path, file=sys.stderr if options.json else sys.stdout)
+        name_files(write(parts, out))
     return parts

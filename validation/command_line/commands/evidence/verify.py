@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tactgen.validation.command_line.commands.common import Commands
 from tactgen.validation.command_line.json_output import print_json
+from tactgen.validation.command_line.streams import name_files
 
 if TYPE_CHECKING:
     from tactgen.validation.checks.verification import Extent, Verified
@@ -45,8 +45,7 @@ def run(options: argparse.Namespace) -> int:
         if options.out is not None:
             from tactgen.validation.book.book import write_book
 
-            page = write_book(found, options.out, announce)
-            print(f"{page} written", file=sys.stderr)
+            name_files([write_book(found, options.out, announce)])
     if options.json:
         print_json({"rows": [row.plain() for row in found]})
     else:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from tactgen.validation.command_line.commands.common import Commands
 from tactgen.validation.command_line.json_output import print_json
+from tactgen.validation.command_line.streams import name_files
 
 
 def add(commands: Commands) -> None:
@@ -61,5 +61,5 @@ def run(options: argparse.Namespace) -> int:
     else:
         print("\n".join(lines(sides, inputs, answers)))
     if out is not None:
-        print(page, file=sys.stderr)
+        name_files([page])
     return 0
