@@ -1,13 +1,11 @@
 """A run: time steps chosen to a tolerance, then halved everywhere to measure the error.
 
 The first pass chooses the steps: the distance from a predictor of second order says how much a
-step errs; steps are halved where that is too much (impacts) and doubled where it is little.  The
-second pass goes over the same steps in halves and is the result.  The rule is of second order where
-the motion is smooth, and the distance between the passes then three times the error of the second;
-at impacts it is of first order, and the distance equal to that error or, where an impact is passed
-in a few steps, somewhat below it.  So twice the distance is given as the error bar.  If it
-exceeds what was asked, both passes are repeated with shorter steps; unless it has grown as large as
-the motion: then the answer says up to which time it is certain.
+step errs; steps are halved where that is too much (impacts) and doubled where it is little.
+Another goes over the same steps in pairs, the last in halves: it is the result, and the distances
+between the three give its error bar (tmm.generator.transient.bars).  If that exceeds what was
+asked, all are repeated with shorter steps; unless it has grown as large as the motion: then the
+answer says up to which time it is certain.
 """
 
 from __future__ import annotations
@@ -15,12 +13,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
-from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.arrays import Bools, Floats
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient.bars import Piece, error_bar, paired, spread
 from tactgen.tmm.generator.transient.newton import StepTooLongError
 from tactgen.tmm.generator.transient.record import Record, Run
 from tactgen.tmm.generator.transient.step import Flow, State, Stepper
@@ -38,11 +38,9 @@ _PER_LAG = 0.02
 _PREDICTOR = 6.0
 #: A step is doubled where its error is below this share of the tolerance: an eighth, with margin.
 _EASY = 0.06
-#: Error bar over the distance between the two passes.
-_BAR = 2.0
 #: Local tolerance of the first round over the accuracy asked for.
 _LOCAL = 0.01
-#: Rounds of both passes, the share of the accuracy that the next round aims at, and the most by
+#: Rounds of all passes, the share of the accuracy that the next round aims at, and the most by
 #: which it lowers the local tolerance: an impact's first error says little about the next.
 _ROUNDS, _AIM, _LOWERED = 4, 0.5, 0.1
 #: Error of a round, over the outputs' scales, beyond which no other is made: bounces amplify small
@@ -71,8 +69,8 @@ class Answer:
     outputs : dict of str to (k,) float
         The system's outputs over time.
     bars : dict of str to (k,) float
-        Error bar of each output up to each time, in its unit: twice the largest distance from the
-        run with whole steps until then.
+        Error bar of each output up to each time, in its unit, by the largest distances between
+        the passes until then.
     error : float
         The largest of all bars over its output's scale.
     certain_until : float
@@ -80,7 +78,7 @@ class Answer:
     accuracy : float
         What was asked for.
     rounds : int
-        How often both passes were made.
+        How often all passes were made.
     """
 
     run: Run
@@ -95,11 +93,6 @@ class Answer:
     def errors(self) -> dict[str, float]:
         """Bar of each output over the whole run, in its unit."""
         return {name: float(bar[-1]) for name, bar in self.bars.items()}
-
-
-#: Steps between two breaks: a time inside the piece, the start, each step's end and length (s).
-#: Equal lengths are equal to the last digit, so that they share their matrices.
-_Piece = tuple[float, float, list[tuple[float, float]]]
 
 
 def simulate(
@@ -150,16 +143,16 @@ def simulate(
     while True:
         rounds += 1
         marcher = _Marcher(system, sources, until, announce)
-        chosen, coarse = marcher.choose(first, longest, local)
-        fine, shared = marcher.follow(first, chosen, parts=2)
-        outputs, bars, relative = _compared(system, coarse, fine, shared)
+        passes = marcher.passes(first, longest, local)
+        outputs, bars, relative = _compared(system, passes)
         error = float(relative[-1])
         if error <= accuracy or error > _HOPELESS or rounds == _ROUNDS:
             break
         # the error of a run goes as the square of its steps, that of a step as the cube
         local *= max((_AIM * accuracy / error) ** 1.5, _LOWERED)
-    certain = fine.time[max(int(np.searchsorted(relative, accuracy, "right")) - 1, 0)]
-    return Answer(fine, outputs, bars, error, float(certain), accuracy, rounds)
+    run = passes.fine
+    certain = run.time[max(int(np.searchsorted(relative, accuracy, "right")) - 1, 0)]
+    return Answer(run, outputs, bars, error, float(certain), accuracy, rounds)
 
 
 def simulate_steps(
@@ -202,27 +195,49 @@ def _between_breaks(sources: Sources, until: float) -> Iterator[tuple[float, flo
     yield from pairwise(sorted({0.0, until, *breaks}))
 
 
+@dataclass(frozen=True, eq=False)
+class _Passes:
+    """Three runs over the same steps: in pairs, as chosen, in halves.
+
+    `ends` says which times of the first end a step of it; `of_coarse` and `of_fine` which times of
+    the other two the run before has as well.
+    """
+
+    coarsest: Run
+    coarse: Run
+    fine: Run
+    ends: Bools
+    of_coarse: Bools
+    of_fine: Bools
+
+    def bar(self, of: Callable[[Run], Floats]) -> Floats:
+        """Return the error bar up to each time of the last run of what `of` reads off a run."""
+        first, middle, last = (of(run) for run in (self.coarsest, self.coarse, self.fine))
+        larger = np.maximum.accumulate(np.abs(middle[self.of_coarse] - first[self.ends]))
+        smaller = np.maximum.accumulate(np.abs(last[self.of_fine] - middle))
+        bar = error_bar(spread(larger, self.of_coarse), smaller)
+        return spread(np.maximum.accumulate(bar), self.of_fine)
+
+
+def _read(row: Floats, run: Run) -> Floats:
+    return run.position @ row
+
+
 def _compared(
-    system: System, coarse: Run, fine: Run, shared: Bools
+    system: System, passes: _Passes
 ) -> tuple[dict[str, Floats], dict[str, Floats], Floats]:
     """Return the outputs, their bars up to each time, and the largest of these over its scale."""
-    # a time that only the finer run has takes the bar of the step in which it lies
-    after: Ints = np.cumsum(shared) - shared
-
-    def bar(values: Floats, others: Floats) -> Floats:
-        grown = np.maximum.accumulate(np.abs(values[shared] - others))
-        return np.asarray(_BAR * grown[after])
-
+    fine = passes.fine
     outputs: dict[str, Floats] = {}
     bars: dict[str, Floats] = {}
     relative = np.zeros(fine.time.size)
     for name, output in system.outputs.items():
         outputs[name] = fine.position @ output.row
-        bars[name] = bar(outputs[name], coarse.position @ output.row)
+        bars[name] = passes.bar(partial(_read, output.row))
         relative = np.maximum(relative, bars[name] / output.scale)
     if system.coil is not None and system.coil.source == "voltage":
         outputs["current"] = fine.current
-        bars["current"] = bar(fine.current, coarse.current)
+        bars["current"] = passes.bar(lambda run: run.current)
         largest = float(np.abs(fine.current).max())
         relative = np.maximum(relative, bars["current"] / largest) if largest else relative
     return outputs, bars, relative
@@ -241,7 +256,15 @@ class _Marcher:
         rows = [o.row / (o.step_scale or o.scale) for o in outputs]
         self._rows = np.array([row for row in rows if row.any()]).reshape(-1, system.mass.shape[0])
 
-    def choose(self, first: State, longest: float, local: float) -> tuple[list[_Piece], Run]:
+    def passes(self, first: State, longest: float, local: float) -> _Passes:
+        """Return the three runs over steps whose local errors are below `local`."""
+        chosen, coarse = self.choose(first, longest, local)
+        longer, of_coarse = paired(chosen)
+        coarsest, ends = self.follow(first, longer, parts=1, after=2.0 / 7.0, rough=True)
+        fine, of_fine = self.follow(first, chosen, parts=2, after=3.0 / 7.0)
+        return _Passes(coarsest, coarse, fine, ends, of_coarse, of_fine)
+
+    def choose(self, first: State, longest: float, local: float) -> tuple[list[Piece], Run]:
         """Return the steps whose local errors are below `local`, and the run with them."""
         record, state, chosen = Record(self._system), first, []
         for start, end in _between_breaks(self._sources, self._until):
@@ -275,12 +298,28 @@ class _Marcher:
                     raise InputError(_too_many(time))
                 if level > 0 and off < _EASY * local and done % (2 * ticks) == 0:
                     level -= 1
-                self._announce(before / self._until / 3.0)
+                self._announce(2.0 / 7.0 * before / self._until)
             chosen.append((inside, start, ends))
         return chosen, record.run()
 
-    def follow(self, first: State, pieces: Sequence[_Piece], parts: int) -> tuple[Run, Bools]:
-        """Return the run with each given step cut in parts, and which times end a given step."""
+    def follow(
+        self,
+        first: State,
+        pieces: Sequence[Piece],
+        parts: int,
+        *,
+        after: float = 0.0,
+        rough: bool = False,
+    ) -> tuple[Run, Bools]:
+        """Return the run with each given step cut in parts, and which times end a given step.
+
+        Parameters
+        ----------
+        after : float
+            Share of the whole work that is done before.
+        rough : bool
+            Whether it may leave what is known of the coil: it only judges another run.
+        """
         record, state, shared = Record(self._system), first, []
         for inside, start, ends in pieces:
             state = self._jumped(state, start, inside, record)
@@ -290,10 +329,10 @@ class _Marcher:
                 for part in range(1, parts + 1):
                     time = end if part == parts else end - (parts - part) * h
                     for at, new, flow in self._in_pieces(state, h, time, inside):
-                        self._keep(record, at, new, flow, inside)
+                        self._keep(record, at, new, flow, inside, rough=rough)
                         state = new
                         shared.append(part == parts and at == time)
-                self._announce((1.0 + 2.0 * end / self._until) / 3.0)
+                self._announce(after + parts / 3.5 * end / self._until)
         return record.run(), np.array(shared)
 
     def _first_level(self, state: State, longest: float) -> int:
@@ -359,9 +398,18 @@ class _Marcher:
             off = max(off, abs(_bend(earlier, state, new, h)) / scale)
         return off / _PREDICTOR
 
-    def _keep(self, record: Record, time: float, new: State, flow: Flow, inside: float) -> None:
-        """Record a step, if the coil is still where it is known."""
-        coil = self._system.coil
+    def _keep(
+        self,
+        record: Record,
+        time: float,
+        new: State,
+        flow: Flow,
+        inside: float,
+        *,
+        rough: bool = False,
+    ) -> None:
+        """Record a step, if the coil is still where it is known, or that does not matter."""
+        coil = None if rough else self._system.coil
         if coil is not None and abs(new.current) > coil.largest_current:
             raise InputError(
                 f"at {time * 1e3:.6g} ms the current is {new.current * 1e3:.6g} mA, beyond the "

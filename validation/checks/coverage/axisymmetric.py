@@ -9,10 +9,9 @@ import numpy as np
 
 from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
 from tactgen.validation.checks.coverage.result import Judged
-from tactgen.validation.checks.coverage.scenes import between
+from tactgen.validation.checks.coverage.scenes import accepted, between
 from tactgen.validation.scene.scene import load_scene
 
 #: The reference's order, refinement of the grid, and how many times as far its walls are.
@@ -37,14 +36,14 @@ def _solved(device: Device) -> Fields:
 
 def judged_fields(rng: np.random.Generator, solved: Callable[[Device], Fields]) -> list[Judged]:
     """Return the answers of one device, drawn by `rng`; dimensions that do not fit are redrawn."""
-    while True:
+
+    def attempt() -> list[Judged]:
         overrides = drawn_actuator(rng)
-        try:
-            scene, _ = load_scene("reluctance", overrides)
-            found, right = solved(scene.device)
-        except InputError:
-            continue
+        scene, _ = load_scene("reluctance", overrides)
+        found, right = solved(scene.device)
         return [_one(" ".join(overrides), name, found, right) for name in _VALUES]
+
+    return accepted(attempt)
 
 
 def drawn_actuator(rng: np.random.Generator) -> list[str]:

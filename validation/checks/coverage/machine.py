@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.map_range import map_grid
@@ -16,7 +15,7 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout
 from tactgen.validation.checks.coverage.exact_pull import ExactPull
 from tactgen.validation.checks.coverage.result import Judged
-from tactgen.validation.checks.coverage.scenes import between
+from tactgen.validation.checks.coverage.scenes import accepted, between
 from tactgen.validation.engine.model import Refined, make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
@@ -91,14 +90,14 @@ def judge_motions(rng: np.random.Generator) -> list[Judged]:
 
 def _fitting(rng: np.random.Generator, tried: Callable[[Scene], object]) -> tuple[Scene, str]:
     """Return a drawn machine that `tried` does not refuse, and what it differs in."""
-    while True:
+
+    def attempt() -> tuple[Scene, str]:
         overrides = _drawn(rng)
-        try:
-            scene, _ = load_scene("generator", overrides)
-            tried(scene)
-        except InputError:
-            continue
+        scene, _ = load_scene("generator", overrides)
+        tried(scene)
         return scene, " ".join(overrides)
+
+    return accepted(attempt)
 
 
 def _drawn(rng: np.random.Generator) -> list[str]:

@@ -2,13 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 import numpy as np
 
+from tactgen.geometry.errors import InputError
 from tactgen.validation.checks.coverage.result import Judged
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import Scene
+
+#: Draws after which no device is looked for any more: of those drawn here no more than one in two
+#: is refused, so it is the model that refuses all.
+MOST_DRAWS = 200
+
+_Drawn = TypeVar("_Drawn")
+
+
+def accepted(attempt: Callable[[], _Drawn]) -> _Drawn:
+    """Return what `attempt`, which draws a device anew each time, gives for the first that fits.
+
+    Raises
+    ------
+    InputError
+        If so many are refused that it must be the model's fault.
+    """
+    refusals = []
+    for _ in range(MOST_DRAWS):
+        try:
+            return attempt()
+        except InputError as refusal:
+            refusals.append(refusal)
+    raise InputError(
+        f"all {MOST_DRAWS} random devices were refused; judge another part with --only until the "
+        f"model is mended, which says of the last: {refusals[-1]}"
+    )
 
 
 def between(rng: np.random.Generator, low: float, high: float) -> float:

@@ -305,6 +305,7 @@ def test_waveforms_start_jump_and_end_where_they_say():
 def test_a_run_says_until_when_it_is_certain(monkeypatch):
     """Bars grow with time, and cross the accuracy where the answer says, if no round is left."""
     monkeypatch.setattr(march, "_ROUNDS", 1)
+    monkeypatch.setattr(march, "_LOCAL", 0.1)  # too long steps for what is asked
     system = oscillator(Stop(1e5), mass=1e-3, load=-9.81e-3, sign=-1.0, scale=1e-3)
     found = simulate(system, Sources(), 0.1, position=1e-3 * ONE, accuracy=1e-5)
     bar = found.bars["x"] / 1e-3

@@ -1,6 +1,7 @@
 """The coverage study: what it counts, what it calls too narrow, and that seeds repeat."""
 
 import csv
+import itertools
 import json
 
 import numpy as np
@@ -10,9 +11,21 @@ from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.ports import direct_multiport
 from tactgen.geometry.bimorph.brick_family import bimorph_bricks
 from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.reluctance.circuit import CELLS
-from tactgen.validation.checks.coverage import PARTS, beam, in_time, machine, run, solid, taper
+from tactgen.validation.checks.coverage import (
+    PARTS,
+    axisymmetric,
+    beam,
+    in_time,
+    machine,
+    magnetic3d,
+    run,
+    scenes,
+    solid,
+    taper,
+)
 from tactgen.validation.checks.coverage.exact_pull import ExactPull
 from tactgen.validation.checks.coverage.result import (
     MULTIPLES,
@@ -71,6 +84,7 @@ def test_bars_of_beams_hold_on_fresh_devices():
         found = judge(np.random.default_rng([2026, 0]))
         assert found, judge
         assert all(one.within for one in found), [one for one in found if not one.within]
+        assert any(one.error > 0.0 for one in found)  # no reference is what it judges
 
 
 def test_the_networks_own_pull_is_the_maps():
@@ -155,6 +169,29 @@ def test_a_stopped_run_goes_on(told):
     assert len(told) == 2
     (found,) = run.run_parts(["beam"], 5, 7, lambda _: None)
     assert len(told) == len(set(told)) == len(found.answers) == 5
+
+
+@pytest.mark.parametrize(
+    ("judge", "model"),
+    [
+        (axisymmetric.judge, (axisymmetric, "solve_point")),
+        (magnetic3d.judge, (magnetic3d, "solve_solid")),
+        (machine.judge_map, (machine, "network_pull")),
+        (machine.judge_motions, (machine, "load_scene")),
+        (in_time.judge, (in_time, "scene_machine")),
+    ],
+)
+def test_a_model_that_refuses_all_ends_the_draws(judge, model, monkeypatch):
+    """One sentence, with what was said of the last of them."""
+    calls = itertools.count(1)
+
+    def refuse(*_, **__):
+        raise InputError(f"no {next(calls)}")
+
+    monkeypatch.setattr(*model, refuse)
+    monkeypatch.setattr(scenes, "MOST_DRAWS", 3)
+    with pytest.raises(InputError, match=r"all 3 random devices were refused; .* no 3$"):
+        judge(np.random.default_rng(0))
 
 
 def test_bad_input_is_refused(capsys):
