@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 from tactgen.geometry.errors import InputError
@@ -57,6 +56,8 @@ def side_by_side(work: Callable[[S], T], jobs: Iterable[S]) -> list[T]:
     threads = min(thread_count() or len(os.sched_getaffinity(0)), len(asked))
     if threads < 2 or _beside_others():
         return [work(job) for job in asked]
+    from concurrent.futures import ThreadPoolExecutor
+
     with ThreadPoolExecutor(threads, initializer=_say_beside_others) as pool:
         try:
             return list(pool.map(work, asked))

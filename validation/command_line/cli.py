@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib
 import os
 import re
 import signal
@@ -18,29 +19,6 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from tactgen.fem.solvers.threads import thread_count
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands import (
-    bill,
-    cache,
-    completion,
-    export,
-    init,
-    plan,
-    report,
-    scenes,
-    solve,
-    view,
-)
-from tactgen.validation.command_line.commands.evidence import bench, coverage, stress, verify
-from tactgen.validation.command_line.commands.studies import (
-    backbone,
-    compare,
-    design,
-    identify,
-    positions,
-    sensitivity,
-    simulate,
-    whatif,
-)
 from tactgen.validation.command_line.streams import say, usable_streams
 
 if TYPE_CHECKING:
@@ -52,6 +30,17 @@ if TYPE_CHECKING:
 #: does; the sparse solver's threads are in fem.solvers.threads.
 _BLAS_THREADS = "OPENBLAS_NUM_THREADS"
 
+
+#: Where the commands are declared.
+_HOME = "tactgen.validation.command_line.commands"
+#: The commands in the order of the help, by the folders that declare them.
+_COMMANDS = {
+    "report": "", "solve": "", "view": "", "whatif": "studies", "compare": "studies",
+    "design": "studies", "sensitivity": "studies", "identify": "studies", "backbone": "studies",
+    "positions": "studies", "simulate": "studies", "plan": "", "bill": "", "export": "",
+    "verify": "evidence", "coverage": "evidence", "stress": "evidence", "bench": "evidence",
+    "scenes": "", "cache": "", "init": "", "completion": "",
+}  # fmt: skip
 
 #: Arguments whose emptiness their readers speak of.
 _SPOKEN_OF = ("scene", "measured", "frequency", "only")
@@ -158,6 +147,16 @@ def _check_settings() -> None:
     size_limit()
 
 
+def _spare_imports() -> None:
+    """Keep libraries from loading what no command needs, some 40 ms of an answer."""
+    import numpy as np
+
+    # scipy takes all of numpy's names over, of which this one is a compiler's front end
+    np.f2py = None  # type: ignore[assignment]
+    # else the metadata of all packages is searched for plugins
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code."""
     os.environ.setdefault(_BLAS_THREADS, "1")
@@ -167,10 +166,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         usable_streams()
         with _tidy_when_told_to_end(), contextlib.suppress(SystemExit):  # --help
-            options = _parser().parse_args(arguments)
+            options = _parser(_command(arguments)).parse_args(arguments)
             _refuse_empty(options)
             scene = getattr(options, "scene", "")
             _check_settings()
+            _spare_imports()
             code = options.run(options)
         sys.stdout.flush()
     except KeyboardInterrupt:
@@ -228,7 +228,14 @@ def _drop_output() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _parser() -> argparse.ArgumentParser:
+def _command(arguments: Sequence[str] | None) -> str | None:
+    """Return the command that is asked for, None where all must be known."""
+    first = next(iter(sys.argv[1:] if arguments is None else arguments), "")
+    return first if first in _COMMANDS and first != "completion" else None
+
+
+def _parser(only: str | None = None) -> argparse.ArgumentParser:
+    """Return the parser of all commands, or of one: to declare all takes a tenth of an answer."""
     parser = _Parser(
         prog="tactgen",
         description="Verification suite for a tactile generator: a piezo bimorph on a "
@@ -239,12 +246,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
     parser.set_defaults(run=lambda _: _help(parser))
     added = parser.add_subparsers(title="commands", metavar="COMMAND")
-    for command in (
-        report, solve, view, whatif, compare, design, sensitivity, identify, backbone, positions,
-        simulate, plan, bill,
-        export, verify, coverage, stress, bench, scenes, cache, init, completion,
-    ):  # fmt: skip
-        command.add(added)
+    for name in _COMMANDS if only is None else (only,):
+        path = ".".join(part for part in (_HOME, _COMMANDS[name], name) if part)
+        importlib.import_module(path).add(added)
     return parser
 
 
