@@ -117,22 +117,11 @@ class Factor:
     def _order(self, matrix: Sparse) -> None:
         self._pattern = _Pattern(matrix)
         self._complex = np.iscomplexobj(matrix.data)
-        self._methods = self._attempts()
+        self._methods = _attempts(
+            self._pattern, self._complex, self._definite, self._solver, self._known_order
+        )
         self._method = next(self._methods)
         self._factorise(matrix)
-
-    def _attempts(self) -> Iterator[_Method]:
-        """Yield the methods to try, the cheapest first."""
-        pattern, kind, order = self._pattern, self._complex, self._known_order
-        if self._solver == "superlu":
-            yield _SuperLU(pattern)
-            return
-        if self._definite and not kind:
-            yield Pardiso(
-                pattern.starts, pattern.columns, complex_numbers=False, definite=True, order=order
-            )
-        yield Pardiso(pattern.starts, pattern.columns, complex_numbers=kind, order=order)
-        yield Pardiso(pattern.starts, pattern.columns, complex_numbers=kind, matching=True)
 
     def _factorise(self, matrix: Sparse) -> None:
         self._scale = _balance(matrix)
@@ -224,6 +213,24 @@ class _Pattern:
         data *= np.repeat(scale, self._counts)
         data *= scale[self.columns]
         return np.asarray(data)
+
+
+def _attempts(
+    pattern: _Pattern, complex_numbers: bool, definite: bool, solver: str, order: Ints | None
+) -> Iterator[_Method]:
+    """Yield the methods to try, the cheapest first.
+
+    Knows nothing of the factor that asks: a generator that did would be held by it and hold it,
+    and gigabytes of factors would wait for the collector of such circles, which does not see them.
+    """
+    if solver == "superlu":
+        yield _SuperLU(pattern)
+        return
+    starts, columns = pattern.starts, pattern.columns
+    if definite and not complex_numbers:
+        yield Pardiso(starts, columns, complex_numbers=False, definite=True, order=order)
+    yield Pardiso(starts, columns, complex_numbers=complex_numbers, order=order)
+    yield Pardiso(starts, columns, complex_numbers=complex_numbers, matching=True)
 
 
 class _SuperLU:

@@ -1,5 +1,7 @@
 """The two factorisations behind one call give the same answers, and say when they cannot."""
 
+import gc
+import weakref
 from collections import OrderedDict
 
 import numpy as np
@@ -310,3 +312,16 @@ def test_unknown_library_is_refused(monkeypatch):
         factorise(sparse.identity(3), solver="pardiso")
     assert factorise(sparse.identity(3)).solve(np.ones(3)) == pytest.approx(np.ones(3))
     assert linear_solver.available_solver().startswith("SuperLU")
+
+
+@both
+def test_a_factor_is_freed_when_nobody_has_it(solver):
+    """At once: a circle of references would keep gigabytes that the collector does not see."""
+    factor = factorise(sparse.csr_matrix(piezo_like()), solver=solver)
+    method = weakref.ref(factor._method)
+    gc.disable()
+    try:
+        del factor
+        assert method() is None
+    finally:
+        gc.enable()
