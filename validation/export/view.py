@@ -13,6 +13,7 @@ from tactgen.validation.engine.plan import asks_display
 from tactgen.validation.export.targets import check_place
 from tactgen.validation.fields.gather import MAGNETIC, Request, default_models, gather, with_fields
 from tactgen.validation.fields.result import FieldResult, State
+from tactgen.validation.fields.standing import standing
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.shading import Shade, shades_of, words_of
 
@@ -79,9 +80,11 @@ def view(
 
 def looked_at(scene: Scene, look: Look, announce: Callable[[str], None]) -> list[FieldResult]:
     """Return what a look shows: the fields of a scene by the models that it names, or the usual."""
-    return gather(
+    found = gather(
         scene, look.models or _models(scene), Request(look.frequencies, "edges"), announce
     )
+    # a slider of the length moves the bimorph's points only
+    return found if look.lengths else [standing(scene, result) for result in found]
 
 
 def _ranges(

@@ -61,13 +61,13 @@ def moving_body(device: Device, beam: BeamMatrices, modes: BimorphModes) -> Movi
     along, up = [_lifted(lateral, 0.0)], [_lifted(upright * turned, 1.0)]
     for name, rings in moving_rings(device).items():
         for ring in rings:
-            mesh = _ring_mesh(name, ring)
+            mesh = ring_mesh(name, ring)
             x, height = mesh.points[:, :1], mesh.points[:, 2:]
             ones, none = np.ones_like(x), np.zeros((len(x), modes.omega.size))
             meshes.append(mesh)
             along.append(_lifted(np.hstack([ones, -height, none]), 0.0))
             up.append(_lifted(np.hstack([0.0 * x, x, none]), 1.0))
-    return MovingBody(_joined(meshes), np.vstack(along), np.vstack(up))
+    return MovingBody(joined(meshes), np.vstack(along), np.vstack(up))
 
 
 def _lifted(rows: Floats, lift: float) -> Floats:
@@ -75,7 +75,8 @@ def _lifted(rows: Floats, lift: float) -> Floats:
     return np.hstack([np.full((len(rows), 1), lift), rows])
 
 
-def _ring_mesh(name: str, ring: Ring) -> Mesh:
+def ring_mesh(name: str, ring: Ring) -> Mesh:
+    """Return a turned ring (m) as hexahedra of one region."""
     angle = np.linspace(0.0, 2.0 * np.pi, _AROUND)
     height, radius, angle = np.meshgrid(
         np.array([ring.low, ring.high]) / MM, np.array([ring.inner, ring.outer]) / MM, angle,
@@ -93,7 +94,8 @@ def _ring_mesh(name: str, ring: Ring) -> Mesh:
     )
 
 
-def _joined(meshes: list[Mesh]) -> Mesh:
+def joined(meshes: list[Mesh]) -> Mesh:
+    """Return meshes of hexahedra side by side in one, without their named faces."""
     names = tuple(dict.fromkeys(name for mesh in meshes for name in mesh.regions))
     starts = np.cumsum([0, *(len(mesh.points) for mesh in meshes)])
     numbers = [np.array([names.index(name) for name in mesh.regions]) for mesh in meshes]

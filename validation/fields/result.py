@@ -116,6 +116,8 @@ class FieldResult:
         Of the model, as its row names it.
     lines : (m, 2, 3) array or None
         Segments of flux lines (m).
+    rigid : tuple of str
+        Regions that move as rigid bodies: of these only the displacement is known.
     """
 
     scene: str
@@ -125,6 +127,7 @@ class FieldResult:
     voltage: float
     theory: str
     lines: Floats | None = None
+    rigid: tuple[str, ...] = ()
 
     @property
     def has(self) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tactgen.geometry.meshing.surface import surface_of
+from tactgen.geometry.meshing.surface import Surface, surface_of
 from tactgen.validation.fields.result import FieldResult, State, at_phase
 from tactgen.validation.view.formats import engineering
 from tactgen.validation.view.palettes import COLOURS, MAGNITUDE, SIGNED
@@ -103,13 +103,14 @@ class _Stage:
         self._plotter.enable_anti_aliasing("ssaa")
         self._parts: list[Any] = []
         if picture.shade is None:
-            for number, region in enumerate(result.mesh.regions):
-                chosen = surface.triangles[surface.region_of_triangle == number]
-                part = surface_part(pv, points, chosen)
-                self._solid(part, color=COLOURS.get(region, "silver"))
-                self._parts.append(part)
+            for number in range(len(result.mesh.regions)):
+                self._of_region(pv, points, surface, number)
         else:
-            part = surface_part(pv, points, surface.triangles)
+            bare = result.rigid if picture.shade.field != "displacement" else ()
+            rigid = [result.mesh.regions.index(name) for name in bare]
+            part = surface_part(
+                pv, points, surface.triangles[~np.isin(surface.region_of_triangle, rigid)]
+            )
             part["shade"] = np.zeros(len(points))
             low = -self.top if picture.shade.signed else 0.0
             self._solid(
@@ -117,6 +118,8 @@ class _Stage:
                 clim=(low, self.top or 1.0), show_scalar_bar=False, ambient=0.45, diffuse=0.6,
             )  # fmt: skip
             self._parts.append(part)
+            for number in rigid:  # which have no such field
+                self._of_region(pv, points, surface, number)
         if result.lines is not None:
             ends = result.lines.reshape(-1, 3) * _MM
             pairs = np.arange(len(ends)).reshape(-1, 2)
@@ -130,6 +133,12 @@ class _Stage:
             self._plotter.add_mesh(edges, color="#1d2733", opacity=0.3, line_width=1)
             self._parts.append(edges)
         self._look(points)
+
+    def _of_region(self, pv: Any, points: Any, surface: Surface, number: int) -> None:
+        """Add the part of a region in its own colour."""
+        part = surface_part(pv, points, surface.triangles[surface.region_of_triangle == number])
+        self._solid(part, color=COLOURS.get(self.result.mesh.regions[number], "silver"))
+        self._parts.append(part)
 
     def _solid(self, part: Any, **options: Any) -> None:
         actor = self._plotter.add_mesh(part, **options)

@@ -103,13 +103,15 @@ def moving(study: Study) -> dict[str, Any]:
     )
     from tactgen.validation.engine.solve import solve
     from tactgen.validation.fields.gather import Request, gather_from
+    from tactgen.validation.fields.standing import standing
     from tactgen.validation.view.page.shown import payload
 
     models = _moving_models(study)
     names = (SHORT_CIRCUIT_FREQUENCIES.name, OPEN_CIRCUIT_FREQUENCIES.name)
     solution = solve(study.scene, models, names, study.announce, reuse=study.solved_here)
     request = Request(None, "edges")
-    results = [gather_from(solution, name, request, study.announce) for name in models]
+    gathered = (gather_from(solution, name, request, study.announce) for name in models)
+    results = [standing(study.scene, result) for result in gathered]
     return {
         "stills": _stills(results[0], study.announce) if shown_model(study.scene) else [],
         "viewer": fragment(payload(results), [], light=True),

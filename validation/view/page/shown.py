@@ -107,7 +107,7 @@ def _result(block: Block, result: FieldResult, other: LengthRange | None) -> dic
     return {
         "model": result.model,
         "title": MODELS.get(result.model, result.model),
-        "regions": [_region(name) for name in result.mesh.regions],
+        "regions": [_region(name, name in result.rigid) for name in result.mesh.regions],
         **geometry,
         "lines": None if result.lines is None else block.plain(result.lines.reshape(-1, 3)),
         "opened": result.lines is not None,
@@ -185,9 +185,10 @@ def _over_length(
     }
 
 
-def _region(name: str) -> dict[str, Any]:
+def _region(name: str, rigid: bool) -> dict[str, Any]:
     return {
         "name": name,
+        "rigid": rigid,
         "title": REGIONS.get(name, name),
         "colour": COLOURS.get(name, (0.7, 0.7, 0.7)),
         "apart": _APART.get(name, (0.0, 0.0, 0.0)),

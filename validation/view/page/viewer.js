@@ -13,15 +13,17 @@
   const VERTEX = `
     precision highp float;
     in vec3 position; in vec3 re; in vec3 im; in vec2 amplitude; in vec3 tint; in vec3 apart;
+    in vec3 bare;  // 1 in rigid bodies, which have no field but their motion
     uniform mat4 modelViewMatrix; uniform mat4 projectionMatrix;
     uniform vec2 turn; uniform float enlarge; uniform float explode;
     uniform int source; uniform vec3 along;
-    out vec3 vRest; out vec3 vView; out vec3 vTint; out float vValue;
+    out vec3 vRest; out vec3 vView; out vec3 vTint; out float vValue; out float vBare;
     vec3 swing() { return re * turn.x - im * turn.y; }
     vec3 moved() { return position + enlarge * swing() + explode * apart; }
     void main() {
       vec4 view = modelViewMatrix * vec4(moved(), 1.0);
       vRest = position; vView = view.xyz; vTint = tint;
+      vBare = source > 2 ? bare.x : 0.0;
       vec3 u = swing();
       vValue = source == 1 ? length(u)
              : source == 2 ? dot(u, along)
@@ -32,7 +34,7 @@
 
   const SURFACE = `
     precision highp float;
-    in vec3 vRest; in vec3 vView; in vec3 vTint; in float vValue;
+    in vec3 vRest; in vec3 vView; in vec3 vTint; in float vValue; in float vBare;
     uniform bool plain; uniform vec2 range; uniform sampler2D palette;
     uniform vec4 cut; uniform float glow;
     out vec4 colour;
@@ -42,7 +44,7 @@
       float light = 0.62 + 0.38 * abs(dot(normal, normalize(vec3(0.35, 0.55, 0.76))));
       light = mix(light, 1.0, glow);
       float share = clamp((vValue - range.x) / (range.y - range.x), 0.0, 1.0);
-      vec3 base = plain ? vTint : texture(palette, vec2((share * 255.0 + 0.5) / 256.0, 0.5)).rgb;
+      vec3 base = plain || vBare > 0.5 ? vTint : texture(palette, vec2((share * 255.0 + 0.5) / 256.0, 0.5)).rgb;
       colour = vec4(base * light, 1.0);
     }`;
 
@@ -159,14 +161,16 @@
       this.view = view; this.result = result; this.scene = new T.Scene();
       const count = result.points.length / 3;
       const tint = new Float32Array(3 * count), apart = new Float32Array(3 * count);
+      const bare = new Float32Array(3 * count);
       for (let k = 0; k < count; k++) {
         const region = result.regions[result.regionOfPoint[k]];
         const side = region.sided && result.points[3 * k] < 0 ? -1 : 1;
         for (let c = 0; c < 3; c++) {
           tint[3 * k + c] = region.colour[c]; apart[3 * k + c] = side * region.apart[c];
+          bare[3 * k + c] = region.rigid ? 1 : 0;
         }
       }
-      this.constant = { position: result.points, tint, apart };
+      this.constant = { position: result.points, tint, apart, bare };
       this.uniforms = {
         turn: { value: new T.Vector2(1, 0) }, enlarge: { value: 0 }, explode: { value: 0 },
         source: { value: 0 }, along: { value: new T.Vector3() }, plain: { value: true },
@@ -213,7 +217,7 @@
     addLines(material) {
       const T = window.THREE, made = new T.BufferGeometry(), points = this.result.lines;
       made.setAttribute('position', new T.BufferAttribute(points, 3));
-      for (const [name, size] of [['re', 3], ['im', 3], ['amplitude', 2], ['tint', 3], ['apart', 3]]) {
+      for (const [name, size] of [['re', 3], ['im', 3], ['amplitude', 2], ['tint', 3], ['apart', 3], ['bare', 3]]) {
         made.setAttribute(name, new T.BufferAttribute(new Float32Array(points.length / 3 * size), size));
       }
       this.lineInk = { value: [0, 0, 0, 0.9] };
@@ -861,7 +865,7 @@
       if (!hit) return null;
       const found = pane.reading(hit), lines = [element('b', {}, found.region.title)];
       const field = pane.field || (pane.state.moves ? pane.result.fields[0] : null);
-      if (field) {
+      if (field && !(found.region.rigid && field.source > 2)) {
         const number = this.payload.number(found.value, field);
         lines.push(element('br'), `${field.title}${pane.field ? '' : ' now'}: ${number.value} ${number.unit}`);
       }
