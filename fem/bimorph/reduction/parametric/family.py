@@ -310,11 +310,11 @@ class _Builder:
 
     def _observe(self, motion: Motion, before: Answers, after: Answers) -> None:
         """Widen the margin if more was missing than the bound said, without its margin."""
-        missing = np.abs(before.values - after.values) / np.abs(after.values)
         # below, rounding
         worth = (before.bars > 1e-3 * self.tolerance) & (before.bars < _OBSERVED)
         if worth.any():
-            ratio = float((missing[worth] / before.bars[worth]).max())
+            missed = np.abs(before.values - after.values)
+            ratio = float((missed[worth] / before.missing[worth]).max())
             self.margins[motion] = max(self.margins[motion], _SAFETY * ratio)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from tactgen.fem.bimorph.reduction.parametric.answers import family_modes, family_statics
 from tactgen.fem.bimorph.reduction.parametric.harmonic import family_harmonic
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members
-from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers
 from tactgen.geometry.bimorph.ends import Ends
 
 #: Points that are looked at together: their small systems fit the cache.
@@ -19,55 +19,74 @@ _TOGETHER = 16
 
 @dataclass(frozen=True)
 class Answers:
-    """Numbers (n, m) of n members and the relative bounds of their errors."""
+    """Numbers of n members, what of them the basis may miss, and what that is counted against.
 
-    values: Floats
-    bars: Floats
+    Attributes
+    ----------
+    values : (n, m) array
+        Real at rest, complex over frequency.
+    missing : (n, m) array
+        Bounds of their errors, in their own units, 0 where none is known, …
+    sizes : (n, m) array
+        … and what makes these bounds relative ones.
+    """
+
+    values: Numbers
+    missing: Floats
+    sizes: Floats
+
+    @property
+    def bars(self) -> Floats:
+        """The relative bounds (n, m)."""
+        return self.missing / self.sizes
 
     @property
     def bound(self) -> Floats:
-        """The largest bound (n,) of each member."""
+        """The largest relative bound (n,) of each member."""
         return np.asarray(self.bars.max(axis=1))
 
     def beside(self, others: Answers) -> Answers:
         """Return these and other numbers of the same members."""
-        both = ((self.values, others.values), (self.bars, others.bars))
-        return Answers(*(np.concatenate(pair, axis=1) for pair in both))
+        return Answers(
+            np.concatenate([self.values, others.values], axis=1),
+            np.concatenate([self.missing, others.missing], axis=1),
+            np.concatenate([self.sizes, others.sizes], axis=1),
+        )
 
 
 def at_rest(members: Members, modes: int) -> Answers:
     """Return frequencies and, of a body with ports, compliance, deflection and capacitance."""
     found = [family_modes(members, Ends(), modes, open_circuit=False)]
-    values = [found[0].frequencies]
-    bars = [found[0].bars / found[0].frequencies]
     if members.ports is not None:
-        opened = family_modes(members, Ends(), modes, open_circuit=True)
+        found.append(family_modes(members, Ends(), modes, open_circuit=True))
+    values, missing = [one.frequencies for one in found], [one.bars for one in found]
+    if members.ports is not None:
         statics = family_statics(members)
         volt, force = statics.missing[:, 0], statics.missing[:, 1]
         compliance = statics.compliance[:, 0, 0].real
         moved, charge = statics.follows[:, 0, 2].real, statics.held[:, 2, 2].real
-        values += [opened.frequencies, np.column_stack([compliance, moved, charge])]
-        missing = np.column_stack([force**2, force * volt, volt**2])
-        bars += [opened.bars / opened.frequencies, missing / np.abs(values[-1])]
-    return Answers(np.concatenate(values, axis=1), np.concatenate(bars, axis=1))
+        values.append(np.column_stack([compliance, moved, charge]))
+        missing.append(np.column_stack([force**2, force * volt, volt**2]))
+    every = np.concatenate(values, axis=1)
+    return Answers(every, np.concatenate(missing, axis=1), np.abs(every))
 
 
 def response(members: Members, rest: Answers, frequencies: Floats) -> Answers:
-    """Return compliance, deflection and charge at frequencies, with bars in shares of `rest`.
+    """Return compliance, deflection and charge at frequencies, their bounds in shares of `rest`.
 
-    What is magnified by a resonance is magnified in the answer, too, and left out here.
+    What is magnified by a resonance is magnified in the answer, too, and counts by as much less.
     """
     found = family_harmonic(members, frequencies)
-    at_rest = np.abs(rest.values[:, None, -3:])
     volt, force = found.missing[:, :, 2], found.missing[:, :, 3]
     missing = np.stack([force**2, force * volt, volt**2], axis=2)
     served = np.where(np.isfinite(found.magnified), found.magnified, 1.0)
-    missing = np.where(np.isfinite(missing), missing, 0.0) / served[:, :, None]
-    moved = np.stack(
+    values = np.stack(
         [found.compliance[:, :, 0, 0], found.follows[:, :, 0, 2], found.held[:, :, 2, 2]], axis=2
     )
-    count = missing.shape[0]
-    return Answers(np.abs(moved).reshape(count, -1), (missing / at_rest).reshape(count, -1))
+    missing = np.where(np.isfinite(missing), missing, 0.0)
+    sizes = served[:, :, None] * rest.sizes[:, None, -3:]
+    n = values.shape[0]
+    return Answers(values.reshape(n, -1), missing.reshape(n, -1), sizes.reshape(n, -1))
 
 
 @dataclass(frozen=True)
