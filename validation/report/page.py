@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from tactgen.geometry.files import writable_folder, write_text, written_whole
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.warnings import accuracy_warnings
 from tactgen.validation.models.bimorph.beam_theory_error import Band, expected_differences
 from tactgen.validation.models.comparison import ComparedRow
 from tactgen.validation.report.provenance.record import FILE, read_record, recorded
@@ -186,6 +187,7 @@ def summary(study: Study) -> dict[str, Any]:
         "asked": study.asked,
         "bars": len(most_detailed),
         "missed": sum(c.uncertainty > study.scene.accuracy * abs(c.value) for c in most_detailed),
+        "others_missed": accuracy_warnings(study.scene, study.solution.quantities),
     }
 
 
