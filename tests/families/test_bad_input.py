@@ -38,6 +38,7 @@ def refused(capsys, tmp_path, monkeypatch, sweep):
     """Return a function that calls the command line, checks the refusal and returns its words."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "sweep.csv").write_text(sweep, encoding="utf-8")
+    (tmp_path / "twice.csv").write_text("frequency (Hz),frequency (Hz)\n1,2\n", encoding="utf-8")
     before = sorted(tmp_path.iterdir())
 
     def call(*arguments):
@@ -178,6 +179,60 @@ def test_arguments(refused, arguments, words):
 
 GOAL = ["--aim", "maximise static_tip_displacement"]
 LENGTH = ["--vary", "bimorph.length=14mm:22mm"]
+
+LENGTHS = ["whatif", "prototype", "--vary", "bimorph.length=14mm:16mm:2"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([*LENGTHS, "--plot", "study.png"], ["study.png", "--plot study.svg"]),
+        (
+            [*LENGTHS, "--model", "lumped", "--quantity", "coupling_factor", "--aim",
+             "minimise magnetic_force"],
+            ["magnetic_force", "lumped do not give", "--model"],
+        ),
+        (
+            ["whatif", "paper", "--vary", "load.mass=loguniform(0mg,5mg)", "--sample", "4"],
+            ["load.mass", "must begin above 0"],
+        ),
+        (["export", "paper", "--machine", "m.npz"], ["--machine", "set support.kind=contact"]),
+        (
+            ["export", "paper", "--state-space", "s.npz", "--set",
+             "support.lateral_stiffness=0 N/m"],
+            ["support.lateral_stiffness = 0 N/m", "clamped"],
+        ),
+        (["view", "--lengths", "14mm:20mm", "--png", "a.png"], ["--lengths", "--out FILE.html"]),
+        (
+            ["view", "--lengths", "14mm:20mm", "--model", "axisymmetric", "--out", "a.html"],
+            ["--lengths", "axisymmetric does not know"],
+        ),
+        (
+            ["view", "--lengths", "14mm:20mm", "--model", "cad", "--out", "a.html"],
+            ["--lengths", "a fast way to many lengths", "--model tmm"],
+        ),
+        (
+            ["design", "paper", *GOAL, "--vary", "bimorph.length=normal(20mm,1mm)"],
+            ["bimorph.length=normal(20mm,1mm)"],
+        ),
+        (["design", "paper", *GOAL, "--vary", "modes=2:5"], ["modes", "whole numbers"]),
+        (
+            ["solve", "reluctance", "--set", "sleeve.collar_thickness=2mm",
+             "--set", "sleeve.collar_radius=0.8mm"],
+            ["sleeve.collar_thickness = 2 mm", "make the collar thinner"],
+        ),
+        (
+            ["solve", "--model", "solid", "--set", "bimorph.glue_thickness=20um", "--set",
+             "glue.youngs_modulus=0.02MPa"],
+            ["glue.youngs_modulus = 2e+04 Pa", "at least"],
+        ),
+        (["solve", "--set", "load.kind=table", "--set", "load.file=twice.csv"], ["there twice"]),
+    ],
+)  # fmt: skip
+def test_what_does_not_go_together(refused, tmp_path, arguments, words):
+    """Options and keys that are right by themselves: one sentence with the remedy."""
+    error = refused(*arguments)
+    assert all(word in error for word in words), error
 
 
 @pytest.mark.parametrize(
