@@ -57,10 +57,7 @@ def _norms(columns: Numbers) -> Floats:
 
 def _force(system: SolidSystem, omega2: float, x: Numbers) -> Numbers:
     """Return the forces (n + 3, 5) that hold x, in long double."""
-    force = system.stiffness.wide_product(x)
-    if omega2 != 0.0:
-        force = force - omega2 * system.mass.wide_product(x)
-    return force
+    return system.stiffness.wide_product(x) - omega2 * system.mass.wide_product(x)
 
 
 def _factor(system: SolidSystem, omega2: float) -> Factor:

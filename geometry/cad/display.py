@@ -37,10 +37,10 @@ def display_assembly(device: Device, display: Display) -> cq.Assembly:
     InputError
         If parts do not fit, or the CAD kernel's system library is missing.
     """
-    import cadquery as cq
-
     check_display(device, display)
     require_library("libGL.so.1", "CAD solids")
+    import cadquery as cq
+
     assembly = cq.Assembly(name="tactile_display")
     units = unit_names(display)
     for placed in display_parts(device, display):

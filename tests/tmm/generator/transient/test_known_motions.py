@@ -1,6 +1,7 @@
 """Time integration against motions that are known: oscillators, a bouncing mass, coil circuits."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient import march
 from tactgen.tmm.generator.transient.laws import CubicSpring, RoughPoint, Stop
 from tactgen.tmm.generator.transient.march import Sources, simulate, simulate_steps
+from tactgen.tmm.generator.transient.newton import StepTooLongError
 from tactgen.tmm.generator.transient.system import Coil, Element, Friction, Output, System
 from tactgen.tmm.generator.transient.waveform import Chirp, Constant, Sampled, Sine, Square, Step
 from tactgen.validation.checks.cases.magnetics.ideal_gap import IdealGap
@@ -317,3 +319,34 @@ def test_a_run_says_until_when_it_is_certain(monkeypatch):
     assert bar[before].max() <= found.accuracy < bar[~before].min()
     easy = simulate(system, Sources(), 0.02, position=1e-3 * ONE, accuracy=0.3)
     assert easy.certain_until == easy.run.time[-1]
+
+
+def test_runs_that_lead_nowhere_are_refused(monkeypatch):
+    """Too many steps, a current beyond the map, steps that never settle: in either pass."""
+    spring = oscillator(CubicSpring(1.0, 1.0))
+
+    def run(system=spring, **sources):
+        return simulate(system, Sources(**sources), 4.0, position=ONE, accuracy=1e-4)
+
+    coil = replace(circuit(1.0, 1.0).coil, largest_current=0.5)
+    with pytest.raises(InputError, match="beyond the 500 mA to which the co-energy map goes"):
+        run(replace(circuit(1.0, 1.0), coil=coil), coil=Constant(1.0))
+    with monkeypatch.context() as patch:
+        patch.setattr(march, "_MOST_STEPS", 120)  # no step is longer than a hundredth
+        with pytest.raises(InputError, match="steps"):
+            run()
+
+    def never(*_):
+        raise StepTooLongError("never")
+
+    whole = march._Marcher.follow
+
+    def follow(marcher, *args, **options):
+        monkeypatch.setattr(march._Marcher, "_stepped", never)
+        return whole(marcher, *args, **options)
+
+    monkeypatch.setattr(march, "_DEEPEST", 8)
+    monkeypatch.setattr(march._Marcher, "follow", follow)
+    for _ in ("in the second pass", "in the first"):
+        with pytest.raises(InputError, match="settle"):
+            run()

@@ -12,6 +12,7 @@ from tactgen.geometry.bimorph.ends import TipLoad
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.generator.moving_mass import moving_rod
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import linearised
@@ -67,6 +68,18 @@ def test_modes_answer_like_the_transfer_matrices(scene):
         # the statics of modes above 20 kHz: (3 kHz / 20 kHz)⁴ of their small share
         assert tip == pytest.approx(exact.motion["w_tip"][0].real, rel=1e-6)
         assert charge == pytest.approx(exact.effort["voltage"][0].real, rel=1e-6)
+
+
+def test_the_machine_weighs_what_its_parts_do(scene, still):
+    """Up and down, and to either side: rod with coil, and the layers by their volumes."""
+    b, device = scene.device.bimorph, scene.device
+    layers = (2.0 * b.piezo_thickness * device.piezo.density
+              + b.shim_thickness * device.shim.density) * b.width * b.length  # fmt: skip
+    whole = moving_rod(device).mass + layers
+    mass = still.system.mass
+    assert np.diag(mass)[:2] == pytest.approx([whole, whole], rel=1e-12)
+    assert (mass[0, 1:] == 0.0).all()
+    assert mass == pytest.approx(mass.T, rel=1e-12)
 
 
 def test_the_rim_pushes_like_the_law_of_the_whole(scene, still):
