@@ -14,6 +14,7 @@ from tactgen.validation.studies.whatif.aim.best import (
     yield_interval,
 )
 from tactgen.validation.studies.whatif.aim.expression import parse_aim
+from tactgen.validation.studies.whatif.aim.wording import shown
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
 
@@ -163,3 +164,24 @@ def test_the_command_says_yield_and_best(capsys, tmp_path):
     met = sum(a.quantities[0].value[0] >= 440.0 for _, _, a in found.rows)
     assert f"{met} of 8 points meet first(short_circuit_frequencies) >= 440 Hz: a yield of" in out
     assert picture.read_text().startswith("<svg")
+
+
+@pytest.mark.parametrize(
+    ("text", "margin", "words"),
+    [
+        ("magnetic_force >= 110 mN", 18.6e-3, "margin 18.60 ± 0.10 mN"),
+        ("minimise 2 * magnetic_force", -18.6e-3, "18.60 ± 0.10 mN"),
+        ("min_over(tip_displacement / threshold) >= 1", 0.5, "margin 0.50 ± 0.10"),
+        ("min_over(tip_displacement - threshold) >= 2 um", -2e-6, "margin -2.00 ± 0.10 µm"),
+        (
+            "magnetic_force * static_tip_displacement <= 1 nJ",
+            5.0,
+            "margin 5.00 ± 0.10 kg*m**2/s**2",
+        ),
+    ],
+)
+def test_margins_carry_the_unit_of_what_is_compared(text, margin, words):
+    """As a quantity has it; where none named has it, in base units without a prefix."""
+    bar = {"1": 0.1, "N": 0.1e-3, "m": 0.1e-6}
+    aim = parse_aim(text)
+    assert shown(aim, margin, bar.get(aim.unit, 0.1)) == words

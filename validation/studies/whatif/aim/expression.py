@@ -115,6 +115,20 @@ class Aim:
             )
         return self.sign * float(number.ravel()[0])
 
+    @property
+    def unit(self) -> str:
+        """SI unit of the margin: as a quantity has it, else of base units; 1 for a pure number."""
+        ones = {
+            name: Quantity(name, "", np.ones(1), QUANTITIES[name].unit, np.zeros(1), "", 0.0)
+            for name in self.quantities
+        }
+        found = self.left(at_threshold(ones, DISPLAY_THRESHOLD))
+        if found.dimensionless:
+            return "1"
+        units = (QUANTITIES[name].unit for name in self.quantities)
+        base = f"{found.to_base_units().units:~C}"
+        return next((unit for unit in units if found.check(unit_registry()(unit))), base)
+
     def margin_with_bar(self, known: dict[str, Quantity]) -> tuple[float, float]:
         """Return the margin and its numerical error bar: each quantity moved by its own, added."""
         margin, bar = self.margin(known), 0.0

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.studies.whatif.aim.best import Judged, Verdict, yield_interval
+from tactgen.validation.studies.whatif.aim.expression import Aim
 from tactgen.validation.studies.whatif.asked.scene_field import scene_field
 from tactgen.validation.studies.whatif.run import Study
+from tactgen.validation.view.formats import with_bar
 
 #: Most points that are listed.
 _LISTED = 5
@@ -48,12 +51,19 @@ def _line(study: Study, found: Verdict, one: Judged) -> str:
     at = ", ".join(
         f"{key} = {scene_field(key).show(value)}" for key, value in study.points[one.number].items()
     )
-    numbers = ", ".join(
-        f"{aim.sign * margin:.5g}"
-        if aim.kind == "goal" else f"margin {margin:.3g}"
-        for aim, (margin, _) in zip(found.aims, one.margins, strict=True)
-    )  # fmt: skip
-    return f"{at} ({one.models}): {numbers}"
+    each = zip(found.aims, one.margins, strict=True)
+    return f"{at} ({one.models}): {', '.join(shown(aim, *margin) for aim, margin in each)}"
+
+
+def shown(aim: Aim, margin: float, bar: float) -> str:
+    """Return a goal's value, or a condition's margin, with its bar and unit."""
+    value = aim.sign * margin if aim.kind == "goal" else margin
+    unit = aim.unit
+    if unit in {row.unit for row in QUANTITIES.values()}:
+        text = with_bar(value, bar, unit)
+    else:  # base units take no prefix
+        text = f"{with_bar(value, bar, '1')} {unit}"
+    return text if aim.kind == "goal" else f"margin {text}"
 
 
 def as_values(study: Study, found: Verdict) -> dict[str, Any]:
