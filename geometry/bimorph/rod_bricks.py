@@ -91,8 +91,14 @@ def rod_parts(device: Device, meshing: RodMeshing) -> Bricks | BrickParts:
     return in_parts(bricks, ceramic, (lower, upper), meshing.share)
 
 
-def rod_bricks(device: Device, meshing: RodMeshing) -> Bricks:
+def rod_bricks(device: Device, meshing: RodMeshing, *, filled: bool = False) -> Bricks:
     """Divide a quarter of the bimorph and its rod, z = 0 at the rod's bottom face.
+
+    Parameters
+    ----------
+    filled : bool
+        Let the rod take the place of the tab in its slot, on the same bricks: in a rigid rod the
+        tab then is held by its whole section at the slot's mouth.
 
     Raises
     ------
@@ -121,7 +127,8 @@ def rod_bricks(device: Device, meshing: RodMeshing) -> Bricks:
     tab, wall = (int(np.argmin(np.abs(y - end))) for end in (width, width + bond))
     deep = (at["slot"], at["head"])
     slabs = [
-        Slab("shim", (0, shim), (at["tab"], at["tip"]), (0, tab)),
+        Slab("rod" if filled else "shim", (0, shim), (at["tab"], at["head"]), (0, tab)),
+        Slab("shim", (0, shim), (at["head"], at["tip"]), (0, tab)),
         Slab("piezo", (shim, piezo), (at["ceramic"], at["tip"]), (0, tab)),
         Slab("glue", (0, slot), (at["slot"], at["tab"]), (0, wall)),
         Slab("glue", (shim, slot), (at["tab"], at["head"]), (0, wall)),

@@ -231,23 +231,26 @@ def support_study(
     )
     if chain is None:
         return alone
-    return replace(alone, joint=_joint(chain, alone.at(free, in_rod=False)))
+    return replace(alone, joint=joint_by_solids(chain)["whole"])
 
 
-def _joint(chain: GeneratorChain, tab: SupportCompliance) -> SupportCompliance:
-    """Return the compliance at the slot's mouth.
+def joint_by_solids(chain: GeneratorChain) -> dict[str, SupportCompliance]:
+    """Return the compliance at the slot's mouth, whole and by its causes, on one mesh.
 
-    Glue and rod are the difference of two solids on one mesh.  That the rigid slot holds the
-    tab by its faces and not by its section shows only between two divisions into bricks, too near
-    to their errors but for the rotation, to which it is added.
+    ``faces``: a rigid slot holds the tab by its faces and not by its section, which no beam
+    knows; ``glue``; ``rod``.
     """
-    length = chain.scene.bimorph.length
-    down = -chain.free_tab
-    elastic = support_compliance(chain.on_rod.static, chain.in_rigid_slot.static, length)
-    matrix: Floats = elastic.moved_up(down).matrix.copy()
-    whole = support_compliance(chain.on_rod.static, chain.clamped.static, length)
-    matrix[1, 1] = whole.matrix[1, 1] - tab.matrix[1, 1]
-    return SupportCompliance(matrix)
+    steps = {
+        "whole": (chain.on_rod, chain.at_mouth),
+        "faces": (chain.in_rigid_slot, chain.at_mouth),
+        "glue": (chain.on_glue, chain.in_rigid_slot),
+        "rod": (chain.on_rod, chain.on_glue),
+    }
+    length, down = chain.scene.bimorph.length, -chain.free_tab
+    return {
+        name: support_compliance(softer.static, stiffer.static, length).moved_up(down)
+        for name, (softer, stiffer) in steps.items()
+    }
 
 
 def joint_by_beam(chain: GeneratorChain, glue_modulus: float, *, rod: bool) -> SupportCompliance:

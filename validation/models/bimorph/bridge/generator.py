@@ -102,6 +102,11 @@ class GeneratorChain:
         )
 
     @cached_property
+    def at_mouth(self) -> SolvedSolid:
+        """The tab held by its section at the mouth of its slot, on the bricks of the rod."""
+        return self._in_rod("held at the slot's mouth", glue=_RIGID, rod=_RIGID, filled=True)
+
+    @cached_property
     def in_rigid_slot(self) -> SolvedSolid:
         """The tab in its slot, glue and rod rigid."""
         return self._in_rod("rigid slot", glue=_RIGID, rod=_RIGID)
@@ -143,11 +148,14 @@ class GeneratorChain:
                 tab,
             ),
             (
+                "bricks of the rod",
+                "the same device on the bricks of all: what both divisions are off",
+                self.at_mouth,
+                tab,
+            ),
+            (
                 "the tab in a slot",
-                (
-                    "glue and rod rigid: the tab is held by its faces, its section is not; from "
-                    "bricks of the bimorph to bricks of all, whose own error is in this step"
-                ),
+                "glue and rod rigid: the tab is held by its faces, its section is not",
                 self.in_rigid_slot,
                 tab,
             ),
@@ -203,17 +211,18 @@ class GeneratorChain:
         self.announce(f"bridge: {name}")
         return solve_solid(SolidCase(scene, level=self.level))
 
-    def _in_rod(self, name: str, *, glue: float, rod: float) -> SolvedSolid:
+    def _in_rod(self, name: str, *, glue: float, rod: float, filled: bool = False) -> SolvedSolid:
         self.announce(f"bridge: {name}")
         scene = self.device
         stiffer = {
             "glue": _stiffer(scene.glue, glue),
             "rod": _stiffer(scene.rod, rod),
         }
-        return self._solved_in_rod(scene.model_copy(update=stiffer), self.rod_level)
+        return self._solved_in_rod(scene.model_copy(update=stiffer), self.rod_level, filled=filled)
 
-    def _solved_in_rod(self, scene: Scene, level: int) -> SolvedSolid:
-        return solve_solid(SolidCase(scene, mesh=rod_bricks(scene.device, ROD_LEVELS[level])))
+    def _solved_in_rod(self, scene: Scene, level: int, *, filled: bool = False) -> SolvedSolid:
+        bricks = rod_bricks(scene.device, ROD_LEVELS[level], filled=filled)
+        return solve_solid(SolidCase(scene, mesh=bricks))
 
 
 def _chained(steps: list[tuple[str, str, SolvedSolid, Values]], theory: str) -> list[Rung]:
