@@ -1,0 +1,161 @@
+"""Refusals that no command reaches at a small cost, provoked where they are said."""
+
+import subprocess
+import sys
+from types import SimpleNamespace as Stub
+
+import numpy as np
+import pytest
+
+from tactgen.fem.bimorph.solid import assemble
+from tactgen.geometry.bimorph.brick_family import bimorph_bricks
+from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.stretching import stretched
+from tactgen.geometry.cad import solids
+from tactgen.geometry.cad.tessellation import Plane
+from tactgen.geometry.device.parameters import Bimorph, Device
+from tactgen.geometry.errors import InputError, MeshError
+from tactgen.geometry.meshing.tetwild import conform, snapping
+from tactgen.geometry.store import sources
+from tactgen.tmm.generator.positions import resting_places
+from tactgen.tmm.harmonic_balance import continuation
+from tactgen.tmm.harmonic_balance.newton import NoConvergence
+from tactgen.tmm.harmonic_balance.oscillator import Orbit
+from tactgen.tmm.reluctance import flux_ladder
+from tactgen.validation.models.amplitude import backbone, deflection, held_head
+from tactgen.validation.models.bimorph.family.values import family_values
+from tactgen.validation.models.display.spread import spread
+from tactgen.validation.models.reluctance import field_tables
+from tactgen.validation.scene import frequencies
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.uncertainty import by_model
+from tactgen.validation.studies.whatif.shown.pictures import study_picture
+from tactgen.validation.view import browser
+
+
+def scene(name="paper", *overrides):
+    return load_scene(name, list(overrides))[0]
+
+
+def a_zero():
+    """Return derivatives of a quantity that is 0."""
+    return Stub(quantity=Stub(value=0.0, frequency=None, name="tip_rotation", model="beam"))
+
+
+UPWARD = Stub(lifts=lambda: np.array([0.0, 1.0]), total=lambda *_: np.ones(2), device=Device())
+FAILED = Stub(rows=[(None, "tmm", Stub(status="failed"))])
+
+
+@pytest.mark.parametrize(
+    ("what", "error", "words"),
+    [
+        (
+            lambda: assemble(Device(), object.__new__(BrickParts), lossy=False, uniform_field=True),
+            ValueError, "take its bricks whole",
+        ),
+        (
+            lambda: conform._pieces("floor", Stub(plane=None, regions=()), Stub(faces=())),
+            MeshError, "the face floor is not in the CAD model",
+        ),
+        (
+            lambda: snapping.snapped(
+                np.zeros((1, 3)), np.array([0]), np.array([0]),
+                [Plane((0.0, 0.0, 1.0), 1.0)], 0.5,
+            ),
+            MeshError, "would have to move 1e.03 um",
+        ),
+        (
+            lambda: solids._only_solid(Stub(Solids=lambda: [1, 2])),
+            InputError, "falls into 2 pieces",
+        ),
+        (lambda: sources._place("nowhere"), LookupError, "package nowhere has no folder"),
+        (lambda: resting_places(UPWARD, 0.05), InputError, "nowhere between its stops at coil"),
+        (
+            lambda: continuation._solved_tangent(np.zeros((3, 3))),
+            NoConvergence, "no tangent",
+        ),
+        (
+            lambda: flux_ladder._tridiagonal(-np.ones((1, 2)), np.zeros((1, 1)), np.ones((1, 2))),
+            ArithmeticError, "no minimum",
+        ),
+        (
+            lambda: spread(scene("display", "spring.stiffness=0 N/m"), None),
+            InputError, "give the spring a stiffness",
+        ),
+        (
+            lambda: family_values(scene(), Stub(ranges={}), {}, ["magnetic_force"]),
+            InputError, '"magnetic_force" is not read off a family',
+        ),
+        (lambda: by_model._columns(scene(), a_zero()), InputError, "tip_rotation is 0 by beam"),
+        (lambda: study_picture(FAILED), InputError, "nothing to draw"),
+        (
+            lambda: field_tables._Solver.at(
+                Stub(
+                    _done=0, ranges={"gap": (1.0, 2.0)}, announce=print, _accuracy=1.0,
+                    _changed=lambda _: scene(),
+                    _path=Stub(at=lambda *_: Stub(beyond_table=1.0)),
+                ), np.zeros(1),
+            ),
+            InputError, "steel.curve ends too early",
+        ),
+    ],
+)  # fmt: skip
+def test_each_is_said(what, error, words):
+    """The sentence names what is wrong."""
+    with pytest.raises(error, match=words):
+        what()
+
+
+def test_another_row_of_pieces_is_no_member(few_bricks):
+    """Bricks of a bimorph without a tab cannot be stretched into one with it."""
+    with pytest.raises(InputError, match="other pieces"):
+        stretched(bimorph_bricks(Device(), few_bricks[0]), Bimorph(tab_length=2e-3))
+
+
+def test_orbits_that_are_lost_are_refused(monkeypatch):
+    """No response to begin with, a branch that ends, a rod between its stops, a step back."""
+
+    def lost(*_, **__):
+        raise NoConvergence("lost")
+
+    head = Stub(oscillator=None)
+    monkeypatch.setattr(backbone, "steady_orbit", lost)
+    with pytest.raises(InputError, match=r"--voltage 5 V no response was found .* lost"):
+        backbone.response_branch(head, 5.0, (10.0, 20.0))
+    rest = Stub(with_harmonics=lambda _: Orbit(1.0, 0.0, np.zeros((2, 1))))
+    monkeypatch.setattr(deflection, "equilibrium", lambda _: rest)
+    for ended, level in (("lost", 5.0), ("", 4.0)):
+        branch = Stub(ended=ended, orbits=[Stub(level=level)])
+        monkeypatch.setattr(deflection, "follow", lambda *_, found=branch, **__: found)
+        with pytest.raises(InputError, match="cannot be followed up to 5 V"):
+            deflection._raised(head, 100.0, 5.0)
+    monkeypatch.setattr(held_head, "resting_place", lambda *_: Stub(kind="floating"))
+    with pytest.raises(InputError, match="leaves the rod between its stops"):
+        held_head.held_head(scene("generator"))
+
+
+def test_a_list_of_very_many_frequencies(monkeypatch):
+    """A sweep says the same of its number."""
+    monkeypatch.setattr(frequencies, "_MOST", 2)
+    with pytest.raises(InputError, match="has 3 values; give at most 2"):
+        frequencies.parse_frequencies([10.0, 20.0, 30.0])
+
+
+def test_a_browser_that_does_not_end(monkeypatch):
+    """After its time it is said which page was not finished."""
+
+    def waits(command, **_):
+        raise subprocess.TimeoutExpired(command, 1.0)
+
+    monkeypatch.setattr(subprocess, "run", waits)
+    with pytest.raises(InputError, match=r"did not finish page\.html in"):
+        browser.run_browser("chromium", "page.html")
+
+
+def test_a_kernel_that_does_not_write(monkeypatch, tmp_path):
+    """Nothing is left in the folder."""
+    kernel = Stub(exportAssembly=lambda *_: False)
+    monkeypatch.setitem(sys.modules, "cadquery.occ_impl.exporters.assembly", kernel)
+    with pytest.raises(InputError, match=r"could not write .*; choose another place"):
+        solids.write_step(None, tmp_path / "a.step")
+    assert not list(tmp_path.iterdir())
