@@ -83,9 +83,7 @@ def read_ports(path: str | Path, *, made_from: str | None = None) -> ReducedSoli
             ]
             error, unknowns = float(data["error"]), int(data["unknowns"])
     except OSError as failure:
-        if isinstance(failure, zipfile.BadZipFile) or failure.strerror is None:
-            raise _unreadable(path, "not a whole npz file") from None
-        raise _unreadable(path, failure.strerror.lower()) from None
+        raise _unreadable(path, (failure.strerror or "not a whole npz file").lower()) from None
     except (ValueError, EOFError, zipfile.BadZipFile, zlib.error):
         raise _unreadable(path, "not a whole npz file") from None
     except KeyError as failure:
