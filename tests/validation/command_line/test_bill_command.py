@@ -67,7 +67,8 @@ def test_the_screen_shows_the_same(capsys, device_and_display):
         f"wiring: {'all leads have room' if leads.fits else 'LEADS HAVE NO ROOM'}\n"
         f"upper board: {leads.traces_needed} traces in each channel of "
         f"{1e3 * leads.channel:.2f} mm, {leads.traces_fit} fit "
-        f"(enough for {leads.most_rows} rows); longest {1e3 * leads.trace_length:.0f} mm, {1e12 * leads.trace_capacitance:.2g} pF to "
+        f"(enough for {leads.most_rows} rows); longest {1e3 * leads.trace_length:.0f} mm, "
+        f"{1e12 * leads.trace_capacitance:.2g} pF to "
         f"its neighbour\ncoils: {leads.wires_needed} wires of {1e6 * leads.wire_diameter:.0f} um "
         f"in each gap of {1e3 * leads.wire_gap:.2f} mm between sleeves, {leads.wires_fit} fit\n"
     ) in text
