@@ -143,6 +143,10 @@ class SolidSystem:
         found: Factor = self.__dict__[_FACTOR]
         return found
 
+    def drop_factor(self) -> None:
+        """Give back the memory of the factor; who asks for it again has it made again."""
+        self.__dict__.pop(_FACTOR, None)
+
     def take_factor(self, factor: Factor) -> None:
         """Make the factor of another system, of no use to that afterwards, the factor of this.
 

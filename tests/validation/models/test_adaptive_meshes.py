@@ -254,7 +254,7 @@ def solved_with(size, error, **errors):
     """A mesh of so many unknowns that nobody made, with the errors that were estimated on it."""
     names = ("tip_displacement", "tip_compliance", "capacitance", "bending_1", "bending_2")
     goals = {n: GoalError(1.0, errors.get(n, error), np.zeros(0)) for n in names}
-    return Solved(None, SimpleNamespace(size=size), goals)
+    return Solved(None, SimpleNamespace(size=size, drop_factor=lambda: None), goals)
 
 
 def test_the_mesh_that_judges_is_the_last_that_is_far_enough():
@@ -293,6 +293,24 @@ def test_a_mesh_like_the_last_one_ends_the_study(monkeypatch):
     pair = adapted_pair(load_scene("j1")[0], 1e-4)
     assert pair.fine.error == 2.9e-2
     assert next(errors) == 1e-3
+
+
+def test_only_the_meshes_of_the_bars_keep_their_factors(monkeypatch):
+    """Of many meshes those of the middle would hold a gigabyte each to the end."""
+    errors, dropped = iter([1e-1, 3e-2, 1e-2, 3e-3, 2.9e-3]), []
+
+    def made(*_):
+        error = next(errors)
+        system = SimpleNamespace(size=3_000, drop_factor=lambda: dropped.append(error))
+        return replace(
+            solved_with(3_000, error), mesh=SimpleNamespace(cells=range(10)), system=system
+        )
+
+    monkeypatch.setattr(adaptive_meshes, "_solved", made)
+    monkeypatch.setattr(adaptive_meshes, "_finer", made)
+    pair = adapted_pair(load_scene("j1")[0], 1e-5)
+    assert (pair.coarse.error, pair.fine.error) == (1e-2, 2.9e-3)
+    assert set(dropped) == {1e-1, 3e-2, 3e-3}
 
 
 def test_stopped_study_goes_on_from_the_cache(pair, monkeypatch):

@@ -1,6 +1,7 @@
 """The model cad: beside the bricks, on the rod, and what it cannot take."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import evaluate, solve
 from tactgen.validation.engine.stages import Stages
-from tactgen.validation.models.bimorph import two_meshes
+from tactgen.validation.models.bimorph import adaptive_meshes, two_meshes
 from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
 from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import load_scene
@@ -152,6 +153,24 @@ def test_modes_of_a_coarser_mesh_are_found_while_the_next_is_made(monkeypatch, q
     assert model.coarse_modes("judging mesh") == ("judging mesh", scene.modes)
     assert len(solved) == 1
     assert model.coarse_modes("another mesh") == ("another mesh", scene.modes)
+
+
+def test_only_the_mesh_that_judges_is_remembered(monkeypatch):
+    """Modes found on the other meshes are let go with their systems, hundreds of megabytes each."""
+    systems = [SimpleNamespace(), SimpleNamespace(), SimpleNamespace()]
+
+    def refined(scene, accuracy, most, meanwhile):
+        for system in systems:
+            meanwhile(system)
+        return SimpleNamespace(coarse=SimpleNamespace(system=systems[1]))
+
+    monkeypatch.setattr(adaptive_meshes, "adapted_pair", refined)
+    monkeypatch.setattr(two_meshes, "coarse_modes", lambda system, count: count)
+    scene, _ = load_scene("paper", [*SHORT, "models=cad"])
+    wanted = ("short_circuit_frequencies",)
+    model = make_model("cad", scene, Stages(make_plan(scene, ("cad",), wanted).keys))
+    model.make_pair()
+    assert [system for system, _ in model._ahead] == [systems[1]]
 
 
 @pytest.mark.heavy

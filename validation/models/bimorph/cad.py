@@ -37,7 +37,10 @@ class CadModel(TwoMeshModel):
         # an answer from the store needs none of what makes meshes
         from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
 
-        return adapted_pair(self.scene, *level_limits(self.scene), self._look_ahead)
+        pair = adapted_pair(self.scene, *level_limits(self.scene), self._look_ahead)
+        # the systems of all other meshes are let go
+        self._ahead = [found for found in self._ahead if found[0] is pair.coarse.system]
+        return pair
 
     def coarse_modes(self, system: SolidSystem) -> MeshModes:
         """Return what modes follow from on a mesh that judges another; found before, perhaps."""
