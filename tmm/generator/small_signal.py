@@ -16,7 +16,7 @@ head at rest; one side of the contact is then stiffer, and each motion drives th
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -188,19 +188,6 @@ def axial_poles(linear: Linearised, *, voltage: bool) -> Complex:
     both = np.polymul(motion, circuit)
     both[-2] += linear.motional**2
     return _sorted(np.roots(both))
-
-
-def on_constants(support: Support) -> Linearised:
-    """Return the paper's springs in place of rod and contact: a machine without coil."""
-    inertia, damping, stiffness = (
-        np.diag([lateral, rotational, 0.0])
-        for lateral, rotational in (
-            (0.0, support.rotational_inertia),
-            (0.0, support.rotational_damping),
-            (support.lateral_stiffness, support.rotational_stiffness),
-        )
-    )
-    return replace(Linearised(inertia, damping, stiffness), inductance=1.0)
 
 
 def _sorted(poles: Numbers) -> Complex:

@@ -43,15 +43,9 @@ ROTATION = Pair("ψ", "rad", "M", "N m")
 AXIAL = Pair("u", "m", "F", "N")
 #: A voltage across electrodes, answered by the charge that they take.
 VOLTAGE = Pair("U", "V", "Q", "C", sign=-1.0)
-#: The charge that went through a circuit, answered by the voltage across it.
-CHARGE = Pair("q", "C", "V", "V")
 #: A current through a winding, answered by its flux linkage: as a voltage and its charge, the other
 #: way round than force and displacement.
 CURRENT = Pair("i", "A", "λ", "Wb", sign=-1.0)
-#: The force through a rigid link, answered by the gap it would leave; free, it closes the gap.
-LINK_FORCE = Pair("F", "N", "gap", "m")
-#: The moment through a rigid link, answered by the kink it would leave.
-LINK_MOMENT = Pair("M", "N m", "kink", "rad")
 
 
 @storable

@@ -1,5 +1,7 @@
 """The machine in small motions: the paper's support as a limit, reciprocity, passivity, poles."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,10 +12,10 @@ from tactgen.tmm.generator.contact import RoughContact
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import (
+    Linearised,
     axial_poles,
     linearised,
     machine,
-    on_constants,
     resting_tilt,
     rod_ports,
 )
@@ -43,7 +45,17 @@ def test_with_the_papers_constants_it_is_the_papers_model():
     ends = ends_of(Support(), Load())
     ports = bimorph(frequencies=frequencies)
     paper = respond(attach(ports, ends), {"voltage": 50.0})
-    whole = machine(ports, on_constants(Support()))
+    support = Support()
+    inertia, damping, stiffness = (
+        np.diag([*both, 0.0])
+        for both in (
+            (0.0, support.rotational_inertia),
+            (0.0, support.rotational_damping),
+            (support.lateral_stiffness, support.rotational_stiffness),
+        )
+    )
+    springs = replace(Linearised(inertia, damping, stiffness), inductance=1.0)
+    whole = machine(ports, springs)
     loaded = terminate(whole, {"w_tip": tip_stiffness(ends.tip, frequencies), "u": 1.0})
     found = respond(loaded, {"voltage": 50.0, "current": 0.0})
     np.testing.assert_allclose(found.motion["w_tip"], paper.motion["w_tip"], rtol=1e-10)

@@ -35,6 +35,16 @@ _QUARTERS = 4.0
 _DENSE = 300
 
 
+def even(length: float, intervals: int, degree: int) -> Axis:
+    """Return an axis of equal intervals from 0."""
+    return Axis(np.linspace(0.0, length, intervals + 1), degree)
+
+
+def stacked(thicknesses: tuple[float, ...], degree: int) -> Axis:
+    """Return an axis with one interval for each layer, from 0."""
+    return Axis(np.concatenate([[0.0], np.cumsum(thicknesses)]), degree)
+
+
 @dataclass(frozen=True)
 class Where:
     """A plane, line or point: the coordinates (m) that are stated; or a part of one, by `to`.

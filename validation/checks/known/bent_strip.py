@@ -18,9 +18,9 @@ from tactgen.validation.checks.cases.boxes import (
     Load,
     Where,
     block,
+    even,
     statics,
 )
-from tactgen.validation.checks.known.laminates import even
 
 #: Half length, half height and width (m); slope of the stress over the height (N/m³).
 LENGTH, HEIGHT, _WIDTH = 1e-3, 0.5e-3, 0.2e-3

@@ -17,11 +17,11 @@ from tactgen.validation.checks.cases.boxes import (
     Held,
     Where,
     block,
+    even,
     natural_frequencies,
     statics,
 )
 from tactgen.validation.checks.known import seven_layers
-from tactgen.validation.checks.known.laminates import even
 
 _BRICKS = "bricks of the model solid"
 

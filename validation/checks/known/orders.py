@@ -15,8 +15,8 @@ from tactgen.fem.bimorph.system import Material
 from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.validation.checks.case import Answer, Case, Refinement, case
-from tactgen.validation.checks.cases.boxes import Box, Held, Where, natural_frequencies
-from tactgen.validation.checks.known.laminates import bending_bimorph, even
+from tactgen.validation.checks.cases.boxes import Box, Held, Where, even, natural_frequencies
+from tactgen.validation.checks.known.laminates import bending_bimorph
 
 #: The lowest natural frequency (Hz) of the bimorph below; see case CYL2.
 _BENDING = 6981.984969234867

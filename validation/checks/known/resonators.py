@@ -20,12 +20,12 @@ from tactgen.validation.checks.cases.boxes import (
     Together,
     Where,
     block,
+    even,
     harmonic,
     natural_frequencies,
     statics,
 )
 from tactgen.validation.checks.known.bent_strip import BENT
-from tactgen.validation.checks.known.laminates import even
 
 _IEEE = "IEEE Std 176-1987, in closed form"
 _BRICKS = "bricks of the model solid, general supports and electrodes"
@@ -97,23 +97,6 @@ def _coupling(series: float, parallel: float) -> float:
     """Return the coupling factor of a bar or plate driven along its motion, from f_s and f_p."""
     phase = 0.5 * math.pi * series / parallel
     return math.sqrt(phase / math.tan(phase))
-
-
-def plate_constants(shear: bool) -> tuple[float, float, float]:
-    """Return coupling factor, f_p and f_s (Hz) of the 1 mm PZT-5A plate by IEEE 176."""
-    from scipy.optimize import brentq
-
-    tensors = _CERAMIC.tensors(lossy=False)
-    c, e, eps = (
-        (tensors.c[4, 4], tensors.e[2, 4], tensors.eps[2, 2])
-        if shear
-        else (tensors.c[0, 0], tensors.e[0, 0], tensors.eps[0, 0])
-    )
-    stiffened = c + e**2 / eps
-    k2 = e**2 / (eps * stiffened)
-    parallel = math.sqrt(stiffened / _CERAMIC.density) / (2.0 * _THICKNESS)
-    phase = brentq(lambda q: q / math.tan(q) - k2, 1e-3, 0.5 * math.pi, xtol=1e-15)
-    return math.sqrt(k2), parallel, 2.0 * parallel * phase / math.pi
 
 
 _EXPONENTIAL = "half a cosine by a polynomial of degree 9"

@@ -9,8 +9,16 @@ import numpy as np
 from tactgen.fem.bimorph.system import Material
 from tactgen.geometry.bimorph.bricks import Axis, Slab
 from tactgen.validation.checks.case import Answer, Case, case
-from tactgen.validation.checks.cases.boxes import Box, Held, Load, State, Where, statics
-from tactgen.validation.checks.known.laminates import even, stacked
+from tactgen.validation.checks.cases.boxes import (
+    Box,
+    Held,
+    Load,
+    State,
+    Where,
+    even,
+    stacked,
+    statics,
+)
 
 _LAYERS = (1e-4, 1e-4, 1e-4, 4e-4, 1e-4, 1e-4, 1e-4)
 

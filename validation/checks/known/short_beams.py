@@ -15,8 +15,7 @@ from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.section.section import Section
 from tactgen.tmm.beam.section.tapered import segmented
 from tactgen.validation.checks.case import Answer, Case, case, nth
-from tactgen.validation.checks.cases.boxes import Box, Held, Load, Where, block, harmonic
-from tactgen.validation.checks.known.laminates import even
+from tactgen.validation.checks.cases.boxes import Box, Held, Load, Where, block, even, harmonic
 
 #: Shear stiffness of a beam without shear over EI/L²; bending stiffness of one without bending
 #: over GA L².

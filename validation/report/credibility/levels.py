@@ -10,9 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-#: The levels of the scale.
-LOWEST, HIGHEST = 0, 4
-
 
 @dataclass(frozen=True)
 class Criterion:

@@ -12,10 +12,10 @@ from tactgen.validation.checks.cases.boxes import (
     Load,
     Together,
     Where,
+    even,
     natural_frequencies,
     statics,
 )
-from tactgen.validation.checks.known.laminates import even
 
 STEEL = Material(isotropic_stiffness(200e9, 0.3), 7850.0)
 

@@ -1,0 +1,136 @@
+"""Bimetal strips, whose free strains are driven by a field: published closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache, partial
+
+import numpy as np
+
+from tactgen.fem.bimorph.system import Material
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.bricks import Slab
+from tactgen.geometry.device.materials import PiezoTensors, isotropic_stiffness
+from tactgen.validation.checks.case import Answer, Case, case
+from tactgen.validation.checks.cases.boxes import Box, Held, Load, Where, even, stacked, statics
+
+
+def expanding(modulus: float, strain: float) -> Material:
+    """Return an isotropic layer (ν = 0) that expands by `strain` along z.
+
+    An expansion is what a field of 1 V/m along x does to a material with e = c · strain: so a
+    potential of −x makes the twin of a change of temperature.
+    """
+    c = isotropic_stiffness(modulus, 0.0)
+    e = np.zeros((3, 6))
+    e[0] = c @ np.array([0.0, 0.0, strain, 0.0, 0.0, 0.0])
+    return Material(c, 1.0, PiezoTensors(c, e, np.eye(3)))
+
+
+@cache
+def _bimetal(
+    layers: tuple[tuple[float, float, float], ...], length: float, moment: float = 0.0
+) -> tuple[float, float, Callable[[float], float]]:
+    """Return deflection and stretch of the tip, and the stress along z at a depth x.
+
+    Layers are (thickness, modulus, free strain), from below; clamped at z = 0.  A moment (per
+    width) pulls the upper side of the free end, spread as strips bent by it have it.
+    """
+    thicknesses = tuple(layer[0] for layer in layers)
+    parts = tuple(
+        (Slab(f"layer{i}", (i, i + 1), (0, 1)), expanding(modulus, strain))
+        for i, (_, modulus, strain) in enumerate(layers)
+    )
+    box = Box(
+        x=stacked(thicknesses, 2),
+        y=even(1.0, 1, 1),
+        z=even(length, 1, 2),
+        parts=parts,
+        held=(
+            Held(Where(), ("phi",), lambda x, _y, _z: -x),
+            Held(Where(z=0.0), ("z",)),
+            Held(Where(x=0.0, z=0.0), ("x",)),
+            Held(Where(x=0.0, y=0.0, z=0.0), ("y",)),
+            Held(Where(x=0.0, y=0.0, z=length), ("y",)),
+        ),
+        loads=_moment(layers, length, moment) if moment else (),
+    )
+    state = statics(box)
+    total = sum(thicknesses)
+    middle = 0.5 * (
+        state.mean(Where(x=0.0, z=length), "z") + state.mean(Where(x=total, z=length), "z")
+    )
+
+    def stress(x: float) -> float:
+        # no stress across and no Poisson's ratio: the strain is linear in x
+        low, high = (state.mean(Where(x=at, z=length), "z").real for at in (0.0, total))
+        strain = (low + (high - low) * x / total) / length
+        edges = np.cumsum(thicknesses)
+        _, modulus, free = layers[int(np.searchsorted(edges, x - 1e-9 * total))]
+        return modulus * (strain - free)
+
+    return state.mean(Where(x=0.0, z=length), "x").real, middle.real, stress
+
+
+def _moment(
+    layers: tuple[tuple[float, float, float], ...], length: float, moment: float
+) -> tuple[Load, ...]:
+    """Return the tractions of a moment per width: E (strain + curvature x) in each layer."""
+    edges = np.concatenate([[0.0], np.cumsum([layer[0] for layer in layers])])
+    moduli = np.array([layer[1] for layer in layers])
+    a, b, d = (float(moduli @ np.diff(edges**n)) / n for n in (1, 2, 3))
+    strain, curvature = np.linalg.solve([[a, b], [b, d]], [0.0, moment])
+
+    def traction(modulus: float, x: Floats, _y: Floats, _z: Floats) -> Floats:
+        return np.asarray(modulus * (strain + curvature * x))
+
+    return tuple(
+        Load(Where(x=(float(low), float(high)), z=length), "z", partial(traction, modulus))
+        for low, high, modulus in zip(edges[:-1], edges[1:], moduli, strict=True)
+    )
+
+
+_VM144 = ((0.2, 1.2e6, 1.8e-2), (0.1, 0.4e6, 0.6e-2))
+_VM35 = ((0.05, 30e6, 2e-3), (0.05, 30e6, 1e-3))
+_TWIN = (
+    "the strip's free end has a zone of its own, which a strip theory leaves out: (h/L)² of some "
+    "hundredths; the rest is exact for quadratic functions"
+)
+
+CASES: tuple[Case, ...] = (
+    case(
+        "VM35",
+        "Bimetal strip of two equal layers (ANSYS VM35)",
+        "10 in long, two layers of 0.05 in, E = 30e6 psi, expansions 2e-5 and 1e-5 per degree, "
+        "100 degrees warmer, one end clamped.",
+        model="bricks of the model solid; the expansion is driven by the field",
+        source="ANSYS Verification Manual, VM35 (Timoshenko's bimetal in closed form)",
+        tolerance=5e-5,
+        reason=_TWIN,
+        answers=[
+            Answer("The tip deflects by 0.75 in.", 0.75, "in", lambda: _bimetal(_VM35, 10.0)[0]),
+            Answer("The strip grows by 0.015 in.", 0.015, "in", lambda: _bimetal(_VM35, 10.0)[1]),
+            Answer("The outer fibre of the layer that expands more is stressed to 7500 psi.",
+                   7500.0, "psi", lambda: _bimetal(_VM35, 10.0)[2](0.0)),
+        ],
+    ),
+    case(
+        "VM144",
+        "Strip of two unequal layers, warmed and bent (ANSYS VM144)",
+        "8 in long, 0.2 in with E = 1.2e6 psi under 0.1 in with 0.4e6 psi, expansions 1.8e-4 and "
+        "0.6e-4 per degree, 100 degrees warmer, one end clamped, 20 in lb per inch of width at the "
+        "other, where it pulls the thinner layer.",
+        model="bricks of the model solid; the expansion is driven by the field",
+        source="ANSYS Verification Manual, VM144 (Roark, 5th edition)",
+        tolerance=2.5e-3,
+        reason=_TWIN,
+        answers=[
+            Answer("The tip deflects by 0.832 in, towards the thinner layer.", 0.832, "in",
+                   lambda: _bimetal(_VM144, 8.0, 20.0)[0]),
+            Answer("The thinner layer's outer fibre is stressed to 2258 psi.", 2258.0, "psi",
+                   lambda: _bimetal(_VM144, 8.0, 20.0)[2](0.3)),
+            Answer("The thicker one's to 1731 psi.", 1731.0, "psi",
+                   lambda: _bimetal(_VM144, 8.0, 20.0)[2](0.0)),
+        ],
+    ),
+)  # fmt: skip
