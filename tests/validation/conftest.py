@@ -82,7 +82,7 @@ def rough_fields():
 
     Within it, in a store of its own whose keys do not know: for tests of what runs and is shown.
     """
-    from tactgen.fem.reluctance.axisymmetric import actuator
+    from tactgen.fem.reluctance.axisymmetric import actuator, walk
     from tactgen.validation.models.reluctance import field
 
     @contextmanager
@@ -94,7 +94,8 @@ def rough_fields():
             patch.setattr(actuator, "solve_point", point)
             patch.setattr(actuator, "solve_map", rows)
             patch.setattr(field, "REFINEMENTS", ((0.0, 0.5),))
-            patch.setattr(field, "_MAP_ORDER", 2)
+            patch.setattr(field, "MAP_ORDER", 2)
+            patch.setattr(walk, "FieldPath", partial(walk.FieldPath, order=3))
             yield patch
 
     return within

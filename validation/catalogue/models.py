@@ -51,6 +51,9 @@ class ModelRow:
     families : str
         Module that answers many scenes of one family together, if there is one: see
         :mod:`validation.engine.families`.
+    walks : str
+        Module that solves scenes one after another, each from those before, if there is one:
+        see :mod:`validation.engine.walks`.
     derivatives : str
         Module that gives better derivatives than differences of its answers with their bars, if
         there is one: see :mod:`validation.engine.derivatives`.
@@ -73,6 +76,7 @@ class ModelRow:
     kept: tuple[str, ...] = ()
     loads: tuple[str, ...] = ()
     families: str = ""
+    walks: str = ""
     derivatives: str = ""
     finest: float = 0.0
 
@@ -227,7 +231,8 @@ _ROWS = (
             "rest": (*_REST, "accuracy"),
         },
         gives=_MAGNETIC_GIVES, remedy="its finest grid was used, so accept the bar",
-        kept=_MAGNETIC_KEPT, families="tactgen.validation.models.reluctance.family",
+        kept=_MAGNETIC_KEPT, families="tactgen.validation.models.reluctance.family.axisymmetric",
+        walks="tactgen.validation.models.reluctance.family.walk",
         derivatives="tactgen.validation.models.reluctance.field_derivatives",
     ),
     ModelRow(

@@ -18,6 +18,7 @@ from tactgen.validation.catalogue.models import MODELS, reading_reads
 from tactgen.validation.engine.outlook import Prospect
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.stages import values_read
+from tactgen.validation.scene.keys import value_of
 from tactgen.validation.scene.scene import Scene
 
 #: Most numbers that vary in a family: its range has 2^n corners.
@@ -34,6 +35,9 @@ class FamilyModule(Protocol):
 
     def is_family_key(self, scene: Scene, key: str) -> bool:
         """Return whether a scene key may vary within a family."""
+
+    def least_members(self, keys: int) -> int:
+        """Return the number of points up to which they are faster without, if so many keys vary."""
 
     def gives_family(self, quantity: str) -> bool:
         """Return whether a quantity is given for a family."""
@@ -94,9 +98,10 @@ class Family:
         """Why they are answered together, for the reader."""
         if self.box is not None:
             return f"{self.model}: the range of {', '.join(self.keys)} by {basis(self.model)}"
+        least = _module(self.model).least_members(len(self.keys))
         return (
             f"{self.model}: {len(self.numbers)} points differ in {', '.join(self.keys)} only, and "
-            f"more than {_least(len(self.keys))} are answered faster by {basis(self.model)}"
+            f"more than {least} are answered faster by {basis(self.model)}"
         )
 
 
@@ -123,35 +128,48 @@ def find_families(
 
     With a `box`, a range of keys of which many more points will be asked, it pays for few.
     """
-    row = MODELS[model]
-    if not scenes or (box is None and len(scenes) <= _least(1)):
-        return []
-    if not gives_families(model, quantities):
+    if not scenes or not gives_families(model, quantities):
         return []
     module = _module(model)
+    if box is None and len(scenes) <= module.least_members(1):
+        return []
     boxed = family_keys(model, scenes[0], box or ())
     if box is not None and not 0 < len(boxed) <= MOST_KEYS:
         return []
+    groups = alike(model, scenes, module.is_family_key, boxed)
+    if box is not None:
+        own = {key: box[key] for key in boxed}
+        return [Family(model, numbers, boxed, own) for numbers, _ in groups]
+    return [
+        Family(model, numbers, keys)
+        for numbers, keys in groups
+        if 0 < len(keys) <= MOST_KEYS and len(numbers) > module.least_members(len(keys))
+    ]
+
+
+def alike(
+    model: str,
+    scenes: Sequence[Scene],
+    is_own: Callable[[Scene, str], bool],
+    boxed: Sequence[str] = (),
+) -> list[tuple[tuple[int, ...], tuple[str, ...]]]:
+    """Return places of scenes that differ for a model in own keys only, and in which of them.
+
+    Own are the keys that vary and of which `is_own` says so, or those of a box.
+    """
+    row = MODELS[model]
     reads = {key for stage in row.stages.values() for key in stage} | set(reading_reads(model))
     flat = [_flat(values_read(scene, sorted(reads))) for scene in scenes]
     varied = [key for key in flat[0] if any(one.get(key) != flat[0][key] for one in flat)]
-    own = [key for key in varied if module.is_family_key(scenes[0], key)]
-    if box is not None:
-        own = list(boxed)
+    own = boxed or [key for key in varied if is_own(scenes[0], key)]
     groups: dict[str, list[int]] = {}
     for number, values in enumerate(flat):
         rest = {key: value for key, value in values.items() if key not in own}
         groups.setdefault(repr(rest), []).append(number)
-    found = []
-    for numbers in groups.values():
-        if box is not None:
-            found.append(Family(model, tuple(numbers), boxed, {key: box[key] for key in boxed}))
-            continue
-        first = flat[numbers[0]]
-        keys = tuple(k for k in own if any(flat[n][k] != first[k] for n in numbers))
-        if keys and len(keys) <= MOST_KEYS and len(numbers) > _least(len(keys)):
-            found.append(Family(model, tuple(numbers), keys))
-    return found
+    return [
+        (tuple(numbers), tuple(k for k in own if len({flat[n].get(k) for n in numbers}) > 1))
+        for numbers in groups.values()
+    ]
 
 
 def answer_family(
@@ -170,7 +188,8 @@ def answer_family(
     announce(family.reason)
     chosen = [scenes[number] for number in family.numbers]
     values = {
-        key: np.array([_value(scene, key) for scene in chosen], dtype=float) for key in family.keys
+        key: np.array([value_of(scene, key) for scene in chosen], dtype=float)
+        for key in family.keys
     }
     ranges = family_ranges(family, scenes)
     return reduce_family(
@@ -191,11 +210,13 @@ def family_prospect(model: str, scene: Scene, ranges: Box, quantities: Sequence[
 
 def family_ranges(family: Family, scenes: Sequence[Scene]) -> Box:
     """Return the range of a family's keys over its scenes, or that of which more will be asked."""
-    return family.box or {
-        key: (min(values), max(values))
-        for key in family.keys
-        for values in ([_value(scenes[number], key) for number in family.numbers],)
-    }
+    return family.box or ranges_of(family.keys, [scenes[number] for number in family.numbers])
+
+
+def ranges_of(keys: Iterable[str], scenes: Sequence[Scene]) -> Box:
+    """Return lowest and highest value (SI) of keys over scenes."""
+    values = {key: [float(value_of(scene, key)) for scene in scenes] for key in keys}
+    return {key: (min(each), max(each)) for key, each in values.items()}
 
 
 def reduce_family(
@@ -216,24 +237,8 @@ def reduce_family(
     return _module(model).reduce_family(scene, ranges, quantities, members, announce)
 
 
-def _least(keys: int) -> int:
-    """Return the number of points up to which single answers take no longer.
-
-    A basis takes what its middle, its corners and some members between them have to say, each
-    in more classes of motion than a single answer needs.
-    """
-    return int(2 * (1 + 2**keys + keys))
-
-
 def _module(model: str) -> FamilyModule:
     return cast(FamilyModule, importlib.import_module(MODELS[model].families))
-
-
-def _value(scene: Scene, key: str) -> float:
-    found: Any = scene
-    for part in key.split("."):
-        found = getattr(found, part)
-    return float(found)
 
 
 def _flat(values: dict[str, Any]) -> dict[str, Any]:

@@ -37,12 +37,15 @@ class Stages:
         Told the name of each stage as it is computed.
     computed : set of str
         Stages that were computed, not recalled or taken over.
+    keeps : bool
+        Whether results are looked for in the store, and kept there.
     """
 
     keys: dict[str, str]
     announce: Callable[[str], None] = lambda _: None
     seconds: dict[str, float] = field(default_factory=dict)
     computed: set[str] = field(default_factory=set)
+    keeps: bool = True
     _results: dict[str, Any] = field(default_factory=dict)
 
     def run(self, name: str, work: Callable[[], T]) -> T:
@@ -64,7 +67,7 @@ class Stages:
                 return work()
 
             code = stage_code().get(name)
-            if code is not None:
+            if self.keeps and code is not None:
                 self._results[name] = kept(
                     name, (self.keys[name],), code, announced, announce=self.announce
                 )
@@ -87,7 +90,7 @@ class Stages:
         """Return what another process can adopt: all costs, and the results that can be stored."""
         stored = stage_code()
         results = {name: result for name, result in self._results.items() if name in stored}
-        return Stages(self.keys, _unheard, self.seconds, self.computed, results)
+        return Stages(self.keys, _unheard, self.seconds, self.computed, self.keeps, results)
 
 
 def _unheard(_: str) -> None:

@@ -8,6 +8,7 @@ that were solved nearby.
 from __future__ import annotations
 
 import itertools
+import math
 from copy import copy
 
 import numpy as np
@@ -26,6 +27,8 @@ from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
 
 #: Solved fields that a start is made of, and the largest degree of the polynomial through them.
 _NEAR, _DEGREE = 6, 4
+#: Fields that are held for it, of half a megabyte each; a table's are all.
+_HELD = 150
 #: A polynomial whose weights add up to more in size is no start: its fields lie to one side.
 _LARGEST_WEIGHTS = 4.0
 
@@ -91,6 +94,7 @@ class FieldPath:
                 f"gap = {gap * 1e3:g} mm and the sizes there; make the range smaller"
             )
         pair = solve_pair(model, current, self._start(place))
+        del self._places[:-_HELD], self._solved[:-_HELD]
         self._places.append(np.asarray(place, dtype=float))
         self._solved.append(Start(pair.coarse.potential, pair.fine.potential))
         return field_point(model, pair)
@@ -113,11 +117,13 @@ def _weights(places: Floats, place: Floats) -> Floats:
 
     Of the highest degree that n places, nearest first, determine.
     """
+    varies = (places != place).any(axis=0)
+    places, place = places[:, varies], place[varies]
     count, axes = places.shape
     for degree in range(_DEGREE, 0, -1):
-        powers = [p for p in itertools.product(range(degree + 1), repeat=axes) if sum(p) <= degree]
-        if len(powers) > count:
+        if math.comb(axes + degree, degree) > count:
             continue
+        powers = [p for p in itertools.product(range(degree + 1), repeat=axes) if sum(p) <= degree]
         away = np.array([np.prod((places - place) ** p, axis=1) for p in powers])
         there = np.array([float(not any(p)) for p in powers])
         weights = np.linalg.lstsq(away, there, rcond=None)[0]

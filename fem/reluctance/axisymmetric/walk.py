@@ -14,6 +14,9 @@ from tactgen.fem.reluctance.axisymmetric.path import FieldPath
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 
+#: Grids of one fineness that are held, with their factors of some 100 MB; the oldest goes.
+_MOST = 3
+
 
 class FieldWalk:
     """Points of devices, currents and gaps that differ little from one to the next.
@@ -70,5 +73,6 @@ class FieldWalk:
         for path in reversed(paths):
             if path.reaches(device, gap):
                 return path
+        del paths[: -_MOST + 1]
         paths.append(FieldPath(device, gap, refinement=self._refinements[level]))
         return paths[-1]

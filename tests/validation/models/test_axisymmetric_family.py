@@ -7,7 +7,9 @@ from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.families import find_families
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.reluctance import family, field, field_tables
+from tactgen.validation.models.reluctance import field
+from tactgen.validation.models.reluctance.family import axisymmetric as family
+from tactgen.validation.models.reluctance.family import field_tables
 from tactgen.validation.scene.keys import value_of, with_values
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif import answers
@@ -24,6 +26,7 @@ def coarse(own_store, monkeypatch):
     """One coarse grid for both ways, in a store whose keys do not know how coarse."""
     for module in (field, field_tables):
         monkeypatch.setattr(module, "REFINEMENTS", ((0.0, 0.5),))
+    monkeypatch.setattr(family, "_PLACES", (8, 3))  # nine points are enough for a table
 
 
 def stated(*vary, **more):

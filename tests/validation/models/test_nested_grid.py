@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.validation.models.reluctance.nested_grid import chebyshev, nested_table
+from tactgen.validation.models.reluctance.family.nested_grid import chebyshev, nested_table
 
 RNG = np.random.default_rng(5)
 

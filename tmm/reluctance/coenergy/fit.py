@@ -226,12 +226,12 @@ def _miss(found: CoenergyMap, samples: Samples) -> MapError:
     """Return how far a map misses samples."""
     said = found.sampled(samples.current, samples.gap)
     return MapError(
-        _largest(said.flux_linkage - samples.flux_linkage, samples.flux_linkage),
-        _largest(said.force - samples.force, samples.force),
+        largest_share(said.flux_linkage - samples.flux_linkage, samples.flux_linkage),
+        largest_share(said.force - samples.force, samples.force),
     )
 
 
-def _largest(error: Floats, values: Floats) -> float:
+def largest_share(error: Floats, values: Floats) -> float:
     """Return the largest error relative to the value there, or to a tenth of the gap's largest."""
     size = np.abs(values)
     return float((np.abs(error) / np.maximum(size, _SMALL * size.max(axis=0))).max())

@@ -42,9 +42,11 @@ REFINEMENTS = ((2e-3, 1.0), (5e-4, 1.5), (0.0, 2.0))
 #: The same of the 3D model's sector.
 _SECTOR_REFINEMENTS = ((2.5e-2, 0.7), (1.3e-2, 1.0), (0.0, 1.4))
 #: Polynomial order of a field map's samples: their error is then below that of interpolating them.
-_MAP_ORDER = 3
+MAP_ORDER = 3
+#: As what they are kept.
+SAMPLES = "axisymmetric.samples"
 #: What says how far a map must reach, and nothing else of its samples.
-_RANGE = ("coil.current", "gap", "spring")
+MAP_RANGE = ("coil.current", "gap", "spring")
 #: Currents and gaps of a map in 3D, where each costs a second or more, and its fineness.
 _SOLID_MAP = (8, 6)
 _SOLID_MAP_REFINEMENT = 0.7
@@ -81,7 +83,7 @@ class _FieldModel(MagneticModel):
     def _geometry(self) -> dict[str, Any]:
         """Return what the field at a current and gap depends on beside these, for the store."""
         own = MODELS[self.name].stages["map"]
-        return values_read(self.scene, (key for key in own if key not in _RANGE))
+        return values_read(self.scene, (key for key in own if key not in MAP_RANGE))
 
 
 class AxisymmetricModel(_FieldModel):
@@ -134,12 +136,18 @@ class AxisymmetricModel(_FieldModel):
         currents, gaps = map_grid(device, shared=True)
 
         def work() -> Samples:
-            rows = solve_map(device, gaps.tolist(), currents.tolist(), order=_MAP_ORDER)
+            rows = solve_map(device, gaps.tolist(), currents.tolist(), order=MAP_ORDER)
             return self._samples(currents, gaps, rows)
 
-        inputs = (self._geometry(), currents.tolist(), gaps.tolist())
         code, announce = stage_code()["axisymmetric.map"], self.stages.announce
-        return self._fitted(kept("axisymmetric.samples", inputs, code, work, announce=announce))
+        return self._fitted(kept(SAMPLES, self.samples_inputs(), code, work, announce=announce))
+
+    def samples_inputs(self) -> tuple[object, ...]:
+        """Return what the samples of the map depend on, as they are kept by."""
+        from tactgen.tmm.reluctance.map_range import map_grid
+
+        currents, gaps = map_grid(self.scene.device, shared=True)
+        return self._geometry(), currents.tolist(), gaps.tolist()
 
 
 class Magnetic3dModel(_FieldModel):

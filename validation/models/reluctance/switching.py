@@ -65,8 +65,19 @@ class SwitchingCurrents:
     )
 
 
-def switching_currents(device: Device, pull: CoenergyMap, at: Solver) -> SwitchingCurrents:
+#: By share of the stroke, a balance's current and force slope over those of the map.
+Learned = dict[float, tuple[float, float]]
+
+
+def switching_currents(
+    device: Device, pull: CoenergyMap, at: Solver, learned: Learned | None = None
+) -> SwitchingCurrents:
     """Return the switching currents of a model by its map and by points of it.
+
+    Parameters
+    ----------
+    learned : dict, optional
+        What the balances of a device nearby came to; brought up to date.
 
     Raises
     ------
@@ -74,7 +85,7 @@ def switching_currents(device: Device, pull: CoenergyMap, at: Solver) -> Switchi
         If the stops do not fit the gap or the map.
     """
     found = switching(device, pull)
-    balance = _Balance(device, pull, at)
+    balance = _Balance(device, pull, at, {} if learned is None else learned)
     return SwitchingCurrents(
         lift_off=balance.at_gap(device.gap, found.lift_off),
         pull_in=balance.extreme(found.pull_in_gap, found.pull_in),
@@ -94,8 +105,9 @@ def _floats(found: Switching) -> bool:
 class _Balance:
     """Currents at which pull and spring balance, by points; each gap is solved once."""
 
-    def __init__(self, device: Device, pull: CoenergyMap, at: Solver) -> None:
+    def __init__(self, device: Device, pull: CoenergyMap, at: Solver, learned: Learned) -> None:
         self._device, self._pull, self._at = device, pull, at
+        self._learned = learned
         self._found: dict[float, Measured] = {}
         self.beyond_table = 0.0
 
@@ -131,8 +143,11 @@ class _Balance:
         against = float(spring_force(self._device, gap))
         if against == 0.0:  # no pull without current
             return Measured(0.0, 0.0)
-        current = start
-        slope = -float(self._pull.motional_coefficient(start, gap))
+        low, high = self._device.spring.stop_gap, self._device.gap
+        share = round((gap - low) / (high - low), 9)
+        by_map = -float(self._pull.motional_coefficient(start, gap))
+        ahead, steeper = self._learned.get(share, (1.0, 1.0))
+        current, slope = ahead * start, steeper * by_map
         before: tuple[float, float] | None = None
         for _ in range(_MOST_POINTS):
             point = self._at(current, gap)
@@ -143,7 +158,10 @@ class _Balance:
             if not slope > 0.0:
                 return _NONE
             step = -miss / slope
-            if before and abs(miss) <= max(_OF_BAR * point.force.bar, _OF_FORCE * against):
+            settled = abs(miss) <= max(_OF_BAR * point.force.bar, _OF_FORCE * against)
+            # a first point that settles needs a slope that is known
+            if settled and (before or share in self._learned):
+                self._learned[share] = (current + step) / start, slope / by_map
                 return Measured(current + step, point.force.bar / slope + abs(step))
             before = current, miss
             # a slope that is far off must not turn the current round

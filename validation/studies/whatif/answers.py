@@ -183,7 +183,7 @@ def _kind(asked: Question) -> str:
 
 def _made_of(model: str) -> tuple[str, ...]:
     row = MODELS[model]
-    return (__name__, row.module, *row.loads)
+    return (__name__, row.module, *row.loads, *filter(None, (row.walks,)))
 
 
 def _serving(retry: bool) -> Callable[[Answer], bool]:

@@ -55,14 +55,16 @@ def _answered(
     return found
 
 
-def answer_with_warnings(scene: Scene, model: str, given: tuple[Quantity, ...]) -> Answer | None:
+def answer_with_warnings(
+    scene: Scene, model: str, given: tuple[Quantity, ...], own: tuple[str, ...] = ()
+) -> Answer | None:
     """Return an answer of a family's; None where what is asked is refused there.
 
-    That is said where the point is answered alone.
+    That is said where the point is answered alone.  `own` are the model's warnings.
     """
     names = [quantity.name for quantity in given]
     try:
-        warnings = request_warnings(scene, (model,), names)
+        warnings = request_warnings(scene, (model,), names) + own
         warnings += accuracy_warnings(scene, given)
         warnings += deflection_warnings(scene, given)
     except InputError:

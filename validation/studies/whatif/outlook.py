@@ -18,6 +18,7 @@ from tactgen.validation.engine.plan import check_models, make_plan
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.whatif.answers import Answer, Question, recall
 from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.by_walk import routes
 from tactgen.validation.studies.whatif.questions import questions, scenes_nearby
 from tactgen.validation.studies.whatif.sweep import parts
 
@@ -47,6 +48,50 @@ class BasisOutlook:
 
 
 @dataclass(frozen=True)
+class WalkOutlook:
+    """Points solved each from those before: how many, what a point and what they share cost.
+
+    Attributes
+    ----------
+    reason : str
+        Which points.
+    points : int
+        How many.
+    seconds : float or None
+        What a point took where the like was last walked through here.
+    shared : str
+        What all of them share and compute once, in words; empty if there is nothing.
+    kept : bool
+        Whether that is there.
+    shared_seconds : float or None
+        What it took when the like was last computed here.
+    """
+
+    reason: str
+    points: int
+    seconds: float | None
+    shared: str
+    kept: bool
+    shared_seconds: float | None
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """For the reader."""
+        each = "their cost is not recorded yet"
+        if self.seconds is not None:
+            each = f"about {self.seconds:.2g} s each"
+        first = f"{self.reason}: {each}"
+        if not self.shared:
+            return (first,)
+        cost = "it is kept"
+        if not self.kept:
+            cost = "its cost is not recorded yet"
+            if self.shared_seconds is not None:
+                cost = f"about {self.shared_seconds:.2g} s, once"
+        return first, f"  they share {self.shared}: {cost}"
+
+
+@dataclass(frozen=True)
 class ModelOutlook:
     """What a model would do in a study.
 
@@ -58,6 +103,8 @@ class ModelOutlook:
         Points; of them such as make no scene, answers that are kept, and answers solved alone.
     bases : tuple of BasisOutlook
         Where the others come from.
+    walks : tuple of WalkOutlook
+        What is solved each from those before.
     seconds : float or None
         At most what those solved alone take, as their stages did when they last ran here.
     """
@@ -68,6 +115,7 @@ class ModelOutlook:
     kept: int
     alone: int
     bases: tuple[BasisOutlook, ...]
+    walks: tuple[WalkOutlook, ...]
     seconds: float | None
 
     @property
@@ -83,7 +131,8 @@ class ModelOutlook:
             elif self.seconds is not None:
                 cost = f"at most about {self.seconds:.2g} s"
             counts.append(f"{self.alone} solved one by one, {cost}")
-        return (", ".join(counts), *(f"  {basis.sentence}" for basis in self.bases))
+        walks = (f"  {sentence}" for walk in self.walks for sentence in walk.sentences)
+        return (", ".join(counts), *(f"  {basis.sentence}" for basis in self.bases), *walks)
 
 
 def study_outlook(
@@ -117,7 +166,9 @@ def study_outlook(
         kept = {n for n, q in own.items() if recall(q) is not None}
         new = [n for n in own if n not in kept]
         bases, together = _families(own, new, asked.scenes)
-        alone = [n for n in new if n not in together]
+        walks, walked = _walks({n: (own[n], asked.scenes[n]) for n in new
+                                if n in asked.scenes and n not in together})  # fmt: skip
+        alone = [n for n in new if n not in together and n not in walked]
         refused = sum(
             isinstance(given, Answer) for (_, name), given in asked.at.items() if name == model
         )
@@ -129,7 +180,7 @@ def study_outlook(
             seconds = each * len(alone) if each else None
         found.append(ModelOutlook(
             model, len(points), refused, len(kept), len(alone), (*in_blocks[model], *bases),
-            seconds,
+            tuple(walks), seconds,
         ))  # fmt: skip
     return tuple(found)
 
@@ -154,6 +205,20 @@ def _families(
             continue
         together |= {chosen[number] for number in family.numbers}
     return bases, together
+
+
+def _walks(asked: dict[int, tuple[Question, Scene]]) -> tuple[list[WalkOutlook], set[int]]:
+    """Return the walks that questions would be answered by, and these questions."""
+    walks, walked = [], set()
+    for numbers, route in routes(asked):
+        quantities = asked[numbers[0]][0].quantities
+        shared, prospect = route.shares(quantities) or ("", Prospect(kept=True, seconds=None))
+        walks.append(WalkOutlook(
+            route.reason, len(route.numbers), route.seconds(quantities), shared, prospect.kept,
+            prospect.seconds,
+        ))  # fmt: skip
+        walked |= {numbers[n] for n in route.numbers}
+    return walks, walked
 
 
 def _basis(

@@ -84,6 +84,6 @@ def questions(
             found.at[number, model] = n
             if n not in found.different:
                 found.different[n], found.first[n] = asked, stated
-                if MODELS[model].families:
+                if MODELS[model].families or MODELS[model].walks:
                     found.scenes[n] = scene
     return found

@@ -16,6 +16,7 @@ from tactgen.validation.engine.plan import check_models
 from tactgen.validation.studies.whatif.answers import Answer, recall
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.by_family import answers_by_family
+from tactgen.validation.studies.whatif.by_walk import answers_by_walk
 from tactgen.validation.studies.whatif.cluster import found_on_cluster
 from tactgen.validation.studies.whatif.questions import questions, scenes_nearby
 from tactgen.validation.studies.whatif.schedule import schedule
@@ -31,7 +32,7 @@ _OTHERS = " (other numbers at other points)"
 class Counts:
     """How many answers were recalled from the store, computed now, failed, and refused.
 
-    `together` of those computed come from reduced bases of families.
+    `together` of those computed come from reduced bases of families; `walked` each from others.
     """
 
     recalled: int
@@ -39,6 +40,7 @@ class Counts:
     failed: int
     refused: int
     together: int
+    walked: int = 0
 
 
 @dataclass(frozen=True)
@@ -153,14 +155,15 @@ def answers_at(
     answers = {n: kept for n, q in different.items() if (kept := recall(q, retry=retry))}
     old = len(answers)
     new = {n: q for n, q in different.items() if n not in answers}
-    by_family = answers_by_family(
-        {n: (q, asked.scenes[n]) for n, q in new.items() if n in asked.scenes}, announce, box
-    )
-    answers.update(by_family)
+    shared = {n: (q, asked.scenes[n]) for n, q in new.items() if n in asked.scenes}
+    by_family = answers_by_family(shared, announce, box)
+    rest = {n: each for n, each in shared.items() if n not in by_family and not scheduler}
+    by_walk = answers_by_walk(rest, processes, announce, box, retry=retry)
+    answers.update(by_family | by_walk)
     computed, together = len(new) + together, len(by_family) + together
     jobs = [
         Job(n, q, nearby[q.model].values(asked.first[n]))
-        for n, q in new.items() if n not in by_family
+        for n, q in new.items() if n not in answers
     ]  # fmt: skip
     if scheduler and jobs:
         found_there = found_on_cluster(
@@ -180,6 +183,7 @@ def answers_at(
     counts = Counts(
         old, computed, sum(a.status == "failed" for a in every),
         sum(a.status == "refused" for a in every), together,
+        len(by_walk),
     )  # fmt: skip
     return tuple(by_point), counts
 

@@ -29,7 +29,7 @@ from tactgen.validation.models.bimorph.family.values import (
 )
 from tactgen.validation.scene.scene import Scene
 
-__all__ = ["family_prospect", "gives_family", "is_family_key", "reduce_family"]
+__all__ = ["family_prospect", "gives_family", "is_family_key", "least_members", "reduce_family"]
 
 #: What members are read off, in words.
 BASIS = "one reduced basis"
@@ -57,6 +57,15 @@ def reduce_family(
         family = for_many(scene, family, quantities, announce)
     seconds = (time.perf_counter() - start) / members
     return SolidAnswers(scene, family, tuple(quantities), seconds)
+
+
+def least_members(keys: int) -> int:
+    """Return the number of points up to which single answers take no longer.
+
+    A basis takes what its middle, its corners and some members between them have to say, each
+    in more classes of motion than a single answer needs.
+    """
+    return int(2 * (1 + 2**keys + keys))
 
 
 def family_prospect(scene: Scene, ranges: Ranges, quantities: Sequence[str]) -> Prospect:

@@ -19,8 +19,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, graded_grid
 from tactgen.geometry.reluctance.section_regions import actuator_regions
 from tactgen.geometry.store.values import storable
+from tactgen.validation.models.reluctance.family.nested_grid import Table, nested_table
 from tactgen.validation.models.reluctance.field import REFINEMENTS
-from tactgen.validation.models.reluctance.nested_grid import Table, nested_table
 from tactgen.validation.models.reluctance.warnings import WORTH_A_WORD
 from tactgen.validation.scene.keys import with_values
 from tactgen.validation.scene.scene import Scene

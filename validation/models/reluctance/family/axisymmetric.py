@@ -1,6 +1,7 @@
 """Many scenes of the axisymmetric model answered together, which differ in one or two numbers.
 
-What :mod:`validation.engine.families` asks, on :mod:`validation.models.reluctance.field_tables`.
+What :mod:`validation.engine.families` asks, on
+:mod:`validation.models.reluctance.family.field_tables`.
 """
 
 from __future__ import annotations
@@ -22,7 +23,11 @@ from tactgen.validation.engine.costs import record, recorded
 from tactgen.validation.engine.outlook import Prospect
 from tactgen.validation.engine.results import Measured, Quantity
 from tactgen.validation.engine.stages import values_read
-from tactgen.validation.models.reluctance.field_tables import PointFamily, Ranges, field_tables
+from tactgen.validation.models.reluctance.family.field_tables import (
+    PointFamily,
+    Ranges,
+    field_tables,
+)
 from tactgen.validation.models.reluctance.point import MagneticPoint
 from tactgen.validation.scene.keys import value_of, with_values
 from tactgen.validation.scene.scene import Scene
@@ -36,6 +41,8 @@ _MADE_OF = (__name__, "tactgen.fem.reluctance.axisymmetric.path")
 _ROW = MODELS["axisymmetric"]
 #: Most keys: places solved are five each at least.
 _MOST_KEYS = 2
+#: Places along a key that a table may take: up to as many points are solved themselves.
+_PLACES = (33, 9)
 
 
 def is_family_key(scene: Scene, key: str) -> bool:
@@ -44,6 +51,11 @@ def is_family_key(scene: Scene, key: str) -> bool:
     if key == "accuracy" or not (key in reads or key.partition(".")[0] in reads):
         return False
     return isinstance(value_of(scene, key), float)
+
+
+def least_members(keys: int) -> int:
+    """Return the number of points up to which a walk from each to the next takes no longer."""
+    return int(_PLACES[min(keys, _MOST_KEYS) - 1] ** keys)
 
 
 def gives_family(quantity: str) -> bool:

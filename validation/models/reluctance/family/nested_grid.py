@@ -9,7 +9,7 @@ through them by the barycentric formula (J.-P. Berrut and L. N. Trefethen, SIAM 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.store.values import storable
 
+Value = float | Floats
 #: Points along an axis to begin with, as a power of two.
 _FIRST = 2
 
@@ -31,7 +32,7 @@ class Table:
     powers : tuple of int
         Points along each axis are 2^power + 1.
     values, bars : dict of str to array
-        Of the shape of the grid.
+        Of the shape of the grid, and of what each value is if that is an array.
     missed : dict of str to float
         What the interpolation may be off by, in units of the bars.
     """
@@ -42,11 +43,11 @@ class Table:
     missed: dict[str, float]
 
     def value(self, name: str, places: Floats) -> Floats:
-        """Return a value at places (n, k), (n,)."""
+        """Return a value at places (n, k), (n, ...)."""
         return _read(self.values[name], [chebyshev(p) for p in self.powers], places)
 
     def bar(self, name: str, places: Floats) -> Floats:
-        """Return its error bar (n,): of what was solved around, and of the interpolation."""
+        """Return its error bar (n, ...): of what was solved around, and of the interpolation."""
         points = [chebyshev(power) for power in self.powers]
         above = [
             np.clip(np.searchsorted(x, places[:, axis]), 1, x.size - 1)
@@ -68,8 +69,13 @@ def chebyshev(power: int) -> Floats:
     return np.concatenate([left, -left[-2::-1]])
 
 
+def first_points() -> Floats:
+    """Return the points along each axis of the smallest table."""
+    return chebyshev(_FIRST)
+
+
 def nested_table(
-    solve: Callable[[Floats], dict[str, tuple[float, float]]],
+    solve: Callable[[Floats], Mapping[str, tuple[Value, Value]]],
     axes: int,
     *,
     wanted: float,
@@ -80,13 +86,13 @@ def nested_table(
     Parameters
     ----------
     solve : callable
-        Takes a place (k,), gives by name a value and its bar.
+        Takes a place (k,), gives by name a value, or an array, and its bar.
     wanted : float
         The interpolation's error in units of the bars at which it is good.
     most : int
         Points that are too many; what is reached before is returned.
     """
-    found: dict[tuple[float, ...], dict[str, tuple[float, float]]] = {}
+    found: dict[tuple[float, ...], Mapping[str, tuple[Value, Value]]] = {}
     powers = (_FIRST,) * axes
     while True:
         points = [chebyshev(power) for power in powers]
@@ -115,12 +121,15 @@ def _turn(place: tuple[float, ...]) -> tuple[float, ...]:
 def _tabled(
     powers: tuple[int, ...],
     places: Floats,
-    found: dict[tuple[float, ...], dict[str, tuple[float, float]]],
+    found: dict[tuple[float, ...], Mapping[str, tuple[Value, Value]]],
 ) -> Table:
     shape = places.shape[:-1]
     rows = [found[tuple(place)] for place in places.reshape(-1, len(powers)).tolist()]
     values, bars = (
-        {name: np.array([row[name][which] for row in rows]).reshape(shape) for name in rows[0]}
+        {
+            name: np.array([row[name][which] for row in rows]).reshape(*shape, *np.shape(each))
+            for name, (each, _) in rows[0].items()
+        }
         for which in (0, 1)
     )
     return Table(powers, values, bars, dict.fromkeys(values, 0.0))

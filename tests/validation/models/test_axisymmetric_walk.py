@@ -1,0 +1,202 @@
+"""Points of the axisymmetric model one after another, against closed forms and points alone."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from tactgen.fem.reluctance.axisymmetric import actuator
+from tactgen.fem.reluctance.axisymmetric.actuator import FieldErrors, FieldPoint, solve_point
+from tactgen.fem.reluctance.axisymmetric.walk import FieldWalk
+from tactgen.fem.solvers.linear_solver import SolverError
+from tactgen.tmm.reluctance.map_range import map_grid
+from tactgen.tmm.reluctance.switching import spring_force
+from tactgen.validation.engine.costs import recorded
+from tactgen.validation.engine.families import find_families
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.reluctance import field
+from tactgen.validation.models.reluctance.family import walk
+from tactgen.validation.scene.keys import value_of, with_values
+from tactgen.validation.scene.scene import load_scene, scene_values
+from tactgen.validation.studies.whatif import answers
+from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.outlook import study_outlook
+from tactgen.validation.studies.whatif.run import run_study
+
+SETS = ["models=axisymmetric", "accuracy=10%"]
+STROKE = ("magnetic_force", "pull_in_current", "holding_current", "rod_position", "finger_force")
+
+
+def stated(*vary, quantities=("magnetic_force",)):
+    values, _ = scene_values("reluctance", SETS)
+    return Statement("reluctance", values, vary, ("axisymmetric",), quantities)
+
+
+def never_alone(monkeypatch):
+    monkeypatch.setattr(answers, "solve", lambda *_, **__: pytest.fail("a point was solved alone"))
+
+
+def offset(device):
+    """Return what the gap of the closed form is longer by: a function with some bend."""
+    return 0.3e-3 * (0.6e-3 / device.rod.radius) ** 2
+
+
+def closed_form(device, current, gap, *, spread=1e-3):
+    """A coil whose inductance is L = A/(g + g0): W' = L i²/2."""
+    width = gap + offset(device)
+    inductance = 4e-6 / width
+    force = 0.5 * inductance / width * current**2
+    return FieldPoint(
+        current=current, gap=gap, flux_linkage=inductance * current,
+        coenergy=0.5 * inductance * current**2, force=force, force_eggshell=force,
+        incremental_inductance=inductance,
+        errors=FieldErrors(spread * inductance * abs(current), 0.0, spread * force, 0.0),
+        iterations=1, unknowns=1, beyond_table=0.0,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def closed(own_store, monkeypatch):
+    """Replace the field by a closed form; return the devices of which maps were made."""
+    maps = []
+
+    def solve_map(device, gaps, currents, **_):
+        maps.append(device.rod.radius)
+        return [[closed_form(device, i, g, spread=1e-2) for i in currents] for g in gaps]
+
+    monkeypatch.setattr(actuator, "solve_map", solve_map)
+    monkeypatch.setattr(FieldWalk, "at", lambda _, device, i, g, _place: closed_form(device, i, g))
+    few = partial(map_grid, currents=7, gaps=6)
+    monkeypatch.setattr("tactgen.tmm.reluctance.map_range.map_grid", few)
+    return maps
+
+
+def test_a_dimension_takes_a_table_of_maps_and_says_so(closed, monkeypatch):
+    """Currents and positions are those of the closed form at each point, from five maps."""
+    asked = stated("rod.radius=0.56mm:0.64mm:7", quantities=STROKE)
+    (before,) = study_outlook(asked)
+    assert (before.alone, before.walks[0].points) == (0, 7)
+    first, shared = before.sentences[1:]
+    assert "7 points over rod.radius are solved one after another" in first
+    assert "their cost is not recorded yet" in first
+    assert "a table of co-energy maps over rod.radius, for pull_in_current" in shared
+    assert "magnetic_force" not in shared
+    never_alone(monkeypatch)
+    study = run_study(asked, 1)
+    assert study.counts.walked == 7
+    assert sorted(closed) == pytest.approx(
+        0.6e-3 + 0.04e-3 * np.array([-1.0, -(0.5**0.5), 0.0, 0.5**0.5, 1.0])
+    )
+    for point, _, answer in study.rows:
+        scene, _ = load_scene("reluctance", [*SETS, f"rod.radius={point['rod.radius']!r} m"])
+        device, found = scene.device, {q.name: q for q in answer.quantities}
+        for name, gap in (
+            ("pull_in_current", device.gap), ("holding_current", device.spring.stop_gap),
+        ):  # fmt: skip
+            against = float(spring_force(device, gap))
+            exact = (gap + offset(device)) * np.sqrt(2.0 * against / 4e-6)
+            # half the force's bar, and what the last step of the secant was
+            assert abs(found[name].value - exact) <= found[name].uncertainty <= 1e-3 * exact
+        assert found["rod_position"].value < 0.1 * (device.spring.stop_gap - device.gap)
+    (after,) = study_outlook(asked)
+    assert (after.kept, after.walks) == (7, ())
+    more = stated("rod.radius=0.56mm:0.64mm:13", quantities=STROKE)
+    (wider,) = study_outlook(more)
+    assert (wider.kept, wider.walks[0].points) == (7, 6)
+    assert wider.walks[0].seconds in recorded().values()
+
+
+def test_the_maps_bar_holds_what_lies_between_those_solved(closed):
+    """A table of few maps misses more, and says how much more."""
+    scene, _ = load_scene("reluctance", SETS)
+    errors = []
+    for half in (0.02e-3, 0.06e-3):
+        ranges = {"rod.radius": (0.58e-3 - half, 0.58e-3 + half)}
+        walk.prepare_walk(scene, ranges, STROKE, 9)
+        maps = walk.begin_walk(scene, ranges, STROKE, 9).maps
+        there = with_values(scene, {"rod.radius": 0.58e-3 + 0.4 * half})
+        found = maps.at({"rod.radius": there.rod.radius}, "")
+        for current, gap in ((0.05, 0.03e-3), (0.13, 0.15e-3)):
+            exact = closed_form(there.device, current, gap)
+            off = abs(float(found.force(current, gap)) / exact.force - 1.0)
+            assert off <= found.interpolation_error.force
+        errors.append(found.interpolation_error.force)
+    assert errors[1] > 1.5 * errors[0]
+
+
+def test_gap_current_and_spring_share_one_map_without_a_table(closed, monkeypatch):
+    asked = stated("gap=0.18mm:0.2mm:3", "spring.stiffness=90N/m,110N/m", quantities=STROKE)
+    (before,) = study_outlook(asked)
+    assert "the samples of a co-energy map" in before.sentences[-1]
+    never_alone(monkeypatch)
+    assert run_study(asked, 1).counts.walked == 6
+    assert len(closed) == 1
+    (later,) = study_outlook(stated("gap=0.18mm:0.2mm:4", quantities=STROKE))
+    assert later.sentences[-1].endswith("it is kept")
+
+
+@pytest.fixture
+def coarse(own_store, monkeypatch):
+    for module in (field, walk):
+        monkeypatch.setattr(module, "REFINEMENTS", ((0.0, 0.5),))
+
+
+def test_two_dimensions_are_walked_as_solved_alone(coarse, monkeypatch):
+    """Four points of rod and gap, by which no table would pay."""
+    asked = stated("rod.radius=0.6mm,0.62mm", "gap=0.19mm,0.2mm")
+    with monkeypatch.context() as alone:
+        never_alone(alone)
+        rows = list(run_study(asked, 1).rows)
+    assert len(rows) == 4
+    for point, _, answer in rows[1::2]:
+        there = [f"{key}={value!r} m" for key, value in point.items()]
+        scene, _ = load_scene("reluctance", [*SETS, *there])
+        (single,) = solve(scene, ("axisymmetric",), ("magnetic_force",)).quantities
+        (walked,) = answer.quantities
+        assert (walked.unit, walked.uncertainty_method) == (single.unit, single.uncertainty_method)
+        assert abs(walked.value - single.value) <= walked.uncertainty + single.uncertainty
+        assert walked.uncertainty <= 2.0 * single.uncertainty
+    assert run_study(asked, 1).counts.recalled == 4
+
+
+def test_what_a_walk_cannot_solve_is_asked_alone(coarse, monkeypatch):
+    def refuses(*_):
+        raise SolverError("the field did not settle")
+
+    monkeypatch.setattr(FieldWalk, "at", refuses)
+    study = run_study(stated("gap=0.19mm,0.2mm"), 1)
+    assert [answer.status for _, _, answer in study.rows] == ["ok", "ok"]
+    assert (study.counts.computed, study.counts.walked) == (2, 0)
+
+
+@pytest.mark.parametrize(
+    ("key", "own"),
+    [("rod.radius", True), ("spring.stiffness", True), ("load.normal_force", True),
+     ("accuracy", False), ("rod.density", False), ("steel.curve", False)],
+)  # fmt: skip
+def test_numbers_that_the_model_reads_vary_within_a_walk(key, own):
+    scene, _ = load_scene("reluctance", SETS)
+    assert walk.is_walk_key(scene, key) is own
+    assert find_families("axisymmetric", [scene] * 33, ("magnetic_force",)) == []
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("seed", range(10))
+def test_bars_of_a_walk_hold_a_better_field(seed):
+    """Two sizes, gap and current by chance, walked in any order."""
+    rng = np.random.default_rng(seed)
+    scene, _ = load_scene("reluctance", ["models=axisymmetric", "accuracy=1e-3"])
+    keys = rng.choice(["rod.radius", "rod.head_thickness", "coil.turns", "sleeve.length"], 2, False)
+    ranges = {
+        key: (float(value_of(scene, key)) * 0.95, float(value_of(scene, key))) for key in keys
+    }
+    ranges |= {"gap": (0.1e-3, 0.2e-3), "coil.current": (0.03, 0.2)}
+    found = walk.begin_walk(scene, ranges, ("magnetic_force", "flux_linkage"), 5)
+    for _ in range(5):
+        there = with_values(scene, {key: rng.uniform(*ends) for key, ends in ranges.items()})
+        given, _ = found.solved(there)
+        current, gap = there.coil.current, there.gap
+        point = solve_point(there.device, current, gap, order=5, refinement=2.5)
+        for quantity, name in zip(given, ("force", "flux_linkage"), strict=True):
+            off = abs(float(quantity.value) - getattr(point, name))
+            assert off <= float(quantity.uncertainty) + getattr(point.errors, name)
