@@ -45,8 +45,8 @@ def test_every_path_named_exists():
 #: Files with a class whose instances gather something as they go; all others hold frozen values.
 GATHERERS = {
     "geometry/store/sources.py", "geometry/store/store.py", "validation/engine/stages.py",
-    "fem/bimorph/reduction/parametric/family.py", "validation/export/animated_gltf.py",
-    "validation/studies/whatif/search/search.py", "validation/view/page/shown.py",
+    "fem/bimorph/reduction/parametric/builder.py", "validation/export/animated_gltf.py",
+    "validation/studies/whatif/search/points.py", "validation/view/page/shown.py",
     "validation/bench/bimorph/peers/job.py",
 }  # fmt: skip
 

@@ -12,7 +12,7 @@ from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import solid_family
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.whatif import answers
-from tactgen.validation.studies.whatif.search.search import Range
+from tactgen.validation.studies.whatif.search.ranges import Range
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),

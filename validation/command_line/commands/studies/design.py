@@ -90,13 +90,9 @@ def _search(options: argparse.Namespace) -> int:
     from tactgen.validation.studies.whatif.aim.best import parse_aims
     from tactgen.validation.studies.whatif.asked.choice import chosen
     from tactgen.validation.studies.whatif.asked.statement import Statement
-    from tactgen.validation.studies.whatif.search.search import (
-        as_values,
-        ranges_of,
-        search,
-        sentences,
-        with_aims,
-    )
+    from tactgen.validation.studies.whatif.search.found import as_values, sentences
+    from tactgen.validation.studies.whatif.search.ranges import ranges_of
+    from tactgen.validation.studies.whatif.search.search import search, with_aims
 
     for option in ("margin", "band", "lengths", "plot"):
         if getattr(options, option):
