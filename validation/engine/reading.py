@@ -80,10 +80,15 @@ def _read(row: QuantityRow, model: Model, ends: Ends) -> Judged:
             return _at_ports(row.read, model, answers[0], ends)
 
 
-def _judge(refined: Refined[Any], of: Callable[[Any], Any], rounding: Any) -> Judged:
-    """Apply `of` to the fine and the coarser results; the bars add."""
+def _judge(
+    refined: Refined[Any],
+    of: Callable[[Any], Any],
+    rounding: Any,
+    size: Callable[[Array], Array] = np.abs,
+) -> Judged:
+    """Apply `of` to the fine and the coarser results; the bars add, rounding being of `size`."""
     value = np.asarray(of(refined.fine))
-    bar = np.abs(value) * (rounding + refined.rounding)
+    bar = size(value) * (rounding + refined.rounding)
     for coarser, factor in refined.coarser:
         bar = bar + factor * np.abs(value - np.asarray(of(coarser)))
     return Judged(value, np.asarray(bar, dtype=float), refined.method)
@@ -105,13 +110,21 @@ def _at_ports(
         return in_series(port) if scene.bimorph.wiring == "series" else port
 
     if isinstance(readout, PortMatrix):
-        return _judge(refined, lambda port: wired(port).stiffness, rounding[:, None, None])
+        return _judge(
+            refined, lambda port: wired(port).stiffness, rounding[:, None, None], _balanced_size
+        )
 
     def of(port: Multiport) -> Array:
         found = readout.read(attach(wired(port), ends), scene.drive.voltage)
         return np.asarray(found[0].real) if static else found
 
     return _judge(refined, of, rounding[0] if static else rounding)
+
+
+def _balanced_size(matrix: Array) -> Array:
+    """Return √|D_ii D_jj| (n, p, p), so that entries that should be 0 have a bar too."""
+    own = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)))
+    return np.asarray(np.maximum(np.abs(matrix), own[:, :, None] * own[:, None, :]))
 
 
 def _of_tip(readout: Readout, scene: Scene, refined: Refined[Response]) -> Judged:
