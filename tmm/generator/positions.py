@@ -24,6 +24,9 @@ _BETWEEN, _AT_STOP, _REACH = 401, 97, 12.0
 #: force and the contact's reference load.
 _TOUCHES = 0.01
 
+#: How far a place is looked for, of the way that its forces and their slope tell.
+_FURTHER = np.array([1.0 + 1e-6, 2.0, 5.0])
+
 History = Literal["rising", "falling"]
 Kind = Literal["upper stop", "lower stop", "floating", "unstable"]
 
@@ -182,6 +185,25 @@ def resting_place(forces: AxialForces, current: float, history: History) -> Rest
     """
     stable = [place for place in resting_places(forces, current) if place.stable]
     return stable[0] if history == "rising" else stable[-1]
+
+
+def settled_place(forces: AxialForces, current: float, near: RestingPlace) -> RestingPlace | None:
+    """Return what a place by almost the same forces becomes; None if there is none close to it.
+
+    Close is within five times the way that what is missing there and its slope tell.
+    """
+    miss = float(forces.total(current, near.lift))
+    if miss == 0.0:
+        return _place(forces, current, near.lift)
+    slope = float(forces.stiffness(current, near.lift))
+    if not slope > 0.0:
+        return None
+    way = miss / slope
+    for reach in _FURTHER * way:
+        if float(forces.total(current, near.lift + reach)) * miss <= 0.0:
+            low, high = sorted((near.lift, near.lift + float(reach)))
+            return _place(forces, current, _root(forces, current, low, high))
+    return None
 
 
 @dataclass(frozen=True)

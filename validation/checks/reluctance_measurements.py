@@ -28,7 +28,7 @@ from tactgen.validation.checks.cases.magnetics import (
 )
 from tactgen.validation.checks.cases.magnetics.long_conductors import conductors
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential, ball_error
-from tactgen.validation.models.generator.small_signal import rod_about
+from tactgen.validation.models.generator.small_signal import rod_of
 from tactgen.validation.scene.scene import load_scene
 
 #: Currents (A) and gaps (m) of the device at which force and flux linkage are compared: the
@@ -251,7 +251,7 @@ Number = Literal["rocking stiffness", "pull per current", "inductance"]
 def _rod(model: str, history: str) -> Linearised:
     held = ("coil.current=50mA", f"coil.history={history}", f"models=tmm,{model}")
     scene, _ = load_scene("generator", held)
-    return rod_about(scene, scene.pull)
+    return rod_of(scene, scene.pull)
 
 
 def _number(rod: Linearised, name: Number) -> float:

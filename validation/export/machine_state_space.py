@@ -9,7 +9,7 @@ import numpy as np
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
 from tactgen.tmm.generator.transient.state_space import MachineStateSpace, machine_state_space
-from tactgen.validation.models.generator.small_signal import rod_about
+from tactgen.validation.models.generator.small_signal import rod_of
 from tactgen.validation.models.generator.transient import scene_modes
 from tactgen.validation.scene.scene import Scene
 
@@ -44,7 +44,7 @@ def scene_state_space(scene: Scene) -> MachineStateSpace:
         If the rod rests nowhere.
     """
     check_machine(scene)
-    rod = rod_about(scene, scene.pull)
+    rod = rod_of(scene, scene.pull)
     return machine_state_space(rod, scene_modes(scene), supply=scene.coil.supply)
 
 

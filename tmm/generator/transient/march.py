@@ -3,7 +3,7 @@
 The first pass chooses the steps: the distance from a predictor of second order says how much a
 step errs; steps are halved where that is too much (impacts) and doubled where it is little.
 Another goes over the same steps in pairs, the last in halves: it is the result, and the distances
-between the three give its error bar (tmm.generator.transient.bars).  If that exceeds what was
+between the three give its error bar (tmm.generator.observed_order).  If that exceeds what was
 asked, all are repeated with shorter steps; unless it has grown as large as the motion: then the
 answer says up to which time it is certain.
 """
@@ -20,8 +20,9 @@ import numpy as np
 
 from tactgen.geometry.arrays import Bools, Floats
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient.bars import Piece, error_bar, paired, spread
+from tactgen.tmm.generator.observed_order import error_bar
 from tactgen.tmm.generator.transient.newton import StepTooLongError
+from tactgen.tmm.generator.transient.pairs import Piece, paired, spread
 from tactgen.tmm.generator.transient.record import Record, Run
 from tactgen.tmm.generator.transient.step import Flow, State, Stepper
 from tactgen.tmm.generator.transient.system import System
@@ -38,6 +39,9 @@ _PER_LAG = 0.02
 _PREDICTOR = 6.0
 #: A step is doubled where its error is below this share of the tolerance: an eighth, with margin.
 _EASY = 0.06
+#: Safety factor of the bars: with 1.25, 8 of 200 outputs of random runs with contact lay outside,
+#: all but two of them by less than a fifth.
+_SAFETY = 1.5
 #: Local tolerance of the first round over the accuracy asked for.
 _LOCAL = 0.01
 #: Rounds of all passes, the share of the accuracy that the next round aims at, and the most by
@@ -215,7 +219,7 @@ class _Passes:
         first, middle, last = (of(run) for run in (self.coarsest, self.coarse, self.fine))
         larger = np.maximum.accumulate(np.abs(middle[self.of_coarse] - first[self.ends]))
         smaller = np.maximum.accumulate(np.abs(last[self.of_fine] - middle))
-        bar = error_bar(spread(larger, self.of_coarse), smaller)
+        bar = error_bar(spread(larger, self.of_coarse), smaller, _SAFETY)
         return spread(np.maximum.accumulate(bar), self.of_fine)
 
 

@@ -35,7 +35,7 @@ PARTS: dict[str, tuple[str, str, int, str]] = {
     ),
     "generator": (
         f"{_HERE}.machine", "judge_motions", 30,
-        "small motions of the machine against those on a network four times as fine",
+        "small motions of the machine against those by a network four times as fine",
     ),
     "time": (f"{_HERE}.in_time", "judge", 30, "runs in time against runs ten times finer"),
 }  # fmt: skip

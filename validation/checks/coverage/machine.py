@@ -8,23 +8,31 @@ from dataclasses import replace
 import numpy as np
 
 from tactgen.tmm.generator.network_pull import network_pull
+from tactgen.tmm.generator.positions import axial_forces, resting_place
+from tactgen.tmm.generator.small_signal import Linearised
 from tactgen.tmm.reluctance.circuit import CELLS
+from tactgen.tmm.reluctance.direct_pull import DirectPull
 from tactgen.tmm.reluctance.map_range import map_grid
+from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import between_stops, spring_force
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout
-from tactgen.validation.checks.coverage.exact_pull import ExactPull
 from tactgen.validation.checks.coverage.result import Judged
 from tactgen.validation.checks.coverage.scenes import accepted, between
-from tactgen.validation.engine.model import Refined, make_model
+from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.stages import Stages
-from tactgen.validation.models.generator.small_signal import SmallSignal, rod_about
+from tactgen.validation.models.generator.small_signal import (
+    JudgedRod,
+    SmallSignal,
+    rod_by_network,
+)
 from tactgen.validation.scene.scene import Scene, load_scene
 
-#: How many times as many cells the references' ladder has.
-_FINER = 4
+#: How many times as many cells as the map's the references' ladders have: of switching currents,
+#: and of small motions, which are solved with twice as many.
+_FINER, _FINEST = 4, 8
 _MOTIONS = (
     "lateral_tip_per_voltage", "axial_tip_per_current", "axial_tip_per_coil_voltage",
     "coil_impedance",
@@ -40,11 +48,11 @@ def judge_map(rng: np.random.Generator) -> list[Judged]:
     Relative to a tenth of the largest at that gap, where less: so the map states them.
     """
     scene, where = _fitting(rng, lambda scene: network_pull(scene.device))
-    surface, exact = network_pull(scene.device), ExactPull(scene.device, CELLS)
+    surface = network_pull(scene.device)
     most = surface.current_limit
     currents = np.append(rng.uniform(0.0, most, _POINTS), most)
     gaps = rng.uniform(*surface.gap_limits, _POINTS)
-    right, found = exact.samples(np.sort(currents), gaps), []
+    right, found = network_samples(scene.device, np.sort(currents), gaps), []
     for name in ("flux_linkage", "force"):
         known = getattr(right, name)
         off = np.abs(getattr(surface, name)(right.current[:, None], gaps) - known)
@@ -76,7 +84,7 @@ def judge_motions(rng: np.random.Generator) -> list[Judged]:
     model = make_model("tmm", scene, Stages(make_plan(scene, ("tmm",), _MOTIONS).keys))
     found = []
     judged = model.answer("small_signal")
-    exact = Refined(rod_about(scene, ExactPull(scene.device, _FINER * CELLS)), (), "")
+    exact = JudgedRod(_finer_rod(scene))
     right: SmallSignal = replace(judged, linear=exact)
     for name in _MOTIONS:
         read = QUANTITIES[name].read
@@ -86,6 +94,14 @@ def judge_motions(rng: np.random.Generator) -> list[Judged]:
         pairs = zip(np.abs(answer.value - known.value) / size, answer.bar / size, strict=True)
         found += [Judged(where, name, float(error), float(bar)) for error, bar in pairs]
     return found
+
+
+def _finer_rod(scene: Scene) -> Linearised:
+    """Return the rod by a network finer than any that judges it, without a map anywhere."""
+    coarse = DirectPull(scene.device, CELLS, scene.pull.gap_limits)
+    forces = axial_forces(scene.device, coarse, scene.load.normal_force)
+    place = resting_place(forces, abs(scene.coil.current), scene.coil.history)
+    return rod_by_network(scene, scene.pull, place, _FINEST * CELLS)
 
 
 def _fitting(rng: np.random.Generator, tried: Callable[[Scene], object]) -> tuple[Scene, str]:
@@ -120,8 +136,8 @@ def _balances(scene: Scene) -> dict[str, float]:
     """Return the switching currents (A) by a finer network; nan where no current balances."""
     from scipy.optimize import minimize_scalar
 
-    exact = ExactPull(scene.device, _FINER * CELLS)
-    currents = map_grid(scene.device)[0]
+    currents, around = map_grid(scene.device)
+    exact = DirectPull(scene.device, _FINER * CELLS, (around[0], around[-1]))
 
     def balance(gap: float) -> float:
         return _balance(exact, currents, gap)
@@ -143,12 +159,12 @@ def _balances(scene: Scene) -> dict[str, float]:
     return found if np.isfinite(needed).all() else dict.fromkeys(found, np.nan)
 
 
-def _balance(exact: ExactPull, currents: np.ndarray, gap: float) -> float:
+def _balance(exact: DirectPull, currents: np.ndarray, gap: float) -> float:
     """Return the least current (A) whose pull balances the spring at a gap (m); nan for none."""
     from scipy.optimize import brentq
 
     against = float(spring_force(exact.device, gap))
-    over = exact.samples(currents, np.array([gap])).force[:, 0] >= against
+    over = exact.force(currents, gap) >= against
     if not over.any() or over[0]:
         return np.nan
     first = int(np.argmax(over))

@@ -89,9 +89,13 @@ def _port(scene: Scene, frequencies: Floats) -> Multiport:
 
 
 def _of_machine(scene: Scene, port: Multiport, read: AnswerReadout) -> Complex:
-    from tactgen.validation.models.generator.small_signal import SmallSignal, rod_about
+    from tactgen.validation.models.generator.small_signal import (
+        JudgedRod,
+        SmallSignal,
+        rod_of,
+    )
 
-    rod = Refined(rod_about(scene, scene.pull), (), "")
+    rod = JudgedRod(rod_of(scene, scene.pull))
     value: Complex = read.of(SmallSignal(scene, Refined(port, (), ""), rod)).value
     return value
 

@@ -14,6 +14,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.reluctance.circuit import CELLS
+from tactgen.tmm.reluctance.direct_pull import DirectPull
 from tactgen.validation.checks.coverage import (
     PARTS,
     axisymmetric,
@@ -26,7 +27,6 @@ from tactgen.validation.checks.coverage import (
     solid,
     taper,
 )
-from tactgen.validation.checks.coverage.exact_pull import ExactPull
 from tactgen.validation.checks.coverage.result import (
     MULTIPLES,
     Judged,
@@ -89,7 +89,8 @@ def test_bars_of_beams_hold_on_fresh_devices():
 
 def test_the_networks_own_pull_is_the_maps():
     """Arrays of any shape, slopes with the map's signs, as far as the steel's corners let them."""
-    surface, exact = network_pull(Device()), ExactPull(Device(), CELLS)
+    surface = network_pull(Device())
+    exact = DirectPull(Device(), CELLS, surface.gap_limits)
     current, gap = np.array([[0.05], [0.12]]), np.array([0.1e-3, 0.2e-3, 0.24e-3])
     for name in ("force", "incremental_inductance", "force_gradient", "motional_coefficient"):
         by_map, found = (getattr(pull, name)(current, gap) for pull in (surface, exact))
