@@ -204,8 +204,8 @@ _MACHINE: tuple[tuple[m.Number, str, str, float], ...] = (
       "leaves more than that"), 0.065),
     ("pull per current", "rising", "", 0.0),
     ("pull per current", "falling",
-     ("a mixed derivative of each map where it is steepest: the bars of both, which the report "
-      "shows, are as wide as the difference"), 0.093),
+     ("a mixed derivative of the field's map where it is steepest: its bar, which the report "
+      "shows, is twice as wide as the difference"), 0.054),
     ("inductance", "rising", _NO_LEAKAGE, -0.150),
     ("inductance", "falling", "", 0.0),
 )  # fmt: skip
