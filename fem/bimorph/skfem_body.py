@@ -154,6 +154,7 @@ class SkfemBody:
             motion=motion,
             related=None if motion == "all" else self.system,
             elimination=self._elimination(unknowns),
+            translation=unknowns.translation(np.ones(len(nodal))),
         )
 
     def _elimination(self, unknowns: Unknowns) -> Ints | None:

@@ -7,13 +7,16 @@ Motions are even or odd at each plane; what is odd vanishes there.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
-from scipy import sparse
 
 from tactgen.fem.bimorph.bordered import Bordered
 from tactgen.fem.bimorph.motions import Motion
-from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
+from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
+
+#: Matrices along x, y and z.
+Lines: TypeAlias = tuple[Floats, Floats, Floats]
 
 #: Signs of (u_x, u_y, u_z, φ) under the reflections at x = 0 and at y = 0.
 SIGNS: dict[Motion, tuple[tuple[int, ...], tuple[int, ...]]] = {
@@ -26,7 +29,7 @@ SIGNS: dict[Motion, tuple[tuple[int, ...], tuple[int, ...]]] = {
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Which of the (n, 4) values at the nodes are unknowns, and which the ports prescribe.
+    """Which of the (n, 4) values, at nodes or of functions, are unknowns, and what ports prescribe.
 
     `ports` (4 n, 3) gives the values, in the units of the unknowns, per unit of w_base,
     ψ_base and U.
@@ -51,8 +54,14 @@ class Unknowns:
         """Return functionals (4 n, k) of all values as those (n_free + 3, k) of the unknowns."""
         return np.vstack([functionals[self.index], self.ports.T @ functionals])
 
-    def expansion(self, source: Ints, sign: Floats) -> Sparse:
-        """Return all of (u_x, u_y, u_z, φ), component by component, from the unknowns.
+    def translation(self, one: Floats) -> Floats:
+        """Return a unit translation along x (n_free + 3,), `one` (n,) being 1 in the functions."""
+        moved = np.zeros((one.size, 4))
+        moved[:, 0] = one
+        return np.concatenate([moved.ravel()[self.index], [1.0, 0.0, 0.0]])
+
+    def expansion(self, source: Ints, sign: Floats, lines: Lines | None = None) -> Expansion:
+        """Return how (u_x, u_y, u_z, φ) at the nodes of the whole body follow from the unknowns.
 
         Parameters
         ----------
@@ -60,16 +69,34 @@ class Unknowns:
             The node that each node of the whole body is or mirrors.
         sign : (n_whole, 4) array
             Factor of each value there.
+        lines : tuple of (nodes, functions) array, optional
+            Values of functions along x, y, z at the nodes, where these are not nodal values.
         """
-        n, free = source.size, self.index
-        values = sparse.csr_matrix(
-            (sign.T.ravel(), (np.arange(4 * n), (4 * source + np.arange(4)[:, None]).ravel())),
-            shape=(4 * n, self.free.size),
-        )
-        pick = sparse.csr_matrix(
-            (np.ones(free.size), (free, np.arange(free.size))), shape=(self.free.size, free.size)
-        )
-        return (values @ sparse.hstack([pick, sparse.csr_matrix(self.ports)])).tocsr()
+        return Expansion(self, source, sign, lines)
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """Values at the nodes of the whole body from unknowns, by :meth:`Unknowns.expansion`."""
+
+    unknowns: Unknowns
+    source: Ints
+    sign: Floats
+    lines: Lines | None
+
+    def __matmul__(self, y: Numbers) -> Numbers:
+        """Return (u_x, u_y, u_z, φ) by component, (4 n_whole, …), of unknowns y (n_free + 3, …)."""
+        columns = y.reshape(y.shape[0], -1)
+        free = self.unknowns.index.size
+        values = self.unknowns.ports @ columns[free:]
+        values[self.unknowns.index] += columns[:free]
+        if self.lines is not None:
+            shape = tuple(line.shape[1] for line in self.lines)
+            values = values.reshape(*shape, -1)
+            for axis, line in enumerate(self.lines):
+                values = np.moveaxis(np.tensordot(line, values, axes=(1, axis)), 0, axis)
+        at_nodes = values.reshape(-1, 4, columns.shape[1])[self.source] * self.sign[:, :, None]
+        return np.asarray(at_nodes.transpose(1, 0, 2).reshape(-1, *y.shape[1:]))
 
 
 def mirror_signs(motion: Motion, turned: Bools) -> Floats:

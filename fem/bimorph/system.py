@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -31,6 +32,14 @@ VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 _FACTOR = "_held_factor"
 
 
+class Expanding(Protocol):
+    """What gives all values at nodes by its product with unknowns."""
+
+    def __matmul__(self, y: Numbers, /) -> Numbers:
+        """Return the values (4 n_nodes, …) of unknowns (n, …)."""
+        ...
+
+
 @dataclass(frozen=True)
 class SolidSystem:
     """Assembled solid over y = [free displacements and potentials, w_base, ψ_base, U].
@@ -43,8 +52,9 @@ class SolidSystem:
         Zero in the rows of potentials.
     tip : (n, 2) array
         Columns give tip displacement and tip rotation from y, and port forces to y.
-    expand : (4 * n_nodes, n) sparse
-        All of (u_x, u_y, u_z, φ) at the nodes from y, in metres and volts.
+    expand : Expanding
+        ``expand @ y`` are (u_x, u_y, u_z, φ) at the nodes (4 * n_nodes, …), component by
+        component, in metres and volts.
     nodes : (n_nodes, 3) array
         Where the nodes are (m).
     node_mass : (n_nodes,) array
@@ -62,8 +72,10 @@ class SolidSystem:
         Gives the same body with losses where that is less work than to assemble it anew.
     elimination : (n - 3,) int array, optional
         A good order in which to eliminate all but the last three unknowns.
+    translation : (n,) array, optional
+        The body moved along x by 1, as far as its motions let it.
     rounding : float, optional
-        The spurious stiffness where unknowns are not values at nodes.
+        The spurious stiffness where no translation is given.
     behind : int
         Values at the nodes of the parts that it was reduced from, which another class of motion
         may first have to factorise; 0 of a body that was not reduced.
@@ -72,7 +84,7 @@ class SolidSystem:
     stiffness: Bordered
     mass: Bordered
     tip: Floats
-    expand: Sparse
+    expand: Expanding
     nodes: Floats
     node_mass: Floats
     potentials: int
@@ -81,6 +93,7 @@ class SolidSystem:
     related: Callable[[Motion], SolidSystem] | None = None
     with_losses: Callable[[], SolidSystem] | None = None
     elimination: Ints | None = None
+    translation: Floats | None = None
     rounding: float | None = None
     behind: int = 0
 
@@ -113,9 +126,8 @@ class SolidSystem:
         """
         if self.rounding is not None:
             return self.rounding
-        n = self.nodes.shape[0]
-        moved = (np.abs(self.expand[:n]).sum(axis=0) > 0.0).astype(np.longdouble)
-        moved = np.asarray(moved).ravel()
+        assert self.translation is not None
+        moved = self.translation.astype(np.longdouble)
         forces = self.stiffness.wide_product(moved)
         return float(np.abs(forces.real[moved == 1.0]).sum())
 
@@ -124,7 +136,8 @@ class SolidSystem:
 
         Of y the first m are given, the others are zero.
         """
-        nodal = self.expand[:, : columns.shape[0]] @ columns
+        others = np.zeros((self.size - columns.shape[0], columns.shape[1]))
+        nodal = self.expand @ np.vstack([columns, others])
         return np.asarray(nodal.reshape(4, -1, columns.shape[1])[:3].transpose(1, 0, 2))
 
     @property

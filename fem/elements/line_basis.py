@@ -1,4 +1,4 @@
-"""One axis of a tensor grid: Lagrange polynomials on Gauss–Lobatto nodes and their matrices.
+"""One axis of a tensor grid: its polynomials, of nodes or in a hierarchy, and their matrices.
 
 On boxes all integrals of the solid are products of integrals along the axes, which the
 Gauss rule of degree + 1 points gives exactly.
@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import legendre
 
-from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.arrays import Bools, Floats, Ints
 from tactgen.geometry.bimorph.bricks import Axis, lobatto_points
 
 
@@ -34,8 +34,10 @@ class LineMatrices:
 
 
 @cache
-def gauss_values(degree: int) -> tuple[Floats, Floats]:
+def gauss_values(degree: int, *, hierarchic: bool = False) -> tuple[Floats, Floats]:
     """Return the polynomials and their slopes at the degree + 1 Gauss points of [−1, 1].
+
+    In a hierarchy the bubbles are integrals of Legendre's polynomials, of unit ∫ N'².
 
     Returns
     -------
@@ -44,17 +46,42 @@ def gauss_values(degree: int) -> tuple[Floats, Floats]:
         Values, then slopes.
     """
     points, weights = legendre.leggauss(degree + 1)
-    to_coefficients = np.linalg.inv(legendre.legvander(lobatto_points(degree), degree))
+    to_coefficients = _legendre_coefficients(degree, hierarchic=hierarchic)
     values = legendre.legvander(points, degree) @ to_coefficients
     slopes = np.array([legendre.legval(points, legendre.legder(c)) for c in to_coefficients.T]).T
     return weights, np.stack([values, slopes])
 
 
 @cache
-def _reference(degree: int) -> Floats:
+def _legendre_coefficients(degree: int, *, hierarchic: bool) -> Floats:
+    """Return each polynomial (column) in those of Legendre."""
+    if not hierarchic:
+        return np.asarray(np.linalg.inv(legendre.legvander(lobatto_points(degree), degree)))
+    found = np.zeros((degree + 1, degree + 1))
+    found[:2, 0], found[:2, -1] = (0.5, -0.5), (0.5, 0.5)
+    for k in range(2, degree + 1):
+        found[[k - 2, k], k - 1] = np.array([-1.0, 1.0]) / np.sqrt(2.0 * (2.0 * k - 1.0))
+    return found
+
+
+@cache
+def _reference(degree: int, *, hierarchic: bool) -> Floats:
     """Return ∫ ∂^a N_i ∂^b N_j over [−1, 1], (2, 2, degree + 1, degree + 1)."""
-    weights, both = gauss_values(degree)
+    weights, both = gauss_values(degree, hierarchic=hierarchic)
     return np.asarray(np.einsum("aqi,q,bqj->abij", both, weights, both))
+
+
+def nodal_values(axis: Axis) -> Floats:
+    """Return the values (nodes, functions) of an axis' functions at its nodes."""
+    if not axis.hierarchic:
+        return np.eye(axis.nodes.size)
+    p = axis.degree
+    local = legendre.legvander(lobatto_points(p), p) @ _legendre_coefficients(p, hierarchic=True)
+    values = np.zeros((axis.nodes.size, axis.nodes.size))
+    for interval in range(axis.intervals):
+        at = axis.nodes_of(interval, interval + 1)
+        values[at, at] = local
+    return values
 
 
 def line_matrices(axis: Axis, first: int = 0, last: int | None = None) -> LineMatrices:
@@ -68,20 +95,20 @@ def line_matrices(axis: Axis, first: int = 0, last: int | None = None) -> LineMa
     for interval in range(axis.intervals):
         at = interval * p + local
         pattern[np.ix_(at, at)] = True
-    reference = _reference(p)
+    reference = _reference(p, hierarchic=axis.hierarchic)
     for interval in chosen:
         nodes = interval * p + local
         for a in range(2):
             for b in range(2):
                 scaled = reference[a, b] * (0.5 * lengths[interval]) ** (1 - a - b)
                 full[a, b][np.ix_(nodes, nodes)] += scaled
-    full[1, 1] = _without_row_sums(full[1, 1])
+    full[1, 1] = _without_row_sums(full[1, 1], axis.one == 1.0)
     rows, columns = np.nonzero(pattern)
     return LineMatrices(rows, columns, full[:, :, rows, columns])
 
 
-def _without_row_sums(stiffness: Floats) -> Floats:
-    """Round ∫ N_i' N_j' so that its rows sum to exactly zero: a translation strains nothing.
+def _without_row_sums(stiffness: Floats, moved: Bools) -> Floats:
+    """Round ∫ N_i' N_j' so that the sum of those `moved` is exactly zero: a translation.
 
     Entries become multiples of one power of two, whose sums are exact.  In a slender body
     bending is what is left of stretches (L/h)⁴ times as stiff; row sums that are rounding
@@ -89,8 +116,11 @@ def _without_row_sums(stiffness: Floats) -> Floats:
     """
     unit = np.exp2(np.ceil(np.log2(np.abs(stiffness).max())) - 49.0)
     rounded = unit * np.round(stiffness / unit)
-    np.fill_diagonal(rounded, 0.0)
-    np.fill_diagonal(rounded, -rounded.sum(axis=1))
+    # a bubble's slope is orthogonal to those of hats
+    rounded[np.ix_(moved, ~moved)], rounded[np.ix_(~moved, moved)] = 0.0, 0.0
+    at = np.flatnonzero(moved)
+    rounded[at, at] = 0.0
+    rounded[at, at] = -rounded[at].sum(axis=1)
     return np.asarray(rounded)
 
 
@@ -99,8 +129,8 @@ def line_weights(axis: Axis, first: int = 0, last: int | None = None) -> tuple[F
     matrices = line_matrices(axis, first, last)
     mass = matrices.integrals[0, 0]
     n = axis.nodes.size
-    levered = mass * axis.nodes[matrices.columns]
-    return _row_sums(matrices.rows, mass, n), _row_sums(matrices.rows, levered, n)
+    plain, levered = (mass * of[matrices.columns] for of in (axis.one, axis.position))
+    return _row_sums(matrices.rows, plain, n), _row_sums(matrices.rows, levered, n)
 
 
 def _row_sums(rows: Ints, values: Floats, n: int) -> Floats:

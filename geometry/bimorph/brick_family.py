@@ -7,7 +7,7 @@ long ones of high degree carry the smooth rest.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -58,6 +58,9 @@ class BrickMeshing:
         of a stout bimorph, and what is far from the ends of a slender one, vary with it.
     growth : float
         Ratio of neighbouring lengths along z.
+    richness : float, optional
+        Polynomials in a hierarchy, of which these products are there
+        (:class:`geometry.bimorph.bricks.Bricks`); without it those of nodes, all products.
     """
 
     degree: tuple[int, int, int]
@@ -69,19 +72,26 @@ class BrickMeshing:
     longest: float = 6.0
     pieces: tuple[float, float] = (6.0, 10.0)
     growth: float = 6.0
+    richness: float | None = None
 
 
 #: A family of divisions for refinement studies; from one to the next errors fall by two to
-#: four (about 2, 5, 13, 27 and 52 thousand unknowns for a plain bimorph).  What is coarse in
+#: four (about 1.4, 3, 8, 14 and 27 thousand unknowns for a plain bimorph).  What is coarse in
 #: one must be finer in the next (degree or length, each axis, edges and ends), or their
 #: difference would not tell what is missing.
 LEVELS = (
-    BrickMeshing((2, 2, 3), side=0.4, smallest=0.4, tip=1.0, longest=8.0, pieces=(4.0, 10.0)),
-    BrickMeshing((3, 3, 4), side=0.65, smallest=0.2, tip=1.0, pieces=(4.0, 10.0)),
-    BrickMeshing((3, 3, 4), (0.35, 0.65), 2, 0.25, 0.07, tip=0.5, pieces=(4.0, 10.0)),
-    BrickMeshing((4, 4, 4), (0.15, 0.85), 2, 0.15, 0.03, longest=5.0, pieces=(5.0, 10.0)),
-    BrickMeshing((4, 4, 4), (0.15, 0.7, 0.15), 3, 0.1, 0.015, tip=0.1, longest=5.0, growth=5.0),
-)
+    BrickMeshing(
+        (3, 3, 3), side=0.4, smallest=0.4, tip=1.0, longest=8.0, pieces=(4.0, 10.0), richness=1.25
+    ),
+    BrickMeshing((4, 4, 4), side=0.65, smallest=0.2, tip=1.0, pieces=(4.0, 10.0), richness=1.25),
+    BrickMeshing(
+        (4, 4, 5), (0.35, 0.65), 2, 0.25, 0.07, tip=0.5, pieces=(4.0, 10.0), richness=1.25
+    ),
+    BrickMeshing((4, 4, 5), (0.15, 0.85), 3, 0.15, 0.03, longest=5.0, pieces=(5.0, 10.0),
+                 richness=1.5),
+    BrickMeshing((4, 4, 5), (0.15, 0.7, 0.15), 4, 0.1, 0.015, tip=0.1, longest=5.0, growth=5.0,
+                 richness=1.5),
+)  # fmt: skip
 
 
 def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers") -> Bricks:
@@ -110,9 +120,12 @@ def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers")
     slabs = [Slab("shim", (0, core), (0, n)), Slab("piezo", (first, x.size - 1), (ceramic, n))]
     if glue > 0.0:
         slabs.insert(1, Slab("glue", (core, first), (ceramic, n)))
-    along_x, along_y, along_z = meshing.degree
-    axes = (Axis(x, along_x), Axis(y, along_y), Axis(z, along_z))
-    return Bricks(*axes, slabs=tuple(slabs), electrode=electrode, held=held)
+    ax, ay, az = (
+        Axis(breaks, degree, hierarchic=meshing.richness is not None)
+        for breaks, degree in zip((x, y, z), meshing.degree, strict=True)
+    )
+    bricks = Bricks(ax, ay, az, slabs=tuple(slabs), electrode=electrode, held=held)
+    return bricks if meshing.richness is None else replace(bricks, richness=meshing.richness)
 
 
 def _grain(bimorph: Bimorph) -> float:

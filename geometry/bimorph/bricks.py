@@ -4,6 +4,11 @@ Bimorph, wiring and poling are symmetric about the planes x = 0 and y = 0, so a 
 (x ≥ 0, y ≥ 0) stands for the whole.  Each axis is divided into intervals; a brick is a
 product of three of them and carries polynomials of a degree of its own per axis, whose
 nodes are the Gauss–Lobatto points.
+
+Polynomials of an axis are those of its nodes (Lagrange), or in a hierarchy: hats at the break
+points, and bubbles of degree 2, 3, … within each interval.  Of a hierarchy the products of high
+degree along several axes can be left out, which add many unknowns and little accuracy (B. Szabó
+and I. Babuška, Finite Element Analysis, Wiley 1991, the trunk space).
 """
 
 from __future__ import annotations
@@ -23,6 +28,9 @@ __all__ = ["Axis", "Bricks", "Slab", "lobatto_points"]
 #: Which part of the lowest section is held: all layers, or the shim alone.
 Held = Literal["layers", "shim"]
 
+#: Sums of shares are equal within this.
+_ROUNDING = 1e-9
+
 
 @cache
 def lobatto_points(degree: int) -> Floats:
@@ -35,10 +43,15 @@ def lobatto_points(degree: int) -> Floats:
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis: ascending break points (m) and the degree of the polynomials between them."""
+    """One axis: ascending break points (m) and the degree of the polynomials between them.
+
+    Functions are numbered upwards, those of an interval between those of its ends; in a
+    hierarchy those of an interval by their degree.
+    """
 
     breaks: Floats
     degree: int
+    hierarchic: bool = False
 
     @property
     def intervals(self) -> int:
@@ -52,6 +65,22 @@ class Axis:
         inner = self.breaks[:-1, None] + np.diff(self.breaks)[:, None] * share
         inner[:, -1] = self.breaks[1:]
         return np.concatenate([self.breaks[:1], inner.ravel()])
+
+    @cached_property
+    def bubbles(self) -> Ints:
+        """Degree of each function (n,) that is zero at all break points; 0 of the others."""
+        place = np.arange(self.nodes.size) % self.degree
+        return np.where(place == 0, 0, place + 1)
+
+    @property
+    def one(self) -> Floats:
+        """The function 1 in those of the axis (n,)."""
+        return np.asarray((self.bubbles == 0) | (not self.hierarchic), dtype=float)
+
+    @property
+    def position(self) -> Floats:
+        """The position along the axis (m) in its functions (n,)."""
+        return self.one * self.nodes
 
     def nodes_of(self, first: int, last: int) -> slice:
         """Return where the nodes of the intervals first … last − 1 are."""
@@ -89,6 +118,9 @@ class Bricks:
         face is metallised all over.
     held : {"layers", "shim"}
         Part of the lowest section that is the base.
+    richness : float
+        Of hierarchic axes: products of functions are there whose degrees, each as a share of its
+        axis' degree, add up to no more.  1 is the trunk space, 3 has all products.
     """
 
     x: Axis
@@ -97,6 +129,7 @@ class Bricks:
     slabs: tuple[Slab, ...]
     electrode: tuple[int, int]
     held: Held = "layers"
+    richness: float = 3.0
 
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
@@ -144,6 +177,18 @@ class Bricks:
             for j in range(*across)
             if np.hypot(x[i], y[j]) < slab.radius
         ]
+
+    def products(self) -> Bools:
+        """Return a mask (nx, ny, nz) of the products of functions that are there."""
+        shares = [
+            a.bubbles / a.degree if a.hierarchic else np.zeros(a.nodes.size) for a in self.axes
+        ]
+        total = shares[0][:, None, None] + shares[1][:, None] + shares[2]
+        return np.asarray(total <= self.richness + _ROUNDING)
+
+    def one(self) -> Floats:
+        """Return the function 1 in the products of functions (nx, ny, nz)."""
+        return self.x.one[:, None, None] * self.y.one[:, None] * self.z.one
 
     def base(self) -> Bools:
         """Return a mask (nx, ny, nz) of the nodes of the base section."""

@@ -25,6 +25,17 @@ LENGTHS = ("length", "width", "tab_length", "bare_below", "bare_above")
 #: Those across the layers: the thinner, the more bricks everything else must have.
 THICKNESSES = ("piezo_thickness", "shim_thickness", "glue_thickness")
 
+#: Divisions like those of :data:`geometry.bimorph.brick_family.LEVELS`, about as accurate, with
+#: polynomials of nodes and all their products: the sums of a family are products along the axes
+#: (about 2, 5, 13, 27 and 52 thousand unknowns for a plain bimorph).
+LEVELS = (
+    BrickMeshing((2, 2, 3), side=0.4, smallest=0.4, tip=1.0, longest=8.0, pieces=(4.0, 10.0)),
+    BrickMeshing((3, 3, 4), side=0.65, smallest=0.2, tip=1.0, pieces=(4.0, 10.0)),
+    BrickMeshing((3, 3, 4), (0.35, 0.65), 2, 0.25, 0.07, tip=0.5, pieces=(4.0, 10.0)),
+    BrickMeshing((4, 4, 4), (0.15, 0.85), 2, 0.15, 0.03, longest=5.0, pieces=(5.0, 10.0)),
+    BrickMeshing((4, 4, 4), (0.15, 0.7, 0.15), 3, 0.1, 0.015, tip=0.1, longest=5.0, growth=5.0),
+)
+
 
 @dataclass(frozen=True)
 class Pieces:

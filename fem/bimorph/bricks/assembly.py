@@ -16,9 +16,9 @@ from tactgen.fem.bimorph.bricks.matrices import brick_matrices
 from tactgen.fem.bimorph.bricks.order import elimination_order
 from tactgen.fem.bimorph.bricks.stacked import stacked_matrices
 from tactgen.fem.bimorph.motions import Motion
-from tactgen.fem.bimorph.symmetry import SIGNS, Unknowns, lumped, mirror_signs
+from tactgen.fem.bimorph.symmetry import SIGNS, Expansion, Unknowns, lumped, mirror_signs
 from tactgen.fem.bimorph.system import Material, SolidSystem, materials, volts_per_unit
-from tactgen.fem.elements.line_basis import line_weights
+from tactgen.fem.elements.line_basis import line_matrices, line_weights, nodal_values
 from tactgen.geometry.arrays import Bools, Floats, Sparse
 from tactgen.geometry.bimorph.bricks import Bricks, mirrored_axis
 from tactgen.geometry.device.materials import Piezoceramic
@@ -51,7 +51,7 @@ def assemble_bricks(
     """
     known = materials(device, bricks.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
     unit = volts_per_unit(known)
-    quarter = _Quarter(bricks, unit, *quarter_matrices(bricks, known, unit), uniform_field)
+    quarter = _Quarter(bricks, known, unit, *quarter_matrices(bricks, known, unit), uniform_field)
     return quarter.system(motion)
 
 
@@ -59,9 +59,13 @@ def quarter_matrices(
     bricks: Bricks, known: dict[str, Material], unit: float
 ) -> tuple[Sparse, Sparse]:
     """Return stiffness and mass (4 n, 4 n) of the whole body by the values on its quarter."""
-    stepped = any(slab.y or np.isfinite(slab.radius) for slab in bricks.slabs)
-    make = stacked_matrices if stepped else brick_matrices
+    make = stacked_matrices if is_stepped(bricks) else brick_matrices
     return make(bricks, known, unit)
+
+
+def is_stepped(bricks: Bricks) -> bool:
+    """Return whether the cross-section changes along z, or is round."""
+    return any(slab.y or np.isfinite(slab.radius) for slab in bricks.slabs)
 
 
 def loss_matrix(bricks: Bricks, lost: dict[str, Material], unit: float) -> Sparse:
@@ -84,6 +88,7 @@ class _Quarter:
     """The quarter before it is held anywhere: what all classes of motion have in common."""
 
     bricks: Bricks
+    known: dict[str, Material]
     unit: float
     stiffness: Sparse
     mass: Sparse
@@ -93,7 +98,8 @@ class _Quarter:
         """Return the system of one class of motion, of the whole body."""
         bricks, unit, mass = self.bricks, self.unit, self.mass
         unknowns = quarter_unknowns(bricks, motion, unit, uniform_field=self.uniform_field)
-        nodes, expand, node_mass = whole_nodes(bricks, unknowns, motion, unit, lumped(mass))
+        nodal = lumped(mass) if is_stepped(bricks) else nodal_mass(bricks, self.known)
+        nodes, expand, node_mass = whole_nodes(bricks, unknowns, motion, unit, nodal)
         place = elimination_order(bricks)
         return SolidSystem(
             stiffness=unknowns.bordered(self.stiffness),
@@ -107,6 +113,7 @@ class _Quarter:
             motion=motion,
             related=self.system,
             elimination=np.argsort(4 * place[unknowns.index // 4] + unknowns.index % 4),
+            translation=unknowns.translation(bricks.one().ravel()),
         )
 
 
@@ -128,7 +135,7 @@ def quarter_unknowns(
     outer, inner = bricks.electrodes()
     field = piezo & ~outer & ~inner & (not uniform_field)
     used = bricks.used() & ~base
-    free = np.stack([used, used, used, field], axis=-1)
+    free = np.stack([used, used, used, field], axis=-1) & bricks.products()[..., None]
     at_x, at_y = SIGNS[motion]
     free[x == 0.0, :, :, :] &= np.array(at_x) > 0
     free[:, y == 0.0, :, :] &= np.array(at_y) > 0
@@ -140,6 +147,7 @@ def quarter_unknowns(
         if uniform_field:
             potential = _linear_potential(bricks, outer, inner, piezo)
         ports[..., 3, 2] = potential / unit
+        ports *= bricks.one()[..., None, None]
     return Unknowns(free.reshape(-1, 4), ports.reshape(-1, 3))
 
 
@@ -159,15 +167,16 @@ def tip_functionals(bricks: Bricks) -> Floats:
         plain, levered = plain + more[0], levered + more[1]
     across, _ = line_weights(bricks.y, *(bricks.tip_slabs()[0].y or ()))
     out = np.zeros((*bricks.shape, 4, 2))
-    out[:, :, -1, 0, 0] = np.outer(plain, across) / (plain.sum() * across.sum())
-    inertia = levered @ bricks.x.nodes
-    out[:, :, -1, 2, 1] = np.outer(levered, across) / (inertia * across.sum())
+    width = across @ bricks.y.one
+    out[:, :, -1, 0, 0] = np.outer(plain, across) / (plain @ bricks.x.one * width)
+    inertia = levered @ bricks.x.position
+    out[:, :, -1, 2, 1] = np.outer(levered, across) / (inertia * width)
     return out.reshape(-1, 2)
 
 
 def whole_nodes(
     bricks: Bricks, unknowns: Unknowns, motion: Motion, unit: float, nodal: Floats
-) -> tuple[Floats, Sparse, Floats]:
+) -> tuple[Floats, Expansion, Floats]:
     """Return nodes, expansion and nodal masses of the whole body, mirrored from the quarter.
 
     The nodes are the points of :meth:`geometry.bimorph.bricks.Bricks.node_mesh`, in its order.
@@ -182,4 +191,26 @@ def whole_nodes(
     sign = mirror_signs(motion, turned) * np.array([1.0, 1.0, 1.0, unit])
     nodes = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)[used]
     copies = np.bincount(source, minlength=unknowns.free.shape[0])
-    return nodes, unknowns.expansion(source, sign), nodal[source] / copies[source]
+    lines = None
+    if any(axis.hierarchic for axis in bricks.axes):
+        at_x, at_y, at_z = (nodal_values(axis) for axis in bricks.axes)
+        lines = at_x, at_y, at_z
+    return nodes, unknowns.expansion(source, sign, lines), nodal[source] / copies[source]
+
+
+def nodal_mass(bricks: Bricks, known: dict[str, Material]) -> Floats:
+    """Return the mass of the quarter's body at its nodes (n,), all four quarters counted.
+
+    In proportion to the diagonal of the mass over values at nodes: row sums may be negative.
+    """
+    plain = [replace(axis, hierarchic=False) for axis in bricks.axes]
+    found, total = np.zeros(bricks.shape), 0.0
+    for slab in bricks.slabs:
+        spans = (slab.x, slab.y or (0, bricks.y.intervals), slab.z)
+        lines = [line_matrices(axis, *span) for axis, span in zip(plain, spans, strict=True)]
+        along = [line.integrals[0, 0][line.rows == line.columns] for line in lines]
+        sizes = [axis.breaks[b] - axis.breaks[a] for axis, (a, b) in zip(plain, spans, strict=True)]
+        density = 4.0 * known[slab.region].density
+        found += density * np.multiply.outer(np.outer(along[0], along[1]), along[2])
+        total += density * float(np.prod(sizes))
+    return np.asarray(found * (total / found.sum())).ravel()

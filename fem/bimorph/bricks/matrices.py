@@ -11,7 +11,7 @@ to its place in compressed rows: memory touched for the first time is what costs
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,7 +20,7 @@ from scipy import sparse
 from tactgen.fem.bimorph.bricks.round_slabs import round_matrices
 from tactgen.fem.bimorph.system import VOIGT, Material
 from tactgen.fem.elements.line_basis import LineMatrices, line_matrices
-from tactgen.geometry.arrays import Floats, Ints, Numbers, Sparse
+from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
 from tactgen.geometry.bimorph.bricks import Bricks, Slab
 
 #: The quarter is one of four.
@@ -46,10 +46,10 @@ def brick_matrices(
     Returns
     -------
     stiffness, mass : (4 n, 4 n) sparse
-        Over (u_x, u_y, u_z, φ) node by node, z fastest; columns sorted.  Nodes that no
-        material has are there, with zeros.
+        Over (u_x, u_y, u_z, φ) of each product of functions, z fastest; columns sorted.  Those
+        that no material has are there, with zeros; those that are left out have empty rows.
     """
-    pairs = _Pairs(bricks.shape, *(line_matrices(axis) for axis in bricks.axes))
+    pairs = _Pairs(bricks.products(), *(line_matrices(axis) for axis in bricks.axes))
     layers: list[_Layer | _RoundLayer] = []
     for slab in bricks.slabs:
         kind = _Layer if np.isinf(slab.radius) else _RoundLayer
@@ -60,18 +60,21 @@ def brick_matrices(
     inertia = np.empty(3 * pairs.count)
     moved = np.empty(3 * pairs.count, dtype=np.int32)
     component = np.arange(4, dtype=np.int32)
-    for pair in range(pairs.x.rows.size):
-        start, count, within, column = pairs.places(pair)
-        at = (4 * start + within)[:, None] + count[:, None] * component
-        columns[at] = (4 * column[:, None] + component)[:, None, :]
-        light = (3 * start + within)[:, None] + count[:, None] * component[:3]
-        moved[light] = 4 * column[:, None] + component[:3]
-        there = [layer for layer in layers if layer.reaches(pair)]
-        values[at] = sum(layer.blocks(pair) for layer in there)
-        inertia[light] = sum(layer.inertia(pair)[:, None] for layer in there)
+    for across, alike in pairs.groups:
+        here = [layer.of_pairs(across.at) for layer in layers]
+        for pair in alike:
+            start, count, within, column = pairs.places(pair, across)
+            at = (4 * start + within)[:, None] + count[:, None] * component
+            columns[at] = (4 * column[:, None] + component)[:, None, :]
+            light = (3 * start + within)[:, None] + count[:, None] * component[:3]
+            moved[light] = 4 * column[:, None] + component[:3]
+            there = [layer for layer in here if layer.reaches(pair)]
+            values[at] = sum(layer.blocks(pair) for layer in there)
+            inertia[light] = sum(layer.inertia(pair)[:, None] for layer in there)
     n = 4 * pairs.row_counts.size
-    stiff = _starts(pairs.row_counts[:, None] * np.array([4, 4, 4, 4]))
-    heavy = _starts(pairs.row_counts[:, None] * np.array([1, 1, 1, 0]))
+    counts = pairs.row_counts.ravel()
+    stiff = _starts(counts[:, None] * np.array([4, 4, 4, 4]))
+    heavy = _starts(counts[:, None] * np.array([1, 1, 1, 0]))
     return (
         sparse.csr_matrix((values.ravel(), columns.ravel(), stiff), shape=(n, n)),
         sparse.csr_matrix((inertia, moved, heavy), shape=(n, n)),
@@ -84,27 +87,76 @@ def _starts(counts: Ints) -> Ints:
 
 
 @dataclass(frozen=True)
-class _Pairs:
-    """All pairs of nodes that share a brick, as products of pairs along the axes."""
+class _Across:
+    """The pairs of functions over y and z that go with a pair along x, by rows, columns ascending.
 
-    shape: tuple[int, int, int]
+    `at` (m,) is where they are among all pairs along y times all along z, z fastest; `rows` and
+    `columns` (m,) number the functions, `within` (m,) the places in a row, `counts` (ny nz,) the
+    pairs of each row.
+    """
+
+    at: Ints
+    rows: Ints
+    columns: Ints
+    within: Ints
+    counts: Ints
+
+
+@dataclass(frozen=True)
+class _Pairs:
+    """All pairs of functions that share a brick, as products of pairs along the axes.
+
+    `there` (nx, ny, nz) says which products of functions there are.
+    """
+
+    there: Bools
     x: LineMatrices
     y: LineMatrices
     z: LineMatrices
 
     @cached_property
-    def _counts(self) -> list[Ints]:
-        """Partners of each node along each axis."""
-        return [
-            np.bincount(line.rows, minlength=n)
-            for line, n in zip((self.x, self.y, self.z), self.shape, strict=True)
-        ]
+    def groups(self) -> list[tuple[_Across, list[int]]]:
+        """Pairs along x that go with the same pairs over y and z, and those."""
+        nx = self.there.shape[0]
+        flat = self.there.reshape(nx, -1)
+        _, kinds = np.unique(flat, axis=0, return_inverse=True)
+        kinds = kinds.ravel()
+        rows, columns = (
+            (getattr(self.y, of)[:, None] * self.there.shape[2] + getattr(self.z, of)).ravel()
+            for of in ("rows", "columns")
+        )
+        order = np.lexsort((columns, rows))
+        rows, columns = rows[order], columns[order]
+        alike: dict[tuple[int, int], list[int]] = {}
+        for pair, ends in enumerate(zip(self.x.rows, self.x.columns, strict=True)):
+            alike.setdefault((int(kinds[ends[0]]), int(kinds[ends[1]])), []).append(pair)
+        found = []
+        for pairs in alike.values():
+            i, j = self.x.rows[pairs[0]], self.x.columns[pairs[0]]
+            kept = flat[i][rows] & flat[j][columns]
+            counts = np.bincount(rows[kept], minlength=flat.shape[1])
+            starts = np.cumsum(counts) - counts
+            within = np.arange(counts.sum()) - np.repeat(starts, counts)
+            found.append((_Across(order[kept], rows[kept], columns[kept], within, counts), pairs))
+        return found
 
     @cached_property
+    def _before(self) -> tuple[Ints, Ints]:
+        """Partners of each function (nx, ny nz); those in earlier pairs along x (pairs, ny nz)."""
+        counts = np.zeros((self.x.rows.size, self.there[0].size), dtype=np.int64)
+        for across, pairs in self.groups:
+            counts[pairs] = across.counts
+        total = np.zeros((self.there.shape[0], counts.shape[1]), dtype=np.int64)
+        before = np.empty_like(counts)
+        for pair, i in enumerate(self.x.rows):
+            before[pair] = total[i]
+            total[i] += counts[pair]
+        return total, before
+
+    @property
     def row_counts(self) -> Ints:
-        """Partners of each node of the grid (n,)."""
-        x, y, z = self._counts
-        return np.asarray(x[:, None, None] * y[:, None] * z).ravel()
+        """Partners of each product of functions (nx, ny nz)."""
+        return self._before[0]
 
     @cached_property
     def count(self) -> int:
@@ -113,28 +165,19 @@ class _Pairs:
 
     @cached_property
     def _row_starts(self) -> Ints:
-        return (np.cumsum(self.row_counts) - self.row_counts).reshape(self.shape)
+        flat = self.row_counts.ravel()
+        return (np.cumsum(flat) - flat).reshape(self.row_counts.shape)
 
-    def places(self, pair: int) -> tuple[Ints, Ints, Ints, Ints]:
-        """Return for one pair along x and all along y, z where they are, z fastest.
+    def places(self, pair: int, across: _Across) -> tuple[Ints, Ints, Ints, Ints]:
+        """Return for one pair along x and all that go with it over y, z where they are.
 
-        The start and length of the first node's row, the place in that row, and the other
-        node; all counted in nodes.
+        The start and length of the first function's row, the place in that row, and the other
+        function; all counted in functions.
         """
-        (_, ny, nz), (in_x, in_y, in_z) = self.shape, self._counts
-        i, y, z = self.x.rows[pair], self.y, self.z
-        start = self._row_starts[i][np.ix_(y.rows, z.rows)]
-        count = in_x[i] * np.outer(in_y[y.rows], in_z[z.rows])
-        before = _position(self.x)[pair] * in_y[y.rows] + _position(y)
-        within = np.outer(before, in_z[z.rows]) + _position(z)
-        other = ((self.x.columns[pair] * ny + y.columns) * nz)[:, None] + z.columns
-        return start.ravel(), count.ravel(), within.ravel(), other.ravel()
-
-
-def _position(line: LineMatrices) -> Ints:
-    """Return the place of each pair along an axis in its row."""
-    counts = np.bincount(line.rows)
-    return np.arange(line.rows.size) - np.repeat(np.cumsum(counts) - counts, counts)
+        i, j, rows = self.x.rows[pair], self.x.columns[pair], across.rows
+        within = self._before[1][pair][rows] + across.within
+        other = j * self.there[0].size + across.columns
+        return self._row_starts[i][rows], self.row_counts[i][rows], within, other
 
 
 @dataclass(frozen=True)
@@ -166,19 +209,23 @@ class _Layer:
             areas=_COPIES * material.density * product(0, 0),
         )
 
+    def of_pairs(self, at: Ints) -> _Layer:
+        """Return what there is of some pairs over y and z."""
+        return replace(self, gram=self.gram[at], areas=self.areas[at])
+
     def reaches(self, pair: int) -> bool:
         """Return whether the slab has this pair of functions along x."""
         return bool(self.along_x[:, pair].any())
 
     def blocks(self, pair: int) -> Numbers:
-        """Return the 4 x 4 blocks (m, 4, 4) of one pair along x with all along y and z."""
+        """Return the 4 x 4 blocks (m, 4, 4) of one pair along x with those over y and z."""
         scaled = self.along_x[:, [pair]] * self.weights
         # complex weights as twice as many real ones: the integrals are real
         product = self.gram @ scaled.view(float)
         return np.asarray(product.view(self.weights.dtype)).reshape(-1, 4, 4)
 
     def inertia(self, pair: int) -> Floats:
-        """Return the mass (m,) of one pair along x with all along y and z."""
+        """Return the mass (m,) of one pair along x with those over y and z."""
         return np.asarray(self.along_x[_PLAIN, pair] * self.areas)
 
 
@@ -195,6 +242,7 @@ class _RoundLayer:
     weights: Numbers
     area: Floats
     density: float
+    at: Ints
 
     @classmethod
     def of(cls, bricks: Bricks, slab: Slab, material: Material, unit: float) -> _RoundLayer:
@@ -209,21 +257,27 @@ class _RoundLayer:
             weights=_COPIES * _weights(material, unit),
             area=area,
             density=_COPIES * material.density,
+            at=np.arange(plane.shape[-1] * z.rows.size),
         )
+
+    def of_pairs(self, at: Ints) -> _RoundLayer:
+        """Return what there is of some pairs over y and z."""
+        return replace(self, at=at)
 
     def reaches(self, pair: int) -> bool:
         """Return whether the slab has this pair of functions along x."""
         return bool(self.plane[:, pair].any())
 
     def blocks(self, pair: int) -> Numbers:
-        """Return the 4 x 4 blocks (m, 4, 4) of one pair along x with all along y and z."""
+        """Return the 4 x 4 blocks (m, 4, 4) of one pair along x with those over y and z."""
         gram = self.plane[:, pair, :, None] * self.along_z[:, None, :]
-        product = gram.reshape(9, -1).T @ self.weights.view(float)
+        product = gram.reshape(9, -1).T[self.at] @ self.weights.view(float)
         return np.asarray(product.view(self.weights.dtype)).reshape(-1, 4, 4)
 
     def inertia(self, pair: int) -> Floats:
-        """Return the mass (m,) of one pair along x with all along y and z."""
-        return np.asarray(self.density * np.outer(self.area[pair], self.along_z[_PLAIN]).ravel())
+        """Return the mass (m,) of one pair along x with those over y and z."""
+        areas = np.outer(self.area[pair], self.along_z[_PLAIN]).ravel()
+        return np.asarray(self.density * areas[self.at])
 
 
 def _weights(material: Material, unit: float) -> Numbers:

@@ -7,9 +7,9 @@ from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.reduction.parametric.answers import family_modes
 from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
-from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing
+from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.bimorph.stretching import dividing, stretched
+from tactgen.geometry.bimorph.stretching import LEVELS, dividing, stretched
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid

@@ -21,6 +21,7 @@ from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Numbers
 from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks, Held
+from tactgen.geometry.bimorph.stretching import LEVELS as ALL_PRODUCTS
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.tmm.ports.port import BIMORPH
@@ -37,10 +38,11 @@ _STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
 _MODES = ("short_circuit_frequencies", "coupling_factor")
 _HARMONIC = ("tip_displacement", "admittance")
 
-#: References are solved so many levels of the family above the one judged.
+#: References are solved so many levels above the one judged, and leave no product of polynomials
+#: out: what is judged does.
 _ABOVE = 2
 #: Bricks that tetrahedra are judged by.
-_FOR_TETRAHEDRA = LEVELS[3]
+_FOR_TETRAHEDRA = ALL_PRODUCTS[3]
 #: Largest quarter (nodes of its reference) that is affordable: of bricks, and of those that judge
 #: tetrahedra.
 _MOST_NODES, _MOST_NODES_FOR_CAD = 14_000, 10_000
@@ -94,7 +96,7 @@ class Case:
     @property
     def reference(self) -> BrickMeshing:
         """The division that its reference is solved on."""
-        return _FOR_TETRAHEDRA if self.model == "cad" else LEVELS[self.level - 1 + _ABOVE]
+        return _FOR_TETRAHEDRA if self.model == "cad" else ALL_PRODUCTS[self.level - 1 + _ABOVE]
 
 
 @dataclass(frozen=True)

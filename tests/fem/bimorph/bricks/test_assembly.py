@@ -6,10 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+from tactgen.fem.bimorph.bricks.assembly import assemble_bricks, nodal_mass
+from tactgen.fem.bimorph.bricks.matrices import brick_matrices
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.ports import static_multiport
 from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.bimorph.symmetry import lumped
+from tactgen.fem.bimorph.system import materials
 from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Axis
 from tactgen.geometry.bimorph.ends import Ends
@@ -205,6 +208,59 @@ def test_energies_are_those_of_the_expanded_field(variant, motion):
     # rounding of sums over all entries
     assert abs(y @ (system.stiffness @ y) - energy["K"]) < 1e-12 * size
     assert y @ (system.mass @ y) == pytest.approx(energy["M"], rel=1e-12)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_a_hierarchy_with_all_products_is_the_polynomials_of_nodes(variant):
+    """The same space, so the same ports and modes up to the rounding of both matrices."""
+    device = Device(bimorph=Bimorph(**variant))
+    systems = [
+        assemble(device, bimorph_bricks(device, replace(COARSE, richness=of)), lossy=False)
+        for of in (None, 3.0)
+    ]
+    assert systems[0].size == systems[1].size
+    nodal, hierarchic = (static_multiport(s).stiffness[0].real for s in systems)
+    size = np.sqrt(np.abs(np.outer(np.diag(nodal), np.diag(nodal))))
+    assert np.abs(hierarchic - nodal).max() > 0.0
+    assert (np.abs(hierarchic - nodal) < 1e-6 * size).all()
+    for motion in MOTIONS:
+        one, other = (
+            natural_modes(s if motion == "bending_x" else s.related(motion), Ends(), 1)[0]
+            for s in systems
+        )
+        assert one.frequency == pytest.approx(other.frequency, rel=1e-7)
+        assert one.kind == other.kind
+        # the shapes at all nodes of the whole body, up to the sign
+        turned = np.sign((one.displacement * other.displacement).sum())
+        assert one.displacement == pytest.approx(turned * other.displacement, abs=1e-5)
+
+
+def test_products_that_are_left_out_stiffen_little():
+    """Ritz: the fewer functions, the higher the frequency; a quarter of them is worth 1e-3."""
+    device = Device()
+    meshing = replace(COARSE, degree=(4, 4, 4))
+    found, sizes = [], []
+    for richness in (3.0, 1.5, 1.25, 1.0):
+        system = assemble(
+            device, bimorph_bricks(device, replace(meshing, richness=richness)), lossy=False
+        )
+        # in torsion no voltage softens what has fewer potentials
+        found.append(natural_modes(system.related("torsion"), Ends(), 1)[0].frequency)
+        sizes.append(system.size)
+    assert sizes == sorted(sizes, reverse=True)
+    assert found == sorted(found)
+    assert sizes[2] < 0.4 * sizes[0]
+    assert found[2] == pytest.approx(found[0], rel=1e-3)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_nodal_masses_are_in_proportion_to_the_diagonal(variant):
+    """Of the mass over values at nodes, as it is assembled."""
+    device = Device(bimorph=Bimorph(**variant))
+    bricks = bimorph_bricks(device, COARSE)
+    known = materials(device, bricks.regions, device.piezo.ceramic(), lossy=False)
+    assembled = lumped(brick_matrices(bricks, known, 1.0)[1])
+    assert nodal_mass(bricks, known) == pytest.approx(assembled, rel=1e-12)
 
 
 @pytest.mark.parametrize("motion", MOTIONS)

@@ -17,7 +17,8 @@ import numpy as np
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.family import tangent_family
 from tactgen.geometry.arrays import Floats, Numbers
-from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing
+from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.stretching import LEVELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.derivatives import (
     PLACES,

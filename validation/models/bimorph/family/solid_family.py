@@ -19,9 +19,9 @@ from tactgen.fem.bimorph.reduction.parametric.answers import FamilyModes, family
 from tactgen.fem.bimorph.reduction.parametric.expansion import GROUPS
 from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily, build_family
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing
+from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.bimorph.stretching import piece_lengths
+from tactgen.geometry.bimorph.stretching import LEVELS, piece_lengths
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept, recalled
 from tactgen.geometry.store.values import storable
