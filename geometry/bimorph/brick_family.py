@@ -76,12 +76,12 @@ class BrickMeshing:
 
 
 #: A family of divisions for refinement studies; from one to the next errors fall by two to
-#: four (about 1.4, 3, 8, 14 and 27 thousand unknowns for a plain bimorph).  What is coarse in
+#: four (about 2, 3, 8, 14 and 27 thousand unknowns for a plain bimorph).  What is coarse in
 #: one must be finer in the next (degree or length, each axis, edges and ends), or their
 #: difference would not tell what is missing.
 LEVELS = (
     BrickMeshing(
-        (3, 3, 3), side=0.4, smallest=0.4, tip=1.0, longest=8.0, pieces=(4.0, 10.0), richness=1.25
+        (2, 2, 3), side=0.4, smallest=0.4, tip=1.0, longest=8.0, pieces=(4.0, 10.0), richness=2.0
     ),
     BrickMeshing((4, 4, 4), side=0.65, smallest=0.2, tip=1.0, pieces=(4.0, 10.0), richness=1.25),
     BrickMeshing(

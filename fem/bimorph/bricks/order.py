@@ -1,9 +1,10 @@
 """In which order the unknowns of bricks are best eliminated.
 
-A bimorph is a chain along z, so nested dissection needs no search: halve the chain at a
-plane between bricks, halve the halves, and eliminate each plane after what it separates.
-Within one interval of the chain what is inside a brick goes first, then faces, then edges.
-A general ordering finds no less fill, and takes longer than the factorisation itself.
+A bimorph is a chain along z, so no search is needed: both ends are eaten towards the middle, and
+each plane between bricks goes after what it separates, when it has one neighbour left, not two as
+in a nested dissection of the chain.  Within one interval of the chain what lies on no line of the
+cross-section goes first, then the lines column by column, across the shorter way.  A general
+ordering finds no less fill, and takes longer than the factorisation itself.
 """
 
 from __future__ import annotations
@@ -19,32 +20,32 @@ def elimination_order(bricks: Bricks) -> Ints:
     shape = bricks.shape
     x, y, z = np.unravel_index(np.arange(int(np.prod(shape))), shape)
     along_x, along_y, along_z = bricks.degree
-    on_plane, count = z % along_z == 0, bricks.z.intervals
+    count = bricks.z.intervals
     # both end planes separate nothing: they go with the interval that they end
-    ends = on_plane & ((z == 0) | (z == shape[2] - 1))
+    separates = (z % along_z == 0) & (z > 0) & (z < shape[2] - 1)
     interval = np.minimum(z // along_z, count - 1)
-    intervals, planes = _dissected(count)
-    group = np.where(on_plane & ~ends, planes[interval], intervals[interval])
-    shared = (x % along_x == 0).astype(int) + (y % along_y == 0) + 3 * ends
+    intervals, planes = _turns(count)
+    turn = np.where(separates, planes[interval], intervals[interval])
+    upper = 2 * interval >= count
+    # of a cross-section's lines and what lies between two, one after the other
+    column, row = _lines(y, along_y), _lines(x, along_x)
     brick = (x // along_x) * bricks.y.intervals + y // along_y
-    order = np.lexsort((brick, shared, group))
+    inside = (x % along_x > 0) & (y % along_y > 0)
+    order = np.lexsort((brick, row * ~inside, column * ~inside, ~inside, upper, turn))
     place = np.empty(order.size, dtype=np.int64)
     place[order] = np.arange(order.size)
     return place
 
 
-def _dissected(count: int) -> tuple[Ints, Ints]:
+def _turns(count: int) -> tuple[Ints, Ints]:
     """Return when each of `count` intervals, and the plane below each, is eliminated."""
-    intervals, planes = np.zeros((2, count), dtype=np.int64)
-    step = 0
-    # stretches still to be eliminated, the last first; an empty one stands for its plane
-    left = [(0, count)]
-    while left:
-        low, high = left.pop()
-        if high - low > 1:
-            middle = (low + high) // 2
-            left += [(middle, middle), (middle, high), (low, middle)]
-            continue
-        (planes if low == high else intervals)[low] = step
-        step += 1
+    number = np.arange(count)
+    intervals = 2 * np.minimum(number, count - 1 - number)
+    planes = np.zeros(count, dtype=np.int64)
+    planes[1:] = np.maximum(intervals[1:], intervals[:-1]) + 1
     return intervals, planes
+
+
+def _lines(number: Ints, degree: int) -> Ints:
+    """Return even numbers of a section's lines, and odd ones of what lies between two."""
+    return 2 * (number // degree) + (number % degree > 0)

@@ -1,4 +1,4 @@
-"""The order of elimination is a dissection, and changes no answer."""
+"""The order of elimination eats a chain of bricks from both ends, and changes no answer."""
 
 import numpy as np
 import pytest
