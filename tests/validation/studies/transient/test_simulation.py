@@ -28,6 +28,7 @@ from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.tmm.ports.springs_dampers_masses import chain_of
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.commands.studies import simulate
+from tactgen.validation.models.generator import transient
 from tactgen.validation.models.generator.phases import Phase, common_oscillation
 from tactgen.validation.models.generator.transient import (
     above_the_head,
@@ -185,13 +186,38 @@ def test_a_tip_load_moves_with_the_tip(scene, still):
     assert added[1:, 1:] == pytest.approx(1e-4 * np.outer(row, row)[1:, 1:], abs=1e-12)
 
 
-def test_the_command_says_what_it_did(capsys, tmp_path):
+def test_the_command_says_what_it_did(capsys, tmp_path, monkeypatch):
     out, picture = tmp_path / "run.nc", tmp_path / "run.svg"
-    code = main(
-        ["simulate", "paper", "--set", "load.kind=none", "--voltage", "10 V sine 200 Hz",
-         "--until", "50 us", "--accuracy", "0.2", "--out", str(out), "--plot", str(picture),
-         "--json"]
-    )  # fmt: skip
+    solved = []
+
+    def once(*arguments, **options):
+        solved[:] = solved or [whole(*arguments, **options)]
+        return solved[0]
+
+    whole = transient.run_scene
+    monkeypatch.setattr(transient, "run_scene", once)
+    asked = ["simulate", "paper", "--set", "load.kind=none", "--voltage", "10 V sine 200 Hz",
+             "--until", "50 us", "--accuracy", "0.2"]  # fmt: skip
+    assert main(asked) == 0
+    lines, answer = capsys.readouterr().out.splitlines(), solved[0].answer
+    assert lines[0].split() == [
+        "phase",
+        "from",
+        "(ms)",
+        "to",
+        "(ms)",
+        "lateral",
+        "amplitude",
+        "(um)",
+    ]
+    assert lines[1].split()[:3] == ["pressed", "0.000", "0.050"]
+    assert lines[-1].startswith(
+        f"{answer.run.time.size} steps; error bars until {1e3 * answer.certain_until:.4g} ms: "
+    )
+    last = int(np.searchsorted(answer.run.time, answer.certain_until))
+    bars = {name: f"{1e6 * answer.bars[name][last]:.2g} um" for name in answer.bars}
+    assert f"rod_lift {bars['rod_lift']}, lateral_tip {bars['lateral_tip']}; energy" in lines[-1]
+    code = main([*asked, "--out", str(out), "--plot", str(picture), "--json"])
     captured = capsys.readouterr()
     assert code == 0, captured.err
     found = json.loads(captured.out)
