@@ -1,0 +1,51 @@
+"""Standard streams: what goes to which, and closed or narrow ones."""
+
+import io
+import sys
+from pathlib import Path
+
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.streams import name_files, say, usable_streams
+
+
+def test_words_and_files_are_named_on_stderr(capsys):
+    """Standard output is left to results; a word is one line, whatever is in it."""
+    say("one\ntwo")
+    name_files([Path("a.csv"), Path("b.svg")])
+    assert capsys.readouterr() == ("", "tactgen: one two\na.csv\nb.svg\n")
+
+
+@pytest.mark.parametrize("name", ["stdout", "stderr"])
+def test_narrow_streams_take_every_character(monkeypatch, name):
+    """Of ours what looks alike, of others their number."""
+    written = io.BytesIO()
+    stream = io.TextIOWrapper(written, encoding="ascii")
+    monkeypatch.setattr(sys, name, stream)
+    usable_streams()
+    stream.write("µm ± 2 ∠ 字")
+    stream.flush()
+    assert written.getvalue() == b"um +/- 2 phase  \\u5b57"
+
+
+def test_closed_streams(monkeypatch):
+    """Words go nowhere then, and not among the results; results must go somewhere."""
+    monkeypatch.setattr(sys, "stderr", None)
+    usable_streams()
+    assert sys.stderr.name == "/dev/null"
+    sys.stderr.close()
+    monkeypatch.setattr(sys, "stdout", None)
+    with pytest.raises(InputError, match="standard output is closed"):
+        usable_streams()
+
+
+def test_a_word_that_cannot_be_written_stops_nothing(monkeypatch):
+    """On a full disk, say."""
+
+    class Full(io.StringIO):
+        def write(self, _):
+            raise OSError(28, "no space left on device")
+
+    monkeypatch.setattr(sys, "stderr", Full())
+    say("anything")
