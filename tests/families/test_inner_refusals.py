@@ -25,7 +25,7 @@ from tactgen.tmm.reluctance import flux_ladder
 from tactgen.validation.models.amplitude import backbone, deflection, held_head
 from tactgen.validation.models.bimorph.family.values import family_values
 from tactgen.validation.models.display.spread import spread
-from tactgen.validation.models.reluctance import field_tables
+from tactgen.validation.models.reluctance.family import field_tables
 from tactgen.validation.scene import frequencies
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.uncertainty import by_model
