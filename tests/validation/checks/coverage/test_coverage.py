@@ -27,6 +27,7 @@ from tactgen.validation.checks.coverage import (
     solid,
     taper,
 )
+from tactgen.validation.checks.coverage.output import table
 from tactgen.validation.checks.coverage.result import (
     MULTIPLES,
     Judged,
@@ -121,6 +122,22 @@ def told(monkeypatch, tmp_path):
 
     monkeypatch.setattr(beam, "judge", judge)
     return numbers
+
+
+def test_the_table_says_what_does_not_hold_and_where():
+    """A line a quantity; of bars that are too narrow the worst, and the device it is of."""
+    fine = [Judged("anywhere", "f1", 1e-6, 2e-6)] * 30
+    narrow = [Judged("a long one", "d", 3e-4, 1e-4)] * 30
+    part = run.Part("beam", "beam against tmm", 7, 30, (*fine, *narrow))
+    lines = table([part]).splitlines()
+    assert lines[0] == "beam: beam against tmm; 30 devices, seed 7"
+    rows = {line.split()[0]: line.split()[1:] for line in lines[2:]}
+    assert rows["f1"] == ["30/30", "2", "holds"]
+    assert rows["d"] == ["0/30", "0.33", "too", "narrow"]
+    at = next(number for number, line in enumerate(lines) if line.split()[0] == "d")
+    assert lines[at + 1 : at + 3] == [
+        "    worst: 3.0e-04 beside a bar of 1.0e-04", "    at a long one",
+    ]  # fmt: skip
 
 
 def test_references_of_the_solid_are_per_volt_of_the_drive(monkeypatch, few_bricks):

@@ -1,0 +1,34 @@
+"""What a waveform says of itself is what its values do."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from tactgen.tmm.generator.transient.waveform import Chirp, Constant, Sampled, Sine, Square, Step
+
+#: Each with the time over which it changes smoothly.
+WAVES = [
+    (Constant(-3.0), math.inf),
+    (Step(-3.0, 0.2, 0.7), math.inf),
+    (Sine(-2.0, 5.0, 0.3, 0.1), 0.2),
+    (Square(1.0, 4.0, -2.0, 0.3), math.inf),
+    (Square(-3.0, 4.0, 2.0, 0.3), math.inf),
+    (Chirp(-2.0, 2.0, 8.0, 0.6), 0.125),
+    (Chirp(2.0, 8.0, 2.0, 0.6), 0.125),
+    (Sampled((0.0, 0.4, 0.4, 0.9), (1.0, -2.0, 0.5, 1.5)), math.inf),
+]
+
+
+@pytest.mark.parametrize(("wave", "shortest"), WAVES)
+def test_peak_and_shortest_time(wave, shortest):
+    """The peak is the largest size over time; 2e-4 is what 5,000 times leave of a crest."""
+    ends = [0.0, *wave.breaks(1.0), 1.0]
+    sizes = [
+        abs(wave.value(time, 0.5 * (low + high)))
+        for low, high in itertools.pairwise(ends)
+        for time in np.linspace(low, high, 5000 // len(ends))
+    ]
+    assert max(sizes) == pytest.approx(wave.peak, rel=2e-4)
+    assert wave.shortest == shortest
