@@ -67,6 +67,6 @@ def show(value: Any, info: FieldInfo) -> str:
         return "derived"
     if unit is not None:
         return unit.show(float(value))
-    if isinstance(value, tuple):
+    if type(value) is tuple:  # a profile is one too, and knows how it is written
         return ", ".join(map(str, value))
     return str(value)

@@ -50,8 +50,9 @@ def with_bar(value: float, bar: float, unit: str) -> str:
     relative = abs(bar / value)
     if relative < 1e-7:
         return f"{engineering(value, unit, 7)} (±{relative:.0e} relative)"
+    larger = max(abs(value), bar)  # a value within its bar is read beside it
     exponent = (
-        0 if unit in ("", "1") else max(-15, min(9, 3 * math.floor(math.log10(abs(value)) / 3.0)))
+        0 if unit in ("", "1") else max(-15, min(9, 3 * math.floor(math.log10(larger) / 3.0)))
     )
     scaled, shown = value / 10.0**exponent, bar / 10.0**exponent
     decimals = max(0, 1 - math.floor(math.log10(shown)))

@@ -199,6 +199,7 @@ def test_numbers_for_people():
     assert with_bar(4.7087e-5, 2.6e-8, "m") == "47.087 ± 0.026 µm"
     assert with_bar(-6.7582e-7, 1e-20, "m").startswith("-675.82 nm (±1e-14")
     assert with_bar(365.1, 10.2, "Hz") == "365 ± 10 Hz"
+    assert with_bar(5e-9, 8.4134e-5, "N") == "0 ± 84 µN"  # read beside its bar
     assert percent(0.0524) == "+5.240 %"
     assert percent(3e-8) == "+3e-06 %"
     assert percent(3e-14) == "0 %"

@@ -7,6 +7,7 @@ from typing import Any
 
 from tactgen.validation.studies.whatif.aim.best import Judged
 from tactgen.validation.studies.whatif.aim.expression import Aim
+from tactgen.validation.studies.whatif.aim.wording import shown
 from tactgen.validation.studies.whatif.asked.scene_field import scene_field
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.search.ranges import Range
@@ -97,17 +98,10 @@ def sentences(found: Found) -> list[str]:
     assert found.best.judged is not None
     for n, aim in enumerate(found.aims):
         margin, bar = found.best.judged.margins[n]
-        before = f"{aim.sign * present.margins[n][0]:.5g}" if present else "unknown"
-        if aim.kind == "goal":
-            lines.append(
-                f"  {aim.text}: {aim.sign * margin:.6g} ± {bar:.1g} (SI); before: {before}"
-            )
-        else:
-            edge = ", nearer to the edge than the error bar" if abs(margin) <= bar else ""
-            margin_before = f"{present.margins[n][0]:.3g}" if present else "unknown"
-            lines.append(
-                f"  {aim.text}: margin {margin:.3g} ± {bar:.1g} (SI){edge}; before: {margin_before}"
-            )
+        near = aim.kind == "condition" and abs(margin) <= bar
+        edge = ", nearer to the edge than the error bar" if near else ""
+        before = shown(aim, *present.margins[n]) if present else "unknown"
+        lines.append(f"  {aim.text}: {shown(aim, margin, bar)}{edge}; before: {before}")
     lines += [f"{key} is an end of its range, beyond which there may be better"
               for key in found.at_end if any(aim.kind == "goal" for aim in found.aims)]  # fmt: skip
     basis = f", {found.together} of their answers given together" if found.together else ""
