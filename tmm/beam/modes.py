@@ -29,7 +29,8 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.transfer.scattering import THROUGH, Element, in_waves, neighbours, star
+from tactgen.tmm.beam.transfer.scattering import THROUGH, Element, in_waves
+from tactgen.tmm.beam.transfer.star import neighbours, star
 from tactgen.tmm.beam.transfer.timoshenko import wavenumbers
 
 Row: TypeAlias = Sequence[Element]

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactgen.tmm.generator.transient.laws import CubicSpring, RoughPoint
-from tactgen.tmm.generator.transient.march import Sources, simulate_steps
+from tactgen.tmm.generator.transient.march import simulate_steps
 from tactgen.tmm.generator.transient.system import Coil, Element, System
-from tactgen.tmm.generator.transient.waveform import Sine, Square, Step
+from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square, Step
 from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
 
 if TYPE_CHECKING:

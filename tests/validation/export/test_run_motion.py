@@ -9,8 +9,7 @@ import pytest
 from PIL import Image
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient.march import Sources
-from tactgen.tmm.generator.transient.waveform import Step
+from tactgen.tmm.generator.transient.waveform import Sources, Step
 from tactgen.validation.export import run_motion
 from tactgen.validation.export.run_motion import write_run_film, write_run_steps
 from tactgen.validation.fields.run import body_of

@@ -11,37 +11,22 @@ answer says up to which time it is certain.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 
-from tactgen.geometry.arrays import Bools, Floats
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.observed_order import error_bar
-from tactgen.tmm.generator.transient.newton import StepTooLongError
-from tactgen.tmm.generator.transient.pairs import Piece, paired, spread
-from tactgen.tmm.generator.transient.record import Record, Run
-from tactgen.tmm.generator.transient.step import Flow, State, Stepper
+from tactgen.tmm.generator.transient.passes import MOST_STEPS, Marcher, Passes
+from tactgen.tmm.generator.transient.record import Run
+from tactgen.tmm.generator.transient.step import Stepper
 from tactgen.tmm.generator.transient.system import System
-from tactgen.tmm.generator.transient.waveform import Constant, Waveform
+from tactgen.tmm.generator.transient.waveform import Sources, between_breaks
 
-_NOTHING = Constant(0.0)
 #: Longest step as a share of the fastest waveform's period.
 _PER_PERIOD = 1.0 / 64.0
-#: Halvings of the longest step that are tried, and those after each break, where nothing is known.
-_DEEPEST, _FIRST = 20, 6
-#: Share of a circuit's time constant that the first step after a break takes.
-_PER_LAG = 0.02
-#: How much further the predictor is from the truth than the step.
-_PREDICTOR = 6.0
-#: A step is doubled where its error is below this share of the tolerance: an eighth, with margin.
-_EASY = 0.06
-#: Safety factor of the bars: with 1.25, 8 of 200 outputs of random runs with contact lay outside,
-#: all but two of them by less than a fifth.
-_SAFETY = 1.5
 #: Local tolerance of the first round over the accuracy asked for.
 _LOCAL = 0.01
 #: Rounds of all passes, the share of the accuracy that the next round aims at, and the most by
@@ -50,16 +35,6 @@ _ROUNDS, _AIM, _LOWERED = 4, 0.5, 0.1
 #: Error of a round, over the outputs' scales, beyond which no other is made: bounces amplify small
 #: differences until they are as large as the motion, and shorter steps only move the time of that.
 _HOPELESS = 1.0
-#: Steps after which a run is given up.
-_MOST_STEPS = 3_000_000
-
-
-@dataclass(frozen=True)
-class Sources:
-    """What drives: volts across the bimorph, amperes or volts in the coil."""
-
-    bimorph: Waveform = _NOTHING
-    coil: Waveform = _NOTHING
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,16 +112,16 @@ def simulate(
     )
     fastest = min(sources.bimorph.shortest, sources.coil.shortest)
     longest = min(longest, _PER_PERIOD * fastest, 0.01 * until)
-    if until > _MOST_STEPS * longest:
+    if until > MOST_STEPS * longest:
         raise InputError(
             f"{until:g} s of a waveform that changes within {fastest:g} s need more than "
-            f"{_MOST_STEPS} steps; ask for a shorter time or a lower frequency"
+            f"{MOST_STEPS} steps; ask for a shorter time or a lower frequency"
         )
     local = _LOCAL * accuracy
     rounds = 0
     while True:
         rounds += 1
-        marcher = _Marcher(system, sources, until, announce)
+        marcher = Marcher(system, sources, until, announce)
         passes = marcher.passes(first, longest, local)
         outputs, bars, relative = _compared(system, passes)
         error = float(relative[-1])
@@ -181,46 +156,17 @@ def simulate_steps(
             a,
             [(t, (b - a) / steps) for t in np.linspace(a, b, steps + 1)[1:].tolist()],
         )
-        for a, b in _between_breaks(sources, until)
+        for a, b in between_breaks(sources, until)
     ]
-    return _Marcher(system, sources, until, lambda _: None).follow(first, pieces, parts=1)[0]
+    return Marcher(system, sources, until, lambda _: None).follow(first, pieces, parts=1)[0]
 
 
 def _at_start(system: System, sources: Sources, until: float) -> tuple[float, float]:
     """Return the voltage across the bimorph and the current just before the start."""
     by_current = system.coil is not None and system.coil.source == "current"
-    inside = 0.5 * next(_between_breaks(sources, until))[1]
+    inside = 0.5 * next(between_breaks(sources, until))[1]
     current = sources.coil.value(0.0, inside) if by_current else 0.0
     return sources.bimorph.value(0.0, inside), current
-
-
-def _between_breaks(sources: Sources, until: float) -> Iterator[tuple[float, float]]:
-    breaks = {*sources.bimorph.breaks(until), *sources.coil.breaks(until)}
-    yield from pairwise(sorted({0.0, until, *breaks}))
-
-
-@dataclass(frozen=True, eq=False)
-class _Passes:
-    """Three runs over the same steps: in pairs, as chosen, in halves.
-
-    `ends` says which times of the first end a step of it; `of_coarse` and `of_fine` which times of
-    the other two the run before has as well.
-    """
-
-    coarsest: Run
-    coarse: Run
-    fine: Run
-    ends: Bools
-    of_coarse: Bools
-    of_fine: Bools
-
-    def bar(self, of: Callable[[Run], Floats]) -> Floats:
-        """Return the error bar up to each time of the last run of what `of` reads off a run."""
-        first, middle, last = (of(run) for run in (self.coarsest, self.coarse, self.fine))
-        larger = np.maximum.accumulate(np.abs(middle[self.of_coarse] - first[self.ends]))
-        smaller = np.maximum.accumulate(np.abs(last[self.of_fine] - middle))
-        bar = error_bar(spread(larger, self.of_coarse), smaller, _SAFETY)
-        return spread(np.maximum.accumulate(bar), self.of_fine)
 
 
 def _read(row: Floats, run: Run) -> Floats:
@@ -228,7 +174,7 @@ def _read(row: Floats, run: Run) -> Floats:
 
 
 def _compared(
-    system: System, passes: _Passes
+    system: System, passes: Passes
 ) -> tuple[dict[str, Floats], dict[str, Floats], Floats]:
     """Return the outputs, their bars up to each time, and the largest of these over its scale."""
     fine = passes.fine
@@ -245,209 +191,3 @@ def _compared(
         largest = float(np.abs(fine.current).max())
         relative = np.maximum(relative, bars["current"] / largest) if largest else relative
     return outputs, bars, relative
-
-
-class _Marcher:
-    """Goes over the pieces between breaks, and records."""
-
-    def __init__(
-        self, system: System, sources: Sources, until: float, announce: Callable[[float], None]
-    ) -> None:
-        self._system, self._sources, self._until = system, sources, until
-        self._announce = announce
-        self._stepper = Stepper(system)
-        outputs = system.outputs.values()
-        rows = [o.row / (o.step_scale or o.scale) for o in outputs]
-        self._rows = np.array([row for row in rows if row.any()]).reshape(-1, system.mass.shape[0])
-
-    def passes(self, first: State, longest: float, local: float) -> _Passes:
-        """Return the three runs over steps whose local errors are below `local`."""
-        chosen, coarse = self.choose(first, longest, local)
-        longer, of_coarse = paired(chosen)
-        coarsest, ends = self.follow(first, longer, parts=1, after=2.0 / 7.0, rough=True)
-        fine, of_fine = self.follow(first, chosen, parts=2, after=3.0 / 7.0)
-        return _Passes(coarsest, coarse, fine, ends, of_coarse, of_fine)
-
-    def choose(self, first: State, longest: float, local: float) -> tuple[list[Piece], Run]:
-        """Return the steps whose local errors are below `local`, and the run with them."""
-        record, state, chosen = Record(self._system), first, []
-        for start, end in _between_breaks(self._sources, self._until):
-            inside = 0.5 * (start + end)
-            state = self._jumped(state, start, inside, record)
-            count = max(1, math.ceil((end - start) / longest))
-            done, whole = 0, count << _DEEPEST
-            level = self._first_level(state, (end - start) / count)
-            ends: list[tuple[float, float]] = []
-            earlier: list[tuple[float, State]] = []
-            before = start
-            while done < whole:
-                ticks = 1 << (_DEEPEST - level)
-                time = start + (end - start) * ((done + ticks) / whole)
-                h = (end - start) * (ticks / whole)
-                try:
-                    new, flow = self._stepped(state, h, time, inside)
-                    off = self._local_error(earlier, state, new, h)
-                except StepTooLongError:
-                    if level == _DEEPEST:
-                        raise InputError(_never_settles(time)) from None
-                    off = math.inf
-                if off > local and level < _DEEPEST:
-                    level += 1
-                    continue
-                self._keep(record, time, new, flow, inside)
-                earlier, state, before = [*earlier[-1:], (h, state)], new, time
-                ends.append((time, h))
-                done += ticks
-                if len(record) > _MOST_STEPS:
-                    raise InputError(_too_many(time))
-                if level > 0 and off < _EASY * local and done % (2 * ticks) == 0:
-                    level -= 1
-                self._announce(2.0 / 7.0 * before / self._until)
-            chosen.append((inside, start, ends))
-        return chosen, record.run()
-
-    def follow(
-        self,
-        first: State,
-        pieces: Sequence[Piece],
-        parts: int,
-        *,
-        after: float = 0.0,
-        rough: bool = False,
-    ) -> tuple[Run, Bools]:
-        """Return the run with each given step cut in parts, and which times end a given step.
-
-        Parameters
-        ----------
-        after : float
-            Share of the whole work that is done before.
-        rough : bool
-            Whether it may leave what is known of the coil: it only judges another run.
-        """
-        record, state, shared = Record(self._system), first, []
-        for inside, start, ends in pieces:
-            state = self._jumped(state, start, inside, record)
-            shared.append(True)
-            for end, whole in ends:
-                h = whole / parts
-                for part in range(1, parts + 1):
-                    time = end if part == parts else end - (parts - part) * h
-                    for at, new, flow in self._in_pieces(state, h, time, inside):
-                        self._keep(record, at, new, flow, inside, rough=rough)
-                        state = new
-                        shared.append(part == parts and at == time)
-                self._announce(after + parts / 3.5 * end / self._until)
-        return record.run(), np.array(shared)
-
-    def _first_level(self, state: State, longest: float) -> int:
-        """Return how often the longest step is halved after a break, when sources may jump.
-
-        A circuit answers a jump within L/R, which the first step must resolve: the implicit
-        midpoint rule does not damp what it steps over.
-        """
-        coil = self._system.coil
-        if coil is None or coil.source != "voltage" or coil.resistance == 0.0:
-            return _FIRST
-        lag = state.field.inductance / coil.resistance
-        level = math.ceil(math.log2(max(longest / (_PER_LAG * lag), 1.0)))
-        if level > _DEEPEST:
-            raise InputError(
-                f"the coil's circuit answers within {lag:.3g} s (its inductance over its "
-                "resistance), too short to be followed; prescribe the coil's current instead of "
-                "its voltage"
-            )
-        return max(level, _FIRST)
-
-    def _in_pieces(
-        self, state: State, h: float, time: float, inside: float, depth: int = 0
-    ) -> Iterator[tuple[float, State, Flow]]:
-        """Yield the states of a step, which is halved where it does not settle."""
-        try:
-            new, flow = self._stepped(state, h, time, inside)
-        except StepTooLongError:
-            if depth == _DEEPEST:
-                raise InputError(_never_settles(time)) from None
-            for end in (time - 0.5 * h, time):
-                for found in self._in_pieces(state, 0.5 * h, end, inside, depth + 1):
-                    state = found[1]
-                    yield found
-            return
-        yield time, new, flow
-
-    def _stepped(self, state: State, h: float, time: float, inside: float) -> tuple[State, Flow]:
-        """Return the state at `time`, `h` later."""
-        coil = self._sources.coil
-        source = coil.value(time - h, inside), coil.value(time, inside)
-        return self._stepper.step(state, h, self._sources.bimorph.value(time, inside), source)
-
-    def _jumped(self, state: State, time: float, inside: float, record: Record) -> State:
-        """Return the state after the sources' jumps at `time`, recorded."""
-        source = self._sources.coil.value(time, inside)
-        voltage = self._sources.bimorph.value(time, inside)
-        new, flow = self._stepper.jump(state, voltage, source)
-        record.add(time, new, flow, source)
-        return new
-
-    def _local_error(
-        self, earlier: list[tuple[float, State]], state: State, new: State, h: float
-    ) -> float:
-        """Return the step's error over the outputs' scales, by its distance from a predictor."""
-        if not earlier:
-            return 0.0
-        ahead = state.position + h * state.velocity + 0.5 * h * h * state.acceleration
-        off = float(np.abs(self._rows @ (new.position - ahead)).max(initial=0.0))
-        coil = self._system.coil
-        if coil is not None and coil.source == "voltage" and len(earlier) == 2:
-            scale = self._sources.coil.peak / coil.resistance if coil.resistance else math.inf
-            off = max(off, abs(_bend(earlier, state, new, h)) / scale)
-        return off / _PREDICTOR
-
-    def _keep(
-        self,
-        record: Record,
-        time: float,
-        new: State,
-        flow: Flow,
-        inside: float,
-        *,
-        rough: bool = False,
-    ) -> None:
-        """Record a step, if the coil is still where it is known, or that does not matter."""
-        coil = None if rough else self._system.coil
-        if coil is not None and abs(new.current) > coil.largest_current:
-            raise InputError(
-                f"at {time * 1e3:.6g} ms the current is {new.current * 1e3:.6g} mA, beyond the "
-                f"{coil.largest_current * 1e3:.6g} mA to which the co-energy map goes; drive the "
-                "coil less"
-            )
-        if coil is not None and not coil.gaps[0] <= new.gap <= coil.gaps[1]:
-            low, high = coil.gaps
-            raise InputError(
-                f"at {time * 1e3:.6g} ms the gap is {new.gap * 1e6:.6g} um, outside the "
-                f"{low * 1e6:.6g} to {high * 1e6:.6g} um of the co-energy map; give the stops more "
-                "stiffness or drive the coil less"
-            )
-        record.add(time, new, flow, self._sources.coil.value(time, inside))
-
-
-def _bend(earlier: list[tuple[float, State]], state: State, new: State, h: float) -> float:
-    """Return how far the current is from the parabola through the three before it (A)."""
-    (h2, first), (h1, second) = earlier
-    slope1 = (state.current - second.current) / h1
-    slope2 = (second.current - first.current) / h2
-    curve = (slope1 - slope2) / (h1 + h2)
-    return new.current - (state.current + h * (slope1 + curve * (h + h1)))
-
-
-def _never_settles(time: float) -> str:
-    return (
-        f"at {time * 1e3:.6g} ms no step, however short, settles; give the stops less stiffness, "
-        "or the coil's circuit a longer time constant"
-    )
-
-
-def _too_many(time: float) -> str:
-    return (
-        f"more than {_MOST_STEPS} steps are needed, and {time * 1e3:.6g} ms were reached; ask for "
-        "a shorter time or a larger accuracy, or make stops and circuit less stiff"
-    )

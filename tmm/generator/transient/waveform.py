@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
 from tactgen.geometry.errors import InputError
@@ -219,3 +221,17 @@ class Sampled:
     def shortest(self) -> float:
         """Infinite: it is straight between its breaks."""
         return math.inf
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What drives: volts across the bimorph, amperes or volts in the coil."""
+
+    bimorph: Waveform = Constant(0.0)
+    coil: Waveform = Constant(0.0)
+
+
+def between_breaks(sources: Sources, until: float) -> Iterator[tuple[float, float]]:
+    """Yield the pieces from 0 to `until` (s) in which all sources are smooth."""
+    breaks = {*sources.bimorph.breaks(until), *sources.coil.breaks(until)}
+    yield from pairwise(sorted({0.0, until, *breaks}))

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from tactgen.tmm.generator.transient.march import Sources, simulate
+from tactgen.tmm.generator.transient.march import simulate
 from tactgen.tmm.generator.transient.record import output_at
-from tactgen.tmm.generator.transient.waveform import Constant, Sine
+from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources
 from tactgen.validation.checks.coverage.result import Judged
 from tactgen.validation.checks.coverage.scenes import accepted, between
 from tactgen.validation.models.generator.transient import scene_machine

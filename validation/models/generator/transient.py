@@ -12,7 +12,8 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device, Support
 from tactgen.tmm.generator.transient.bimorph import BimorphModes, bimorph_modes
 from tactgen.tmm.generator.transient.machine import LOWER, UPPER, Machine, machine
-from tactgen.tmm.generator.transient.march import Answer, Sources, simulate
+from tactgen.tmm.generator.transient.march import Answer, simulate
+from tactgen.tmm.generator.transient.waveform import Sources
 from tactgen.tmm.ports.springs_dampers_masses import chain_of
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 from tactgen.validation.scene.scene import Scene

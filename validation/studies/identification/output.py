@@ -20,8 +20,8 @@ from tactgen.validation.scene.files import scene_name
 from tactgen.validation.scene.keys import SYMBOLS, value_of
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import FILE_KEYS
+from tactgen.validation.studies.identification.estimates import Estimate, Identification
 from tactgen.validation.studies.identification.fit_quality import Assumption
-from tactgen.validation.studies.identification.identify import Estimate, Identification
 from tactgen.validation.view.formats import engineering
 
 #: Assumptions that shift every estimate by less than this (in percent per percent) are counted.

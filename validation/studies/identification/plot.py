@@ -13,7 +13,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.units import quoted
 from tactgen.validation.studies.identification.curve_model import curve_model
-from tactgen.validation.studies.identification.identify import Identification
+from tactgen.validation.studies.identification.estimates import Identification
 from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, svg
 from tactgen.validation.view.formats import engineering
 

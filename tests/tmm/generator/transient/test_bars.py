@@ -7,9 +7,10 @@ import pytest
 
 from tactgen.tmm.generator.observed_order import error_bar
 from tactgen.tmm.generator.transient.laws import Stop
-from tactgen.tmm.generator.transient.march import Sources, simulate
+from tactgen.tmm.generator.transient.march import simulate
 from tactgen.tmm.generator.transient.pairs import paired, spread
 from tactgen.tmm.generator.transient.system import Element, Output, System
+from tactgen.tmm.generator.transient.waveform import Sources
 
 ONE, UNIT = np.ones(1), np.eye(1)
 

@@ -8,12 +8,20 @@ import pytest
 from scipy.special import ellipk
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient import march
+from tactgen.tmm.generator.transient import march, passes
 from tactgen.tmm.generator.transient.laws import CubicSpring, RoughPoint, Stop
-from tactgen.tmm.generator.transient.march import Sources, simulate, simulate_steps
+from tactgen.tmm.generator.transient.march import simulate, simulate_steps
 from tactgen.tmm.generator.transient.newton import StepTooLongError
 from tactgen.tmm.generator.transient.system import Coil, Element, Friction, Output, System
-from tactgen.tmm.generator.transient.waveform import Chirp, Constant, Sampled, Sine, Square, Step
+from tactgen.tmm.generator.transient.waveform import (
+    Chirp,
+    Constant,
+    Sampled,
+    Sine,
+    Sources,
+    Square,
+    Step,
+)
 from tactgen.validation.checks.cases.magnetics.ideal_gap import IdealGap
 
 ONE, UNIT = np.ones(1), np.eye(1)
@@ -332,21 +340,21 @@ def test_runs_that_lead_nowhere_are_refused(monkeypatch):
     with pytest.raises(InputError, match="beyond the 500 mA to which the co-energy map goes"):
         run(replace(circuit(1.0, 1.0), coil=coil), coil=Constant(1.0))
     with monkeypatch.context() as patch:
-        patch.setattr(march, "_MOST_STEPS", 120)  # no step is longer than a hundredth
+        patch.setattr(passes, "MOST_STEPS", 120)  # no step is longer than a hundredth
         with pytest.raises(InputError, match="steps"):
             run()
 
     def never(*_):
         raise StepTooLongError("never")
 
-    whole = march._Marcher.follow
+    whole = passes.Marcher.follow
 
     def follow(marcher, *args, **options):
-        monkeypatch.setattr(march._Marcher, "_stepped", never)
+        monkeypatch.setattr(passes.Marcher, "_stepped", never)
         return whole(marcher, *args, **options)
 
-    monkeypatch.setattr(march, "_DEEPEST", 8)
-    monkeypatch.setattr(march._Marcher, "follow", follow)
+    monkeypatch.setattr(passes, "_DEEPEST", 8)
+    monkeypatch.setattr(passes.Marcher, "follow", follow)
     for _ in ("in the second pass", "in the first"):
         with pytest.raises(InputError, match="settle"):
             run()

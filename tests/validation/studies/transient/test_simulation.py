@@ -20,10 +20,10 @@ from tactgen.tmm.generator.small_signal import machine as machine_of_ports
 from tactgen.tmm.generator.stops import contact_of
 from tactgen.tmm.generator.transient.laws import Stop
 from tactgen.tmm.generator.transient.machine import machine
-from tactgen.tmm.generator.transient.march import Sources, simulate_steps
+from tactgen.tmm.generator.transient.march import simulate_steps
 from tactgen.tmm.generator.transient.step import Stepper
 from tactgen.tmm.generator.transient.system import Element, Friction, Output, System
-from tactgen.tmm.generator.transient.waveform import Sine, Step
+from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.tmm.ports.springs_dampers_masses import chain_of
 from tactgen.validation.command_line.cli import main

@@ -11,9 +11,17 @@ from hypothesis import strategies as st
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.laws import Stop
-from tactgen.tmm.generator.transient.march import Sources, simulate
+from tactgen.tmm.generator.transient.march import simulate
 from tactgen.tmm.generator.transient.system import Coil, Element, Output, System
-from tactgen.tmm.generator.transient.waveform import Chirp, Constant, Sampled, Sine, Square, Step
+from tactgen.tmm.generator.transient.waveform import (
+    Chirp,
+    Constant,
+    Sampled,
+    Sine,
+    Sources,
+    Square,
+    Step,
+)
 from tactgen.validation.checks.cases.magnetics.ideal_gap import IdealGap
 from tactgen.validation.models.generator.transient import scene_machine
 from tactgen.validation.scene.scene import load_scene

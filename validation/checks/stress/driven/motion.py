@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.tmm.generator.transient.march import Sources, simulate
+from tactgen.tmm.generator.transient.march import simulate
 from tactgen.tmm.generator.transient.record import output_at
-from tactgen.tmm.generator.transient.waveform import Constant, Sine, Waveform
+from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources, Waveform
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.result import Row, answered
 from tactgen.validation.models.generator.transient import scene_machine
