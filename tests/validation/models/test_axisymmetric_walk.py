@@ -11,6 +11,7 @@ from tactgen.fem.reluctance.axisymmetric.walk import FieldWalk
 from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.switching import spring_force
+from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.costs import recorded
 from tactgen.validation.engine.families import find_families
 from tactgen.validation.engine.solve import solve
@@ -133,6 +134,15 @@ def test_gap_current_and_spring_share_one_map_without_a_table(closed, monkeypatc
     assert len(closed) == 1
     (later,) = study_outlook(stated("gap=0.18mm:0.2mm:4", quantities=STROKE))
     assert later.sentences[-1].endswith("it is kept")
+
+
+def test_the_last_line_says_how_many_were_walked(closed, capsys):
+    asked = ["whatif", "reluctance", "--vary", "gap=0.18mm,0.2mm", "--model", "axisymmetric",
+             "--quantity", "magnetic_force", "--jobs", "1"]  # fmt: skip
+    assert main(asked) == 0
+    assert "2 answers computed (2 of them each from others), 0 kept" in capsys.readouterr().err
+    assert main(asked) == 0
+    assert "0 answers computed, 2 kept" in capsys.readouterr().err
 
 
 @pytest.fixture

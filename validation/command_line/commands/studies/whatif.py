@@ -206,10 +206,12 @@ def _show(
         print("\n".join([*table_lines(study), *(sentences(study, found) if found else ())]))
     counts = study.counts
     where = f", written to {options.out}" if options.out else ""
-    together = f" ({counts.together} of them together)" if counts.together else ""
+    ways = [f"{counts.together} of them together"] if counts.together else []
+    ways += [f"{counts.walked} of them each from others"] if counts.walked else []
+    said = f" ({', '.join(ways)})" if ways else ""
     print(
-        f"{len(study.points)} points: {counts.computed} answers computed{together}, "
-        f"{counts.recalled} kept "
+        f"{len(study.points)} points: {counts.computed} answers computed"
+        f"{said}, {counts.recalled} kept "
         f"from before, {counts.failed} failed, {counts.refused} refused{where}",
         file=sys.stderr,
     )
