@@ -112,6 +112,22 @@ def test_coupling_factor_counts_with_what_static_numbers_count_with(both):
     assert opened.rounding[0] >= known.static_share * k**2 / (1.0 - k**2)
 
 
+@pytest.mark.parametrize("name", ["solid", "cad"])
+def test_what_a_mode_counts_with_at_least_is_no_coupling(both, name):
+    """It moves the first frequency alike in both circuits: k² = 1 − (f_s/f_o)² stays.
+
+    Of two circuits' own, a tenth of what torsion is off by came back divided by k², up to four
+    times the coupling factor itself.
+    """
+    moved = []
+    for open_circuit in (False, True):
+        modes = both.models[name].modes(open_circuit=open_circuit)
+        by_least = modes.coarser[1][0]
+        moved.append(by_least.first_bending / modes.fine.first_bending)
+    assert moved[0] == pytest.approx(moved[1], rel=1e-14)
+    assert moved[0] > 1.0
+
+
 def test_an_open_circuit_counts_with_the_charge_by_its_own_share_alone(both):
     """A static goal that hardly gained makes its factor wide, up to 12.5.  On a rod 1.8 on all of
     the frequency was a bar of 1.5 % at open circuit beside 0.5 % at short circuit."""

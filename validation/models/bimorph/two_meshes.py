@@ -177,10 +177,11 @@ class TwoMeshModel(BimorphModel):
 
     def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
         modal = self._modal()
-        fine, coarse = (
-            Modes(np.array([m.frequency for m in found]), tuple(m.kind for m in found))
-            for found in self._lowest(open_circuit=open_circuit)
-        )
+        fine, coarse = self._both(open_circuit=open_circuit)
+        least = _least(fine, coarse)
+        if open_circuit:
+            # the same as of short circuit: what moves both alike says nothing of their coupling
+            least |= _least(*self._both(open_circuit=False))
         # a cantilever's modes have a quarter of the mass; frequencies go as the root
         stiffness = (2.0 * np.pi * fine.frequencies) ** 2 * modal.mass / 4.0
         rounding = 0.5 * modal.spurious_stiffness / stiffness
@@ -192,15 +193,22 @@ class TwoMeshModel(BimorphModel):
             added, less = modal.stiffened(self.scene.ends, int(bends.sum()))
             stiffer[bends] *= np.sqrt((1.0 + less) / (1.0 + added))
             rounding[bends] += modal.static_share * added
-        coarse = _matched(fine, coarse)
         parts = ((bends, bending), (~bends, others))
         coarser = tuple(
             (_only(of, fine, other), factor)
             for of, factor in parts
-            for other in (coarse, _moved(fine, coarse))
+            for other in (coarse, _moved(fine, least))
         )
         coarser += ((Modes(stiffer, fine.classes), modal.static_factor),)
         return Refined(fine, coarser, modal.method, rounding)
+
+    def _both(self, *, open_circuit: bool) -> tuple[Modes, Modes]:
+        """Return the modes on the finer mesh, and their partners on the coarser."""
+        fine, coarse = (
+            Modes(np.array([m.frequency for m in found]), tuple(m.kind for m in found))
+            for found in self._lowest(open_circuit=open_circuit)
+        )
+        return fine, _matched(fine, coarse)
 
     def motions(self, *, open_circuit: bool) -> dict[Motion, int]:
         """Return how many of the lowest modes of :meth:`modes` each class of motion has."""
@@ -256,17 +264,23 @@ def _only(of: Bools, fine: Modes, coarse: Modes) -> Modes:
     return Modes(np.where(of, coarse.frequencies, fine.frequencies), fine.classes)
 
 
-def _moved(fine: Modes, coarse: Modes) -> Modes:
-    """Return the modes moved by what each of its class counts with at least.
+def _least(fine: Modes, coarse: Modes) -> dict[str, float]:
+    """Return the relative difference that the modes of each class count with at least.
 
     A mode that is alone in its class has all others for neighbours.
     """
-    kinds, frequencies = np.array(fine.classes), fine.frequencies.copy()
-    for kind in set(fine.classes):
+    kinds, found = np.array(fine.classes), {}
+    for kind in dict.fromkeys(fine.classes):
         of = kinds == kind
         near = of if of.sum() > 1 else np.ones_like(of)
-        frequencies[of] *= 1.0 + least_difference(fine.frequencies[near], coarse.frequencies[near])
-    return Modes(frequencies, fine.classes)
+        found[kind] = least_difference(fine.frequencies[near], coarse.frequencies[near])
+    return found
+
+
+def _moved(fine: Modes, least: dict[str, float]) -> Modes:
+    """Return the modes moved by what each of its class counts with at least."""
+    shares = np.array([least[kind] for kind in fine.classes])
+    return Modes(fine.frequencies * (1.0 + shares), fine.classes)
 
 
 def _matched(fine: Modes, coarse: Modes) -> Modes:
