@@ -13,6 +13,7 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import DrivenReadout
 from tactgen.validation.engine.model import Model
 from tactgen.validation.engine.reading import read
+from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import Scene
 
 #: A beam shorter than this many thicknesses is no longer slender.
@@ -52,16 +53,21 @@ def slenderness_warnings(scene: Scene, models: Sequence[str]) -> tuple[str, ...]
 
 
 def stress_warnings(
-    scene: Scene, models: Mapping[str, Model], quantities: Sequence[str]
+    scene: Scene, models: Mapping[str, Model], quantities: Sequence[str], found: Sequence[Quantity]
 ) -> tuple[str, ...]:
-    """Return a warning if the ceramic is strained beyond its strength at an asked frequency."""
+    """Return a warning if the ceramic is strained beyond its strength at an asked frequency.
+
+    The stress is taken from what was `found`, if it was asked for.
+    """
     asked = [
         name for name in quantities if QUANTITIES[name].by_frequency and _follows_voltage(name)
     ]
     able = [name for name in models if any(gives(name, quantity) for quantity in asked)]
     if not able or len(scene.frequency) > _FREQUENCIES:
         return ()
-    stress = read(CERAMIC_STRESS, models[ranked(able)[-1]]).value
+    best = ranked(able)[-1]
+    known = [q.value for q in found if (q.name, q.model) == (CERAMIC_STRESS.name, best)]
+    stress = known[0] if known else read(CERAMIC_STRESS, models[best]).value
     limit = scene.limits.ceramic_strength
     if not np.nanmax(stress, initial=0.0) > limit:
         return ()

@@ -107,7 +107,7 @@ def solve(
         warnings += model.warnings(quantities)
     warnings += accuracy_warnings(scene, found)
     warnings += deflection_warnings(scene, found)
-    warnings += stress_warnings(scene, made, quantities)
+    warnings += stress_warnings(scene, made, quantities, found)
     record({stage: stages.seconds[stage] for stage in stages.computed})
     # models of one theory say the same
     return Solution(scene, tuple(found), plan, tuple(dict.fromkeys(warnings)), made, stages)

@@ -187,20 +187,18 @@ class _Place:
         border = np.zeros((self.size, PORTS), dtype=np.result_type(stretch.border, foot, tip))
         border[:between] = stretch.border
         corner = np.array(stretch.corner, dtype=border.dtype)
-        entries = [stretch.inner.tocoo()]
+        of_ends = []
         for end, matrix in ((self.foot, foot), (self.tip, tip)):
             at = self.of(end)[:-PORTS]
             border[at] += matrix[:-PORTS, -PORTS:]
             corner = corner + matrix[-PORTS:, -PORTS:]
             rows, columns = np.meshgrid(at, at, indexing="ij")
-            values = (matrix[:-PORTS, :-PORTS].ravel(), (rows.ravel(), columns.ravel()))
-            entries.append(sparse.coo_matrix(values, shape=(self.size, self.size)))
-        data, rows, columns = (
-            np.concatenate([getattr(part, name) for part in entries])
-            for name in ("data", "row", "col")
-        )
-        inner = sparse.csr_matrix((data, (rows, columns)), shape=(self.size, self.size))
-        inner.sum_duplicates()
+            of_ends.append((matrix[:-PORTS, :-PORTS].ravel(), rows.ravel(), columns.ravel()))
+        data, rows, columns = (np.concatenate(part) for part in zip(*of_ends, strict=True))
+        shape = (self.size, self.size)
+        starts = np.pad(stretch.inner.indptr, (0, self.size - between), mode="edge")
+        inner = sparse.csr_matrix((stretch.inner.data, stretch.inner.indices, starts), shape=shape)
+        inner = inner + sparse.csr_matrix((data, (rows, columns)), shape=shape)
         return Bordered(inner, border, corner)
 
 
