@@ -5,14 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tactgen.geometry.device.parameters import Device
+from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.reluctance.circuit import CELLS
-from tactgen.tmm.reluctance.coenergy.fit import fit
+from tactgen.tmm.reluctance.coenergy.fit import fit, thinned
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.validation.catalogue.models import map_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.generator.small_signal import (
+from tactgen.validation.models.generator.judged_rod import (
+    HalvedMap,
     judged_by_map,
     judged_by_network,
     machine_of,
@@ -126,6 +129,23 @@ def test_bars_of_the_network_cover_what_finer_ladders_say(current):
     for of in NUMBERS:
         found = of_rod(rod, of)
         assert 0.0 < abs(found.value - of(better)) <= found.bar < 0.05 * abs(found.value)
+
+
+def test_slopes_that_agree_by_chance_count_as_those_around():
+    """Where ∂λ/∂i of a map and of half its samples cross, they still count as apart."""
+    whole = network_pull(Device())
+    half, _ = thinned(whole)
+    gap, currents = 0.1e-3, np.linspace(0.3, 0.9, 200) * whole.current_limit
+    apart = half.incremental_inductance(currents, gap) - whole.incremental_inductance(currents, gap)
+    k = int(np.flatnonzero(apart[1:] * apart[:-1] < 0.0)[0])
+    share = apart[k] / (apart[k] - apart[k + 1])
+    at = float(currents[k] + share * (currents[k + 1] - currents[k]))
+    here, there, moved = (
+        float(of.incremental_inductance(at, gap)) for of in (whole, half, HalvedMap(whole, half))
+    )
+    counted, crossing = abs(moved - here), abs(there - here)
+    assert crossing < 0.1 * np.abs(apart).max()
+    assert 0.1 * np.abs(apart).max() < counted < 2.0 * np.abs(apart).max()
 
 
 def test_where_the_network_holds_no_rod_near_a_place_it_is_looked_for_anew():

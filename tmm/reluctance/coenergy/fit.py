@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.coenergy.map import (
     CoenergyMap,
@@ -37,6 +37,9 @@ _LEAST = 1e-9
 #: What remains of the error when the samples lie twice as dense.  Smooth samples leave an
 #: eighth; magnetisation curves from tables have kinks, which can leave a half.
 _REMAINS = 0.5
+#: The same of gaps alone: cubics in the gap leave a sixteenth in the flux linkage and an eighth in
+#: the force, their slope.  Twice the eighth is taken, as the kinks move with the gap.
+_REMAINS_OF_GAPS = 0.25
 
 #: Below this share of the largest value at the same gap, errors are judged against the share;
 #: pulls count relative to no less than this share of the largest at a lower current.
@@ -55,14 +58,16 @@ def fit(samples: Samples) -> CoenergyMap:
     """
     _check(samples)
     found = _fitted(samples)
-    left_out = _miss(_fitted(_every_second(samples)), samples)
-    return replace(
-        found,
-        interpolation_error=MapError(
-            max(_REMAINS * left_out.flux_linkage, found.residual.flux_linkage),
-            max(_REMAINS * left_out.force, found.residual.force),
-        ),
-    )
+    i, g = _kept(samples)
+    fewer_currents = _miss(_fitted(_picked(samples, i, np.arange(samples.gap.size))), samples)
+    fewer_gaps = _miss(_fitted(_picked(samples, np.arange(samples.current.size), g)), samples)
+
+    def between(name: str) -> float:
+        currents, gaps = (float(getattr(of, name)) for of in (fewer_currents, fewer_gaps))
+        left = _REMAINS * currents + _REMAINS_OF_GAPS * gaps
+        return max(left, float(getattr(found.residual, name)))
+
+    return replace(found, interpolation_error=MapError(between("flux_linkage"), between("force")))
 
 
 def thinned(found: CoenergyMap) -> tuple[CoenergyMap, float]:
@@ -71,7 +76,7 @@ def thinned(found: CoenergyMap) -> tuple[CoenergyMap, float]:
     That factor times the distance of an answer by the one from the answer by the other is the
     error that the samples' density leaves in the answer.
     """
-    return _fitted(_every_second(found.samples)), _REMAINS
+    return _fitted(_picked(found.samples, *_kept(found.samples))), _REMAINS
 
 
 def _check(samples: Samples) -> None:
@@ -196,18 +201,19 @@ def _positive_least_squares(rows: Floats, targets: Floats) -> Floats:
     return np.asarray(above / size + least)
 
 
-def _every_second(samples: Samples) -> Samples:
-    """Return the samples without every second current above zero and every second gap.
+def _kept(samples: Samples) -> tuple[Ints, Ints]:
+    """Return which currents and gaps are left when every second goes.
 
-    The first current goes, so that the stretch down to zero is judged too; other ends stay.
+    The first current above zero goes, so that the stretch down to zero is judged too; other ends
+    stay.
     """
     n, m = samples.flux_linkage.shape
     zeros = int(np.count_nonzero(samples.current == 0.0))
     i = np.unique([*range(zeros), *range(zeros + 1, n, 2), n - 1])
-    return _picked(samples, i, np.unique([*range(0, m, 2), m - 1]))
+    return i, np.unique([*range(0, m, 2), m - 1])
 
 
-def _picked(samples: Samples, i: Floats, g: Floats) -> Samples:
+def _picked(samples: Samples, i: Ints, g: Ints) -> Samples:
     grid = np.ix_(i, g)
     return replace(
         samples,

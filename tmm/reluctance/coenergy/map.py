@@ -95,7 +95,7 @@ class CoenergyMap:
     residual : MapError
         How far the surface misses its own samples.
     interpolation_error : MapError
-        Error between samples, estimated by leaving samples out.
+        Error anywhere, estimated by leaving samples out and no less than the residual.
     """
 
     samples: Samples

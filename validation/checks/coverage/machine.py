@@ -23,11 +23,8 @@ from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.stages import Stages
-from tactgen.validation.models.generator.small_signal import (
-    JudgedRod,
-    SmallSignal,
-    rod_by_network,
-)
+from tactgen.validation.models.generator.judged_rod import JudgedRod, rod_by_network
+from tactgen.validation.models.generator.small_signal import SmallSignal
 from tactgen.validation.scene.scene import Scene, load_scene
 
 #: How many times as many cells as the map's the references' ladders have: of switching currents,
@@ -57,7 +54,7 @@ def judge_map(rng: np.random.Generator) -> list[Judged]:
         known = getattr(right, name)
         off = np.abs(getattr(surface, name)(right.current[:, None], gaps) - known)
         error = off / np.maximum(np.abs(known), 0.1 * np.abs(known[-1]))
-        bar = sum(getattr(of, name) for of in (surface.residual, surface.interpolation_error))
+        bar = getattr(surface.interpolation_error, name)
         found.append(Judged(where, name, float(error.max()), bar))
     return found
 

@@ -45,11 +45,8 @@ class BimorphModel(Model):
 
     def _machine(self, need: Need) -> Any:
         """Return the machine's answer, with this bimorph on its rod."""
-        from tactgen.validation.models.generator.small_signal import (
-            SmallSignal,
-            machine_of,
-            measured_poles,
-        )
+        from tactgen.validation.models.generator.judged_rod import machine_of
+        from tactgen.validation.models.generator.small_signal import SmallSignal, measured_poles
 
         pull = importlib.import_module(MAPS).map_of(self.scene, self.stages)
         linear = self.run("machine", lambda: machine_of(self.scene, pull))

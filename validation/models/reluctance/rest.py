@@ -117,8 +117,9 @@ def position_bar(
     forces: AxialForces, pull: CoenergyMap, current: float, place: RestingPlace
 ) -> float:
     """Return how far (m) the map's own error moves a resting place."""
-    error = pull.interpolation_error.force + pull.residual.force
-    return error * abs(float(pull.force(current, forces.gap(place.lift))) / place.stiffness)
+    return pull.interpolation_error.force * abs(
+        float(pull.force(current, forces.gap(place.lift))) / place.stiffness
+    )
 
 
 def _places(forces: AxialForces, pull: CoenergyMap, current: float) -> MeasuredList:

@@ -25,8 +25,9 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.reluctance import PULL_IN_CURRENT
 from tactgen.validation.engine.results import Measured
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.generator.judged_rod import machine_of, of_rod
 from tactgen.validation.models.generator.rod_loop import RodLoop, rod_loop
-from tactgen.validation.models.generator.small_signal import machine_of, measured_poles, of_rod
+from tactgen.validation.models.generator.small_signal import measured_poles
 from tactgen.validation.models.reluctance.model import NetworkModel
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study

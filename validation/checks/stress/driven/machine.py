@@ -123,15 +123,15 @@ def edge_row(quick: bool) -> Row:
         for gap in (near, 0.5 * (near + far), far):
             exact = network_samples(device, np.array([0.0, current]), np.array([gap]))
             linkage, force = float(exact.flux_linkage[1, 0]), float(exact.force[1, 0])
-            bars = surface.residual, surface.interpolation_error
+            bar_of = surface.interpolation_error
             where = f"{current:.3g} A, {1e6 * gap:.3g} µm"
             # relative to a tenth of the largest at that gap, where less: so the map states it
             largest = network_samples(device, np.array([0.0, most]), np.array([gap]))
             for name, value, known, top, bar in (
                 ("λ", surface.flux_linkage(current, gap), linkage, largest.flux_linkage[1, 0],
-                 sum(b.flux_linkage for b in bars)),
+                 bar_of.flux_linkage),
                 ("F", surface.force(current, gap), force, largest.force[1, 0],
-                 sum(b.force for b in bars)),
+                 bar_of.force),
             ):  # fmt: skip
                 size = max(abs(known), 0.1 * abs(float(top)))
                 family.add(f"{where}, {name}", abs(float(value) - known) / size, bar)
