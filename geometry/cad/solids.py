@@ -244,7 +244,7 @@ def write_glb(assembly: cq.Assembly, path: str | Path, deflection: float = 2e-3)
     from OCP.TCollection import TCollection_AsciiString
     from OCP.TColStd import TColStd_IndexedDataMapOfStringString
 
-    _, document = toCAF(assembly, True, True, deflection, 0.2)
+    _, document = toCAF(assembly, mesh=True, tolerance=deflection, angularTolerance=0.2)
     with written_whole(path) as temporary:
         # cadquery's own writer would call our millimetres metres
         writer = RWGltf_CafWriter(TCollection_AsciiString(str(temporary)), True)

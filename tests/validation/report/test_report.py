@@ -1,6 +1,7 @@
 """The report: complete, self-contained, written in one piece; exports beside it."""
 
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -19,7 +20,7 @@ from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.design import length_section
 from tactgen.validation.studies.uncertainty import propagation
 from tactgen.validation.view.browser import find_browser
-from tactgen.validation.view.formats import engineering, percent, share, with_bar
+from tactgen.validation.view.formats import engineering, percent, prefixed, share, with_bar
 from tactgen.validation.view.pdf_pages import anchor_pages
 
 
@@ -186,6 +187,19 @@ def test_missing_library_is_one_sentence(monkeypatch):
     monkeypatch.setitem(system_libraries._PACKAGE, "libnothing.so", "libosmesa6")
     with pytest.raises(InputError, match="apt-get install --no-install-recommends libosmesa6"):
         system_libraries.require_library("libnothing.so", "pictures")
+
+
+def test_numbers_that_are_none_and_bars_of_nothing():
+    """What is not finite is said in words; a value without an error keeps seven digits."""
+    assert [percent(x) for x in (math.nan, 1e-12, -2e-6, 0.5)] == [
+        "n/a", "0 %", "-2e-04 %", "+50.000 %",
+    ]  # fmt: skip
+    assert [share(x) for x in (math.inf, 0.0123)] == ["n/a", "1.2 %"]
+    assert prefixed(3e-5, "m") == (pytest.approx(1e6), "µm")
+    assert prefixed(3e-5, "1") == prefixed(0.0, "1") == (1.0, "1")
+    assert prefixed(math.inf, "m") == (1.0, "m")
+    assert with_bar(1.23456789e-3, 0.0, "m") == "1.234568 mm"
+    assert with_bar(1.23456789e-3, math.nan, "m") == "1.2346 mm (no error bar)"
 
 
 def test_numbers_for_people():

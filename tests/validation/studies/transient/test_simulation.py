@@ -260,6 +260,28 @@ def test_a_run_that_nothing_drives_says_so(capsys):
     )
 
 
+def test_what_a_run_is_warned_of(capsys, monkeypatch):
+    """A load whose law is not met, bars beyond what was asked for, a rod through its sleeve."""
+    run = SimpleNamespace(time=np.array([0.0, 1e-3, 2e-3, 3e-3]))
+    found = SimpleNamespace(
+        load_misfit=0.02, sideways=np.array([0.0, 1e-6, 3e-6, 2.5e-6]), flange_gap=2e-6,
+        answer=SimpleNamespace(error=0.5, certain_until=1.5e-3, run=run),
+    )  # fmt: skip
+    monkeypatch.setattr(transient, "run_scene", lambda *_, **__: found)
+    monkeypatch.setattr(simulate, "_print", lambda _: None)
+    assert main(["simulate", "paper", "--voltage", "1 V", "--accuracy", "0.1"]) == 0
+    load, bars, rod = capsys.readouterr().err.splitlines()
+    assert load.endswith("which only take energy; they are up to 2 % off its law of frequency")
+    assert "the accuracy of 0.1 holds until 1.5 ms" in bars
+    assert "from 2 ms on the flange is up to 3 um off the middle, through the sleeve 2 um" in rod
+
+
+@pytest.mark.parametrize("text", ["5e-7", "0.6", "nan", "fine"])
+def test_an_accuracy_out_of_range_is_refused(capsys, text):
+    assert main(["simulate", "paper", "--voltage", "1 V", "--accuracy", text]) == 2
+    assert f'--accuracy "{text}" is not between 1e-6 and 0.5' in capsys.readouterr().err
+
+
 def test_an_oscillation_is_told_from_a_drift():
     """Half a period of two tips that swing by 3 µm, one drifting by 20: the phase's own, 3 µm."""
     time = np.linspace(0.0, 4e-3, 3000) ** 2 / 4e-3  # steps of all lengths, as a run's
