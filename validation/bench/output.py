@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -12,16 +11,16 @@ from typing import Any
 from tactgen.geometry.csv_rows import write_csv
 from tactgen.geometry.files import write_text
 from tactgen.validation.bench.result import Bench, Timing
+from tactgen.validation.view.console import console
 from tactgen.validation.view.figures import ORANGE, panels, plain_numbers, svg
 from tactgen.validation.view.formats import engineering
 
 
 def print_bench(parts: Iterable[Bench]) -> None:
     """Print two tables per part: the ways of computing, and the requirements."""
-    from rich.console import Console
     from rich.table import Table
 
-    console = Console(width=None if sys.stdout.isatty() else 170)
+    screen = console(170)
     for part in parts:
         ways = Table(title=f"{part.part}: time against error ({part.seconds:.0f} s)")
         columns = part.timings[0].columns
@@ -29,7 +28,7 @@ def print_bench(parts: Iterable[Bench]) -> None:
             ways.add_column(name, justify="left" if name in _WORDS else "right")
         for timing in part.timings:
             ways.add_row(*timing.cells)
-        console.print(ways)
+        screen.print(ways)
         wanted = Table(title=f"{part.part}: requirements")
         for name in ("requirement", "wanted", "measured", "", "how"):
             wanted.add_column(name)
@@ -40,8 +39,8 @@ def print_bench(parts: Iterable[Bench]) -> None:
             measured = engineering(target.measured, target.unit, 3)
             verdict = "met" if target.met else "not met"
             wanted.add_row(target.what, limit, measured, verdict, target.how)
-        console.print(wanted)
-        console.print(part.conditions)
+        screen.print(wanted)
+        screen.print(part.conditions)
 
 
 _WORDS = ("way", "range", "fineness", "result", "job")

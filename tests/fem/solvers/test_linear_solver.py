@@ -305,6 +305,15 @@ def test_perturbed_pivots_are_counted():
     assert line.perturbed_pivots == 1
 
 
+@needs_mkl
+def test_a_fault_of_the_library_is_said():
+    """An indefinite matrix that was said to be definite has a pivot that is not positive."""
+    upper = sparse.csr_matrix(np.array([[1.0, 2.0], [0.0, 1.0]]))
+    matrix = pardiso.Pardiso(upper.indptr, upper.indices, complex_numbers=False, definite=True)
+    with pytest.raises(pardiso.PardisoError, match="singular"):
+        matrix.factorise(upper.data)
+
+
 def test_unknown_library_is_refused(monkeypatch):
     """Asking for Pardiso without MKL is an explained error, and auto falls back."""
     monkeypatch.setattr(linear_solver, "mkl", lambda: None)

@@ -211,17 +211,17 @@ def test_gradients_of_polynomials_are_exact(solution):
 
 
 def test_gradients_on_tetrahedra_are_exact_for_quadratics():
-    """Two straight tetrahedra of two regions; a quarter stands for the whole."""
-    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]]) + 1.0
-    cells = np.array([[0, 1, 2, 3], [1, 2, 3, 4]])
-    mesh = Mesh(corners, cells, "tetra", np.array([0, 1]), ("shim", "piezo_top"), {})
+    """Three straight tetrahedra, two of one region; a quarter stands for the whole."""
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [0, 0, -1]]) + 1.0
+    cells = np.array([[0, 1, 2, 3], [1, 2, 3, 4], [0, 2, 1, 5]])
+    mesh = Mesh(corners, cells, "tetra", np.array([0, 1, 0]), ("shim", "piezo_top"), {})
     ends = np.array([(i, j) for c in cells for i in c for j in c if i < j])
     nodes = np.vstack([corners, np.unique(corners[ends].mean(axis=1), axis=0)])
     x, y, z = nodes.T
     sampler = TetSampler(mesh, nodes)
     _, gradients = sampler.sample((x**2 + 3.0 * x * y + z)[:, None])
     x, y, z = sampler.mesh.points.T
-    assert len(sampler.mesh.points) == 20  # each region has its own ten
+    assert len(sampler.mesh.points) == 24  # ten more where regions meet, six shared within one
     exact = np.stack([2 * x + 3 * y, 3 * x, np.ones_like(z)], axis=1)
     assert gradients[:, 0] == pytest.approx(exact)
 

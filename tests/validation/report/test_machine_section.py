@@ -16,7 +16,7 @@ from tactgen.validation.report.page import summary, templates
 from tactgen.validation.report.request import check_report
 from tactgen.validation.report.sections import large_motion
 from tactgen.validation.report.sections.contents import sections
-from tactgen.validation.report.sections.machine import MOTIONS, POSITIONS, SUPPORT
+from tactgen.validation.report.sections.machine import MOTIONS, POSITIONS, SUPPORT, _maps_asked
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.uncertainty import propagation
@@ -37,6 +37,16 @@ def words(section, of, shown):
     text = re.sub(r"\s+", " ", re.sub(r"<svg.*?</svg>|<[^>]+>", " ", html, flags=re.DOTALL))
     assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", text)
     return text
+
+
+@pytest.mark.parametrize(
+    ("models", "compared"),
+    [("tmm,network", []), ("tmm,beam", []), ("tmm,axisymmetric,network", True)],
+)
+def test_maps_are_compared_where_two_are_asked_for(models, compared):
+    """Models of the normal actuator alone; one is compared with nothing."""
+    asked = _maps_asked(load_scene("generator", [f"models={models}"])[0])
+    assert sorted(asked) == (["axisymmetric", "network"] if compared else [])
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ from tactgen.geometry.cad import system_libraries
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh_files import read_mesh
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
 from tactgen.validation.report.figures.bimorph import response_values
 from tactgen.validation.report.page import _with_pages, print_report, write_report
 from tactgen.validation.scene.scene import load_scene
@@ -179,6 +180,8 @@ def test_exported_files_are_complete(tmp_path, capsys):
     assert glb.read_bytes()[:4] == b"glTF"
     written = read_mesh(mesh)
     assert set(written.regions) == {"piezo_top", "piezo_bottom", "shim"}
+    finest = mesh_pair(load_scene("j1", ["mesh.level=2"])[0]).meshes[0]
+    assert len(written.cells) == len(cells_of(finest).cells)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["g.glb", "g.step", "m.vtu"]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
@@ -15,6 +14,7 @@ from tactgen.geometry.files import write_text
 from tactgen.validation.checks.stress import run_parts
 from tactgen.validation.checks.stress.plots import approach_plot, map_plot
 from tactgen.validation.checks.stress.result import ErrorMap, Row, Stress
+from tactgen.validation.view.console import console
 
 
 def section(
@@ -31,10 +31,9 @@ def section(
 
 def print_stress(parts: Sequence[Stress]) -> None:
     """Print one table of all parts, what was said where there is no answer, and what is meant."""
-    from rich.console import Console
     from rich.table import Table
 
-    console = Console(width=None if sys.stdout.isatty() else 200)
+    screen = console(200)
     table = Table(title="worst errors, against what was promised of each answer")
     for name in _CELLS:
         table.add_column(name, justify="right" if name in _NUMBERS else "left")
@@ -42,12 +41,12 @@ def print_stress(parts: Sequence[Stress]) -> None:
         for row in part.rows:
             table.add_row(part.part, *(cell(row) for cell in list(_CELLS.values())[1:]))
         table.add_section()
-    console.print(table)
+    screen.print(table)
     for part in parts:
         for words, count in Counter(w for row in part.rows for w in row.refusals).items():
-            console.print(f"{part.part}: refused {count} x: {words}", markup=False)
+            screen.print(f"{part.part}: refused {count} x: {words}", markup=False)
     for part in parts:
-        console.print(f"{part.part} ({part.seconds:.0f} s): {part.statement}", markup=False)
+        screen.print(f"{part.part} ({part.seconds:.0f} s): {part.statement}", markup=False)
 
 
 _CELLS: dict[str, Callable[[Row], str]] = {

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.fem.bimorph.ports import direct_multiport
-from tactgen.fem.bimorph.reduction.extremes import extremes, motions, standard_ends
+from tactgen.fem.bimorph.reduction.extremes import _GRID, extremes, motions, standard_ends
 from tactgen.fem.bimorph.reduction.krylov import port_error, reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.solvers.linear_solver import factorise
@@ -83,6 +83,10 @@ def test_turning_points_are_found(reduced):
     rise = np.sign(np.diff(size))
     for i in np.flatnonzero(rise[1:] != rise[:-1]):
         assert np.abs(at - grid[i + 1]).min() <= grid[1] - grid[0]
+    # a range that ends just above the last of them still holds it
+    last = at[-1]
+    again = extremes(reduced.fine, 500.0, last * (1.0 + 1.2 / _GRID), (clamped,))
+    assert again[-1] == pytest.approx(last, rel=1e-4)
 
 
 def test_poor_basis_is_seen(system):
