@@ -21,17 +21,17 @@ from tactgen.tmm.beam.transfer.scattering import Element, element_stiffness
 from tactgen.tmm.ports.terminations import base_stiffness, tip_stiffness
 
 #: Stations along a row, about.
-STATIONS = 80
+_STATIONS = 80
 
 
-def cut(row: Row, stations: int = STATIONS) -> Row:
+def cut(row: Row) -> Row:
     """Return the row with its beams divided, so that there are about so many stations."""
     total = sum(float(length) for _, length in row)
     parts: list[Element] = []
     for element, length in row:
         number = 1
         if isinstance(element, Section):
-            number = max(1, math.ceil(stations * float(length) / total))
+            number = max(1, math.ceil(_STATIONS * float(length) / total))
         parts += [(element, float(length) / number)] * number
     return parts
 

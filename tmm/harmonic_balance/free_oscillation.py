@@ -21,7 +21,6 @@ def free_oscillation(
     turning_point: float,
     guess: Orbit,
     *,
-    coordinate: int = 0,
     resolution: Resolution | None = None,
 ) -> Orbit:
     """Return the free oscillation that passes a turning point.
@@ -31,7 +30,7 @@ def free_oscillation(
     oscillator : Oscillator
         Without losses: what damps is an error of the answer, not noticed.
     turning_point : float
-        Motion of the coordinate at the instant at which all is at rest.
+        Motion of the first coordinate at the instant at which all is at rest.
     guess : Orbit
         Of about that frequency and motion; only real parts are used.
 
@@ -43,19 +42,19 @@ def free_oscillation(
     resolution = resolution or Resolution()
     orbit = guess.with_harmonics(max(guess.harmonics, resolution.least))
     while True:
-        orbit = _solved(oscillator, turning_point, orbit, coordinate)
+        orbit = _solved(oscillator, turning_point, orbit)
         enough = missing_motion(oscillator, orbit) <= resolution.missing
         if enough or orbit.harmonics >= resolution.most:
             return orbit
         orbit = orbit.with_harmonics(resolution.more(orbit.harmonics))
 
 
-def _solved(oscillator: Oscillator, turning_point: float, guess: Orbit, coordinate: int) -> Orbit:
+def _solved(oscillator: Oscillator, turning_point: float, guess: Orbit) -> Orbit:
     k, harmonics = oscillator.size, guess.harmonics
     # of the real unknowns (and of the equations) those that are cosines
     harmonic = np.repeat(np.arange(2 * harmonics + 1), k)
     cosines = (harmonic % 2 == 1) | (harmonic == 0)
-    at_turn = np.tile(np.eye(k)[coordinate], harmonics + 1)
+    at_turn = np.tile(np.eye(k)[0], harmonics + 1)
 
     def orbit(y: Floats) -> Orbit:
         if y[-1] <= 0.0:

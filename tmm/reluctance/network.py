@@ -78,12 +78,12 @@ def fine_and_coarse(
     return fine, coarse
 
 
-def iron_beyond_table(device: Device, current: float, gap: float, cells: int = CELLS) -> float:
+def iron_beyond_table(device: Device, current: float, gap: float) -> float:
     """Return the share of the iron's volume beyond the end of a curve that ends early.
 
     Zero for a curve that goes on until the steel is saturated.
     """
-    ladder = circuit(device, np.array([gap]), FULL, cells)
+    ladder = circuit(device, np.array([gap]), FULL, CELLS)
     if ladder.curve is None or not ladder.curve.ends_early:
         return 0.0
     flux = solve(ladder, np.array([current])).flux[0, 0]

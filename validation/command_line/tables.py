@@ -15,6 +15,8 @@ from tactgen.validation.view.formats import engineering, share
 
 #: Arrays over frequency longer than this are shown at a few of their points.
 _SHOWN = 12
+#: Digits of a value.
+_DIGITS = 7
 
 
 def print_quantities(solution: Solution) -> None:
@@ -39,14 +41,14 @@ def print_plan(scene: str, plan: Plan, prospects: dict[str, Prospect]) -> None:
         print(f"  {skip.stage:23} {skip.reason}")
 
 
-def format_value(value: Any, unit: str, digits: int = 7) -> str:
+def format_value(value: Any, unit: str) -> str:
     """Return a real number with its unit, or magnitude and phase of a complex one."""
     if np.iscomplexobj(value):
         phase = math.degrees(math.atan2(value.imag, value.real))
-        return f"{engineering(abs(value), unit, digits)} ∠ {phase:.2f}°"
+        return f"{engineering(abs(value), unit, _DIGITS)} ∠ {phase:.2f}°"
     if math.isnan(value):
         return "no value"
-    return engineering(float(value), unit, digits)
+    return engineering(float(value), unit, _DIGITS)
 
 
 def _rows(q: Quantity) -> list[tuple[str, str, str]]:

@@ -18,10 +18,10 @@ _TURNS, _AREA, _GAP, _STIFFNESS = 500.0, 4e-6, 0.2e-3, 100.0
 
 
 @cache
-def _snap(points: int = 48) -> Switching:
+def _snap() -> Switching:
     """Return when a rod on a spring without preload snaps: W' = µ0 N² A i²/(2 g)."""
     strength = MU0 * _TURNS**2 * _AREA
-    current, gap = np.linspace(0.0, 0.03, 9), np.geomspace(0.015e-3, 0.25e-3, points)
+    current, gap = np.linspace(0.0, 0.03, 9), np.geomspace(0.015e-3, 0.25e-3, 48)
     inductance: Floats = np.tile(strength / gap, (current.size, 1))
     linkage = inductance * current[:, None]
     samples = Samples(

@@ -87,10 +87,10 @@ def tip_amplitude(device: Actuator, lengths: Floats, frequencies: Floats) -> Flo
     return np.asarray(np.abs(moved).reshape(l.shape))
 
 
-def band_points(band: tuple[float, float], points: int = _POINTS) -> Floats:
-    """Return log-spaced frequencies (points,) with exact ends."""
+def band_points(band: tuple[float, float]) -> Floats:
+    """Return log-spaced frequencies (n,) with exact ends."""
     low, high = band
-    return np.array([low, *np.geomspace(low, high, points)[1:-1], high])
+    return np.array([low, *np.geomspace(low, high, _POINTS)[1:-1], high])
 
 
 def length_map(scene: Scene, lengths: Floats, band: tuple[float, float]) -> LengthMap:
