@@ -110,6 +110,7 @@ def _support(study: Study, chain: GeneratorChain) -> dict[str, Any]:
         fitted_springs,
         frequency_on,
         joint_by_beam,
+        joint_by_solids,
         support_study,
         tab_for_frequency,
     )
@@ -123,6 +124,7 @@ def _support(study: Study, chain: GeneratorChain) -> dict[str, Any]:
     in_rod = found.tab_for(target, joint=joint)
     return {
         "support": found,
+        "joint": joint_by_solids(chain),
         "tabs": [
             (at, found.at(at, in_rod=False), _beam(scene, at), whole, frequency_on(scene, whole))
             for at in found.lengths
