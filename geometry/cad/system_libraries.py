@@ -1,11 +1,14 @@
-"""System libraries that Python packages need but do not bring along.
+"""What Python packages need of the system: libraries that they do not bring along, and room.
 
 Looked for before the import that would otherwise fail with a traceback, or crash.
 """
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
+import os
+from pathlib import Path
 
 from tactgen.geometry.errors import InputError
 
@@ -28,3 +31,33 @@ def require_library(name: str, purpose: str) -> None:
             f"{purpose} need the library {name}, which is missing; install it with "
             f"apt-get install --no-install-recommends {_PACKAGE[name]}"
         ) from None
+
+
+def require_room(size: int, purpose: str) -> None:
+    """Make sure that this process may still take so many bytes of address space.
+
+    Where the system has no such limit, or does not tell, nothing is asked.
+
+    Raises
+    ------
+    InputError
+        If not, with what is left.
+    """
+    left = _room()
+    if left is not None and left < size:
+        raise InputError(
+            f"{purpose} need {size / 1e9:.1f} GB of address space, and this process may take "
+            f"{max(left, 0) / 1e9:.1f} GB more; raise its limit (ulimit -v) or leave them out"
+        )
+
+
+def _room() -> int | None:
+    """Return the bytes left below the limit, None if there is none or it is not known."""
+    with contextlib.suppress(ImportError, OSError):
+        import resource
+
+        most, _ = resource.getrlimit(resource.RLIMIT_AS)
+        if most != resource.RLIM_INFINITY:
+            pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
+            return most - pages * os.sysconf("SC_PAGE_SIZE")
+    return None

@@ -124,9 +124,16 @@ class _Ended(BaseException):
 
 @contextlib.contextmanager
 def _tidy_when_told_to_end() -> Iterator[None]:
-    """Let SIGTERM unwind the stack, so that half-written files are taken away."""
+    """Let SIGTERM unwind the stack, so that half-written files are taken away.
+
+    A compiled library that is just being loaded makes an error of its own of it: after the signal
+    any error counts as the end.
+    """
+    told = False
 
     def end(*_: object) -> NoReturn:
+        nonlocal told
+        told = True
         raise _Ended
 
     if threading.current_thread() is not threading.main_thread():
@@ -135,6 +142,10 @@ def _tidy_when_told_to_end() -> Iterator[None]:
     before = signal.signal(signal.SIGTERM, end)
     try:
         yield
+    except Exception as error:
+        if told:
+            raise _Ended from error
+        raise
     finally:
         signal.signal(signal.SIGTERM, before)
 
@@ -210,9 +221,14 @@ def _explained(error: Exception, scene: str) -> str | None:
             return f"{error.filename} cannot be used ({reason}); make room or choose another place"
         _drop_output()
         return f"standard output cannot be written ({reason}); send it somewhere else"
+    if isinstance(error, MemoryError):
+        return (
+            "there is not enough memory for this; free some, raise the limit of the process, or "
+            "ask for less"
+        )
     # by name: importing the solvers costs more than most answers
     names = {kind.__name__ for kind in type(error).__mro__}
-    if names & {"LinAlgError", "SolverError", "ArpackError", "ArithmeticError", "MemoryError"}:
+    if names & {"LinAlgError", "SolverError", "ArpackError", "ArithmeticError"}:
         reason = str(error) or type(error).__name__
         return (
             f'scene "{scene}" cannot be solved ({reason}); bring the values that it sets closer to '

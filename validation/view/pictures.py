@@ -11,7 +11,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.cad.solids import COLOURS
-from tactgen.geometry.cad.system_libraries import require_library
+from tactgen.geometry.cad.system_libraries import require_library, require_room
 from tactgen.geometry.meshing.mesh import Mesh
 
 
@@ -35,6 +35,8 @@ class Assembled(Protocol):
         """Where its frame stands (k, 3)."""
 
 
+#: What VTK, its software renderer and its buffers take (bytes of address space): 0.6 GB was seen.
+_ROOM = 800_000_000
 #: Direction from the object to the viewer.
 _VIEW = (3.0, -2.2, 1.1)
 _VTK_CELL = {"tetra": 10, "tetra10": 24, "hexahedron": 12}
@@ -43,11 +45,13 @@ _VTK_CELL = {"tetra": 10, "tetra10": 24, "hexahedron": 12}
 def off_screen() -> Any:
     """Import PyVista with VTK's software renderer, or say what is missing.
 
-    VTK crashes the process when it finds no OpenGL library, so this looks first.
+    VTK crashes the process when it finds no OpenGL library or no room for its buffers, so this
+    looks first.
     """
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkOSOpenGLRenderWindow")
     require_library("libOSMesa.so.8", "pictures")
     require_library("libGL.so.1", "pictures")
+    require_room(_ROOM, "pictures")
     import pyvista as pv
 
     pv.OFF_SCREEN = True

@@ -1,6 +1,7 @@
 """What needs a system library says so in one sentence, before anything that would crash."""
 
 import ctypes
+import resource
 import sys
 
 import pytest
@@ -34,3 +35,14 @@ def test_a_missing_library_is_named_with_its_package(what, names, monkeypatch):
         monkeypatch.setattr(ctypes, "CDLL", load)
         with pytest.raises(InputError, match=f"{missing}, which is missing; .* apt-get install"):
             what()
+
+
+def test_too_little_room_is_said(monkeypatch):
+    """VTK would crash the process; without a limit nothing is asked."""
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (2**20, 2**20))
+    with pytest.raises(InputError, match=r"0\.8 GB of address space, .* 0\.0 GB more; raise"):
+        off_screen()
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (resource.RLIM_INFINITY,) * 2)
+    with pytest.raises(ImportError):
+        off_screen()

@@ -1,17 +1,33 @@
 """Commands under bad circumstances: a few by default, all of them and more often when heavy."""
 
 import pytest
+from scipy.io import netcdf_file
 
 from tactgen.validation.book.book import write_book
 from tactgen.validation.checks.stress.faults import run as faults
-from tactgen.validation.checks.stress.faults.commands import LIGHT, Command, Ended, half_written
+from tactgen.validation.checks.stress.faults.commands import (
+    HEAVY,
+    LIGHT,
+    Command,
+    Ended,
+    half_written,
+)
 from tactgen.validation.checks.stress.result import answered
+from tactgen.validation.command_line.cli import commands
+
+#: Commands that neither write nor compute.
+IDLE = {"cache", "completion", "scenes"}
 
 
 @pytest.fixture(scope="module")
 def trials(tmp_path_factory):
     """The quickest command that writes; the heavy test has those that keep and compute."""
     return faults.Trials(LIGHT[:1], tmp_path_factory.mktemp("faults"), seed=1)
+
+
+def test_every_command_is_put_to_the_test():
+    """Whoever adds a command names a cheap run of it."""
+    assert {command.arguments[0] for command in (*LIGHT, *HEAVY)} | IDLE == set(commands())
 
 
 def test_killed_at_some_moment(trials):
@@ -36,13 +52,27 @@ def test_no_room_is_one_sentence(trials):
         ("a.svg", b"<svg></svg>", True), ("a.svg", b"<svg>", False), ("a.toml", b"a = ", False),
         ("a.step", b"ISO-10303-21;", False), ("a.nc", b"", False),
         ("a.glb", b"glTF\x02\0\0\0\x0c\0\0\0", True), ("a.glb", b"glTF\x02\0\0\0\x0d\0\0\0", False),
-        ("a.npz", b"PK\x03\x04", False), (".tactgen-0-1-x.json", b"{", True),
+        ("a.npz", b"PK\x03\x04", False), ("a.fmu", b"PK\x03\x04", False),
+        (".tactgen-0-1-x.json", b"{", True),
     ],
 )  # fmt: skip
 def test_half_files_are_found(tmp_path, name, content, whole):
     """By how each format ends; drafts have no name of ours yet."""
     (tmp_path / name).write_bytes(content)
     assert half_written(tmp_path) == ([] if whole else [name])
+
+
+def test_half_a_table_is_found(tmp_path):
+    """Of a netCDF file every share that is not all of it."""
+    whole = tmp_path / "a.nc"
+    with netcdf_file(whole, "w") as file:
+        file.createDimension("t", 9)
+        file.createVariable("force", "f8", ("t",))[:] = 1.0
+    content = whole.read_bytes()
+    assert half_written(tmp_path) == []
+    for size in range(1, len(content), 7):
+        whole.write_bytes(content[:size])
+        assert half_written(tmp_path) == ["a.nc"]
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import json
+import math
 import os
 import resource
 import signal
@@ -29,7 +31,7 @@ class Command:
     name : str
         What it is called in the table.
     arguments : tuple of str
-        With ``{out}`` for the folder that it writes to.
+        With ``{out}`` for the folder that it writes to, and ``{measured}`` for a file to read.
     answer : str
         Key of what must be the same in its JSON on stdout whatever happened before; empty
         where it prints none.
@@ -43,6 +45,11 @@ class Command:
     overwrites: bool = True
 
 
+#: A measured curve for those that want one: a resonator of 782 Hz and Q 12, as its file.
+MEASURED = "frequency (Hz),velocity (mm/s)\n" + "".join(
+    f"{f},{22.8 / math.hypot(1.0, 12.0 * (f / 782.0 - 782.0 / f)):.4g}\n"
+    for f in range(600, 1000, 40)
+)
 _SOLVED = (
     "--quantity", "static_tip_displacement", "--quantity", "short_circuit_frequencies", "--json",
 )  # fmt: skip
@@ -80,6 +87,57 @@ HEAVY = (
         ("coverage", "--only", "beam", "--devices", "2", "--seed", "1", "--out", "{out}/c"),
     ),
     Command("stress", ("stress", "--only", "tmm", "--quick", "--out", "{out}/s")),
+    Command(
+        "export, states",
+        ("export", "j1", "--set", "mesh.level=2", "--state-space", "{out}/a.npz"),
+    ),
+    Command(
+        "export, fields",
+        ("export", "j1", "--set", "models=tmm", "--set", "modes=1", "--fields", "{out}/a.vtu",
+         "--animated-glb", "{out}/a.glb"),
+    ),
+    Command(
+        "export, machine",
+        ("export", "generator", "--machine", "{out}/a.npz", "--fmu", "{out}/a.fmu"),
+    ),
+    Command(
+        "view", ("view", "j1", "--set", "models=tmm", "--set", "modes=1", "--out", "{out}/a.html")
+    ),
+    Command(
+        "simulate",
+        ("simulate", "paper", "--set", "load.kind=none", "--voltage", "10 V sine 200 Hz", "--until",
+         "50 us", "--accuracy", "0.2", "--out", "{out}/a.nc", "--plot", "{out}/a.svg"),
+    ),
+    Command(
+        "identify",
+        ("identify", "{measured}", "--plot", "{out}/a.svg", "--write", "{out}/a.toml", "--json"),
+        "parameters",
+        overwrites=False,
+    ),
+    Command(
+        "compare",
+        ("compare", "prototype", "paper", "--model", "lumped", "--quantity",
+         "static_tip_displacement", "--out", "{out}/c"),
+    ),
+    Command(
+        "positions",
+        ("positions", "generator", "--model", "network", "--current", "0:140mA:8", "--csv",
+         "{out}/a.csv", "--plot", "{out}/a.svg"),
+    ),
+    Command(
+        "backbone",
+        ("backbone", "prototype", "--set", "support.kind=contact", "--set", "coil.current=0mA",
+         "--voltage", "0.2", "--frequency", "700:800", "--model", "lumped", "--plot",
+         "{out}/a.svg"),
+    ),
+    Command(
+        "sensitivity",
+        ("sensitivity", "prototype", "--model", "lumped", "--quantity", "static_tip_displacement",
+         "--key", "bimorph.length", "--json"),
+    ),
+    Command("bill", ("bill", "display", "--json")),
+    Command("plan", ("plan", "prototype", "--json")),
+    Command("bench", ("bench", "--only", "tmm", "--quick", "--out", "{out}/b")),
     Command("design", ("design", "--lengths", "20mm:22mm", "--plot", "{out}/a.svg")),
     Command(
         "report",
@@ -95,8 +153,8 @@ class Surroundings:
 
     Attributes
     ----------
-    out, store : Path
-        Folder to write to, and of the store.
+    out, store, measured : Path
+        Folder to write to, that of the store, and a file to read.
     variables : dict of str to (str or None)
         Of the environment, None to take one away.
     limit : (int, int), optional
@@ -105,6 +163,7 @@ class Surroundings:
 
     out: Path
     store: Path
+    measured: Path
     variables: Mapping[str, str | None] = field(default_factory=dict)
     limit: tuple[int, int] | None = None
 
@@ -120,7 +179,7 @@ class Ended:
 
 def begin(command: Command, around: Surroundings, **streams: Any) -> subprocess.Popen[str]:
     """Start a command as a process of its own."""
-    words = [word.format(out=around.out) for word in command.arguments]
+    words = [word.format(out=around.out, measured=around.measured) for word in command.arguments]
     variables = {**os.environ, "TACTGEN_CACHE": str(around.store), **around.variables}
     process = subprocess.Popen(
         [sys.executable, "-m", "tactgen.validation.command_line.cli", *words],
@@ -172,12 +231,22 @@ def _whole(path: Path) -> bool:
     content = path.read_bytes()
     try:
         return bool(content) and _ENDS.get(path.suffix, bool)(content)
-    except ValueError:
+    except (ValueError, IndexError):  # the latter where a header is cut short
         return False
 
 
 def _zip(content: bytes) -> bool:
     return content[:2] == b"PK" and b"PK\x05\x06" in content[-1000:]
+
+
+def _netcdf(content: bytes) -> bool:
+    """Return whether all that a classic netCDF file says it holds is there."""
+    from scipy.io import netcdf_file
+
+    if content[:3] != b"CDF":
+        return False
+    with netcdf_file(io.BytesIO(content), mmap=False) as file:
+        return bool(file.variables)
 
 
 def _parses(load: Callable[[str], Any]) -> Callable[[bytes], bool]:
@@ -194,6 +263,8 @@ _ENDS: dict[str, Callable[[bytes], bool]] = {
     ".glb": lambda content: int.from_bytes(content[8:12], "little") == len(content),
     ".vtu": lambda content: content.rstrip().endswith(b"</VTKFile>"),
     ".npz": _zip,
+    ".fmu": _zip,
+    ".nc": _netcdf,
 }
 
 

@@ -24,6 +24,7 @@ from tactgen.validation.checks.stress.faults.commands import (
     DRAFT,
     HEAVY,
     LIGHT,
+    MEASURED,
     Command,
     Ended,
     Surroundings,
@@ -57,6 +58,8 @@ class Trials:
 
     def __init__(self, commands: Sequence[Command], folder: Path, seed: int) -> None:
         self.commands, self.folder, self.chance = commands, folder, random.Random(seed)
+        self.measured = folder / "measured.csv"
+        self.measured.write_text(MEASURED, encoding="utf-8")
         self.count = 0
         self.right: dict[str, Any] = {}
         self.seconds: dict[str, float] = {}
@@ -74,7 +77,7 @@ class Trials:
         self.count += 1
         out = self.folder / f"{self.count}"
         out.mkdir()
-        return Surroundings(out, self.folder / f"{self.count}.store")
+        return Surroundings(out, self.folder / f"{self.count}.store", self.measured)
 
     def judge(
         self, command: Command, around: Surroundings, done: Ended, codes: Sequence[int]
@@ -92,7 +95,8 @@ class Trials:
 
     def again(self, command: Command, around: Surroundings) -> str:
         """Run a command undisturbed where it was spoilt; return what is wrong then."""
-        around = Surroundings(around.out if command.overwrites else self.place().out, around.store)
+        out = around.out if command.overwrites else self.place().out
+        around = Surroundings(out, around.store, self.measured)
         done = finish(begin(command, around))
         if done.code != 0:
             return f"afterwards it ended with {done.code}: {done.err[-200:]}"
@@ -259,7 +263,7 @@ def _spoil(path: Path, other: Path, how: str, chance: random.Random) -> None:
 
 
 def run(quick: bool, announce: Callable[[str], None]) -> Stress:
-    """Run all families: half a minute if `quick`, else some ten."""
+    """Run all families: half a minute if `quick`, else some twenty."""
     started = time.perf_counter()
     seed = random.SystemRandom().randrange(2**31)
     with tempfile.TemporaryDirectory(prefix="tactgen-faults-") as folder:
