@@ -48,6 +48,20 @@ def test_blas_is_told_its_threads_before_it_is_loaded():
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
 
 
+def test_a_command_loads_no_other_and_no_compiler():
+    """scipy takes numpy's names over; the front end of a Fortran compiler is one of them."""
+    script = (
+        "import sys; from tactgen.validation.command_line.cli import main; main(['scenes']); "
+        "import scipy.sparse; others = ('numpy.f2py', "
+        "'tactgen.validation.command_line.commands.studies.whatif'); "
+        "print([m for m in others if m in sys.modules], file=sys.stderr)"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert result.stderr.strip() == "[]"
+
+
 def test_solve_json_contract(capsys):
     """Keys, complex numbers as pairs, arrays as lists, classes of modes, the plan."""
     code, out, err = run(
