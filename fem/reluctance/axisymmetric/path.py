@@ -16,6 +16,7 @@ import numpy as np
 from tactgen.fem.reluctance.axisymmetric.actuator import ORDER, FieldPoint, field_point
 from tactgen.fem.reluctance.axisymmetric.two_orders import (
     Start,
+    TwoOrders,
     fitted,
     solve_pair,
     two_orders,
@@ -70,7 +71,11 @@ class FieldPath:
 
     def reaches(self, device: Device, gap: float) -> bool:
         """Return whether the grid fits another device or gap."""
-        return fitted(self._home, device, gap) is not None
+        return self.fitted(device, gap) is not None
+
+    def fitted(self, device: Device, gap: float) -> TwoOrders | None:
+        """Return a device at a gap (m) on the grid; None if that does not reach."""
+        return fitted(self._home, device, gap)
 
     def at(self, device: Device, current: float, gap: float, place: Floats) -> FieldPoint:
         """Return the point of a device at a current (A) and gap (m).
@@ -87,12 +92,16 @@ class FieldPath:
         SolverError
             If the field does not converge.
         """
-        model = fitted(self._home, device, gap)
+        model = self.fitted(device, gap)
         if model is None:
             raise InputError(
                 f"the grid made for gap = {self._home.gap * 1e3:g} mm does not fit "
                 f"gap = {gap * 1e3:g} mm and the sizes there; make the range smaller"
             )
+        return self.solved(model, current, place)
+
+    def solved(self, model: TwoOrders, current: float, place: Floats) -> FieldPoint:
+        """Return the point of what :meth:`fitted` gave; as :meth:`at`."""
         pair = solve_pair(model, current, self._start(place))
         del self._places[:-_HELD], self._solved[:-_HELD]
         self._places.append(np.asarray(place, dtype=float))

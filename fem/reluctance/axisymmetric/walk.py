@@ -54,7 +54,7 @@ class FieldWalk:
         """
         place = np.asarray(place, dtype=float)
         for level in range(self._first(place), len(self._refinements)):
-            found = self._path(level, device, gap).at(device, current, gap, place)
+            found = self._solved(level, device, current, gap, place)
             if found.errors.force <= self._accuracy * abs(found.force):
                 break
         self._places.append(place)
@@ -67,12 +67,15 @@ class FieldWalk:
         away = np.linalg.norm(np.array(self._places) - place, axis=1)
         return self._enough[int(np.argmin(away))]
 
-    def _path(self, level: int, device: Device, gap: float) -> FieldPath:
-        """Return the latest path of a fineness that reaches there, a new one if none does."""
+    def _solved(
+        self, level: int, device: Device, current: float, gap: float, place: Floats
+    ) -> FieldPoint:
+        """Solve on the latest grid of a fineness that reaches there, a new one if none does."""
         paths = self._paths[level]
         for path in reversed(paths):
-            if path.reaches(device, gap):
-                return path
+            model = path.fitted(device, gap)
+            if model is not None:
+                return path.solved(model, current, place)
         del paths[: -_MOST + 1]
         paths.append(FieldPath(device, gap, refinement=self._refinements[level]))
-        return paths[-1]
+        return paths[-1].at(device, current, gap, place)

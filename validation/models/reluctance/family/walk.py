@@ -109,11 +109,11 @@ def prepare_walk(
         map_table(scene, dimensions, ranges, announce)
 
 
-def begin_walk(scene: Scene, ranges: Box, quantities: Sequence[str], members: int) -> FieldAnswers:
+def begin_walk(scene: Scene, ranges: Box, quantities: Sequence[str], members: int) -> WalkedAnswers:
     """Return a walk over scenes that differ from one in numbers of these ranges."""
     dimensions = _tabled(ranges, quantities, members)
     maps = kept_table(scene, dimensions, ranges) if dimensions else None
-    return FieldAnswers(scene, ranges, tuple(quantities), maps)
+    return WalkedAnswers(scene, ranges, tuple(quantities), maps)
 
 
 def _tabled(ranges: Box, quantities: Sequence[str], members: int) -> Box:
@@ -138,7 +138,7 @@ def _of_field(ranges: Box) -> Box:
     return {k: e for k, e in ranges.items() if k in reads or k.partition(".")[0] in reads}
 
 
-class FieldAnswers:
+class WalkedAnswers:
     """What solves the scenes of a walk."""
 
     def __init__(
@@ -181,7 +181,7 @@ class FieldAnswers:
 class _WalkedModel(AxisymmetricModel):
     """The model of one scene of a walk."""
 
-    def __init__(self, scene: Scene, stages: Stages, walk: FieldAnswers) -> None:
+    def __init__(self, scene: Scene, stages: Stages, walk: WalkedAnswers) -> None:
         super().__init__(scene, stages)
         self._walk = walk
 
