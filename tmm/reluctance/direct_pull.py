@@ -17,7 +17,7 @@ from tactgen.tmm.reluctance.circuit import FULL, circuit
 from tactgen.tmm.reluctance.flux_ladder import solve
 
 #: Step of differences, relative; with those of order four they keep some eight digits.
-_STEP = 2e-3
+STEP = 2e-3
 #: Where they are taken, in steps.
 _PLACES = np.array([-2.0, -1.0, 1.0, 2.0])
 
@@ -32,11 +32,14 @@ class DirectPull:
         Of the network's ladder.
     gap_limits : (float, float)
         Gaps (m) that are asked for, such as a map's.
+    step : float
+        Of the differences that the slopes are, relative to the gap.
     """
 
     device: Device
     cells: int
     gap_limits: tuple[float, float]
+    step: float = STEP
 
     def force(self, current: Floats | float, gap: Floats | float) -> Floats:
         """Return the pull (N)."""
@@ -48,12 +51,13 @@ class DirectPull:
 
     def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
         """Return ∂F/∂g (N/m)."""
-        return _slope(lambda g: self.force(current, g), np.broadcast_arrays(current, gap)[1])
+        place = np.broadcast_arrays(current, gap)[1]
+        return _slope(lambda g: self.force(current, g), place, self.step)
 
     def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
         """Return ∂λ/∂g = −∂F/∂i (N/A)."""
         place = np.broadcast_arrays(current, gap)[1]
-        return _slope(lambda g: self._at(current, g, "flux_linkage"), place)
+        return _slope(lambda g: self._at(current, g, "flux_linkage"), place, self.step)
 
     def _at(self, current: Floats | float, gap: Floats | float, name: str) -> Floats:
         currents, gaps = np.broadcast_arrays(*np.atleast_1d(current, gap))
@@ -64,9 +68,9 @@ class DirectPull:
         return np.asarray(found.reshape(np.broadcast(current, gap).shape))
 
 
-def _slope(of: Callable[[Floats], Floats], at: Floats | float) -> Floats:
+def _slope(of: Callable[[Floats], Floats], at: Floats | float, step: float) -> Floats:
     """Return the central difference of order four, all its points at once."""
     x = np.asarray(at, dtype=float)
-    h = _STEP * x
+    h = step * x
     further, before, after, furthest = of(x + np.multiply.outer(_PLACES, h))
     return np.asarray((8.0 * (after - before) - (furthest - further)) / (12.0 * h))

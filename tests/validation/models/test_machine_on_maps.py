@@ -9,6 +9,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.coenergy.fit import fit, thinned
+from tactgen.tmm.reluctance.direct_pull import DirectPull
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.validation.catalogue.models import map_model
@@ -125,7 +126,8 @@ def test_bars_of_the_network_cover_what_finer_ladders_say(current):
     scene = generator("tmm,network", f"coil.current={current}")
     place = scene.rest[0]
     rod = machine_of(scene, scene.pull)
-    better = rod_by_network(scene, scene.pull, place, 8 * CELLS)
+    finer = DirectPull(scene.device, 8 * CELLS, scene.pull.gap_limits, 8e-3)
+    better = rod_by_network(scene, finer, place)
     for of in NUMBERS:
         found = of_rod(rod, of)
         assert 0.0 < abs(found.value - of(better)) <= found.bar < 0.05 * abs(found.value)
@@ -153,7 +155,7 @@ def test_where_the_network_holds_no_rod_near_a_place_it_is_looked_for_anew():
     scene = generator("tmm,network")
     held = scene.rest[0]
     right, found = (
-        rod_by_network(scene, scene.pull, near, CELLS)
+        rod_by_network(scene, DirectPull(scene.device, CELLS, scene.pull.gap_limits), near)
         for near in (held, replace(held, lift=-0.4 * scene.gap))
     )
     np.testing.assert_allclose(found.stiffness, right.stiffness, rtol=1e-9)

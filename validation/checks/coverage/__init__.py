@@ -37,5 +37,5 @@ PARTS: dict[str, tuple[str, str, int, str]] = {
         f"{_HERE}.machine", "judge_motions", 30,
         "small motions of the machine against those by a network four times as fine",
     ),
-    "time": (f"{_HERE}.in_time", "judge", 30, "runs in time against runs ten times finer"),
+    "time": (f"{_HERE}.in_time", "judge", 30, "runs in time against runs in much finer steps"),
 }  # fmt: skip

@@ -30,6 +30,8 @@ from tactgen.validation.scene.scene import Scene, load_scene
 #: How many times as many cells as the map's the references' ladders have: of switching currents,
 #: and of small motions, which are solved with twice as many.
 _FINER, _FINEST = 4, 8
+#: How many times as long the reference's differences are: in so many cells rounding is larger.
+_LONGER = 4.0
 _MOTIONS = (
     "lateral_tip_per_voltage", "axial_tip_per_current", "axial_tip_per_coil_voltage",
     "coil_impedance",
@@ -98,7 +100,8 @@ def _finer_rod(scene: Scene) -> Linearised:
     coarse = DirectPull(scene.device, CELLS, scene.pull.gap_limits)
     forces = axial_forces(scene.device, coarse, scene.load.normal_force)
     place = resting_place(forces, abs(scene.coil.current), scene.coil.history)
-    return rod_by_network(scene, scene.pull, place, _FINEST * CELLS)
+    finest = replace(coarse, cells=_FINEST * CELLS, step=_LONGER * coarse.step)
+    return rod_by_network(scene, finest, place)
 
 
 def _fitting(rng: np.random.Generator, tried: Callable[[Scene], object]) -> tuple[Scene, str]:

@@ -33,9 +33,9 @@ from tactgen.validation.scene.scene import Scene
 #: slopes in saturated steel converge unevenly where dB/dH changes from cell to cell.
 _NETWORK, _CELLS = "network", 2 * CELLS
 #: Safety factor on what the observed order of the ladders tells: more than where one slope is
-#: judged, since errors of several may cancel in one of the ladders.  With 1.5, 21 of 480 axial
-#: motions and impedances of random machines lay outside.
-_SAFETY = 2.0
+#: judged, since errors of several may cancel in one of the ladders.  With 1.5, 9 of 240 impedances
+#: of random machines' coils lay outside.
+_SAFETY = 2.5
 #: Currents, and gaps, between which the slopes of two maps are compared around a place.
 _PLACES = 5
 
@@ -172,7 +172,10 @@ def judged_by_network(scene: Scene, pull: CoenergyMap) -> JudgedRod:
     The map only says near which place the rod rests; refusals as :func:`machine_of`.
     """
     place = _rest(scene, pull)
-    fine, half, quarter = (rod_by_network(scene, pull, place, _CELLS // n) for n in (1, 2, 4))
+    fine, half, quarter = (
+        rod_by_network(scene, DirectPull(scene.device, _CELLS // n, pull.gap_limits), place)
+        for n in (1, 2, 4)
+    )
     method = f"observed order of the network solved there in {_CELLS} cells, half, a quarter"
     return JudgedRod(fine, method, ladders=(half, quarter))
 
@@ -202,18 +205,18 @@ def judged_by_map(scene: Scene, pull: CoenergyMap) -> JudgedRod:
 def rod_of(scene: Scene, pull: CoenergyMap) -> Linearised:
     """Return the rod of :func:`machine_of` alone, which costs a third; refusals as there."""
     if scene.map_model == _NETWORK:
-        return rod_by_network(scene, pull, _rest(scene, pull), _CELLS)
+        exact = DirectPull(scene.device, _CELLS, pull.gap_limits)
+        return rod_by_network(scene, exact, _rest(scene, pull))
     return rod_about(scene, pull)
 
 
-def rod_by_network(scene: Scene, pull: CoenergyMap, near: RestingPlace, cells: int) -> Linearised:
-    """Return the rod by the network itself, solved with `cells` where it rests close to a place.
+def rod_by_network(scene: Scene, exact: DirectPull, near: RestingPlace) -> Linearised:
+    """Return the rod by the network itself, solved where it rests close to a place.
 
-    The map `pull` only bounds the gaps.  If the network holds the rod nowhere close, as it may
-    just before it pulls in, the place is looked for anew.
+    If the network holds the rod nowhere close, as it may just before it pulls in, the place is
+    looked for anew.
     """
     current = abs(scene.coil.current)
-    exact = DirectPull(scene.device, cells, pull.gap_limits)
     forces = axial_forces(scene.device, exact, scene.load.normal_force)
     place = settled_place(forces, current, near)
     if place is None:
