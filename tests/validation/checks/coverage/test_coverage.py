@@ -3,6 +3,7 @@
 import csv
 import itertools
 import json
+import secrets
 
 import numpy as np
 import pytest
@@ -173,6 +174,15 @@ def test_a_seed_draws_the_same_devices(told, capsys, tmp_path, monkeypatch):
     assert {path.name for path in tmp_path.iterdir()} == {"coverage.csv", "calibration.svg"}
     with (tmp_path / "coverage.csv").open() as file:
         assert [float(row["relative bar"]) for row in csv.DictReader(file)] == 9 * [0.0]
+
+
+def test_the_largest_seed_that_is_drawn_can_be_given(told, capsys, monkeypatch):
+    monkeypatch.setattr(secrets, "randbelow", lambda below: below - 1)
+    asked = ["coverage", "--only", "beam", "--devices", "1", "--json"]
+    main(asked)
+    seed = json.loads(capsys.readouterr().out)["seed"]
+    main([*asked, "--seed", str(seed)])
+    assert json.loads(capsys.readouterr().out)["seed"] == seed
 
 
 def test_a_stopped_run_goes_on(told):

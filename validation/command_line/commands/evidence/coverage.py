@@ -9,6 +9,9 @@ from pathlib import Path
 from tactgen.validation.command_line.commands.common import Commands
 from tactgen.validation.command_line.json_output import print_json
 
+#: Largest seed and number of devices that are taken, so that a seed that is drawn can be given.
+_MOST = 999_999_999
+
 
 def add(commands: Commands) -> None:
     """Declare the command."""
@@ -38,7 +41,9 @@ def run(options: argparse.Namespace) -> int:
 
     names = choices(",".join(options.only or PARTS), tuple(PARTS), "part", "--only")
     devices = None if options.devices is None else _whole("--devices", options.devices, 1)
-    seed = secrets.randbelow(2**31) if options.seed is None else _whole("--seed", options.seed, 0)
+    seed = secrets.randbelow(_MOST + 1)
+    if options.seed is not None:
+        seed = _whole("--seed", options.seed, 0)
     if options.out is not None:
         writable_folder(options.out)
     say(f"note: seed {seed}; a run that was stopped goes on with --seed {seed}")
@@ -57,6 +62,6 @@ def run(options: argparse.Namespace) -> int:
 def _whole(name: str, text: str, least: int) -> int:
     from tactgen.geometry.errors import InputError
 
-    if not text.isascii() or not text.isdigit() or int(text) < least or len(text) > 9:
-        raise InputError(f"{name} must be a whole number from {least} to 999999999, not {text!r}")
+    if not text.isascii() or not text.isdigit() or len(text) > 9 or int(text) < least:
+        raise InputError(f"{name} must be a whole number from {least} to {_MOST}, not {text!r}")
     return int(text)
