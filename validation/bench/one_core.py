@@ -77,7 +77,10 @@ def _keep_within_memory() -> None:
         free = _kilobytes("/proc/meminfo", "MemAvailable:")
         mapped = _kilobytes("/proc/self/status", "VmSize:")
         _, hard = resource.getrlimit(resource.RLIMIT_AS)
-        resource.setrlimit(resource.RLIMIT_AS, (1024 * (mapped + free), hard))
+        most = 1024 * (mapped + free)
+        if hard != resource.RLIM_INFINITY:
+            most = min(most, hard)
+        resource.setrlimit(resource.RLIMIT_AS, (most, hard))
 
 
 def _kilobytes(path: str, key: str) -> int:

@@ -3,6 +3,9 @@
 import argparse
 import json
 import os
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -22,6 +25,19 @@ def test_measured_alone_on_one_core():
     """A measurement runs in its own process, limited to one thread."""
     assert on_one_core("os", "getenv", "OMP_NUM_THREADS") == "1"
     assert on_one_core("os", "getpid") != os.getpid()
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="limits are told by /proc")
+def test_a_measurement_keeps_within_a_limit_that_is_there():
+    """A hard limit below the free memory, which nobody can raise, is no failure."""
+    most = 2**30
+    code = (
+        "import resource; from tactgen.validation.bench import one_core; "
+        f"resource.setrlimit(resource.RLIMIT_AS, ({most}, {most})); "
+        "one_core._keep_within_memory(); print(resource.getrlimit(resource.RLIMIT_AS)[0])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(done.stdout) <= most
 
 
 def test_a_failed_measurement_is_explained():
