@@ -29,7 +29,7 @@ from tactgen.tmm.ports.springs_dampers_masses import chain_of
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.commands.studies import simulate
 from tactgen.validation.models.generator import transient
-from tactgen.validation.models.generator.phases import Phase, common_oscillation
+from tactgen.validation.models.generator.phases import _NEAR, Phase, common_oscillation, phases
 from tactgen.validation.models.generator.transient import (
     above_the_head,
     run_scene,
@@ -280,6 +280,30 @@ def test_what_a_run_is_warned_of(capsys, monkeypatch):
 def test_an_accuracy_out_of_range_is_refused(capsys, text):
     assert main(["simulate", "paper", "--voltage", "1 V", "--accuracy", text]) == 2
     assert f'--accuracy "{text}" is not between 1e-6 and 0.5' in capsys.readouterr().err
+
+
+def test_phases_begin_where_the_rod_leaves_and_meets_its_stops():
+    """Up to 2 ms pressed, down by 3 ms, held to 6 ms, up by 7 ms; a bounce of 3 µs is none."""
+    time = np.linspace(0.0, 10e-3, 10001)
+    lift = -2e-4 * np.interp(time, [0.0, 2e-3, 3e-3, 6e-3, 7e-3, 10e-3], [0, 0, 1, 1, 0, 0])
+    lift[4000:4003] = -1e-4
+    tip = 1e-6 * np.sin(2.0 * np.pi * 5e3 * time) + np.where(time > 6.5e-3, 4e-6, 0.0)
+    outputs = {"lateral_tip": tip, "rod_lift": lift}
+    run = SimpleNamespace(answer=SimpleNamespace(run=SimpleNamespace(time=time), outputs=outputs),
+                          stroke=2e-4)  # fmt: skip
+    found = phases(run)
+    assert [phase.name for phase in found] == ["pressed", "falling", "held", "rising", "pressed"]
+    near = 1e-3 * _NEAR / 2e-4  # so long before and after, the rod is as good as on its stop
+    for (start, end), phase in zip(
+        [(0.0, 2e-3 + near), (2e-3 + near, 3e-3 - near), (3e-3 - near, 6e-3 + near),
+         (6e-3 + near, 7e-3 - near), (7e-3 - near, 10e-3)], found, strict=True
+    ):  # fmt: skip
+        # the first time of a state is the next of the run: up to 1 µs later
+        assert 0.0 <= phase.start - start <= 1.001e-6
+        assert 0.0 <= phase.end - end <= 1.001e-6
+    assert [phase.amplitude for phase in found] == pytest.approx(
+        [1e-6, 1e-6, 1e-6, 3e-6, 1e-6], rel=1e-6
+    )
 
 
 def test_an_oscillation_is_told_from_a_drift():
