@@ -118,6 +118,9 @@ def test_orbits_that_are_lost_are_refused(monkeypatch):
     def lost(*_, **__):
         raise NoConvergence("lost")
 
+    course = Stub(pack=lambda _: np.zeros(2), unpack=lambda *_: Stub(omega=-1.0))
+    with pytest.raises(NoConvergence, match="negative frequency"):
+        continuation._advance(None, Stub(course=course, tangent=np.ones(2), orbit=None), 1.0)
     head = Stub(oscillator=None)
     monkeypatch.setattr(backbone, "steady_orbit", lost)
     with pytest.raises(InputError, match=r"--voltage 5 V no response was found .* lost"):

@@ -108,3 +108,13 @@ def test_bare_ends_are_refused():
     bare = Bimorph(tab_length=2e-3, bare_below=1e-3)
     with pytest.raises(InputError, match="bare_below"):
         rod_bricks(Device(bimorph=bare), ROD_LEVELS[0])
+
+
+@pytest.mark.parametrize(
+    ("level", "breaks"),
+    enumerate([(6, 6, 32), (7, 6, 37), (8, 6, 39), (9, 7, 40), (11, 7, 43)]),
+)
+def test_divisions_are_those_that_the_bars_were_held_against(level, breaks):
+    """Breaks along x, y and z: a coarser grading is another error, and its bars another study."""
+    bricks = rod_bricks(GLUED, ROD_LEVELS[level])
+    assert tuple(axis.breaks.size for axis in (bricks.x, bricks.y, bricks.z)) == breaks
