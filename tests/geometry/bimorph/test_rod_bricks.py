@@ -112,7 +112,7 @@ def test_bare_ends_are_refused():
 
 @pytest.mark.parametrize(
     ("level", "breaks"),
-    enumerate([(6, 6, 32), (7, 6, 37), (8, 6, 39), (9, 7, 40), (11, 7, 43)]),
+    list(enumerate([(6, 6, 32), (7, 6, 37), (8, 6, 39), (9, 7, 40), (11, 7, 43)])),
 )
 def test_divisions_are_those_that_the_bars_were_held_against(level, breaks):
     """Breaks along x, y and z: a coarser grading is another error, and its bars another study."""
