@@ -5,12 +5,14 @@ import json
 import numpy as np
 import pytest
 
+from tactgen.geometry.device.parameters import Threshold
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.detection import (
     DISPLAY_THRESHOLD,
     HIGHEST_SUBJECT,
     LITERATURE_BOUND,
     STATED_VOLTAGES,
+    threshold_of,
 )
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import as_json, solve
@@ -194,3 +196,19 @@ def test_section_of_a_free_scene_uses_the_finger():
     assert found["loads"]["loaded"] == "under the finger"
     assert found["plot"].startswith("<svg")
     assert all("nan" not in sentence for sentence in found["findings"])
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("frequency (Hz)\n100\n200\n", "has no threshold column"),
+        ("frequency (Hz),threshold (um)\n100,0\n200,1\n", "line 2: threshold 0 m is not above 0"),
+        ("frequency (Hz),threshold (um)\n100,1\n", "holds 1 frequencies; a curve needs at least 2"),
+    ],
+)
+def test_tables_that_are_no_threshold(tmp_path, content, words):
+    """One sentence that names the file and what is wrong with it."""
+    path = tmp_path / "threshold.csv"
+    path.write_text(content, encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        threshold_of(Threshold(kind="table", file=str(path)))
