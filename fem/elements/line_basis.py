@@ -86,25 +86,22 @@ def nodal_values(axis: Axis) -> Floats:
 
 def line_matrices(axis: Axis, first: int = 0, last: int | None = None) -> LineMatrices:
     """Return the matrices of an axis, integrated over the intervals first … last − 1."""
-    chosen = range(first, axis.intervals if last is None else last)
     n, p = axis.nodes.size, axis.degree
     lengths = np.diff(axis.breaks)
-    local = np.arange(p + 1)
+    nodes = p * np.arange(axis.intervals)[:, None] + np.arange(p + 1)
+    rows, columns = nodes[:, :, None], nodes[:, None, :]
     pattern = np.zeros((n, n), dtype=bool)
-    full = np.zeros((2, 2, n, n))
-    for interval in range(axis.intervals):
-        at = interval * p + local
-        pattern[np.ix_(at, at)] = True
+    pattern[rows, columns] = True
+    chosen = slice(first, last)
+    half = 0.5 * lengths[chosen, None, None]
     reference = _reference(p, hierarchic=axis.hierarchic)
-    for interval in chosen:
-        nodes = interval * p + local
-        for a in range(2):
-            for b in range(2):
-                scaled = reference[a, b] * (0.5 * lengths[interval]) ** (1 - a - b)
-                full[a, b][np.ix_(nodes, nodes)] += scaled
+    full = np.zeros((2, 2, n, n))
+    for a, b in np.ndindex(2, 2):
+        scaled = reference[a, b] * half ** (1 - a - b)
+        np.add.at(full[a, b], (rows[chosen], columns[chosen]), scaled)
     full[1, 1] = _without_row_sums(full[1, 1], axis.one == 1.0)
-    rows, columns = np.nonzero(pattern)
-    return LineMatrices(rows, columns, full[:, :, rows, columns])
+    row, column = np.nonzero(pattern)
+    return LineMatrices(row, column, full[:, :, row, column])
 
 
 def _without_row_sums(stiffness: Floats, moved: Bools) -> Floats:

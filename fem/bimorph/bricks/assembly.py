@@ -8,6 +8,7 @@ What the quarter stands for says :mod:`fem.bimorph.symmetry`.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -19,7 +20,7 @@ from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.symmetry import SIGNS, Expansion, Unknowns, lumped, mirror_signs
 from tactgen.fem.bimorph.system import Material, SolidSystem, materials, volts_per_unit
 from tactgen.fem.elements.line_basis import line_matrices, line_weights, nodal_values
-from tactgen.geometry.arrays import Bools, Floats, Sparse
+from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
 from tactgen.geometry.bimorph.bricks import Bricks, mirrored_axis
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
@@ -94,13 +95,23 @@ class _Quarter:
     mass: Sparse
     uniform_field: bool
 
+    @cached_property
+    def nodal_mass(self) -> Floats:
+        """The mass at the nodes (n,)."""
+        if is_stepped(self.bricks):
+            return lumped(self.mass)
+        return nodal_mass(self.bricks, self.known)
+
+    @cached_property
+    def place(self) -> Ints:
+        """The place of each node (n,) in the order of elimination."""
+        return elimination_order(self.bricks)
+
     def system(self, motion: Motion) -> SolidSystem:
         """Return the system of one class of motion, of the whole body."""
-        bricks, unit, mass = self.bricks, self.unit, self.mass
+        bricks, unit, mass, place = self.bricks, self.unit, self.mass, self.place
         unknowns = quarter_unknowns(bricks, motion, unit, uniform_field=self.uniform_field)
-        nodal = lumped(mass) if is_stepped(bricks) else nodal_mass(bricks, self.known)
-        nodes, expand, node_mass = whole_nodes(bricks, unknowns, motion, unit, nodal)
-        place = elimination_order(bricks)
+        nodes, expand, node_mass = whole_nodes(bricks, unknowns, motion, unit, self.nodal_mass)
         return SolidSystem(
             stiffness=unknowns.bordered(self.stiffness),
             mass=unknowns.bordered(mass),
