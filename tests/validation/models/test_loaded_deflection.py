@@ -8,6 +8,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.multiport import respond
 from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.checks import amplitude_measurements
 from tactgen.validation.models.amplitude import states
 from tactgen.validation.models.amplitude.deflection import (
     LoadedDeflection,
@@ -84,3 +85,15 @@ def test_what_is_not_reached_is_said():
     """One sentence with the largest voltage allowed."""
     with pytest.raises(InputError, match=r"1e\+06 um at 60 Hz is not reached with 0.001 V"):
         voltage_for(held_head(loaded("held")), 60.0, 1.0, 1e-3)
+
+
+@pytest.mark.parametrize(("extreme", "size"), [("largest", 5.0), ("smallest", 1.0)])
+def test_extremes_of_a_loaded_deflection(monkeypatch, extreme, size):
+    """Of the state and under the load that were asked for."""
+
+    def loaded(state, load):
+        assert (state, load) == ("held", "pad")
+        return SimpleNamespace(displacement=np.array([3.0 + 4.0j, -2.0, 1.0j]))
+
+    monkeypatch.setattr(amplitude_measurements, "_loaded", loaded)
+    assert amplitude_measurements.extreme_deflection("held", extreme, "pad") == size
