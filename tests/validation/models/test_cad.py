@@ -116,8 +116,7 @@ def test_coupling_factor_counts_with_what_static_numbers_count_with(both):
 def test_what_a_mode_counts_with_at_least_is_no_coupling(both, name):
     """It moves the first frequency alike in both circuits: k² = 1 − (f_s/f_o)² stays.
 
-    Of two circuits' own, a tenth of what torsion is off by came back divided by k², up to four
-    times the coupling factor itself.
+    Of two circuits' own, their difference would come back divided by k².
     """
     moved = []
     for open_circuit in (False, True):
