@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tactgen.fem.bimorph.refinement.error_indicator import GoalError
+from tactgen.geometry.bimorph import tets
 from tactgen.geometry.cad.tessellation import Cylinder, Plane, tessellate
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import Mesh
@@ -15,7 +16,7 @@ from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild import mesher as ftetwild
 from tactgen.geometry.meshing.tetwild.conform import _free_axes, conform
 from tactgen.geometry.meshing.tetwild.run import sizing_along_z, sizing_at_points
-from tactgen.geometry.meshing.tetwild.sizing import limited_growth, sizing_for
+from tactgen.geometry.meshing.tetwild.sizing import Sizing, limited_growth, sizing_for
 from tactgen.geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
 from tactgen.geometry.store.values import fingerprint
 from tactgen.validation.engine.refinement import SAFETY
@@ -284,6 +285,7 @@ def test_no_gain_beyond_what_a_mesh_is_aimed_at_is_believed():
 def test_a_mesh_like_the_last_one_ends_the_study(monkeypatch):
     """Where the smallest elements are as small as they may be, another mesh brings nothing."""
     errors = iter([1e-1, 3e-2, 2.9e-2, 1e-3])
+    monkeypatch.setattr(adaptive_meshes, "_meshed", lambda *_: None)
     monkeypatch.setattr(adaptive_meshes, "_solved", lambda *_: made(next(errors)))
     monkeypatch.setattr(adaptive_meshes, "_finer", lambda *_: made(next(errors)))
 
@@ -306,11 +308,30 @@ def test_only_the_meshes_of_the_bars_keep_their_factors(monkeypatch):
             solved_with(3_000, error), mesh=SimpleNamespace(cells=range(10)), system=system
         )
 
+    monkeypatch.setattr(adaptive_meshes, "_meshed", lambda *_: None)
     monkeypatch.setattr(adaptive_meshes, "_solved", made)
     monkeypatch.setattr(adaptive_meshes, "_finer", made)
     pair = adapted_pair(load_scene("j1")[0], 1e-5)
     assert (pair.coarse.error, pair.fine.error) == (1e-2, 2.9e-3)
     assert set(dropped) == {1e-1, 3e-2, 3e-3}
+
+
+@pytest.mark.parametrize(("floor", "last"), [(0, 20_000), (90_000, 90_000)])
+def test_a_mesh_that_outgrows_its_limit_is_made_again_with_larger_sizes(monkeypatch, floor, last):
+    """In a foil's layers the mesher takes five times what sizes tell; it may take no fewer."""
+    made = []
+
+    def tetrahedralise(device, standing, regions, options, sizing, mesher):
+        cells = max(floor, round(108_000 / float(sizing.lengths[0]) ** 3))
+        made.append(cells)
+        return SimpleNamespace(cells=range(cells))
+
+    monkeypatch.setattr(tets, "tetrahedralise", tetrahedralise)
+    sizing = Sizing(np.zeros((1, 3)), np.ones(1))
+    mesh = adaptive_meshes._meshed(load_scene("j1")[0], None, sizing, 20_000)
+    assert len(mesh.cells) == pytest.approx(last, rel=1e-3)
+    assert made[0] == 108_000
+    assert len(made) <= 3
 
 
 def test_stopped_study_goes_on_from_the_cache(pair, monkeypatch):

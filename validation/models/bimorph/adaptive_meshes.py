@@ -48,6 +48,8 @@ _LEVELS = (
 )  # fmt: skip
 _MOST_MESHES = 7
 
+#: Times the most elements beyond which a mesh is made again with larger sizes.
+_OVERSHOOT = 2.0
 #: Share of the most elements from which on a mesh is the last: sizes are met no better.
 _ENOUGH = 0.7
 
@@ -215,7 +217,7 @@ def adapted_pair(
     """
     with Mesher() as mesher:
         mesher.meanwhile = _import_solvers
-        solved = [_solved(scene, mesher, None)]
+        solved = [_solved(scene, _meshed(scene, mesher, None, most_elements))]
         while len(solved) < _MOST_MESHES:
             last = solved[-1]
             mesher.meanwhile = partial(meanwhile, last.system)
@@ -261,13 +263,24 @@ def _finer(
     layers = scene.bimorph.shim_thickness, scene.bimorph.piezo_thickness
     shortest = _SHORTEST * min(*layers, scene.bimorph.width)
     sizing = sizing_for(seen, shares, wanted, shortest=shortest, most=most_elements)
-    return _solved(scene, mesher, sizing)
+    return _solved(scene, _meshed(scene, mesher, sizing, most_elements))
 
 
-def _solved(scene: Scene, mesher: Mesher, sizing: Sizing | None) -> Solved:
-    """Mesh with the given sizes, by default uniform and coarse, solve, and estimate errors."""
+def _solved(scene: Scene, mesh: Mesh) -> Solved:
+    """Solve on a mesh, and estimate errors."""
     from tactgen.fem.bimorph.refinement.error_indicator import goal_errors
     from tactgen.fem.bimorph.solid import assemble
+
+    system = assemble(scene.device, mesh, lossy=False)
+    return Solved(mesh, system, goal_errors(scene.device, mesh, system))
+
+
+def _meshed(scene: Scene, mesher: Mesher, sizing: Sizing | None, most_elements: int) -> Mesh:
+    """Mesh with the given sizes, by default uniform and coarse.
+
+    Below a foil's thickness the mesher takes many more elements than sizes tell; then they are made
+    larger until it keeps to the limit, which is one of memory, or takes no fewer.
+    """
     from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 
     regions: tuple[str, ...] = ("piezo_top", "piezo_bottom", "shim")
@@ -276,9 +289,14 @@ def _solved(scene: Scene, mesher: Mesher, sizing: Sizing | None) -> Solved:
     options = TetMeshing(
         edge_length=_first_edge(scene), quarter=True, time_limit=scene.mesh.time_limit
     )
-    mesh = tetrahedralise(scene.device, _standing(scene), regions, options, sizing, mesher)
-    system = assemble(scene.device, mesh, lossy=False)
-    return Solved(mesh, system, goal_errors(scene.device, mesh, system))
+    before = np.inf
+    while True:
+        mesh = tetrahedralise(scene.device, _standing(scene), regions, options, sizing, mesher)
+        over = len(mesh.cells) / most_elements
+        if sizing is None or over <= _OVERSHOOT or over > _STUCK * before:
+            return mesh
+        before = over
+        sizing = replace(sizing, lengths=sizing.lengths * over ** (1.0 / 3.0))
 
 
 def _first_edge(scene: Scene) -> float:
