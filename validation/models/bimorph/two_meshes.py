@@ -138,7 +138,9 @@ class TwoMeshModel(BimorphModel):
 
             fine, coarse = (static_multiport(system) for system in self.systems())
             # two meshes may agree by chance in one answer while they differ in others
-            least = least_difference(_at_rest(fine), _at_rest(coarse))
+            sizes, others = _at_rest(fine), _at_rest(coarse)
+            there = sizes > 0.0  # nothing moves without piezoelectricity
+            least = least_difference(sizes[there], others[there])
             by_chance = self.mesh_pair.static_factor * least
             return self._two_meshes(fine, coarse, self._rounding(fine) + by_chance)
 
