@@ -42,7 +42,7 @@ _STATEMENT = (
     "one, if words are not ours, or if it never ends. What is refused is quoted."
 )
 #: Codes with which a command may end that was not allowed to do its work.
-_REFUSED, _INTERRUPTED, _TERMINATED, _PIPE = 2, 130, 143, 141
+_REFUSED, _TERMINATED, _PIPE = 2, 143, 141
 #: A place where no file can be made, even by root.
 _NOWHERE = "/proc/tactgen"
 _GIB = 2**30
