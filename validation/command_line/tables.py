@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.validation.engine.outlook import Prospect, total
 from tactgen.validation.engine.plan import Plan
+from tactgen.validation.engine.prospects import Prospect, total
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution
 from tactgen.validation.view.formats import engineering, share

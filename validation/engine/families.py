@@ -15,7 +15,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.validation.catalogue.models import MODELS, reading_reads
-from tactgen.validation.engine.outlook import Prospect
+from tactgen.validation.engine.prospects import Prospect
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.stages import values_read
 from tactgen.validation.scene.keys import value_of

@@ -15,7 +15,7 @@ from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.costs import record, recorded
 from tactgen.validation.engine.families import Box, alike, ranges_of
-from tactgen.validation.engine.outlook import Prospect
+from tactgen.validation.engine.prospects import Prospect
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import Scene
 

@@ -14,8 +14,8 @@ from tactgen.validation.scene.keys import value_of, with_values
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif import answers
 from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.outlook import study_outlook
 from tactgen.validation.studies.whatif.run import run_study
+from tactgen.validation.studies.whatif.study_plan import plan_study
 
 NAMES = ("magnetic_force", "flux_linkage", "coenergy", "inductance", "incremental_inductance")
 SETS = ["models=axisymmetric", "accuracy=10%"]
@@ -58,7 +58,7 @@ def hold(point, answer):
 )
 def test_a_study_takes_one_table_and_says_so(vary, held, monkeypatch):
     statement = stated(vary)
-    before = study_outlook(statement)[0].bases[0].sentence
+    before = plan_study(statement)[0].bases[0].sentence
     assert "a table of fields" in before
     assert "not built yet" in before
     said = []
@@ -66,7 +66,7 @@ def test_a_study_takes_one_table_and_says_so(vary, held, monkeypatch):
         alone.setattr(answers, "solve", lambda *_: pytest.fail("a point was solved alone"))
         study = run_study(statement, 1, said.append)
     assert any(f"9 points differ in {vary.partition('=')[0]} only" in text for text in said)
-    assert "which is kept" in study_outlook(statement)[0].bases[0].sentence
+    assert "which is kept" in plan_study(statement)[0].bases[0].sentence
     rows = list(study.rows)
     for number in held:
         point, _, answer = rows[number]

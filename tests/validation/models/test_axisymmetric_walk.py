@@ -21,8 +21,8 @@ from tactgen.validation.scene.keys import value_of, with_values
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif import answers
 from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.outlook import study_outlook
 from tactgen.validation.studies.whatif.run import run_study
+from tactgen.validation.studies.whatif.study_plan import plan_study
 
 SETS = ["models=axisymmetric", "accuracy=10%"]
 STROKE = ("magnetic_force", "pull_in_current", "holding_current", "rod_position", "finger_force")
@@ -75,7 +75,7 @@ def closed(own_store, monkeypatch):
 def test_a_dimension_takes_a_table_of_maps_and_says_so(closed, monkeypatch):
     """Currents and positions are those of the closed form at each point, from five maps."""
     asked = stated("rod.radius=0.56mm:0.64mm:7", quantities=STROKE)
-    (before,) = study_outlook(asked)
+    (before,) = plan_study(asked)
     assert (before.alone, before.walks[0].points) == (0, 7)
     first, shared = before.sentences[1:]
     assert "7 points over rod.radius are solved one after another" in first
@@ -99,10 +99,10 @@ def test_a_dimension_takes_a_table_of_maps_and_says_so(closed, monkeypatch):
             # half the force's bar, and what the last step of the secant was
             assert abs(found[name].value - exact) <= found[name].uncertainty <= 1e-3 * exact
         assert found["rod_position"].value < 0.1 * (device.spring.stop_gap - device.gap)
-    (after,) = study_outlook(asked)
+    (after,) = plan_study(asked)
     assert (after.kept, after.walks) == (7, ())
     more = stated("rod.radius=0.56mm:0.64mm:13", quantities=STROKE)
-    (wider,) = study_outlook(more)
+    (wider,) = plan_study(more)
     assert (wider.kept, wider.walks[0].points) == (7, 6)
     assert wider.walks[0].seconds in recorded().values()
 
@@ -127,12 +127,12 @@ def test_the_maps_bar_holds_what_lies_between_those_solved(closed):
 
 def test_gap_current_and_spring_share_one_map_without_a_table(closed, monkeypatch):
     asked = stated("gap=0.18mm:0.2mm:3", "spring.stiffness=90N/m,110N/m", quantities=STROKE)
-    (before,) = study_outlook(asked)
+    (before,) = plan_study(asked)
     assert "the samples of a co-energy map" in before.sentences[-1]
     never_alone(monkeypatch)
     assert run_study(asked, 1).counts.walked == 6
     assert len(closed) == 1
-    (later,) = study_outlook(stated("gap=0.18mm:0.2mm:4", quantities=STROKE))
+    (later,) = plan_study(stated("gap=0.18mm:0.2mm:4", quantities=STROKE))
     assert later.sentences[-1].endswith("it is kept")
 
 

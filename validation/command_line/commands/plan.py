@@ -41,8 +41,8 @@ def run(options: argparse.Namespace) -> int:
         return _of_study(options)
     from tactgen.validation.command_line.contract import under_contract
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.engine.outlook import outlook
     from tactgen.validation.engine.plan import make_plan
+    from tactgen.validation.engine.prospects import stage_prospects
     from tactgen.validation.engine.solve import plan_json
     from tactgen.validation.scene.scene import load_scene
 
@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
     with announcer() as announce:
         scene, choice = under_contract(scene, origins, announce)
     plan = make_plan(scene, scene.models, scene.quantities)
-    prospects = outlook(plan)
+    prospects = stage_prospects(plan)
     if options.json:
         shown: dict[str, Any] = plan_json(plan)
         for entry in shown["run"]:
@@ -72,11 +72,11 @@ def run(options: argparse.Namespace) -> int:
 def _of_study(options: argparse.Namespace) -> int:
     """Show what each model would do in a study: kept, by a reduced basis, or one by one."""
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.studies.whatif.outlook import study_outlook
+    from tactgen.validation.studies.whatif.study_plan import plan_study
 
     statement, choice = under_accuracy(stated(options))
     with announcer() as announce:
-        models = study_outlook(statement, announce)
+        models = plan_study(statement, announce)
     if options.json:
         found: dict[str, Any] = {"scene": statement.scene, "study": models}
         if choice is not None:

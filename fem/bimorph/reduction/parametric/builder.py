@@ -18,9 +18,14 @@ from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.expansion import expansion, with_values
 from tactgen.fem.bimorph.reduction.parametric.growing import GrowingBasis
-from tactgen.fem.bimorph.reduction.parametric.lookout import Answers, Lookout, at_rest, response
 from tactgen.fem.bimorph.reduction.parametric.products import TermProducts
 from tactgen.fem.bimorph.reduction.parametric.reduced import ReducedMotion
+from tactgen.fem.bimorph.reduction.parametric.training_set import (
+    Answers,
+    TrainingSet,
+    at_rest,
+    response,
+)
 from tactgen.fem.bimorph.system import SolidSystem, materials
 from tactgen.fem.solvers.threads import side_by_side
 from tactgen.geometry.arrays import Floats
@@ -126,7 +131,7 @@ class FamilyBuilder:
             before = self._answers(motion, point[None])
             lossy = _with_losses(member, bricks, basis, self.frequencies)
             basis.learn(_in_motion(system, motion), scale, self.least, lossy)
-            self._lookouts[motion].forget()
+            self._training[motion].forget()
             self._observe(motion, before, self._answers(motion, point[None]))
 
         _for_each(motions, learn)
@@ -143,7 +148,7 @@ class FamilyBuilder:
 
         def of(motion: Motion) -> tuple[float, int]:
             margin = self.margins[motion]
-            bound, at = self._lookouts[motion].worst(self.tolerance / margin)
+            bound, at = self._training[motion].worst(self.tolerance / margin)
             return margin * bound, at
 
         return max(_for_each(self.modes, of).values())
@@ -151,7 +156,7 @@ class FamilyBuilder:
     def poor(self, at: int) -> list[Motion]:
         """Return the classes of motion that a member at this point is to be asked of."""
         least = 0.3 * self.tolerance
-        return [m for m, own in self._lookouts.items() if self.margins[m] * own.at(at) > least]
+        return [m for m, own in self._training.items() if self.margins[m] * own.at(at) > least]
 
     def frozen(self) -> dict[Motion, ReducedMotion]:
         """Return each class of motion on its basis as it is."""
@@ -163,11 +168,11 @@ class FamilyBuilder:
         return next(iter(self.bases.values())).unknowns
 
     @cached_property
-    def _lookouts(self) -> dict[Motion, Lookout]:
+    def _training(self) -> dict[Motion, TrainingSet]:
         """Bounds without their margins at the points of the range."""
 
-        def over(motion: Motion) -> Lookout:
-            return Lookout.over(
+        def over(motion: Motion) -> TrainingSet:
+            return TrainingSet.over(
                 self.points.shape[0], lambda some: self._answers(motion, self.points[some]).bound
             )
 

@@ -11,7 +11,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.costs import recorded
-from tactgen.validation.engine.outlook import Prospect
+from tactgen.validation.engine.prospects import Prospect
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.models.bimorph.family.many import for_many
 from tactgen.validation.models.bimorph.family.solid_family import (

@@ -22,7 +22,7 @@ from tactgen.tmm.reluctance.coenergy.fit import fit, largest_share
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, MapError, Samples
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.costs import record, recorded
-from tactgen.validation.engine.outlook import Prospect
+from tactgen.validation.engine.prospects import Prospect
 from tactgen.validation.engine.stages import values_read
 from tactgen.validation.models.reluctance.family.nested_grid import (
     Table,

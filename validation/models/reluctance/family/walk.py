@@ -18,8 +18,8 @@ from tactgen.validation.catalogue.models import MODELS, stage_code
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.costs import recorded
 from tactgen.validation.engine.families import Box
-from tactgen.validation.engine.outlook import Prospect
 from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.prospects import Prospect
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import evaluate
 from tactgen.validation.engine.stages import Stages

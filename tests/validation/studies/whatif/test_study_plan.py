@@ -12,8 +12,8 @@ from tactgen.validation.models.bimorph.family import solid_family
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif import sweep
 from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.outlook import study_outlook
 from tactgen.validation.studies.whatif.run import run_study
+from tactgen.validation.studies.whatif.study_plan import plan_study
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
@@ -31,7 +31,7 @@ def test_a_basis_is_named_with_its_cost_before_and_after(own_store, monkeypatch)
     for module in (solid, solid_family):
         monkeypatch.setattr(module, "LEVELS", QUICK)
     asked = statement("bimorph.length=14mm:18mm:9")
-    (before,) = study_outlook(asked)
+    (before,) = plan_study(asked)
     (basis,) = before.bases
     assert (basis.points, basis.kept, basis.seconds, before.alone) == (9, False, None, 0)
     assert "9 points differ in bimorph.length only, and more than 8" in basis.sentence
@@ -39,29 +39,29 @@ def test_a_basis_is_named_with_its_cost_before_and_after(own_store, monkeypatch)
     counts = run_study(asked, 1).counts
     assert counts.together == basis.points
     assert recorded()["solid.family of 1 keys"] > 0.0
-    (after,) = study_outlook(asked)
+    (after,) = plan_study(asked)
     assert after.bases[0].kept
     assert after.bases[0].sentence.endswith("which is kept")
-    (wider,) = study_outlook(statement("bimorph.length=14mm:19mm:9"))
+    (wider,) = plan_study(statement("bimorph.length=14mm:19mm:9"))
     (basis,) = wider.bases
     assert not basis.kept
     assert f"about {recorded()['solid.family of 1 keys']:.2g} s, once" in basis.sentence
     # the same points as a part that is read off in blocks
     monkeypatch.setattr(sweep, "MANY", 9)
-    (blocks,) = study_outlook(asked)
+    (blocks,) = plan_study(asked)
     assert blocks.bases[0].reason.endswith("are read off one reduced basis")
     assert (blocks.bases[0].kept, blocks.alone) == (True, 0)
 
 
 def test_what_is_solved_alone_kept_or_refused_is_counted(own_store):
     asked = statement("bimorph.length=14mm,16mm", "coil.current=1mA,2mA", models=("tmm", "solid"))
-    tmm, solids = study_outlook(asked)
+    tmm, solids = plan_study(asked)
     assert (tmm.points, tmm.alone, tmm.kept, tmm.refused) == (4, 2, 0, 0)
     assert tmm.sentences == ("tmm: 4 points, 2 solved one by one, a fraction of a second each",)
     assert (solids.alone, solids.bases, solids.seconds) == (2, (), None)
     assert "2 solved one by one, cost not recorded yet" in solids.sentences[0]
     run_study(statement("bimorph.length=14mm", models=("tmm",)))
-    (tmm,) = study_outlook(statement("bimorph.length=14mm,16mm,1um", models=("tmm",)))
+    (tmm,) = plan_study(statement("bimorph.length=14mm,16mm,1um", models=("tmm",)))
     assert (tmm.alone, tmm.kept, tmm.refused) == (1, 1, 1)
 
 

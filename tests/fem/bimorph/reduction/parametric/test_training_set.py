@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tactgen.fem.bimorph.reduction.parametric.lookout import Lookout
+from tactgen.fem.bimorph.reduction.parametric.training_set import TrainingSet
 
 COUNT = 100
 
@@ -21,32 +21,32 @@ class Bounds:
 
 def test_the_worst_point_is_found_where_bounds_were_large():
     bounds = Bounds()
-    lookout = Lookout.over(COUNT, bounds)
-    assert lookout.worst(0.1) == (bounds.values.max(), bounds.values.argmax())
+    points = TrainingSet.over(COUNT, bounds)
+    assert points.worst(0.1) == (bounds.values.max(), bounds.values.argmax())
     assert bounds.looked_at == COUNT
     bounds.values[bounds.values.argmax()] = 0.5  # the member that was asked
     bounds.values *= 0.9
-    lookout.forget()
-    assert lookout.worst(0.1) == (bounds.values.max(), bounds.values.argmax())
+    points.forget()
+    assert points.worst(0.1) == (bounds.values.max(), bounds.values.argmax())
     assert bounds.looked_at < 1.5 * COUNT
 
 
 def test_a_bound_that_grew_is_not_overlooked_at_the_end():
     bounds = Bounds()
-    lookout = Lookout.over(COUNT, bounds)
+    points = TrainingSet.over(COUNT, bounds)
     smallest = int(bounds.values.argmin())
-    lookout.worst(0.1)
+    points.worst(0.1)
     bounds.values[:] = 0.05
     bounds.values[smallest] = 0.3
-    lookout.forget()
-    assert lookout.worst(0.1) == (0.3, smallest)
+    points.forget()
+    assert points.worst(0.1) == (0.3, smallest)
 
 
 def test_one_point_is_worked_out_once_until_the_basis_grows():
     bounds = Bounds()
-    lookout = Lookout.over(COUNT, bounds)
-    assert lookout.at(7) == lookout.at(7) == bounds.values[7]
+    points = TrainingSet.over(COUNT, bounds)
+    assert points.at(7) == points.at(7) == bounds.values[7]
     assert bounds.looked_at == 1
-    lookout.forget()
-    lookout.at(7)
+    points.forget()
+    points.at(7)
     assert bounds.looked_at == 2

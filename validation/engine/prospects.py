@@ -18,7 +18,7 @@ class Prospect:
     seconds: float | None
 
 
-def outlook(plan: Plan) -> dict[str, Prospect]:
+def stage_prospects(plan: Plan) -> dict[str, Prospect]:
     """Return the prospects of a plan's stages, by name.
 
     Costs are those of the last run on this machine, of whatever scene: an order of magnitude.

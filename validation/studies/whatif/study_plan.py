@@ -13,8 +13,8 @@ from tactgen.validation.engine.families import (
     family_ranges,
     find_families,
 )
-from tactgen.validation.engine.outlook import Prospect, outlook, total
 from tactgen.validation.engine.plan import check_models, make_plan
+from tactgen.validation.engine.prospects import Prospect, stage_prospects, total
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.whatif.answers import Answer, Question, recall
 from tactgen.validation.studies.whatif.asked.statement import Statement
@@ -24,7 +24,7 @@ from tactgen.validation.studies.whatif.sweep import parts
 
 
 @dataclass(frozen=True)
-class BasisOutlook:
+class PlannedBasis:
     """A reduced basis that points would be read off: why, how many, and what it costs.
 
     `kept` says whether it is built already; `seconds` what one over as many keys took here.
@@ -48,7 +48,7 @@ class BasisOutlook:
 
 
 @dataclass(frozen=True)
-class WalkOutlook:
+class PlannedWalk:
     """Points solved each from those before: how many, what a point and what they share cost.
 
     Attributes
@@ -92,7 +92,7 @@ class WalkOutlook:
 
 
 @dataclass(frozen=True)
-class ModelOutlook:
+class PlannedModel:
     """What a model would do in a study.
 
     Attributes
@@ -101,9 +101,9 @@ class ModelOutlook:
         Its name.
     points, refused, kept, alone : int
         Points; of them such as make no scene, answers that are kept, and answers solved alone.
-    bases : tuple of BasisOutlook
+    bases : tuple of PlannedBasis
         Where the others come from.
-    walks : tuple of WalkOutlook
+    walks : tuple of PlannedWalk
         What is solved each from those before.
     seconds : float or None
         At most what those solved alone take, as their stages did when they last ran here.
@@ -114,8 +114,8 @@ class ModelOutlook:
     refused: int
     kept: int
     alone: int
-    bases: tuple[BasisOutlook, ...]
-    walks: tuple[WalkOutlook, ...]
+    bases: tuple[PlannedBasis, ...]
+    walks: tuple[PlannedWalk, ...]
     seconds: float | None
 
     @property
@@ -135,9 +135,9 @@ class ModelOutlook:
         return (", ".join(counts), *(f"  {basis.sentence}" for basis in self.bases), *walks)
 
 
-def study_outlook(
+def plan_study(
     statement: Statement, announce: Callable[[str], None] = lambda _: None
-) -> tuple[ModelOutlook, ...]:
+) -> tuple[PlannedModel, ...]:
     """Return what each model of a study would do, without computing anything.
 
     Raises
@@ -148,7 +148,7 @@ def study_outlook(
     check_models(statement.models, statement.quantities)
     points = tuple(statement.points())
     nearby = scenes_nearby(statement)
-    in_blocks: dict[str, list[BasisOutlook]] = {model: [] for model in statement.models}
+    in_blocks: dict[str, list[PlannedBasis]] = {model: [] for model in statement.models}
     covered: set[tuple[int, str]] = set()
     for model in statement.models:
         for part in parts(model, statement.quantities, points, nearby[model]):
@@ -176,9 +176,9 @@ def study_outlook(
         if alone and not MODELS[model].quick:
             scene = nearby[model].scene(asked.first[alone[0]])
             wanted = own[alone[0]].quantities
-            each = total(outlook(make_plan(scene, (model,), wanted)))
+            each = total(stage_prospects(make_plan(scene, (model,), wanted)))
             seconds = each * len(alone) if each else None
-        found.append(ModelOutlook(
+        found.append(PlannedModel(
             model, len(points), refused, len(kept), len(alone), (*in_blocks[model], *bases),
             tuple(walks), seconds,
         ))  # fmt: skip
@@ -187,7 +187,7 @@ def study_outlook(
 
 def _families(
     own: dict[int, Question], new: Sequence[int], scenes: dict[int, Scene]
-) -> tuple[list[BasisOutlook], set[int]]:
+) -> tuple[list[PlannedBasis], set[int]]:
     """Return the bases that new questions would be answered by, and these questions."""
     chosen = [n for n in new if n in scenes]
     if not chosen:
@@ -207,13 +207,13 @@ def _families(
     return bases, together
 
 
-def _walks(asked: dict[int, tuple[Question, Scene]]) -> tuple[list[WalkOutlook], set[int]]:
+def _walks(asked: dict[int, tuple[Question, Scene]]) -> tuple[list[PlannedWalk], set[int]]:
     """Return the walks that questions would be answered by, and these questions."""
     walks, walked = [], set()
     for numbers, route in routes(asked):
         quantities = asked[numbers[0]][0].quantities
         shared, prospect = route.shares(quantities) or ("", Prospect(kept=True, seconds=None))
-        walks.append(WalkOutlook(
+        walks.append(PlannedWalk(
             route.reason, len(route.numbers), route.seconds(quantities), shared, prospect.kept,
             prospect.seconds,
         ))  # fmt: skip
@@ -223,6 +223,6 @@ def _walks(asked: dict[int, tuple[Question, Scene]]) -> tuple[list[WalkOutlook],
 
 def _basis(
     reason: str, points: int, model: str, scene: Scene, ranges: Box, quantities: Sequence[str]
-) -> BasisOutlook:
+) -> PlannedBasis:
     prospect: Prospect = family_prospect(model, scene, ranges, quantities)
-    return BasisOutlook(reason, points, prospect.kept, prospect.seconds)
+    return PlannedBasis(reason, points, prospect.kept, prospect.seconds)

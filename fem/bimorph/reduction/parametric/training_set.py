@@ -1,4 +1,4 @@
-"""What is looked at in members of a family while its basis grows, and where it is worst."""
+"""What a basis is trained on: members of a family, what is looked at in them, where it is worst."""
 
 from __future__ import annotations
 
@@ -90,8 +90,8 @@ def response(members: Members, rest: Answers, frequencies: Floats) -> Answers:
 
 
 @dataclass(frozen=True)
-class Lookout:
-    """Bounds at n points, worked out anew only where they may be the largest.
+class TrainingSet:
+    """Bounds at n training points, worked out anew only where they may be the largest.
 
     A basis that grows lowers nearly all of them: what they were says where to look first.
 
@@ -110,7 +110,7 @@ class Lookout:
     fresh: Bools
 
     @classmethod
-    def over(cls, count: int, work: Callable[[Ints], Floats]) -> Lookout:
+    def over(cls, count: int, work: Callable[[Ints], Floats]) -> TrainingSet:
         """Return one over as many points."""
         return cls(work, np.full(count, np.inf), np.zeros(count, dtype=bool))
 
