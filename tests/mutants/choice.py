@@ -23,32 +23,27 @@ class Chooser:
     """Chooses by what was noted: seconds by test, and tests by function that they enter."""
 
     def __init__(self, root: Path, known: dict) -> None:
-        self.seconds, self.entered, self.fixtures = (
-            known[k] for k in ("seconds", "entered", "fixtures")
-        )
+        self.seconds, self.entered = known["seconds"], known["entered"]
         self.importers = _importers(root)
 
     def turns(self, mistake: Mistake) -> list[list[str]]:
         """Return the tests of the mistake's own room that enter its function, and all others."""
-        direct = self._reaching(self.entered, mistake)
-        by_fixture = {t.split("::")[0] for t in self._reaching(self.fixtures, mistake)}
-        late = {t for t in self.seconds if t.split("::")[0] in by_fixture} - direct
+        direct = self._reaching(mistake)
         room = f"tests/{Path(mistake.file).parent.as_posix()}"
         near = {t for t in direct if t.startswith(room)}
-        if not direct and not late:
+        if not direct:
             near = self._nearest(Path(room))
         first = self._within(near, NEAR)
         rest = self._within(direct - set(first), BUDGET)
-        rest += self._within(late, BUDGET - sum(self.seconds[t] for t in rest))
         readers = [t for t in self.seconds if t.startswith(READERS)]
         return [turn for turn in (first, [*rest, *readers]) if turn]
 
-    def _reaching(self, by: dict[str, list[str]], mistake: Mistake) -> set[str]:
+    def _reaching(self, mistake: Mistake) -> set[str]:
         """Return tests that enter the function; outside one, any of the file or its importers."""
         if mistake.function:
-            return set(by.get(f"{mistake.file}::{mistake.function}", ()))
+            return set(self.entered.get(f"{mistake.file}::{mistake.function}", ()))
         files = {mistake.file, *self.importers[mistake.file]}
-        return {t for f, tests in by.items() if f.split("::")[0] in files for t in tests}
+        return {t for f, tests in self.entered.items() if f.split("::")[0] in files for t in tests}
 
     def _within(self, tests: set[str], budget: float) -> list[str]:
         """Return the cheapest tests, as many as the budget (s) lets, one at least."""

@@ -30,6 +30,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter, defaultdict
+from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 
@@ -55,6 +56,7 @@ def main() -> None:
     drawing.add_argument("--reach", type=Path, required=True)
     drawing.add_argument("--seed", type=int, required=True)
     drawing.add_argument("--count", type=int, default=150)
+    drawing.add_argument("--packages", nargs="+", choices=WEIGHTS, default=list(WEIGHTS))
     drawing.add_argument(
         "--most", type=int, default=10**9, help="end after so many, to go on later"
     )
@@ -94,11 +96,14 @@ def _reach(arguments: argparse.Namespace, copy: Path) -> None:
     print(f"{len(collected['seconds'])} tests, {len(collected['entered'])} functions")
 
 
-def drawn(root: Path, seed: int, count: int) -> list[Mistake]:
+def drawn(
+    root: Path, seed: int, count: int, packages: Iterable[str] = reach.PACKAGES
+) -> list[Mistake]:
     """Return mistakes: kinds in turn, packages by weight, then any; no two touch one line."""
+    weights = {package: WEIGHTS[package] for package in packages}
     chance = random.Random(seed)
     pools: dict[tuple[str, str], list[Mistake]] = defaultdict(list)
-    for package in reach.PACKAGES:
+    for package in weights:
         for path in sorted((root / package).rglob("*.py")):
             file = path.relative_to(root).as_posix()
             if not file.startswith(ABSENT):
@@ -107,7 +112,7 @@ def drawn(root: Path, seed: int, count: int) -> list[Mistake]:
     kinds = sorted({kind for _, kind in pools})
     found: list[Mistake] = []
     while len(found) < count:
-        package = chance.choices(list(WEIGHTS), list(WEIGHTS.values()))[0]
+        package = chance.choices(list(weights), list(weights.values()))[0]
         pool = pools.get((package, kinds[len(found) % len(kinds)])) or pools[package, "term"]
         mistake = chance.choice(pool)
         source = mistake.put((root / mistake.file).read_bytes())
@@ -122,7 +127,7 @@ def _draw(arguments: argparse.Namespace, copy: Path) -> None:
         if results["seed"] != arguments.seed:
             raise SystemExit(f"{arguments.out} holds seed {results['seed']}: name another file")
     else:
-        found = drawn(ROOT, arguments.seed, arguments.count)
+        found = drawn(ROOT, arguments.seed, arguments.count, arguments.packages)
         results = {"seed": arguments.seed, "mistakes": [asdict(m) for m in found]}
     chooser = Chooser(ROOT, json.loads(arguments.reach.read_text()))
     import_ahead()

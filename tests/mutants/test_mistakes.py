@@ -2,6 +2,7 @@
 
 import importlib
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -82,38 +83,98 @@ def test_a_method_is_named_after_its_class_and_both_tools_agree(tool, tmp_path):
     assert "_reached.add('fem/a.py::A.f')" in (tmp_path / "fem/a.py").read_text("utf-8")
 
 
-def _line(test, entered, when="call", seconds=0.1):
-    said = {"test": test, "when": when, "seconds": seconds, "entered": entered}
-    return json.dumps(said)
+def _line(test, entered, seconds=0.1):
+    return json.dumps({"test": test, "seconds": seconds, "entered": entered})
 
 
 def test_tests_noted_anew_replace_what_was_noted_of_them_alone(tool):
     """Seconds of the phases add up; another test's notes stay."""
     gathered = tool("reach").gathered
     known = gathered([_line("t::a", ["f"]), _line("t::b", ["f"])])
-    lines = [_line("t::a", ["g"], "setup", 0.5), _line("t::a", ["h"])]
+    lines = [_line("t::a", ["g"], 0.5), _line("t::a", ["h"])]
     assert gathered(lines, known) == {
         "seconds": {"t::b": 0.1, "t::a": 0.6},
-        "entered": {"f": ["t::b"], "h": ["t::a"]},
-        "fixtures": {"g": ["t::a"]},
+        "entered": {"f": ["t::b"], "g": ["t::a"], "h": ["t::a"]},
     }
 
 
+NOTED = """
+import pytest
+from tactgen.fem.a import A, f
+from tactgen.geometry.store.store import kept
+
+@pytest.fixture(scope="module")
+def made():
+    return A()
+
+def stored():
+    return kept("number", (1.0,), ("tactgen.fem.a",), lambda: f(2))
+
+def test_first(made):
+    assert (f(1), made.g, stored()) == (1, 1, 2)
+
+def test_second(made):
+    assert (f(1), made.g) == (1, 1)
+
+def test_third():
+    assert stored() == 2
+"""
+MADE = """
+from functools import cache, cached_property
+
+class A:
+    def __init__(self):
+        pass
+    @cached_property
+    def g(self):
+        return 1
+
+@cache
+def f(x):
+    return h(x)
+
+def h(x):
+    return x
+"""
+
+
+def test_who_is_given_what_was_made_before_has_entered_what_made_it(tmp_path):
+    """By a fixture of the module, a cache, a property, or the store."""
+    packages = HERE.parent.parent
+    copy = tmp_path / "copy"
+    for name in (".setup", "geometry"):
+        shutil.copytree(packages / name, copy / name, symlinks=True)
+    (copy / "fem").mkdir()
+    (copy / "fem/__init__.py").touch()
+    (copy / "fem/a.py").write_text(MADE, encoding="utf-8")
+    (copy / "tests").mkdir()
+    (copy / "tests/test_a.py").write_text(NOTED, encoding="utf-8")
+    code = (
+        "import argparse, json, run\nfrom pathlib import Path\n"
+        f"copy = Path({str(copy)!r})\n"
+        "run._reach(argparse.Namespace(tests=['tests'], out=copy / 'reach.json'), copy)\n"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=HERE, capture_output=True, check=True)
+    entered = json.loads((copy / "reach.json").read_text())["entered"]
+    first, second, third = (f"tests/test_a.py::test_{n}" for n in ("first", "second", "third"))
+    assert entered["fem/a.py::A.__init__"] == entered["fem/a.py::A.g"] == [first, second]
+    assert entered["fem/a.py::h"] == [first, second, third]
+
+
 def test_cheap_tests_of_its_own_room_come_first_and_slow_ones_are_left_out(tool, tmp_path):
-    """Then the tests of other rooms; what a fixture enters comes with its whole file."""
+    """Then the tests of other rooms, those that read the sources last."""
     seconds = {"tests/fem/t.py::slow": 5.0, "tests/fem/t.py::a": 0.2, "tests/fem/t.py::b": 0.1,
                "tests/tmm/t.py::c": 1.0, "tests/tmm/t.py::never": 30.0,
-               "tests/x.py::d": 0.1, "tests/x.py::e": 0.1}  # fmt: skip
-    direct = [t for t in seconds if not t.startswith("tests/x.py")]
-    known = {"seconds": seconds, "entered": {"fem/a.py::f": direct},
-             "fixtures": {"fem/a.py::f": ["tests/x.py::d"]}}  # fmt: skip
+               "tests/test_house.py::d": 0.1, "tests/x.py::e": 0.1}  # fmt: skip
+    direct = [t for t in seconds if t.startswith(("tests/fem", "tests/tmm"))]
+    known = {"seconds": seconds, "entered": {"fem/a.py::f": direct}}
     chooser = tool("choice").Chooser(tmp_path, known)
     mistake = tool("mistakes").Mistake("fem/a.py", 1, "sign", "f", 0, 1, "-", "")
     near, others = chooser.turns(mistake)
     assert near == ["tests/fem/t.py::b", "tests/fem/t.py::a"]
-    assert others == ["tests/tmm/t.py::c", "tests/fem/t.py::slow", "tests/x.py::d", "tests/x.py::e"]
+    assert others == ["tests/tmm/t.py::c", "tests/fem/t.py::slow", "tests/test_house.py::d"]
     unseen = tool("mistakes").Mistake("fem/b/c.py", 1, "sign", "f", 0, 1, "-", "")
-    assert chooser.turns(unseen) == [["tests/fem/t.py::b", "tests/fem/t.py::a"]]
+    assert chooser.turns(unseen)[0] == ["tests/fem/t.py::b", "tests/fem/t.py::a"]
 
 
 def test_no_two_drawn_touch_and_a_seed_draws_the_same(tool, tmp_path):
@@ -125,6 +186,7 @@ def test_no_two_drawn_touch_and_a_seed_draws_the_same(tool, tmp_path):
     found = drawn(tmp_path, 1, 12)
     assert found == drawn(tmp_path, 1, 12)
     assert len({(m.file, m.line) for m in found}) == 12
+    assert {m.file for m in drawn(tmp_path, 1, 4, ["fem"])} == {"fem/a.py"}
     one = tool("mistakes").Mistake("a.py", 1, "sign", "f", 4, 9, "-a - b", "a - b")
     assert one.touches(tool("mistakes").Mistake("a.py", 2, "sign", "f", 8, 12, "b", "c"))
     assert not one.touches(tool("mistakes").Mistake("a.py", 2, "sign", "f", 9, 12, "b", "c"))
