@@ -171,7 +171,7 @@ def test_nothing_impossible_is_answered():
 @pytest.mark.heavy
 @pytest.mark.parametrize("quick", [True, False])
 def test_whole_magnetic_run(quick):
-    """µr 1 to 1e6, gaps 1 µm to 5 mm, 1 µA to 1 kA, coarse to fine, badly graded: none fails."""
+    """µr 1 to 1e6, gaps 1 µm to 5 mm, 1 µA to 1 kA, coarse to fine: none fails."""
     found = magnetics.run(quick, lambda _: None)
     assert all(row.verdict != "fails" for row in found.rows)
 

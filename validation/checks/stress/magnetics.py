@@ -13,7 +13,6 @@ from tactgen.validation.checks.stress.magnetics_circuit import network_rows, ref
 from tactgen.validation.checks.stress.magnetics_device import (
     as_built_row,
     device_rows,
-    graded_row,
     narrow_gap_row,
     solenoid_row,
 )
@@ -25,7 +24,6 @@ _FAMILIES: dict[str, Callable[[bool], Row | list[Row]]] = {
     "device, coarse to fine": as_built_row,
     "narrow gap": narrow_gap_row,
     "long core": solenoid_row,
-    "badly graded grids": graded_row,
     "3D slivers": sliver_row,
     "3D ball": ball_row,
     "3D, TEAM problem 20": team20_rows,

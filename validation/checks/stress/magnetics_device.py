@@ -13,13 +13,9 @@ from tactgen.fem.reluctance.axisymmetric.actuator import (
     solve_map,
     solve_point,
 )
-from tactgen.fem.reluctance.axisymmetric.field import MagneticField, solve_field
-from tactgen.fem.reluctance.axisymmetric.space import discretise, lowered
-from tactgen.geometry.arrays import Floats
+from tactgen.fem.reluctance.axisymmetric.field import MagneticField
 from tactgen.geometry.device.parameters import Device, Sleeve, Steel
 from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
-from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, Grid, graded_grid
-from tactgen.geometry.reluctance.section_regions import actuator_regions
 from tactgen.validation.checks.cases.magnetics.infinite_solenoid import (
     INNER,
     OUTER,
@@ -198,38 +194,3 @@ def solenoid_row(quick: bool) -> Row:
         family.add(where, error, core_tolerance(curve))
     what = "µr 1 to 1e6 and saturating steel, 1e-3 to 1e9 A/m²; B of the curve at H = J (r2 − r1)"
     return answered("long core in a solenoid", what, family.points)
-
-
-def graded_row(quick: bool) -> Row:
-    """Cut each interval of the device's grid very unevenly: what Ritz promises on any grid.
-
-    Co-energy lies above that of fewer functions and below the exact one.  No error bar: a
-    lower order does not tell what such a grid misses, and the program makes no such grids.
-    """
-    regions, family = actuator_regions(Device(), 0.2e-3), Family()
-    good = discretise(graded_grid(regions, OUTER_RADIUS), 4)
-    ratios = (1e-6, 1.0, 1e6) if quick else tuple(10.0 ** np.arange(-6.0, 7.0, 2.0))
-    for current in (1e-6, 0.13, 1e3):
-        exact = solve_field(good, np.array([current])).coenergy
-        for ratio in ratios:
-            fine = discretise(_uneven(good.grid, ratio), 4)
-            coarse, _ = lowered(fine)
-            high, low = (solve_field(d, np.array([current])).coenergy for d in (fine, coarse))
-            in_order = 0.0 < low < high < exact
-            where = f"ratio {ratio:g}, {engineering(current, 'A', 3)}"
-            family.add(where, 1.0 - high / exact, 1.0 if in_order else 0.0)
-    what = "two cells per interval, 1e-6 to 1e6 times as wide, 1 µA to 1 kA: 0 < W' < exact"
-    return answered("badly graded grid: co-energy from below", what, family.points)
-
-
-def _uneven(grid: Grid, ratio: float) -> Grid:
-    """Return a grid with the regions' edges only, each interval cut once at 1 : `ratio`."""
-
-    def lines(ends: tuple[float, ...], edges: set[float]) -> Floats:
-        marks = np.array(sorted(edges | set(ends)))
-        return np.unique(np.concatenate([marks, marks[:-1] + np.diff(marks) / (1.0 + ratio)]))
-
-    r = lines((0.0, float(grid.r[-1])), {x for part in grid.regions for x in part.radii})
-    far = float(grid.z[-1])
-    z = lines((-far, far), {x for part in grid.regions for x in part.heights})
-    return Grid(r, z, grid.regions)

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
-from tactgen.validation.checks.stress.driven.sweep import Pair, Sweep, decades, rows_of
+from tactgen.validation.checks.stress.driven.sweep import Pair, Sweep, decades
 from tactgen.validation.checks.stress.result import Row, Stress, answered
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
@@ -93,7 +93,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Stress:
         (_CAD, (_CAD_LENGTH, _CAD_SHIM)),
     ):
         announce(f"{pair.judged} against {pair.witness}")
-        rows += rows_of(pair, sweeps, quick)
+        rows += [pair.row(sweep, quick) for sweep in sweeps]
     if not quick:
         announce("reduced basis against the bricks of its members")
         rows.append(family_row())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,8 +116,3 @@ def worst(one: Quantity, other: Quantity) -> tuple[float, float]:
         ratio = np.where(errors == 0.0, 0.0, errors / bars)
     at = int(np.argmax(ratio))
     return float(errors[at]), float(bars[at])
-
-
-def rows_of(pair: Pair, sweeps: Sequence[Sweep], quick: bool) -> list[Row]:
-    """Return the rows of a pair over several sweeps."""
-    return [pair.row(sweep, quick) for sweep in sweeps]
