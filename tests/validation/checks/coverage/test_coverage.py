@@ -82,7 +82,9 @@ def test_calibration_counts_what_lies_within_so_many_bars():
 
 def test_bars_of_beams_hold_on_fresh_devices():
     """One device of each kind; `tactgen coverage` takes many."""
-    for judge in (beam.judge, taper.judge, machine.judge_map, in_time.judge):
+    for judge in (
+        beam.judge, taper.judge, machine.judge_map, machine.judge_motions, in_time.judge,
+    ):  # fmt: skip
         found = judge(np.random.default_rng([2026, 0]))
         assert found, judge
         assert all(one.within for one in found), [one for one in found if not one.within]
