@@ -43,6 +43,7 @@ class Pattern:
         heights = np.repeat(np.arange(self.size), np.diff(self._starts))
         places = heights * self.size + self._columns
         self._slot = np.searchsorted(places, rows * self.size + columns)
+        self._parts: dict[bytes, Pattern] = {}
 
     def local(self, x: Floats) -> Floats:
         """Return the cells' values (n_cells, n_local) of the free unknowns x."""
@@ -68,7 +69,13 @@ class Pattern:
         return sparse.csr_matrix((entries, self._columns, self._starts), shape=shape)
 
     def part(self, cells: Ints) -> Pattern:
-        """Return the same pattern for the matrices of some of the cells alone."""
+        """Return the same pattern for the matrices of some of the cells alone; kept."""
+        key = cells.tobytes()
+        if key not in self._parts:
+            self._parts[key] = self._part(cells)
+        return self._parts[key]
+
+    def _part(self, cells: Ints) -> Pattern:
         slot = np.full((*self._dofs.shape, self._dofs.shape[1]), -1)
         slot.ravel()[self._kept] = self._slot
         chosen = slot[cells].ravel()

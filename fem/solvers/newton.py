@@ -9,6 +9,7 @@ energy falls takes three times as many factorisations with the scalar potential.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -17,9 +18,9 @@ import numpy as np
 from tactgen.fem.solvers.linear_solver import Factor, SolverError, factorise
 from tactgen.geometry.arrays import Floats, Sparse
 
-#: Stop when the energy norm of what is left is this fraction of the field's; most of it is then
-#: taken away by the factors at hand.
-_TOLERANCE = 1e-8
+#: Stop when the energy norm of what will be left is this fraction of the field's, once the factors
+#: at hand have taken away what they can: as much as in the step before, yet nine tenths at most.
+TOLERANCE, _MOST_TAKEN = 1e-10, 0.1
 #: Rounding may keep it above; a last step of this size leaves its square.
 _LAST_STEP = 1e-7
 _MAX_STEPS = 60
@@ -28,6 +29,14 @@ _SLOPE_LEFT = 0.1
 _MAX_TRIALS = 30
 #: Relative rounding of an energy, the sum over all quadrature points.
 _ROUNDING = 1e-12
+#: Factors are kept as long as each step with them leaves no more than this: a new Hessian and its
+#: factors cost as much as five such steps.
+_FAST = 0.3
+#: Those of another field are tried where it is this near, in the energy norm.
+_NEAR = 0.03
+#: Energy norm of what a solution by the factors of a matrix nearby may miss before most of that is
+#: taken away; and corrections that cost as much as a factorisation of the matrix itself.
+_CORRECTED, _MOST_CORRECTIONS = 1e-6, 6
 
 
 class ConvexEnergy(Protocol):
@@ -56,6 +65,11 @@ class Factors:
     def __init__(self) -> None:
         self._factor: Factor | None = None
 
+    @property
+    def held(self) -> bool:
+        """Whether there are any."""
+        return self._factor is not None
+
     def update(self, matrix: Sparse) -> None:
         """Take a matrix of the same pattern as those before."""
         if not (matrix.diagonal() > 0.0).all():
@@ -70,6 +84,33 @@ class Factors:
         assert self._factor is not None
         return self._factor.solve(right)
 
+    def solve_near(self, matrix: Sparse, right: Floats) -> Floats:
+        """Return the solution of a matrix near that of the factors, which it becomes if needed.
+
+        By conjugate gradients with them, for each of the right sides (n, k).
+        """
+        columns = [self._nearby(matrix, each) for each in right.T] if self.held else [None]
+        found = [each for each in columns if each is not None]
+        if len(found) == right.shape[1]:
+            return np.stack(found, axis=1)
+        self.update(matrix)
+        return self.solve(right)
+
+    def _nearby(self, matrix: Sparse, right: Floats) -> Floats | None:
+        found, left = np.zeros_like(right), right
+        direction = taken = self.solve(left)
+        size = before = float(left @ taken)
+        for _ in range(_MOST_CORRECTIONS):
+            across = matrix @ direction
+            length = before / float(direction @ across)
+            found, left = found + length * direction, left - length * across
+            taken = self.solve(left)
+            now = float(left @ taken)
+            if now <= _CORRECTED**2 * size:
+                return found + taken
+            direction, before = taken + now / before * direction, now
+        return None
+
 
 @dataclass(frozen=True)
 class Minimum:
@@ -80,34 +121,49 @@ class Minimum:
     x : (n,) float
         Unknowns.
     steps : int
-        Newton steps taken.
+        Newton steps taken, each with a Hessian of its own; others use its factors again.
     """
 
     x: Floats
     steps: int
 
 
-def minimise(energy: ConvexEnergy, start: Floats, factors: Factors | None = None) -> Minimum:
+def minimise(
+    energy: ConvexEnergy,
+    start: Floats,
+    factors: Factors | None = None,
+    tolerance: float = TOLERANCE,
+) -> Minimum:
     """Return the minimum of `energy`.
+
+    A Hessian's factors are used again while they are good: first of all those that are given.
 
     Parameters
     ----------
     factors : Factors, optional
-        Those of earlier Hessians of the same pattern; afterwards of the last step's.
+        Those of earlier Hessians of the same pattern; afterwards of the last one made.
+    tolerance : float
+        Energy norm of what may be left, over the field's.
 
     Raises
     ------
     SolverError
         If it takes more than 60 steps, or the energy is not convex.
     """
-    x, left = start, np.inf
+    x, left, hessians = start, np.inf, 0
     factors = factors or Factors()
     gradient = energy.gradient(x)
-    for step in range(1, _MAX_STEPS + 1):
+    rest = factors.solve(gradient) if factors.held else None
+    if rest is not None and not gradient @ rest <= _NEAR**2 * energy.scale(x):
+        rest = None
+    for _ in range(_MAX_STEPS):
         if not gradient.any():
-            return Minimum(x, step - 1)
-        factors.update(energy.hessian(x))
-        direction = -factors.solve(gradient)
+            return Minimum(x, hessians)
+        anew = rest is None
+        if anew:
+            factors.update(energy.hessian(x))
+            hessians += 1
+        direction = -(factors.solve(gradient) if rest is None else rest)
         slope = float(gradient @ direction)
         if not slope <= 0.0:
             raise _not_convex()
@@ -115,11 +171,15 @@ def minimise(energy: ConvexEnergy, start: Floats, factors: Factors | None = None
         size = energy.scale(x)
         # what is left is measured by the factors from before the step: the same to first order
         rest = factors.solve(gradient)
-        left = np.sqrt(abs(float(gradient @ rest)) / size) if size else 0.0
-        if left <= _TOLERANCE:
-            return Minimum(x - rest, step)  # known, so taken away as well
-        if -slope <= _LAST_STEP**2 * size:
-            return Minimum(x, step)
+        before, left = (
+            math.sqrt(abs(each) / size) if size else 0.0 for each in (slope, float(gradient @ rest))
+        )
+        if left * max(left, _MOST_TAKEN * before) <= tolerance * before:
+            return Minimum(x - rest, hessians)  # known, so taken away as well
+        if anew and -slope <= _LAST_STEP**2 * size:
+            return Minimum(x, hessians)
+        if left > _FAST * before:
+            rest = None
     raise SolverError(
         f"the magnetic field did not settle in {_MAX_STEPS} Newton steps "
         f"({left:.1e} of the field is left); check the magnetisation curves"

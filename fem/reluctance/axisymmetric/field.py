@@ -24,7 +24,7 @@ import numpy as np
 
 from tactgen.fem.reluctance.axisymmetric.space import Discretisation
 from tactgen.fem.reluctance.iron import energy_density, field_from_flux, reluctivity_tensor
-from tactgen.fem.solvers.newton import Factors, minimise
+from tactgen.fem.solvers.newton import TOLERANCE, Factors, minimise
 from tactgen.geometry.arrays import Floats, Sparse
 from tactgen.geometry.device.steel_law import MU0
 
@@ -108,6 +108,7 @@ def solve_field(
     currents: Floats,
     start: Floats | None = None,
     factors: Factors | None = None,
+    tolerance: float = TOLERANCE,
 ) -> MagneticField:
     """Find the field of given currents.
 
@@ -120,7 +121,10 @@ def solve_field(
     start : (n_dofs,) float, optional
         Potential to start from; zero by default.
     factors : Factors, optional
-        Those of an earlier solution on this grid, so that their ordering is kept.
+        Those of an earlier solution on this grid, so that their ordering is kept, and they
+        themselves where the field differs little.
+    tolerance : float
+        As of :func:`fem.solvers.newton.minimise`.
 
     Raises
     ------
@@ -133,14 +137,8 @@ def solve_field(
     energy = _Energy(d, currents @ d.linkage)
     rest = np.zeros(d.size)
     first = rest if start is None or not currents.any() else start
-    found = minimise(energy, first[d.free], factors)
-    hessian = energy.hessian(found.x)
-    if found.steps == 0:
-        factors.update(hessian)
-    # by the factors of the last step, corrected once
-    links = d.linkage[:, d.free].T
-    slope = factors.solve(links)
-    slope += factors.solve(links - hessian @ slope)
+    found = minimise(energy, first[d.free], factors, tolerance)
+    slope = factors.solve_near(energy.hessian(found.x), d.linkage[:, d.free].T)
     potential, tangent = np.zeros(d.size), np.zeros((d.size, currents.size))
     potential[d.free], tangent[d.free] = found.x, slope
     return MagneticField(d, currents, potential, tangent, found.steps)

@@ -14,14 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tactgen.fem.elements.pattern import Pattern
 from tactgen.fem.reluctance.axisymmetric.field import MagneticField
-from tactgen.fem.reluctance.axisymmetric.space import (
-    Discretisation,
-    cells_in_order,
-    quadrature_order,
-)
+from tactgen.fem.reluctance.axisymmetric.space import Discretisation, functions_of_order
 from tactgen.fem.reluctance.iron import energy_density
-from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.fem.solvers.newton import Factors
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.reluctance.section_grid import Grid
@@ -35,34 +32,52 @@ class EggshellWeight:
     slope_z: Floats
 
 
-def eggshell_weight(discretisation: Discretisation) -> EggshellWeight:
-    """Return the harmonic weight between moving and fixed regions, at rest far away.
+class Eggshell:
+    """The harmonic weight between moving and fixed regions, at rest far away.
 
-    Depends on the grid only: one weight serves all currents.
+    One for all grids of the same cells, wherever their lines lie; on each it serves all currents.
     """
-    from skfem import Basis, BilinearForm, ElementQuad2, MeshQuad, condense
-    from skfem.helpers import dot, grad
 
-    @BilinearForm
-    def laplace(u, v, w):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-        return w.x[0] * dot(grad(u), grad(v))
+    def __init__(self, discretisation: Discretisation) -> None:
+        d = discretisation
+        functions, self._cell_dofs, kept = functions_of_order(d, min(2, d.order))
+        self._reference = d.reference.of_functions(functions)
+        state, size = _rigid(d.grid), kept.size
+        carried, fixed = (np.unique(self._cell_dofs[state == value]) for value in (1, 0))
+        # of a function that is 1 all over a cell only the corners' parts are not zero
+        corners = np.unique(self._cell_dofs[:, :4])
+        self._held = np.zeros(size)
+        self._held[np.intersect1d(carried, corners)] = 1.0
+        between = np.isin(kept, d.free)
+        between[carried] = between[fixed] = False
+        self._free = np.flatnonzero(between)
+        self._pattern = Pattern(self._cell_dofs, self._free)
+        self._factors = Factors()
 
-    grid = discretisation.grid
-    mesh = MeshQuad.init_tensor(grid.r, grid.z)
-    cells = cells_in_order(grid, mesh)
-    basis = Basis(mesh, ElementQuad2(), intorder=quadrature_order(discretisation.order))
-    state = _rigid(grid)
-    carried, fixed = (np.unique(basis.element_dofs[:, cells[state == value]]) for value in (1, 0))
-    edge = basis.get_dofs(mesh.facets_satisfying(lambda x: x[0] > 0.0, boundaries_only=True)).all()
-    weight = np.zeros(basis.N)
-    weight[carried] = 1.0
-    held = np.unique(np.concatenate([carried, fixed, edge]))
-    matrix, right, weight, free = condense(
-        laplace.assemble(basis), np.zeros(basis.N), x=weight, D=held
-    )
-    weight[free] = factorise(matrix, definite=True).solve(right)
-    slope = basis.interpolate(weight).grad
-    return EggshellWeight(np.asarray(slope[0][cells]), np.asarray(slope[1][cells]))
+    def weight(self, discretisation: Discretisation) -> EggshellWeight:
+        """Return the weight on one of these grids, at the quadrature points of the field."""
+        d, reference = discretisation, self._reference
+        widths, heights = np.diff(d.grid.r)[:, None], d.heights[:, None]
+        radii = d.grid.r[:-1, None] + widths * reference.across
+        density = (radii * reference.weights)[..., None]
+        slope_r, slope_z = reference.slope_r, reference.slope_z
+        local = d.of_columns(
+            widths[..., None] * (slope_z.T @ (density * slope_z)),
+            slope_r.T @ (density * slope_r) / widths[..., None],
+            np.arange(heights.size),
+        )
+        weight = self._held.copy()
+        given = (local @ weight[self._cell_dofs][..., None])[..., 0]
+        self._factors.update(self._pattern.matrix(local))
+        weight[self._free] = -self._factors.solve(self._pattern.vector(given))
+        of_cells = weight[self._cell_dofs]
+        columns = np.repeat(widths, d.grid.z.size - 1, axis=0)
+        return EggshellWeight(of_cells @ slope_r.T / columns, of_cells @ slope_z.T / heights)
+
+
+def eggshell_weight(discretisation: Discretisation) -> EggshellWeight:
+    """Return the harmonic weight on one grid."""
+    return Eggshell(discretisation).weight(discretisation)
 
 
 def _rigid(grid: Grid) -> Floats:

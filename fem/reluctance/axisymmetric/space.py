@@ -115,9 +115,25 @@ class Discretisation:
     def vacuum_entries(self) -> Floats:
         """What cells without iron give to the Hessian, whatever the field, as stored entries."""
         empty = np.setdiff1d(np.arange(self.cell_dofs.shape[0]), self.iron_cells)
-        curls, volumes = self.curls[empty], np.tile(self.volumes[empty], 2)
-        local = curls.transpose(0, 2, 1) @ (volumes[..., None] / MU0 * curls)
+        reference, widths = self.reference, np.diff(self.grid.r)[:, None]
+        radii = self.grid.r[:-1, None] + widths * reference.across
+        volumes = (2.0 * np.pi / MU0 * widths * radii * reference.weights)[..., None]
+        curl_z = 2.0 * reference.shape + (radii / widths)[..., None] * reference.slope_r
+        curl_r = radii[..., None] * reference.slope_z
+        local = self.of_columns(
+            curl_r.transpose(0, 2, 1) @ (volumes * curl_r),
+            curl_z.transpose(0, 2, 1) @ (volumes * curl_z),
+            empty,
+        )
         return self.pattern.part(empty).entries(local)
+
+    def of_columns(self, over: Floats, times: Floats, cells: Ints) -> Floats:
+        """Return matrices of some cells, over / height + times × height of those of their columns.
+
+        What is the same over a column of cells but for their heights is integrated once a column.
+        """
+        columns, heights = cells // (self.grid.z.size - 1), self.heights[cells, None, None]
+        return over[columns] / heights + times[columns] * heights
 
     @cached_property
     def iron_curls(self) -> Floats:
@@ -263,10 +279,7 @@ def lowered(fine: Discretisation) -> tuple[Discretisation, Ints]:
 
     The tables are parts of the finer ones, at the same quadrature points.
     """
-    place = {mode: i for i, mode in enumerate(_modes(fine.order))}
-    local = [place[mode] for mode in _modes(fine.order - 1)]
-    kept, cell_dofs = np.unique(fine.cell_dofs[:, local], return_inverse=True)
-    cell_dofs = cell_dofs.reshape(-1, len(local))
+    local, cell_dofs, kept = functions_of_order(fine, fine.order - 1)
     free = np.flatnonzero(np.isin(kept, fine.free))
     coarse = replace(
         fine,
@@ -280,6 +293,14 @@ def lowered(fine: Discretisation) -> tuple[Discretisation, Ints]:
         pattern=Pattern(cell_dofs, free),
     )
     return coarse, kept
+
+
+def functions_of_order(fine: Discretisation, order: int) -> tuple[list[int], Ints, Ints]:
+    """Return which of a cell's functions are of an order, their unknowns, and those in `fine`."""
+    place = {mode: i for i, mode in enumerate(_modes(fine.order))}
+    local = [place[mode] for mode in _modes(order)]
+    kept, cell_dofs = np.unique(fine.cell_dofs[:, local], return_inverse=True)
+    return local, cell_dofs.reshape(-1, len(local)), kept
 
 
 def _modes(order: int) -> list[tuple[int, ...]]:

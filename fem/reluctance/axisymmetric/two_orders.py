@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tactgen.fem.reluctance.axisymmetric.field import MagneticField, solve_field
-from tactgen.fem.reluctance.axisymmetric.force import EggshellWeight, eggshell_weight
+from tactgen.fem.reluctance.axisymmetric.force import Eggshell, EggshellWeight
 from tactgen.fem.reluctance.axisymmetric.space import Discretisation, discretise, lowered
 from tactgen.fem.solvers.newton import Factors
 from tactgen.geometry.arrays import Floats, Ints
@@ -20,6 +20,10 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.section_grid import graded_grid
 from tactgen.geometry.reluctance.section_regions import actuator_regions
+
+#: What Newton's method may leave of the field, see :func:`fem.solvers.newton.minimise`: error bars
+#: are above 1e-4 of a value; the two orders, of which the lower serves these alone, 1e-2 apart.
+_FINE, _COARSE = 1e-8, 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +37,7 @@ class TwoOrders:
     fine: Discretisation
     coarse: Discretisation
     nested: Ints
+    eggshell: Eggshell
     weight: EggshellWeight
     fine_factors: Factors
     coarse_factors: Factors
@@ -68,7 +73,8 @@ def two_orders(
     regions = actuator_regions(device, gap)
     fine = discretise(graded_grid(regions, outer_radius, refinement=refinement), order)
     coarse, nested = lowered(fine)
-    return TwoOrders(gap, fine, coarse, nested, eggshell_weight(fine), Factors(), Factors())
+    shell = Eggshell(fine)
+    return TwoOrders(gap, fine, coarse, nested, shell, shell.weight(fine), Factors(), Factors())
 
 
 def fitted(model: TwoOrders, device: Device, gap: float) -> TwoOrders | None:
@@ -77,7 +83,7 @@ def fitted(model: TwoOrders, device: Device, gap: float) -> TwoOrders | None:
     if grid is None:
         return None
     fine, coarse = (d.on(grid) for d in (model.fine, model.coarse))
-    return replace(model, gap=gap, fine=fine, coarse=coarse, weight=eggshell_weight(fine))
+    return replace(model, gap=gap, fine=fine, coarse=coarse, weight=model.eggshell.weight(fine))
 
 
 def from_neighbour(pair: Pair, current: float) -> Start:
@@ -94,11 +100,17 @@ def solve_pair(model: TwoOrders, current: float, start: Start | None = None) -> 
     of the wanted one was off by.
     """
     currents = np.array([current])
+
+    def wanted(start: Floats) -> MagneticField:
+        return solve_field(model.fine, currents, start, model.fine_factors, _FINE)
+
+    def lower(start: Floats | None) -> MagneticField:
+        return solve_field(model.coarse, currents, start, model.coarse_factors, _COARSE)
+
     if start is None:
-        coarse = solve_field(model.coarse, currents, None, model.coarse_factors)
+        coarse = lower(None)
         lifted = np.zeros(model.fine.size)
         lifted[model.nested] = coarse.potential
-        return Pair(coarse, solve_field(model.fine, currents, lifted, model.fine_factors))
-    fine = solve_field(model.fine, currents, start.fine, model.fine_factors)
-    lower = start.coarse + (fine.potential - start.fine)[model.nested]
-    return Pair(solve_field(model.coarse, currents, lower, model.coarse_factors), fine)
+        return Pair(coarse, wanted(lifted))
+    fine = wanted(start.fine)
+    return Pair(lower(start.coarse + (fine.potential - start.fine)[model.nested]), fine)

@@ -5,7 +5,7 @@ import pytest
 from scipy import sparse
 
 from tactgen.fem.solvers.linear_solver import SolverError
-from tactgen.fem.solvers.newton import minimise
+from tactgen.fem.solvers.newton import Factors, minimise
 
 
 class Saturating:
@@ -68,3 +68,32 @@ def test_too_many_steps_are_given_up(monkeypatch):
     monkeypatch.setattr("tactgen.fem.solvers.newton._MAX_STEPS", 2)
     with pytest.raises(SolverError, match=r"in 2 Newton steps.*check the magnetisation"):
         minimise(Saturating(np.ones(1), np.array([0.99])), np.array([-5.0]))
+
+
+def test_factors_of_a_field_nearby_are_enough():
+    """No Hessian of its own, and the same minimum; from far away they are not tried."""
+    a, b = np.array([1.0, 5.0]), np.array([0.5, -2.0])
+    factors = Factors()
+    near = minimise(Saturating(a, b), np.zeros(2), factors)
+    for share, hessians in ((1.001, 0), (1.5, 1)):
+        energy = Saturating(a, share * b)
+        found = minimise(energy, near.x, factors)
+        np.testing.assert_allclose(found.x, np.arctanh(share * b / a), rtol=1e-9)
+        assert min(energy.hessians, 1) == min(found.steps, 1) == hessians
+
+
+@pytest.mark.parametrize(("away", "kept"), [(0.01, True), (30.0, False)])
+def test_solutions_by_factors_of_a_matrix_nearby(away, kept):
+    """Corrected until right; far away the matrix itself is factorised."""
+    n = 40
+    rng = np.random.default_rng(0)
+    one = sparse.diags_array(
+        [-np.ones(n - 1), 2.5 * np.ones(n), -np.ones(n - 1)], offsets=[-1, 0, 1]
+    )
+    other = (one + sparse.diags_array(away * rng.uniform(0.0, 1.0, n))).tocsr()
+    factors = Factors()
+    factors.update(one.tocsr())
+    right = rng.normal(size=(n, 2))
+    exact = np.linalg.solve(other.toarray(), right)
+    np.testing.assert_allclose(factors.solve_near(other, right), exact, atol=1e-5)
+    assert np.allclose(factors.solve(one @ right), right) is kept
