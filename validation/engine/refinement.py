@@ -24,7 +24,7 @@ ROD_GAIN = 1.4
 LEAST_HALVED = 2.0
 #: Safety factor on the extrapolated error.
 SAFETY = 1.25
-#: Share of the largest difference in a class of modes.
+#: Share of the largest difference in a class of modes, or at rest.
 _BY_CHANCE = 0.1
 #: Error bar of one level of bricks per difference from the next coarser level.
 BRICK_FACTOR = SAFETY / (ASSUMED_GAIN - 1.0)
@@ -49,20 +49,22 @@ def observed_factor(before: Floats, last: Floats, order: float) -> Floats:
     return np.asarray(SAFETY / (np.clip(shown, LEAST_HALVED, 2.0**order) - 1.0))
 
 
-def least_difference(fine: Floats, coarse: Floats) -> float:
-    """Return the relative difference that each frequency of a class counts with at least.
+def least_difference(fine: Floats, coarse: Floats) -> Floats:
+    """Return the relative difference (...) that each answer of a group counts with at least.
 
-    Two levels may agree in one mode by chance, while they differ in its neighbours: a tenth
-    of the largest difference in the class.
+    Two levels may agree in one mode, or in one answer at rest, by chance, while they differ in
+    its neighbours: a tenth of the largest difference in the group.
 
     Parameters
     ----------
-    fine, coarse : (n,) array
-        Frequencies (Hz) of one class of motion; nan where a mode has no partner.
+    fine, coarse : (..., n) array
+        Frequencies of one class of motion, or sizes at rest; nan where a mode has no partner.
+        What is zero, such as motion without piezoelectricity, has no share.
     """
-    apart = np.abs(fine - coarse) / fine
-    known = apart[np.isfinite(apart)]
-    return _BY_CHANCE * float(known.max()) if known.size else 0.0
+    apart = np.abs(fine - coarse) / np.where(fine == 0.0, np.inf, fine)
+    return np.asarray(
+        _BY_CHANCE * np.where(np.isfinite(apart), apart, 0.0).max(axis=-1, initial=0.0)
+    )
 
 
 def two_mesh_factor(ratio: float, order: float = ASSUMED_ORDER) -> float:

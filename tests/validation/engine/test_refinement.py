@@ -40,6 +40,8 @@ def test_agreement_by_chance_is_not_trusted():
     fine, coarse = np.array([100.0, 1000.0]), np.array([100.0, 1010.0])
     assert least_difference(fine, coarse) == pytest.approx(1e-3)
     assert least_difference(fine, np.full(2, np.nan)) == 0.0
+    several = least_difference(np.array([fine, [0.0, 1.0]]), np.array([coarse, [1.0, 1.5]]))
+    assert several == pytest.approx([1e-3, 0.05])  # what is zero has no share
 
 
 def test_a_mode_alone_in_its_class_is_not_trusted_either(monkeypatch, own_store):

@@ -11,6 +11,7 @@ from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.stretching import LEVELS, dividing, stretched
 from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.refinement import BRICK_FACTOR
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import solid_family
@@ -68,6 +69,17 @@ def test_values_agree_with_single_answers(family):
     """Both divide the bimorph differently, so they agree within the bars of both."""
     apart = compare(QUANTITIES, {"bimorph.length": 14.7e-3}, family)
     assert max(apart.values()) <= 1.0, apart
+
+
+def test_statics_of_two_levels_are_not_trusted_to_agree_by_chance(family):
+    """Each counts with a tenth of what the levels differ by in any of them."""
+    at, names = {"bimorph.length": np.array([14.7e-3])}, QUANTITIES[3:]
+    coarse = solid_family.SolidFamily(family.coarse, family.coarse)
+    fine, other = (family_values(scene(), of, at, names) for of in (family, coarse))
+    apart = {n: abs(other[n].value[0] / fine[n].value[0] - 1.0) for n in names}
+    for name in names:
+        bar = fine[name].bar[0] / abs(fine[name].value[0])
+        assert bar >= BRICK_FACTOR * (apart[name] + 0.1 * max(apart.values())), name
 
 
 def test_responses_agree_with_single_answers_below_and_at_resonance():

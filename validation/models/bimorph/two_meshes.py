@@ -19,6 +19,7 @@ from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.engine.refinement import SAFETY, least_difference
+from tactgen.validation.models.bimorph.at_rest import least_at_rest
 from tactgen.validation.models.bimorph.lowest_modes import (
     MeshModes,
     coarse_modes,
@@ -137,11 +138,7 @@ class TwoMeshModel(BimorphModel):
             from tactgen.fem.bimorph.ports import static_multiport
 
             fine, coarse = (static_multiport(system) for system in self.systems())
-            # two meshes may agree by chance in one answer while they differ in others
-            sizes, others = _at_rest(fine), _at_rest(coarse)
-            there = sizes > 0.0  # nothing moves without piezoelectricity
-            least = least_difference(sizes[there], others[there])
-            by_chance = self.mesh_pair.static_factor * least
+            by_chance = self.mesh_pair.static_factor * least_at_rest(fine, coarse)[0]
             return self._two_meshes(fine, coarse, self._rounding(fine) + by_chance)
 
         return self.run("static", work)
@@ -264,17 +261,6 @@ class TwoMeshModel(BimorphModel):
         )
 
 
-def _at_rest(port: Multiport) -> Floats:
-    """Return sizes of what is read at 0 Hz on a held base.
-
-    The tip's compliance, its displacement per volt, the capacitance with the tip held and free.
-    """
-    held = port.block("w_tip", "psi_tip", "voltage").stiffness[0].real
-    compliance, moved = np.linalg.inv(held[:2, :2]), held[:2, 2]
-    free = held[2, 2] - moved @ compliance @ moved
-    return np.abs([compliance[0, 0], compliance[0] @ moved, held[2, 2], free])
-
-
 def _only(of: Bools, fine: Modes, coarse: Modes) -> Modes:
     """Return the coarse modes where `of` (n,) says so, the fine ones elsewhere."""
     return Modes(np.where(of, coarse.frequencies, fine.frequencies), fine.classes)
@@ -289,7 +275,7 @@ def _least(fine: Modes, coarse: Modes) -> dict[str, float]:
     for kind in dict.fromkeys(fine.classes):
         of = kinds == kind
         near = of if of.sum() > 1 else np.ones_like(of)
-        found[kind] = least_difference(fine.frequencies[near], coarse.frequencies[near])
+        found[kind] = float(least_difference(fine.frequencies[near], coarse.frequencies[near]))
     return found
 
 

@@ -20,6 +20,7 @@ from tactgen.tmm.ports.readout import ModalReadout, Readout
 from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.refinement import BRICK_FACTOR, least_difference
+from tactgen.validation.models.bimorph.at_rest import least_at_rest
 from tactgen.validation.models.bimorph.family.mixed_form import MixedForm
 from tactgen.validation.models.bimorph.family.solid_family import SolidFamily
 from tactgen.validation.scene.scene import Scene
@@ -144,7 +145,10 @@ class _Chunk:
             for changed in form.changed:
                 basis += factor * np.abs(of(changed) - at)
         rounding = np.abs(value) * round_off(attach(fine.port, ends))
-        bar = BRICK_FACTOR * np.abs(value - other) + basis + rounding
+        apart = np.abs(value - other)
+        if static:
+            apart += least_at_rest(fine.port, coarse.port) * np.abs(value)
+        bar = BRICK_FACTOR * apart + basis + rounding
         shape = (-1,) if static else (-1, len(self._scene.frequency))
         return FamilyValues(value.reshape(shape), bar.reshape(shape), basis.reshape(shape))
 
@@ -262,9 +266,8 @@ def _apart(fine: _Level, coarse: _Level) -> dict[Motion, Floats]:
         count = min(value.shape[1], other.shape[1])
         pairs[motion] = value[:, :count], other[:, :count]
     together = [np.concatenate(parts, axis=1) for parts in zip(*pairs.values(), strict=True)]
-    found = {}
+    found: dict[Motion, Floats] = {}
     for motion, (value, other) in pairs.items():
         near = (value, other) if value.shape[1] > 1 else together
-        least = np.array([least_difference(f, c) for f, c in zip(*near, strict=True)])
-        found[motion] = np.abs(value - other) + least[:, None] * value
+        found[motion] = np.abs(value - other) + least_difference(*near)[:, None] * value
     return found
