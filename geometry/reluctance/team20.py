@@ -47,14 +47,14 @@ POLE_SECTION = ((0.0, 12.5e-3), (0.0, 5e-3))
 LEG_SECTION = ((38.5e-3, 63.5e-3), (0.0, 12.5e-3))
 
 _MM = 1e-3
-_POLE = (12.5, 5.0, 26.5, 125.0)  # half widths in x and y, bottom, top
-_YOKE = (63.5, 12.5, 0.0, 150.0)
-_WINDOW = (38.5, 25.0, 125.0)  # half width, bottom, top
-_SLOT = 13.5
-_COIL_BOTTOM, _COIL_TOP = 26.7, 123.3
-_INSIDE, _OUTSIDE = 19.5, 37.5  # half widths of the coil
+POLE = (12.5, 5.0, 26.5, 125.0)  # half widths in x and y, bottom, top
+YOKE = (63.5, 12.5, 0.0, 150.0)
+WINDOW = (38.5, 25.0, 125.0)  # half width, bottom, top
+SLOT = 13.5
+COIL_BOTTOM, COIL_TOP = 26.7, 123.3
+INSIDE, OUTSIDE = 19.5, 37.5  # half widths of the coil
 _INNER_RADIUS, _OUTER_RADIUS = 5.0, 23.0
-_CENTRE = _INSIDE - _INNER_RADIUS  # of the round corners, in x and in y
+_CENTRE = INSIDE - _INNER_RADIUS  # of the round corners, in x and in y
 
 _REGIONS = ("pole", "yoke", "coil", "shell", "air")
 
@@ -89,37 +89,37 @@ def team20_mesh(meshing: Team20Meshing) -> Mesh:
 
     # fine where two witnesses of the field disagree most: around the pole's edges
     x = planes(
-        (0.0, 6.0), (_POLE[0], 0.8), (_SLOT, 0.8), (_INSIDE, 8.0), (_OUTSIDE, 20.0),
-        (_WINDOW[0], 20.0), (_YOKE[0], 25.0), (far, 200.0),
+        (0.0, 6.0), (POLE[0], 0.8), (SLOT, 0.8), (INSIDE, 8.0), (OUTSIDE, 20.0),
+        (WINDOW[0], 20.0), (YOKE[0], 25.0), (far, 200.0),
     )  # fmt: skip
     y = planes(
-        (0.0, 2.5), (_POLE[1], 0.7), (_YOKE[1], 8.0), (_INSIDE, 12.0), (_OUTSIDE, 20.0),
+        (0.0, 2.5), (POLE[1], 0.7), (YOKE[1], 8.0), (INSIDE, 12.0), (OUTSIDE, 20.0),
         (far, 200.0),
     )  # fmt: skip
     z = planes(
-        (-far, 200.0), (_YOKE[2], 20.0), (_WINDOW[1], 0.8), (_POLE[2], 0.8), (_COIL_BOTTOM, 0.8),
-        (_COIL_TOP, 1.5), (_POLE[3], 0.4), (_YOKE[3], 25.0), (_YOKE[3] + far, 200.0),
+        (-far, 200.0), (YOKE[2], 20.0), (WINDOW[1], 0.8), (POLE[2], 0.8), (COIL_BOTTOM, 0.8),
+        (COIL_TOP, 1.5), (POLE[3], 0.4), (YOKE[3], 25.0), (YOKE[3] + far, 200.0),
     )  # fmt: skip
     mid = np.meshgrid(*(0.5 * (v[1:] + v[:-1]) for v in (x, y, z)), indexing="ij")
     region = np.full(mid[0].shape, _REGIONS.index("air"))
     wide = np.maximum(mid[0], mid[1])
-    heights = (mid[2] > _WINDOW[1]) & (mid[2] < _YOKE[3])
-    region[heights & (wide < _INSIDE)] = _REGIONS.index("shell")
+    heights = (mid[2] > WINDOW[1]) & (mid[2] < YOKE[3])
+    region[heights & (wide < INSIDE)] = _REGIONS.index("shell")
     # the box in the round corner is partly coil
     reach = _distance(x[1:, None], y[None, 1:])[..., None] > _INNER_RADIUS * (1.0 + 1e-9)
-    inside = (mid[2] > _COIL_BOTTOM) & (mid[2] < _COIL_TOP)
-    region[inside & reach & (wide < _OUTSIDE)] = _REGIONS.index("coil")
+    inside = (mid[2] > COIL_BOTTOM) & (mid[2] < COIL_TOP)
+    region[inside & reach & (wide < OUTSIDE)] = _REGIONS.index("coil")
     region[_in_yoke(*mid)] = _REGIONS.index("yoke")
-    pole = (mid[0] < _POLE[0]) & (mid[1] < _POLE[1]) & (mid[2] > _POLE[2]) & (mid[2] < _POLE[3])
+    pole = (mid[0] < POLE[0]) & (mid[1] < POLE[1]) & (mid[2] > POLE[2]) & (mid[2] < POLE[3])
     region[pole] = _REGIONS.index("pole")
     return box_tetrahedra(_MM * x, _MM * y, _MM * z, region, _REGIONS)
 
 
 def _in_yoke(x: Floats, y: Floats, z: Floats) -> Floats:
-    half_x, half_y, bottom, top = _YOKE
+    half_x, half_y, bottom, top = YOKE
     hull = (x < half_x) & (y < half_y) & (z > bottom) & (z < top)
-    window = (x < _WINDOW[0]) & (z > _WINDOW[1]) & (z < _WINDOW[2])
-    return np.asarray(hull & ~window & ~((x < _SLOT) & (z > _WINDOW[2])))
+    window = (x < WINDOW[0]) & (z > WINDOW[1]) & (z < WINDOW[2])
+    return np.asarray(hull & ~window & ~((x < SLOT) & (z > WINDOW[2])))
 
 
 def _distance(x: Floats, y: Floats) -> Floats:
@@ -140,8 +140,8 @@ def team20_source(points: Floats) -> Floats:
     x, y, z = np.moveaxis(points / _MM, -1, 0)
     width = _OUTER_RADIUS - _INNER_RADIUS
     ramp = np.clip((_distance(x, y) - _INNER_RADIUS) / width, 0.0, 1.0)
-    height = (_COIL_TOP - _COIL_BOTTOM) * _MM
-    within = (z > _COIL_BOTTOM) & (z < _COIL_TOP)
+    height = (COIL_TOP - COIL_BOTTOM) * _MM
+    within = (z > COIL_BOTTOM) & (z < COIL_TOP)
     field = np.zeros(points.shape)
     field[..., 2] = np.where(within, -ramp / height, 0.0)
     return field

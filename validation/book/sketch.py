@@ -1,12 +1,14 @@
-"""The set-up of a case as a drawing: boxes by material with what holds them, or windings."""
+"""The set-up of a case as a figure: areas by material, what holds them, what acts on them."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from tactgen.geometry.reluctance.section_grid import Region
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
 from tactgen.validation.checks.case import Case
-from tactgen.validation.checks.cases.boxes import Box, Held, Where
+from tactgen.validation.checks.setup.drawing import Drawing, Line, Mark
 from tactgen.validation.view.figures import (
     AMBER,
     BLUE,
@@ -19,72 +21,140 @@ from tactgen.validation.view.figures import (
     svg,
 )
 
-_FILLS = (SKY, AMBER, GREY, GREEN)
+_FILLS = (SKY, AMBER, GREY, GREEN, ORANGE)
+#: What each kind of line looks like.
+_LINES: dict[str, dict[str, Any]] = {
+    "division": {"color": DARK, "linewidth": 0.4},
+    "held": {"color": BLUE, "linewidth": 2.0},
+    "potential": {"color": ORANGE, "linewidth": 3.0, "alpha": 0.8},
+    "axis": {"color": GREY, "linewidth": 1.0, "linestyle": "-."},
+    "spring": {"color": DARK, "linewidth": 1.2},
+    "damper": {"color": DARK, "linewidth": 1.2},
+    "flux": {"color": GREEN, "linewidth": 1.2},
+}
+#: What the legend says of lines that need it.
+_MEANINGS = {"held": "held", "potential": "potential given", "flux": "field far away"}
+#: Turns of a spring, and half its width as a share of its length.
+_TURNS, _SLIM = 6, 0.09
+#: Length of an arrow and distance of words from what they name (points).
+_ARROW, _BESIDE = 26.0, 9.0
 
 
 def sketched(case: Case) -> str:
     """Return the drawing of a case's set-up as SVG; empty where it has none."""
-    if case.setup is None:
-        return ""
-    setup = case.setup()
-    return _boxes(setup) if isinstance(setup, Box) else _windings(setup)
+    return "" if case.setup is None else svg(_drawn(case.setup()))
 
 
-def _boxes(box: Box) -> str:
-    """Draw the section through x and z: materials, supports, electrodes, the division."""
-    from matplotlib.patches import Patch, Rectangle
+def _drawn(drawing: Drawing) -> Any:
+    from matplotlib.patches import Polygon
 
-    figure = new_figure(6.4, 2.6)
+    figure = new_figure(6.4, 3.6 if drawing.equal else 2.6)
     axis = figure.add_subplot()
-    regions = list(dict.fromkeys(slab.region for slab, _ in box.parts))
-    x, z = box.x.breaks * 1e3, box.z.breaks * 1e3
-    for slab, _ in box.parts:
-        low, high = x[slab.x[0]], x[slab.x[1]]
-        start, end = z[slab.z[0]], z[slab.z[1]]
-        fill = _FILLS[regions.index(slab.region) % len(_FILLS)]
-        axis.add_patch(Rectangle((start, low), end - start, high - low, facecolor=fill, alpha=0.5))
-    for at in x:
-        axis.plot([z[0], z[-1]], [at, at], color=DARK, linewidth=0.4)
-    for at in z:
-        axis.plot([at, at], [x[0], x[-1]], color=DARK, linewidth=0.4)
-    for hold in box.held:
-        _mark(axis, hold, x, z)
-    handles = [
-        Patch(facecolor=_FILLS[i % len(_FILLS)], alpha=0.5, label=name)
-        for i, name in enumerate(regions)
-    ]
-    handles += [Patch(color=BLUE, label="held"), Patch(color=ORANGE, label="potential given")]
-    axis.legend(handles=handles, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    axis.set_xlabel("z (mm)" if z[-1] < 1e4 else "z (mm, or the case's own unit times 1000)")
-    axis.set_ylabel("x (mm)")
-    axis.margins(0.06)
-    return svg(figure)
-
-
-def _mark(axis: Any, hold: Held, x: Any, z: Any) -> None:
-    """Draw a support or electrode on a plane of the section as a thick line."""
-    where: Where = hold.where
-    colour = ORANGE if hold.components == ("phi",) else BLUE
-    if isinstance(where.z, float) and where.x is None:
-        axis.plot([where.z * 1e3] * 2, [x[0], x[-1]], color=colour, linewidth=3.0, alpha=0.8)
-    elif isinstance(where.x, float) and where.z is None:
-        axis.plot([z[0], z[-1]], [where.x * 1e3] * 2, color=colour, linewidth=3.0, alpha=0.8)
-
-
-def _windings(windings: tuple[Region, ...]) -> str:
-    """Draw the half section of windings, the axis at the left."""
-    from matplotlib.patches import Rectangle
-
-    figure = new_figure(4.2, 3.4)
-    axis = figure.add_subplot()
-    for winding in windings:
-        (r0, r1), (z0, z1) = winding.radii, winding.heights
-        axis.add_patch(
-            Rectangle((r0, z0), r1 - r0, z1 - z0, facecolor=AMBER, edgecolor=DARK, linewidth=1.5)
-        )
-    axis.axvline(0.0, color=GREY, linestyle="-.", linewidth=1.0)
+    names = list(dict.fromkeys(area.material for area in drawing.areas))
+    for area in drawing.areas:
+        fill = _FILLS[names.index(area.material) % len(_FILLS)]
+        axis.add_patch(Polygon(area.outline, facecolor=fill, edgecolor=DARK, alpha=0.55))
+    for line in drawing.lines:
+        _line(axis, line)
+    for mark in drawing.marks:
+        _mark(axis, mark)
     axis.autoscale_view()
-    axis.set_xlabel("r (m)")
-    axis.set_ylabel("z (m)")
-    axis.margins(0.15)
-    return svg(figure)
+    axis.margins(0.12, 0.12 if drawing.equal else 0.3)
+    if drawing.equal:
+        axis.set_aspect("equal", adjustable="datalim")
+    _named(axis, drawing.labels)
+    _legend(axis, names, {line.kind for line in drawing.lines})
+    return figure
+
+
+def _line(axis: Any, line: Line) -> None:
+    from matplotlib.patheffects import Normal, withTickedStroke
+
+    points = np.array(line.points)
+    if line.kind in ("spring", "damper"):
+        points = _between(points, line.kind)
+    style = dict(_LINES[line.kind])
+    if line.kind == "held":
+        style["path_effects"] = [Normal(), withTickedStroke(angle=135, spacing=6, length=0.7)]
+    axis.plot(*points.T, solid_capstyle="butt", **style)
+    if line.kind == "flux":
+        axis.annotate("", points[1], points[0], arrowprops={"arrowstyle": "->", "color": GREEN})
+
+
+def _between(ends: Floats, kind: str) -> Floats:
+    """Return the points (n, 2) of a spring or damper between two ends."""
+    along = ends[1] - ends[0]
+    across = _SLIM * np.array([-along[1], along[0]])
+    if kind == "spring":
+        side = np.concatenate([[0.0, 0.0], np.tile([1.0, -1.0], _TURNS), [0.0, 0.0]])
+        share = np.concatenate([[0.0], np.linspace(0.2, 0.8, side.size - 2), [1.0]])
+    else:  # a piston in a cup that is open to the right
+        share = np.array([0.0, 0.4, 0.4, 0.6, 0.4, 0.4, 0.6, 0.4, 0.4, np.nan, 0.5, 0.5, 0.5, 1.0])
+        side = np.array([0.0, 0.0, 1.0, 1.0, 1.0, -1.0, -1.0, -1.0, 0.0, np.nan, 0.7, -0.7, 0, 0])
+    return np.asarray(ends[0] + share[:, None] * along + side[:, None] * across)
+
+
+def _mark(axis: Any, mark: Mark) -> None:
+    axis.plot(*mark.at, alpha=0.0)  # the view reaches this far
+    if mark.kind == "force":
+        _arrow(axis, mark)
+        return
+    shapes = {"hinge": "^", "mass": "s", "turning spring": r"$\circlearrowleft$"}
+    if mark.kind in shapes:
+        drop = -6.0 if mark.kind == "hinge" else 0.0
+        size = 15 if mark.kind == "turning spring" else 11
+        axis.plot(
+            *mark.at, marker=shapes[mark.kind], markersize=size, color=BLUE if drop else DARK,
+            transform=_shifted(axis, drop), clip_on=False,
+        )  # fmt: skip
+    turn = np.deg2rad(mark.direction)
+    right = mark.kind in ("mass", "text") and abs(np.cos(turn)) > 0.5
+    beside = (_BESIDE + 2.0, 0.0) if right else (0.0, -22.0 if mark.kind == "hinge" else _BESIDE)
+    axis.annotate(
+        mark.text, mark.at, beside, textcoords="offset points", fontsize=8,
+        ha="left" if right else "center", va="center" if right else "bottom",
+    )  # fmt: skip
+
+
+def _arrow(axis: Any, mark: Mark) -> None:
+    """Draw a force whose arrow ends at the point, its words at the tail."""
+    turn = np.deg2rad(mark.direction)
+    tail = (-_ARROW * np.cos(turn), -_ARROW * np.sin(turn))
+    axis.annotate(
+        mark.text, mark.at, tail, textcoords="offset points", fontsize=8, ha="center", va="center",
+        arrowprops={"arrowstyle": "-|>", "color": ORANGE, "shrinkA": 0.0, "shrinkB": 0.0},
+        annotation_clip=False,
+    )  # fmt: skip
+
+
+def _shifted(axis: Any, points: float) -> Any:
+    """Return the axis' own transform, so many points higher."""
+    from matplotlib.transforms import ScaledTranslation
+
+    return axis.transData + ScaledTranslation(0.0, points / 72.0, axis.figure.dpi_scale_trans)
+
+
+def _named(axis: Any, labels: tuple[str, str]) -> None:
+    """Name the axes; one without a unit has no numbers."""
+    for side, label in zip((axis.xaxis, axis.yaxis), labels, strict=True):
+        side.set_label_text(label)
+        if "(" not in label:
+            side.set_ticks([])
+    axis.spines[:].set_visible(False)
+
+
+def _legend(axis: Any, materials: list[str], kinds: set[str]) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Any] = [
+        Patch(facecolor=_FILLS[i % len(_FILLS)], edgecolor=DARK, alpha=0.55, label=name)
+        for i, name in enumerate(materials)
+    ]
+    handles += [
+        Line2D([], [], label=_MEANINGS[kind], **_LINES[kind])
+        for kind in sorted(kinds & {*_MEANINGS})
+    ]
+    axis.legend(
+        handles=handles, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False
+    )

@@ -14,8 +14,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.validation.checks.row import Check, Tier
 
 if TYPE_CHECKING:
-    from tactgen.geometry.reluctance.section_grid import Region
-    from tactgen.validation.checks.cases.boxes import Box
+    from tactgen.validation.checks.setup.drawing import Drawing
 
 
 @dataclass(frozen=True)
@@ -57,7 +56,7 @@ class Case:
     refinement : Refinement, optional
         How the first row's value converges.
     setup : callable, optional
-        Gives what is solved, for a drawing: a box, or windings.
+        Gives a drawing of what is solved; a case without one is about formulas alone.
     """
 
     id: str
@@ -66,7 +65,7 @@ class Case:
     model: str
     rows: tuple[Check, ...]
     refinement: Refinement | None = None
-    setup: Callable[[], Box | tuple[Region, ...]] | None = None
+    setup: Callable[[], Drawing] | None = None
 
 
 @dataclass(frozen=True)
@@ -101,7 +100,7 @@ def case(
     reason: str = "",
     tier: Tier = "code verification",
     refinement: Refinement | None = None,
-    setup: Callable[[], Box | tuple[Region, ...]] | None = None,
+    setup: Callable[[], Drawing] | None = None,
 ) -> Case:
     """Return a case called `name`; answers without a tolerance or reason have the case's."""
     rows = tuple(

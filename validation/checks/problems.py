@@ -5,15 +5,21 @@ A family is what stands before the last dash of its rows' ids.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
+
+from tactgen.validation.checks.setup import bodies, machines
+from tactgen.validation.checks.setup.drawing import Drawing
 
 
 class Problem(NamedTuple):
-    """Title, problem and solver of a family, as a case has them."""
+    """Title, problem, solver and drawing of a family, as a case has them."""
 
     title: str
     problem: str
     model: str
+    setup: Callable[[], Drawing] | None = None
 
 
 _AXISYMMETRIC = "model axisymmetric: quadrilaterals of order 4 to 6 in the half section"
@@ -27,17 +33,20 @@ PROBLEMS = {
         "14 mm on its fitted springs with a free tip at 1 V and all losses, and 20 mm clamped "
         "without losses. The reference solves Timoshenko's differential equations with 60 digits.",
         "model tmm",
+        partial(machines.bimorph, "paper", root="springs"),
     ),
     ("bimorph", "FIN"): Problem(
         "The finger's stiffness has a maximum",
         "The paper fits rational functions to a finger's impedance (eqs 1 to 5, table 1). Where "
         "is the stiffness largest between 10 and 1000 Hz?",
         "the load of all models, searched for its maximum",
+        partial(machines.bimorph, "paper", root="springs", finger="finger"),
     ),
     ("bimorph", "BEA"): Problem(
         "Beam elements against the exact beam",
         "First short-circuit frequency of the clamped 20 mm bimorph.",
         "model beam, 20 elements of order five",
+        partial(machines.bimorph, "paper", root="held"),
     ),
     ("bimorph", "SOL"): Problem(
         "Job J1: one clamped bimorph by five programs",
@@ -45,6 +54,7 @@ PROBLEMS = {
         "deflection per volt and four natural frequencies in short circuit (built-in scene j1). "
         "Four public finite-element programs agree on them to 3e-5 on identical meshes.",
         "model solid on its default mesh; the fine mesh is heavy",
+        partial(machines.bimorph, "j1", root="held"),
     ),
     ("bimorph", "X"): Problem(
         "One bimorph by models of different theory",
@@ -53,6 +63,7 @@ PROBLEMS = {
         "predicted in closed form or from the section, and the prediction must cover the "
         "difference.",
         "models lumped, tmm, solid and cad; the bridge between them",
+        partial(machines.bimorph, "paper", root="held"),
     ),
     ("bimorph", "PAP"): Problem(
         "The lateral actuator against what the paper reports",
@@ -60,6 +71,7 @@ PROBLEMS = {
         "of the finger, deflection at 50 V, and the voltage that is felt. What a linear support "
         "cannot give is taken up by the rows ROCK.",
         "model tmm on the linear support",
+        partial(machines.bimorph, "paper", root="springs", finger="finger"),
     ),
     ("bimorph", "PAD"): Problem(
         "The lateral actuator on imitation skin under 50 g, as the paper measured it",
@@ -67,12 +79,14 @@ PROBLEMS = {
         "50 mA, driven with 50 V from 10 to 1000 Hz; on its tip a rubber sheet under 50 g, a "
         "sixteenth of which rests on it. No number of the sheet is fitted to the measurement.",
         "model tmm on the contact, load.kind = pad",
+        partial(machines.bimorph, "paper", root="springs", finger="rubber, 50 g"),
     ),
     ("reluctance", "COI"): Problem(
         "Two coaxial ring coils in air",
         "Mutual inductance and axial force of two coils of rectangular section on one axis, no "
         "iron.",
         _AXISYMMETRIC,
+        machines.ring_coils,
     ),
     ("reluctance", "SOL"): Problem(
         "Long solenoids, empty and with a core",
@@ -80,23 +94,27 @@ PROBLEMS = {
         " across the winding. Then a long core in it: linear (µr = 1000), and of steel, at the "
         "knee of its curve, saturated, and far beyond its last point.",
         _AXISYMMETRIC,
+        machines.solenoid,
     ),
     ("reluctance", "VM213"): Problem(
         "Energy and co-energy of a core with B ∝ √H",
         "A transformer core whose flux linkage grows as the root of the current: co-energy and "
         "stored energy at 0.2 A. For this law one is twice the other.",
         "model network, and a co-energy map fitted to its samples",
+        machines.core,
     ),
     ("reluctance", "BALL"): Problem(
         "A permeable ball in a uniform field",
         "A ball of µr = 1000 in a field that is uniform far away has a uniform field inside. The "
         "outer boundary is a concentric sphere, which the reference takes into account.",
         _EDGE,
+        bodies.in_uniform_field,
     ),
     ("reluctance", "VM188"): Problem(
         "Two long parallel conductors",
         "Two long strips that carry 24 A in opposite directions: force per length.",
         _EDGE,
+        machines.conductors,
     ),
     ("reluctance", "ACT"): Problem(
         "An actuator with a collar, solved elsewhere",
@@ -104,12 +122,14 @@ PROBLEMS = {
         " and flux linkage per turn at two currents, by a program that shares nothing with this "
         "one.",
         _AXISYMMETRIC,
+        machines.collared_actuator,
     ),
     ("reluctance", "LOOP"): Problem(
         "No work around a closed loop",
         "Force and flux linkage that belong to one co-energy do no net work when current and gap "
         "are taken around a rectangle and back.",
         "model network; the co-energy maps made from network and axisymmetric field",
+        machines.actuator,
     ),
     ("reluctance", "EULER"): Problem(
         "Derivatives by all dimensions",
@@ -118,6 +138,7 @@ PROBLEMS = {
         "logarithmic derivatives by all lengths and the current, each taken alone, add up to 3, 2 "
         "and 2.",
         "model axisymmetric, differences on grids that move with each dimension",
+        machines.actuator,
     ),
     ("reluctance", "FORCE"): Problem(
         "One force by independent routes",
@@ -125,6 +146,7 @@ PROBLEMS = {
         "the air, by virtual work on one mesh, and as the difference quotient of the co-energy "
         "between gaps that are meshed separately.",
         _AXISYMMETRIC,
+        machines.actuator,
     ),
     ("reluctance", "NET"): Problem(
         "The network against the field",
@@ -132,6 +154,7 @@ PROBLEMS = {
         "first with straight iron. A network knows flux tubes and no field; what is left is its "
         "model form.",
         "models network and axisymmetric",
+        machines.actuator,
     ),
     ("reluctance", "TEAM20"): Problem(
         "TEAM problem 20: a nonlinear plunger in three dimensions",
@@ -139,12 +162,14 @@ PROBLEMS = {
         "turns; the force on the pole was measured, and flux densities in gap, pole and yoke. The "
         "bare edge elements approach the force from one side, the scalar potential from the other.",
         _EDGE,
+        machines.team_20,
     ),
     ("reluctance", "PAP"): Problem(
         "The normal actuator against what the paper reports",
         "The reconstructed actuator: pull at 130 mA, holding at 50 mA, pull-in at 120 mA, heat, "
         "and height. It was reconstructed from some of these, and such rows say so.",
         "models axisymmetric and network; the CAD layout",
+        machines.actuator,
     ),
     ("motion", "MOT"): Problem(
         "Motions that are known, and the machine's own energy",
@@ -152,6 +177,7 @@ PROBLEMS = {
         "rough surface without loss; then the whole generator: what its sources gave is what it "
         "holds and lost, and when its rod arrives in the run of the paper's Fig 16.",
         "the steps of tactgen simulate",
+        partial(machines.oscillator, law="k x + g x³"),
     ),
     ("amplitude", "HB"): Problem(
         "Oscillators whose large motions are known",
@@ -159,6 +185,7 @@ PROBLEMS = {
         "side. Driven: Duffing's oscillator (mass 1, damping ratio 0.05, stiffness 1, cubic 0.1, "
         "force 0.18): its peak and the two frequencies at which it jumps.",
         "harmonic balance with as many harmonics as the motion asks for",
+        partial(machines.oscillator, law="k x + f(x)"),
     ),
     ("amplitude", "ROCK"): Problem(
         "The bimorph on a head that may rock, against the paper's measurements",
@@ -167,27 +194,32 @@ PROBLEMS = {
         "load) and Fig 17 (voltage at the threshold) are predicted with the one constant that "
         "small motions fixed. What stays unexplained is named in each row.",
         "harmonic balance on the ports of model tmm",
+        machines.rocking_head,
     ),
     ("display", "ARR"): Problem(
         "Generators on one board under one skin",
         "Each is solved once by model tmm, placed on the upper board and tied at its tip to the "
         "others. What goes in comes out or stays; what one does to another, the other does to it.",
         "ports joined by name; board as a plate on its spacers, skin as a sheet",
+        partial(machines.display, 2, 3),
     ),
     ("display", "SPR"): Problem(
         "Units as they come out of the shop",
         "Lengths drawn from a narrow scatter; what it does to the first frequencies of four units.",
         "model tmm, each unit on its own contact",
+        partial(machines.display, 1, 4),
     ),
     ("display", "NEI"): Problem(
         "The field between units, by the network",
         "Permeances between neighbouring heads beside each working gap. Far apart they vanish; one "
         "driven unit among others without current is where one of an endless array is.",
         "model network",
+        partial(machines.display, 3, 3, driven=True),
     ),
     ("display", "FIT"): Problem(
         "Sixteen generators in the paper's room",
         "All distances that could close, and the heights of all parts.",
         "closed form, from the sizes of the parts",
+        machines.stack,
     ),
 }

@@ -116,7 +116,8 @@ def _alone(group: str, row: Check) -> Case:
     """Return a case of one row that was declared without one: its family's problem."""
     family = row.id.rpartition("-")[0]
     problem = PROBLEMS.get((group, family), Problem(row.requirement, "", ""))
-    return Case(family, *problem, (row,))
+    title, about, model, setup = problem
+    return Case(family, title, about, model, (row,), setup=setup)
 
 
 def group_rows(group: str) -> tuple[Check, ...]:

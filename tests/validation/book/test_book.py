@@ -56,6 +56,7 @@ def test_book_is_complete(few, tmp_path, capsys):
             assert target[0] in pages
             assert not target[1] or f'id="{target[1]}"' in pages[target[0]]
     smits = pages["beams-smits.html"]
+    assert smits.count("<svg") == 1  # what is solved
     for row in FEW[-1].rows:
         assert row.id in smits
         assert row.requirement in smits.replace("&#39;", "'")

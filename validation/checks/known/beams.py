@@ -16,11 +16,15 @@ from tactgen.tmm.beam.section.section import Section
 from tactgen.tmm.beam.section.tapered import segmented
 from tactgen.validation.checks.case import Answer, Case, case, nth
 from tactgen.validation.checks.known import short_beams
+from tactgen.validation.checks.setup.drawing import Mark
+from tactgen.validation.checks.setup.strips import at_tip, strip, tapered
 
 #: Stiffness of a "rigid" support over EI/L³, and shear stiffness of a beam without shear over
 #: EI/L²: errors of their inverse.
 _RIGID, _NO_SHEAR = 1e12, 1e10
 _TMM = "transfer-matrix model, exact spans"
+#: The layer of a beam without a size, for its drawing.
+_BEAM = (("beam", 0.05),)
 _CLOSED = "rounding, and 1e-10 from what stands for infinite shear stiffness"
 
 
@@ -74,6 +78,7 @@ _UNIFORM = (
             )
             for at, value in enumerate(values)
         ],
+        setup=partial(strip, 1.0, _BEAM, tip=(at_tip(1.0, 0.05, "mass", "μ"),), unit=""),
     ),
     case(
         "ROOT",
@@ -88,6 +93,7 @@ _UNIFORM = (
                    partial(_on_root_spring, k))
             for k, value in ((1.0, 1.24791740961), (10.0, 1.72274152059), (100.0, 1.85678697696))
         ],
+        setup=partial(strip, 1.0, _BEAM, root="turning spring", unit=""),
     ),
     case(
         "VM50",
@@ -99,6 +105,8 @@ _UNIFORM = (
         reason="five printed digits",
         answers=[Answer("The first frequency is printed as 28.766 Hz.", 28.766, "Hz",
                         _vm50)],
+        setup=partial(strip, 80.0, (("beam", 2.0),), root="hinge",
+                      tip=(at_tip(80.0, 2.0, "hinge"),), unit="in"),
     ),
 )  # fmt: skip
 
@@ -146,6 +154,8 @@ _FV5 = case(
             for at, value in enumerate((15.6727, 84.5597, 201.5408))
         ),
     ],
+    setup=partial(strip, 10.0, (("beam", 2.0),), root="hinge",
+                  tip=(at_tip(10.0, 2.0, "hinge"),), unit="m"),
 )  # fmt: skip
 
 # --- tapers ------------------------------------------------------------------------------------
@@ -159,6 +169,10 @@ def _taper(power: float, end: float) -> Callable[[float], Section]:
         return slender(1.0, stiffness=size**power, mass=size)
 
     return at
+
+
+def _to_a_point(share: float) -> float:
+    return 1.0 - share
 
 
 @cache
@@ -197,6 +211,10 @@ _TAPERS = (
         reason="half a unit of the last printed digit",
         answers=[Answer("The tip deflects by 0.042667 in.", 0.042667, "in",
                         lambda: _triangular_deflection(16))],
+        setup=partial(
+            tapered, 20.0, 3.0, _to_a_point, unit="in", height="y",
+            tip=(Mark("text", (20.0, 0.0), 90.0, "10 lb along x"),),
+        ),
     ),
     case(
         "WEDGE",
@@ -212,6 +230,7 @@ _TAPERS = (
                    partial(_sharp, 3.0, at))
             for at, value in enumerate((5.3150994, 15.2071680, 30.0198091))
         ],
+        setup=partial(tapered, 1.0, 1.0, _to_a_point, unit=""),
     ),
     case(
         "BREADTH",
@@ -225,6 +244,7 @@ _TAPERS = (
             Answer(f"Mode {at + 1} is Ritz's.", value, "1", partial(_sharp, 1.0, at))
             for at, value in enumerate((7.15646336, 31.0413039, 75.4866751))
         ],
+        setup=partial(tapered, 1.0, 1.0, _to_a_point, unit="", height="y"),
     ),
 )  # fmt: skip
 
@@ -272,6 +292,7 @@ _SMITS = case(
             ("The free capacitance", 1.17974546e-9, "F"),
         ))
     ],
+    setup=partial(strip, 20.0, (("piezo", 0.26), ("piezo", 0.26))),
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = (*_UNIFORM, _FV5, *_TAPERS, _SMITS, *short_beams.CASES)

@@ -21,6 +21,7 @@ from tactgen.validation.checks.cases.boxes import (
     even,
     statics,
 )
+from tactgen.validation.checks.setup.sections import section
 
 #: Half length, half height and width (m); slope of the stress over the height (N/m³).
 LENGTH, HEIGHT, _WIDTH = 1e-3, 0.5e-3, 0.2e-3
@@ -77,5 +78,5 @@ BENT = case(
             zip(_WORDS, (-1.0953e-7, 1.1493e-7, 27.378), ("m", "m", "V"), strict=True)
         )
     ],
-    setup=_strip,
+    setup=section(_strip),
 )

@@ -13,6 +13,8 @@ from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import PiezoTensors, isotropic_stiffness
 from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.cases.boxes import Box, Held, Load, Where, even, stacked, statics
+from tactgen.validation.checks.setup.drawing import Mark
+from tactgen.validation.checks.setup.strips import strip
 
 
 def expanding(modulus: float, strain: float) -> Material:
@@ -113,6 +115,7 @@ CASES: tuple[Case, ...] = (
             Answer("The outer fibre of the layer that expands more is stressed to 7500 psi.",
                    7500.0, "psi", lambda: _bimetal(_VM35, 10.0)[2](0.0)),
         ],
+        setup=partial(strip, 10.0, (("expands more", 0.05), ("expands less", 0.05)), unit="in"),
     ),
     case(
         "VM144",
@@ -132,5 +135,9 @@ CASES: tuple[Case, ...] = (
             Answer("The thicker one's to 1731 psi.", 1731.0, "psi",
                    lambda: _bimetal(_VM144, 8.0, 20.0)[2](0.0)),
         ],
+        setup=partial(
+            strip, 8.0, (("expands more", 0.2), ("expands less", 0.1)),
+            tip=(Mark("text", (8.0, 0.3), 90.0, "20 in lb/in"),), unit="in",
+        ),
     ),
 )  # fmt: skip

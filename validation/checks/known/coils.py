@@ -18,6 +18,7 @@ from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid
 from tactgen.validation.checks.case import Answer, Case, Refinement, case
 from tactgen.validation.checks.known import ideal_gap
+from tactgen.validation.checks.setup.bodies import rings
 
 _FIELD = "axisymmetric field, quadrilaterals of order 4 on a graded grid, walls far away"
 
@@ -64,7 +65,7 @@ _LOOPS = case(
         Answer("They attract each other with Maxwell's force.", -1.8509047e-6, "N",
                lambda: virtual_work_force(_loops())),
     ],
-    setup=_loop_windings,
+    setup=lambda: rings(_loop_windings()),
 )  # fmt: skip
 
 # --- thin solenoids ----------------------------------------------------------------------------
@@ -127,6 +128,7 @@ _NAGAOKA = case(
         (2, 3, 4, 5), lambda order: (_unknowns(order), _nagaoka(0.2, order)),
         "falls with the order until walls and thickness are left",
     ),
+    setup=lambda: rings(_sheet(1.0, 2.0, 0.02, 1), unit="R"),
 )  # fmt: skip
 
 # --- a field on the axis -----------------------------------------------------------------------
@@ -164,6 +166,7 @@ _VM168 = case(
                partial(_vm168, height))
         for height, value in ((0.0, 1.1206537736e-3), (0.1905, 2.1229234256e-6))
     ],
+    setup=lambda: rings(_sheet(0.5 * _INCH, 5.0 * _INCH, 5e-4, 1)),
 )  # fmt: skip
 
 # --- Brooks coil -------------------------------------------------------------------------------
@@ -206,7 +209,7 @@ _BROOKS = case(
     refinement=Refinement(
         (1, 2, 3, 4), lambda order: (0, _brooks(order)), "of order 2 p in an energy",
     ),
-    setup=_coil,
+    setup=lambda: rings(_coil()),
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = (_LOOPS, _NAGAOKA, _VM168, _BROOKS, *ideal_gap.CASES)

@@ -22,6 +22,7 @@ from tactgen.validation.checks.cases.boxes import (
     statics,
 )
 from tactgen.validation.checks.known import seven_layers
+from tactgen.validation.checks.setup.sections import section
 
 _BRICKS = "bricks of the model solid"
 
@@ -36,11 +37,14 @@ def _block(
     return block(axes, Material(isotropic_stiffness(modulus, poisson), density), *held)
 
 
+def _unit_cube(degree: int) -> Box:
+    return _block((even(1.0, 1, degree),) * 3, 1.0, 0.3, 1.0)
+
+
 @cache
 def _cube(degree: int) -> Floats:
     """Return ω a √(ρ/E) of a free cube's lowest modes, ν = 0.3."""
-    box = _block((even(1.0, 1, degree),) * 3, 1.0, 0.3, 1.0)
-    return 2.0 * np.pi * natural_frequencies(box, 8, loose=6, near=0.1)
+    return 2.0 * np.pi * natural_frequencies(_unit_cube(degree), 8, loose=6, near=0.1)
 
 
 def _cube_size(degree: int) -> tuple[int, float]:
@@ -63,13 +67,14 @@ _RUS = case(
         if mode != 5
     ],
     refinement=Refinement((3, 4, 5, 6), _cube_size, "exponential in the degree"),
+    setup=section(_unit_cube, 7, unit="a"),
 )  # fmt: skip
 
 
-def _torsion_constant(ratio: float) -> float:
-    """Return J/(a b³) of a rectangle: the moment that turns a bar whose ends warp, over G θ.
+def _turned_bar(ratio: float) -> Box:
+    """Return a bar turned by its ends, which may warp.
 
-    Uniform torsion is linear along the bar, so its length and degree there do not matter.
+    Uniform torsion is linear along it, so its length and degree there do not matter.
     """
     axes = (_centred(ratio, 2, 10), _centred(1.0, 2, 10), even(1.0, 1, 1))
     ends = []
@@ -79,7 +84,12 @@ def _torsion_constant(ratio: float) -> float:
             Held(Where(z=z), ("y",), lambda x, _y, z: z * x),
         ]
     corner = Where(x=0.0, y=0.0, z=0.0)
-    box = _block(axes, 2.0, 0.0, 1.0, *ends, Held(corner, ("z",)))
+    return _block(axes, 2.0, 0.0, 1.0, *ends, Held(corner, ("z",)))
+
+
+def _torsion_constant(ratio: float) -> float:
+    """Return J/(a b³) of a rectangle: the moment that turns such a bar over G θ."""
+    box = _turned_bar(ratio)
     state = statics(box)
     x, y, _ = box.grid
     top = box.nodes(Where(z=1.0))
@@ -100,18 +110,23 @@ _TORSION = case(
                partial(_torsion_constant, ratio))
         for ratio, value in ((1.0, 0.140577015), (2.0, 0.228681677), (5.0, 0.291316754))
     ],
+    setup=section(_turned_bar, 2.0, unit="b", plane=("x", "y")),
 )  # fmt: skip
+
+
+def _free_rod() -> Box:
+    """Return VM61's free rod, lengths in inches."""
+    side, length = 1.0, 800.0
+    return _block(
+        (even(side, 1, 1), even(side, 1, 1), even(length, 2, 8)), 30e6, 0.0, 0.00073,
+        Held(Where(), ("x", "y")),
+    )  # fmt: skip
 
 
 @cache
 def _rod() -> Floats:
-    """Return the lowest axial frequencies (Hz) of VM61's free rod, lengths in inches."""
-    side, length = 1.0, 800.0
-    box = _block(
-        (even(side, 1, 1), even(side, 1, 1), even(length, 2, 8)), 30e6, 0.0, 0.00073,
-        Held(Where(), ("x", "y")),
-    )  # fmt: skip
-    return natural_frequencies(box, 2, loose=1, near=1.0)
+    """Return its lowest axial frequencies (Hz)."""
+    return natural_frequencies(_free_rod(), 2, loose=1, near=1.0)
 
 
 _VM61 = case(
@@ -127,16 +142,17 @@ _VM61 = case(
                nth(_rod, 0)),
         Answer("The third is printed as 253.40 Hz.", 253.40, "Hz", nth(_rod, 1)),
     ],
+    setup=section(_free_rod, unit="in"),
 )  # fmt: skip
 
 
-def _plate(intervals: int, degree: int, *held: Held, poisson: float = 0.3) -> Box:
+def plate(intervals: int, degree: int, *held: Held, poisson: float = 0.3) -> Box:
     """Return NAFEMS' plate: 10 x 10 x 0.05 m, E = 200 GPa, 8000 kg/m³; x is its normal."""
     side = even(10.0, intervals, degree)
     return _block((_centred(0.05, 1, 2), side, side), 200e9, poisson, 8000.0, *held)
 
 
-def _clamped_plate() -> Box:
+def clamped_plate() -> Box:
     """Return the plate clamped at z = 0, graded there and towards the edges that meet it."""
     across = Axis(np.array([0.0, 0.1, 1.0, 5.0, 9.0, 9.9, 10.0]), 5)
     along = Axis(np.array([0.0, 0.1, 0.6, 3.0, 10.0]), 5)
@@ -144,26 +160,30 @@ def _clamped_plate() -> Box:
     return _block(axes, 200e9, 0.3, 8000.0, Held(Where(z=0.0), ("x", "y", "z")))
 
 
-@cache
-def _supported() -> Floats:
+def _supported_plate() -> Box:
     edges = [
         edge
         for at in (0.0, 10.0)
         for edge in (Held(Where(y=at), ("x", "z")), Held(Where(z=at), ("x", "y")))
     ]
-    return natural_frequencies(_plate(2, 6, *edges), 8)
+    return plate(2, 6, *edges)
+
+
+@cache
+def _supported() -> Floats:
+    return natural_frequencies(_supported_plate(), 8)
 
 
 @cache
 def free_plate() -> Floats:
     """Return the lowest frequencies (Hz) of the plate without supports."""
-    return natural_frequencies(_plate(2, 6), 8, loose=6, near=0.3)
+    return natural_frequencies(plate(2, 6), 8, loose=6, near=0.3)
 
 
 @cache
 def cantilever_plate() -> Floats:
     """Return ω a² √(ρh/D) of the plate clamped along one edge."""
-    found = natural_frequencies(_clamped_plate(), 6)
+    found = natural_frequencies(clamped_plate(), 6)
     rigidity = 200e9 * 0.05**3 / (12.0 * (1.0 - 0.3**2))
     return 2.0 * np.pi * found * 100.0 * math.sqrt(8000.0 * 0.05 / rigidity)
 
@@ -192,6 +212,7 @@ _PLATES = (
                    _kirchhoff(m, n), "Hz", nth(_supported, at - 1))
             for at, m, n in ((1, 1, 1), (2, 1, 2), (4, 2, 2), (5, 1, 3), (7, 2, 3))
         ],
+        setup=section(_supported_plate, unit="m", plane=("z", "y")),
     ),
     case(
         "FV12",
@@ -206,6 +227,7 @@ _PLATES = (
                    nth(free_plate, at))
             for at, value in enumerate((1.622, 2.360, 2.922, 4.190))
         ],
+        setup=section(plate, 2, 6, unit="m", plane=("z", "y")),
     ),
     case(
         "FV16",
@@ -220,6 +242,7 @@ _PLATES = (
                    nth(cantilever_plate, at))
             for at, value in enumerate((3.47101, 8.50629, 21.28409, 27.19874, 30.95460, 54.18437))
         ],
+        setup=section(clamped_plate, unit="m", plane=("z", "y")),
     ),
 )  # fmt: skip
 

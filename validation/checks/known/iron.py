@@ -19,6 +19,7 @@ from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
 from tactgen.validation.checks.case import Answer, Case, Refinement, case
 from tactgen.validation.checks.cases.magnetics.sphere_mesh import RADIUS, sphere_mesh
+from tactgen.validation.checks.setup.bodies import in_uniform_field, slotted_gap
 
 _FIELD = "scalar potential, quadratic tetrahedra"
 _PERMEABILITY = 1000.0
@@ -83,6 +84,7 @@ _SHELL = case(
                lambda: _shielded(4)[1]),
     ],
     refinement=Refinement((2, 4, 6), _shielded, "falls with the fourth power of the size"),
+    setup=partial(in_uniform_field, hollow=1.0 / _OUTSIDE),
 )  # fmt: skip
 
 # --- spheroid ----------------------------------------------------------------------------------
@@ -118,6 +120,7 @@ _SPHEROID = case(
     refinement=Refinement(
         (2, 3, 4), partial(_found_factor, 2.0), "falls with the fourth power of the size"
     ),
+    setup=partial(in_uniform_field, length=2.0),
 )  # fmt: skip
 
 # --- slot --------------------------------------------------------------------------------------
@@ -178,6 +181,7 @@ _CARTER = case(
             (0.5, 0.0787685949), (1.0, 0.153109638), (2.0, 0.2793644), (5.0, 0.505533176),
         )
     ],
+    setup=partial(slotted_gap, 1.0, _DEEP),
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = (_SHELL, _SPHEROID, _CARTER)

@@ -24,6 +24,7 @@ from tactgen.validation.checks.cases.boxes import (
     statics,
 )
 from tactgen.validation.checks.known import bimetal
+from tactgen.validation.checks.setup.sections import section
 
 #: Length of the half wave (m), and the thickness of each layer (m) of three bimorphs.
 _LENGTH = 20e-3
@@ -120,7 +121,7 @@ _CYLINDRICAL = tuple(
             partial(_at_degree, thickness),
             "error of a frequency falls exponentially with the degree",
         ),
-        setup=partial(bending_bimorph, thickness),
+        setup=section(bending_bimorph, thickness),
     )
     for number, (thickness, short, free) in enumerate(
         (
@@ -147,7 +148,7 @@ _DRIVEN = case(
         Answer("The electric displacement at that crest is exact.", -1.56662847218356e-5, "C/m^2",
                lambda: _driven()[1]),
     ],
-    setup=partial(bending_bimorph, _THIN, volts=1.0),
+    setup=section(bending_bimorph, _THIN, volts=1.0),
 )  # fmt: skip
 
 
@@ -173,7 +174,8 @@ def _laminate(slenderness: float) -> Box:
         return np.asarray(np.sin(np.pi * z / length))
 
     parts = tuple(
-        (Slab(f"{along}{i}", (i, i + 1), (0, 1)), ply(along)) for i, along in enumerate("zyz")
+        (Slab(f"fibres along {along} {i}", (i, i + 1), (0, 1)), ply(along))
+        for i, along in enumerate("zyz")
     )
     return Box(
         x=stacked((h / 3, h / 3, h / 3), 6),
@@ -217,7 +219,7 @@ _PAGANO = case(
             (50.0, 0.526975657629369),
         )
     ],
-    setup=partial(_laminate, 4.0),
+    setup=section(_laminate, 4.0, unit="h"),
 )  # fmt: skip
 
 
@@ -277,7 +279,7 @@ _PVDF = case(
                (1.0 - _PVDF_K2) / (1.0 - 0.75 * _PVDF_K2), "1",
                lambda: pvdf_deflection(0.06, False) / pvdf_deflection(0.06, True)),
     ],
-    setup=partial(pvdf, False),
+    setup=section(pvdf, False),
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = (*_CYLINDRICAL, _DRIVEN, _PAGANO, *bimetal.CASES, _PVDF)

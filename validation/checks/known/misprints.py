@@ -11,10 +11,17 @@ from functools import cache, partial
 
 from tactgen.tmm.beam.printed_formulas import MISPRINTS
 from tactgen.validation.checks.case import Answer, Case, case, nth
-from tactgen.validation.checks.known.elastic import cantilever_plate, free_plate
+from tactgen.validation.checks.known.elastic import (
+    cantilever_plate,
+    clamped_plate,
+    free_plate,
+    plate,
+)
 from tactgen.validation.checks.known.laminates import pvdf, pvdf_deflection
 from tactgen.validation.checks.known.resonators import CUBE
 from tactgen.validation.checks.paper.audit import Audit, audit
+from tactgen.validation.checks.setup.machines import bimorph
+from tactgen.validation.checks.setup.sections import section
 from tactgen.validation.scene.scene import load_scene
 
 # --- the paper's Appendix A --------------------------------------------------------------------
@@ -64,6 +71,7 @@ _APPENDIX = case(
         )
         for equation, deviation in _DEVIATIONS.items()
     ],
+    setup=partial(bimorph, "paper", root="held"),
 )  # fmt: skip
 
 # --- benchmarks --------------------------------------------------------------------------------
@@ -92,7 +100,7 @@ _HWANG = case(
             (80, 0.2208, "", 0.0),
         )
     ],
-    setup=partial(pvdf, True),
+    setup=section(pvdf, True),
 )  # fmt: skip
 
 _RIGIDITY = 200e9 * 0.05**3 / (12.0 * (1.0 - 0.3**2))
@@ -125,6 +133,7 @@ _FV16 = case(
             (3.306, -0.0102), (3.753, -0.0076), (6.555, -0.0060),
         ))
     ],
+    setup=section(clamped_plate, unit="m", plane=("z", "y")),
 )  # fmt: skip
 
 _FV12 = case(
@@ -142,6 +151,7 @@ _FV12 = case(
                    "Barton's series of 1951 (λ² = 3.492 and so on)", "a series"), known=known)
         for mode, value, known in ((7, 4.233, -0.0104), (9, 7.416, -0.0083))
     ],
+    setup=section(plate, 2, 6, unit="m", plane=("z", "y")),
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = (_APPENDIX, _HWANG, CUBE, _FV16, _FV12)

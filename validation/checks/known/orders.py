@@ -17,6 +17,8 @@ from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.validation.checks.case import Answer, Case, Refinement, case
 from tactgen.validation.checks.cases.boxes import Box, Held, Where, even, natural_frequencies
 from tactgen.validation.checks.known.laminates import bending_bimorph
+from tactgen.validation.checks.setup.drawing import Drawing
+from tactgen.validation.checks.setup.sections import section
 
 #: The lowest natural frequency (Hz) of the bimorph below; see case CYL2.
 _BENDING = 6981.984969234867
@@ -40,6 +42,7 @@ class _Problem:
     coarse: dict[int, int]
     bound: Callable[[int], float]
     reason: str
+    setup: Callable[[], Drawing]
 
 
 def _rod(intervals: int, degree: int) -> Box:
@@ -98,6 +101,7 @@ def _orders(problem: _Problem) -> Case:
             (1, 2, 4, 8), lambda n: (n, problem.error(highest, n)), f"order {2 * highest}",
             of_error=True,
         ),
+        setup=problem.setup,
     )  # fmt: skip
 
 
@@ -119,6 +123,7 @@ _ROD = _orders(_Problem(
     {1: 16, 2: 6, 3: 2, 4: 1},
     lambda p: 2.0 * leading_error(p, 2 * {1: 16, 2: 6, 3: 2, 4: 1}[p]),
     "twice the leading term of the error",
+    section(_rod, 4, 1, unit="L"),
 ))  # fmt: skip
 
 _BIMORPH = _orders(_Problem(
@@ -129,6 +134,7 @@ _BIMORPH = _orders(_Problem(
     {2: 6, 3: 3},
     lambda _: _PRINTED,
     "below what a report prints",
+    section(bending_bimorph, _THICKNESS),
 ))  # fmt: skip
 
 CASES: tuple[Case, ...] = (_ROD, _BIMORPH)

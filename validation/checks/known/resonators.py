@@ -26,6 +26,7 @@ from tactgen.validation.checks.cases.boxes import (
     statics,
 )
 from tactgen.validation.checks.known.bent_strip import BENT
+from tactgen.validation.checks.setup.sections import section
 
 _IEEE = "IEEE Std 176-1987, in closed form"
 _BRICKS = "bricks of the model solid, general supports and electrodes"
@@ -111,7 +112,7 @@ _PLATES = tuple(
         tolerance=1e-8,
         reason=_EXPONENTIAL,
         answers=_plate_answers(*values, shear),
-        setup=partial(_plate, shear),
+        setup=section(_plate, shear),
     )
     for name, words, motion, shear, values in (
         ("TE", "Thickness extension", "poled along its normal, held sideways", False,
@@ -169,7 +170,7 @@ _BARS = tuple(
             Answer("Its parallel resonance is that of the closed form.", parallel, "Hz",
                    partial(_bar_frequency, along, False)),
         ],
-        setup=partial(_bar, along),
+        setup=section(_bar, along),
     )
     for name, words, along, series, parallel in (
         ("BAR31", "across", False, 140248.0, 147495.0),
@@ -178,15 +179,21 @@ _BARS = tuple(
 )  # fmt: skip
 
 
+_FACE = Where(x=0.025e-3)
+
+
+def _driven_bar() -> Box:
+    """Return an eighth of the 10 x 0.2 x 0.05 mm bar, half a volt on its face."""
+    axes = (even(0.025e-3, 1, 2), even(0.1e-3, 1, 2), even(5e-3, 2, 6))
+    held = (*_mirrored(grounded="x"), Held(_FACE, ("phi",), 0.5))
+    return replace(block(axes, _material(_BAR_CERAMIC)), held=held)
+
+
 @cache
 def _admittance(frequency: float) -> float:
-    """Return Im Y (S) of the 10 x 0.2 x 0.05 mm bar by an eighth of it."""
-    length, width, height = 10e-3, 0.2e-3, 0.05e-3
-    axes = (even(0.5 * height, 1, 2), even(0.5 * width, 1, 2), even(0.5 * length, 2, 6))
-    face = Where(x=0.5 * height)
-    held = (*_mirrored(grounded="x"), Held(face, ("phi",), 0.5))
-    state = harmonic(replace(block(axes, _material(_BAR_CERAMIC)), held=held), frequency)
-    return 2.0 * math.pi * frequency * 4.0 * state.force(face, "phi").real
+    """Return Im Y (S) of the whole bar."""
+    state = harmonic(_driven_bar(), frequency)
+    return 2.0 * math.pi * frequency * 4.0 * state.force(_FACE, "phi").real
 
 
 _ADMITTANCE = case(
@@ -203,14 +210,14 @@ _ADMITTANCE = case(
                partial(_admittance, f))
         for f, value in ((100e3, 416.150467e-6), (160e3, 355.686270e-6))
     ],
+    setup=section(_driven_bar),
 )  # fmt: skip
 
 # --- a free block, a cube ----------------------------------------------------------------------
 
 
-@cache
-def _free_block() -> tuple[float, float]:
-    """Return the stretch along 10 mm and across 1 mm at 1 V across the latter (m)."""
+def _held_block() -> Box:
+    """Return the block with 1 V across 1 mm, held against rigid motion alone."""
     box = block((even(1e-3, 1, 1), even(2e-3, 1, 1), even(10e-3, 1, 1)), _material(_CERAMIC))
     held = (
         Held(Where(x=0.0), ("phi",), 1.0),
@@ -219,7 +226,13 @@ def _free_block() -> tuple[float, float]:
         Held(Where(x=0.0, y=0.0, z=10e-3), ("x", "y")),
         Held(Where(x=0.0, y=2e-3, z=0.0), ("x",)),
     )
-    state = statics(replace(box, held=held))
+    return replace(box, held=held)
+
+
+@cache
+def _free_block() -> tuple[float, float]:
+    """Return the stretch along 10 mm and across 1 mm (m)."""
+    state = statics(_held_block())
     along = state.mean(Where(z=10e-3), "z") - state.mean(Where(z=0.0), "z")
     across = state.mean(Where(x=1e-3), "x") - state.mean(Where(x=0.0), "x")
     return along.real, across.real
@@ -237,6 +250,7 @@ _BLOCK = case(
         Answer("It grows along its length by d31 V L/t.", -1.71e-9, "m", lambda: _free_block()[0]),
         Answer("It grows along the field by d33 V.", 0.374e-9, "m", lambda: _free_block()[1]),
     ],
+    setup=section(_held_block),
 )
 
 
@@ -257,21 +271,24 @@ _COARSE = (
 )
 
 
-@cache
-def _cube(grounded: bool, degree: int = 6) -> Floats:
-    """Return the frequencies (Hz) of VM175's cube that are even at all planes of symmetry.
-
-    Some of them are odd under the exchange of y and z: a voltage does not excite those.
-    """
+def _eighth(grounded: bool, degree: int = 6) -> Box:
+    """Return an eighth of VM175's cube, its electrode at 0 V or without charge."""
     half = 10e-3
     box = block((even(half, 1, degree),) * 3, _pzt4())
     held = _mirrored(grounded="x")
     face = Where(x=half)
     if grounded:
-        box = replace(box, held=(*held, Held(face, ("phi",))))
-    else:
-        box = replace(box, held=held, together=(Together(face, "phi"),))
-    return natural_frequencies(box, 5)
+        return replace(box, held=(*held, Held(face, ("phi",))))
+    return replace(box, held=held, together=(Together(face, "phi"),))
+
+
+@cache
+def _cube(grounded: bool, degree: int = 6) -> Floats:
+    """Return the frequencies (Hz) of the cube that are even at all planes of symmetry.
+
+    Some of them are odd under the exchange of y and z: a voltage does not excite those.
+    """
+    return natural_frequencies(_eighth(grounded, degree), 5)
 
 
 CUBE = case(
@@ -297,6 +314,7 @@ CUBE = case(
         (2, 3, 4, 5), lambda degree: (4 * (degree + 1) ** 3, float(_cube(True, degree)[0])),
         "exponential in the degree; the limit is not the printed target",
     ),
+    setup=section(_eighth, True),
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = (*_PLATES, *_BARS, _ADMITTANCE, _BLOCK, BENT)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from tactgen.tmm.beam.section.section import Section
 from tactgen.tmm.beam.section.tapered import segmented
 from tactgen.validation.checks.case import Answer, Case, case, nth
 from tactgen.validation.checks.cases.boxes import Box, Held, Load, Where, block, even, harmonic
+from tactgen.validation.checks.setup.sections import section
+from tactgen.validation.checks.setup.strips import pushed, root_of_share, strip, tapered
 
 #: Shear stiffness of a beam without shear over EI/L²; bending stiffness of one without bending
 #: over GA L².
@@ -91,6 +93,9 @@ CASES: tuple[Case, ...] = (
         tolerance=5e-4,
         reason="half a unit of the last printed digit",
         answers=[Answer("The tip deflects by 0.01067 in.", 0.01067, "in", lambda: _parabolic(32))],
+        setup=partial(
+            tapered, 4.0, 2.0, root_of_share, tip=(pushed(4.0, 0.0, "1000 lb"),), unit="in"
+        ),
     ),
     case(
         "VM202",
@@ -112,6 +117,9 @@ CASES: tuple[Case, ...] = (
                 known=-1.04e-3,
             ),
         ],
+        setup=partial(
+            strip, 30.0, (("wall", 0.1), ("inside", 9.8), ("wall", 0.1)), unit="m"
+        ),
     ),
     case(
         "P5H",
@@ -129,5 +137,6 @@ CASES: tuple[Case, ...] = (
             Answer("The peak is at 42.65 Hz.", 42.65, "Hz", _deep_beam_peak, 2e-3,
                    "the solid's shear against that of NAFEMS' beam", heavy=True),
         ],
+        setup=section(_deep_beam, unit="m"),
     ),
 )  # fmt: skip

@@ -1,0 +1,1 @@
+"""What a case solves, as a drawing for its page: bodies, what holds them, what acts on them."""
