@@ -162,7 +162,7 @@ def test_answers_are_the_models_own_numbers(monkeypatch, held, all_motions):
             value, classes = np.array([1.0, 2.0, 3.0, 4.0]), kinds
         else:
             value, classes = np.array(5.0 + 1.0j), None
-        return Quantity(name, "1", value, "", 0.1 * np.abs(value), "", 0.0, classes=classes)
+        return Quantity(name, "tmm", value, "1", 0.1 * np.abs(value), "", 0.0, classes=classes)
 
     def model(name, scene, stages):
         made.append((name, stages))
@@ -188,7 +188,7 @@ def test_answers_are_the_models_own_numbers(monkeypatch, held, all_motions):
 def test_keys_of_a_shim_held_base_are_no_others(monkeypatch):
     seen = {}
     monkeypatch.setattr(solid, "evaluate", lambda name, model: Quantity(
-        name, "1", np.array(1.0), "", np.array(0.0), "", 0.0))  # fmt: skip
+        name, "solid", np.array(1.0), "1", np.array(0.0), "", 0.0))  # fmt: skip
     monkeypatch.setattr(solid, "Stages", lambda keys: keys)
     monkeypatch.setattr(solid, "make_model", lambda n, s, stages: seen.setdefault("layers", stages))
     monkeypatch.setattr(

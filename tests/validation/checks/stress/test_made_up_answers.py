@@ -297,7 +297,7 @@ def test_reduction_goes_into_a_resonance_of_few_bricks(monkeypatch, few_bricks):
 
 def quantity(value, bar):
     value = np.asarray(value)
-    return Quantity("x", "m", value, "1", np.broadcast_to(bar, value.shape), "", 0.0)
+    return Quantity("x", "tmm", value, "m", np.broadcast_to(bar, value.shape), "", 0.0)
 
 
 def test_the_lateral_run_takes_every_sweep_of_every_pair(monkeypatch):
