@@ -57,7 +57,8 @@ def _norms(columns: Numbers) -> Floats:
 
 def _force(system: SolidSystem, omega2: float, x: Numbers) -> Numbers:
     """Return the forces (n + 3, 5) that hold x, in long double."""
-    return system.stiffness.wide_product(x) - omega2 * system.mass.wide_product(x)
+    stiff = system.stiffness.wide_product(x)
+    return stiff if omega2 == 0.0 else stiff - omega2 * system.mass.wide_product(x)
 
 
 def _factor(system: SolidSystem, omega2: float) -> Factor:

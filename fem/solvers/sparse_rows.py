@@ -34,7 +34,8 @@ def wide_product(matrix: Sparse, x: Array) -> Array:
     """Return matrix @ x in long double, for a matrix in compressed rows and x (n,) or (n, k)."""
     wide = np.clongdouble if np.iscomplexobj(matrix.data) else np.longdouble
     x = x.astype(np.result_type(wide, x.dtype))
-    out = np.empty((matrix.shape[0], *x.shape[1:]), dtype=x.dtype)
+    columns = np.asfortranarray(x.reshape(x.shape[0], -1))
+    out = np.empty((matrix.shape[0], columns.shape[1]), dtype=x.dtype, order="F")
     for first, last in row_blocks(matrix.indptr):
         starts = matrix.indptr[first : last + 1]
         part = slice(starts[0], starts[-1])
@@ -42,5 +43,7 @@ def wide_product(matrix: Sparse, x: Array) -> Array:
             (matrix.data[part].astype(wide), matrix.indices[part], starts - starts[0]),
             shape=(last - first, matrix.shape[1]),
         )
-        out[first:last] = rows @ x
-    return out
+        # one column at a time: its sums stay in the processor, where they are long double
+        for there, column in zip(out.T, columns.T, strict=True):
+            there[first:last] = rows @ column
+    return out.reshape(x.shape)

@@ -15,9 +15,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from tactgen.fem.solvers.threads import VARIABLE
 from tactgen.geometry.errors import InputError
 
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", VARIABLE)
 
 
 def on_one_core(module: str, function: str, *arguments: Any, python: str = sys.executable) -> Any:

@@ -23,7 +23,8 @@ from tactgen.validation.command_line.commands.evidence import bench as command
 
 def test_measured_alone_on_one_core():
     """A measurement runs in its own process, limited to one thread."""
-    assert on_one_core("os", "getenv", "OMP_NUM_THREADS") == "1"
+    for limit in ("OMP_NUM_THREADS", "TACTGEN_THREADS"):
+        assert on_one_core("os", "getenv", limit) == "1"
     assert on_one_core("os", "getpid") != os.getpid()
 
 

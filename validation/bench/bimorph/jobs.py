@@ -109,6 +109,7 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
     )
     for later in later_on:
         importlib.import_module(later)
+    solver = available_solver()
     device, make = j1().device, FAMILIES[family]
 
     clock = Clock()
@@ -119,14 +120,14 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
     if frequencies:
         values = _sweep(system, frequencies)
         clock.stop("sweep")
-        return answer(clock, system.size, available_solver(), sweep=values)
+        return answer(clock, system.size, solver, sweep=values)
     _ = system.held_factor
     clock.stop("factor")
     static = _static(system)
     clock.stop("solve")
     natural = _natural(device, mesh, system)
     clock.stop("eigen")
-    return answer(clock, system.size, available_solver(), static=static, natural=natural)
+    return answer(clock, system.size, solver, static=static, natural=natural)
 
 
 def _static(system: Any) -> tuple[float, float]:
