@@ -7,7 +7,7 @@ Weak form, for all (v, φ):  ∫ EI ψ' φ' + GA (w' + ψ)(v' + φ) − Ω² (m 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,8 @@ class BeamMatrices:
     """Assembled beam, all (n, n) or (n,): dofs of w and ψ, then the scalar capacitance.
 
     `ports` are the dofs of w and ψ at the base, then at the tip; `stations` (k, 3) the height (m)
-    of every node between elements and its dofs of w and ψ, from base to tip.
+    of every node between elements and its dofs of w and ψ, from base to tip; `unit` (N, C) is
+    what forces and charges are counted in.
     """
 
     stiffness: Complex
@@ -45,6 +46,15 @@ class BeamMatrices:
     capacitance: complex
     ports: Ints
     stations: list[tuple[float, int, int]]
+    unit: float = 1.0
+
+
+def in_unit(matrices: BeamMatrices, unit: float) -> BeamMatrices:
+    """Return the same, forces and charges in another unit (N, C): but for rounding nothing else."""
+    return replace(
+        matrices, unit=unit, stiffness=unit * matrices.stiffness, mass=unit * matrices.mass,
+        coupling=unit * matrices.coupling, capacitance=unit * matrices.capacitance,
+    )  # fmt: skip
 
 
 def multiport(
@@ -69,26 +79,8 @@ def multiport(
 
 def condense(matrices: BeamMatrices, frequencies: Floats) -> Multiport:
     """Return the matrices over the five ports at frequencies (n,) in Hz."""
-    return Multiport(frequencies, _condense(matrices, 2.0 * np.pi * frequencies), BIMORPH)
-
-
-def inner_condition(matrices: BeamMatrices) -> float:
-    """Return by how much :func:`condense` magnifies rounding.
-
-    That is the condition number of the stiffness matrix that is eliminated, and what is left of
-    the stiffness at the ports when it is: beside a piece of some micrometres hardly any.
-    """
-    ports = matrices.ports
-    inner = np.setdiff1d(np.arange(matrices.mass.shape[0]), ports)
-    left = np.diag(_condense(matrices, np.zeros(1))[0])[: ports.size]
-    lost = np.abs(matrices.stiffness[ports, ports] / left).max()
-    return _scaled_condition(matrices.stiffness[np.ix_(inner, inner)].real) + float(lost)
-
-
-def _scaled_condition(matrix: Floats) -> float:
-    """Return the condition number of a matrix scaled to a unit diagonal, as rounding sees it."""
-    scale = 1.0 / np.sqrt(np.diag(matrix))
-    return float(np.linalg.cond(matrix * scale[:, None] * scale))
+    stiffness = _condense(matrices, 2.0 * np.pi * frequencies) / matrices.unit
+    return Multiport(frequencies, stiffness, BIMORPH)
 
 
 def elements_for(device: Device, highest: float) -> int:
@@ -248,25 +240,18 @@ def bonded_tab(device: Device, beam: Beam, depth: float, *, lossy: bool = False)
 
 def bending_frequencies(
     matrices: BeamMatrices, ends: Ends, count: int, *, open_circuit: bool
-) -> tuple[Floats, Floats]:
-    """Return the lowest elastic natural frequencies (Hz) of lossless matrices.
+) -> Floats:
+    """Return the lowest elastic natural frequencies (count,) in Hz of lossless matrices.
 
     Damping at the ends is left out.
-
-    Returns
-    -------
-    frequencies : (count,) array
-        Hz, ascending.
-    rounding : (count,) array
-        Bound of their relative rounding errors, see :func:`_rounding_of_modes`.
     """
     from scipy.linalg import eigh
 
-    k, m = matrices.stiffness.real.copy(), matrices.mass.copy()
+    k, m = matrices.stiffness.real / matrices.unit, matrices.mass / matrices.unit
     w0, psi0, w1, _ = matrices.ports
     if open_circuit:
-        charge = matrices.coupling.real
-        k += np.outer(charge, charge) / matrices.capacitance.real
+        charge = matrices.coupling.real / matrices.unit
+        k += np.outer(charge, charge) / (matrices.capacitance.real / matrices.unit)
     base, tip = ends.base, ends.conservative_tip
     k[w1, w1] += tip.stiffness
     m[w1, w1] += tip.mass
@@ -282,36 +267,11 @@ def bending_frequencies(
     # the lowest values of (k, m) carry the rounding of the highest; as the highest of the
     # inverse pencil they are exact to a few digits of machine precision
     shift = float(elastic[0])
-    shifted = k + shift * m
-    inverse, shapes = eigh(m, shifted, subset_by_index=_top(k.shape[0], count + 2))
+    inverse = eigh(
+        m, k + shift * m, eigvals_only=True, subset_by_index=_top(k.shape[0], count + 2)
+    )[::-1]
     rigid = ends.rigid_motions
-    wanted = slice(rigid, rigid + count)
-    inverse, shapes = inverse[::-1], shapes[:, ::-1]
-    values = (1.0 / inverse - shift)[wanted]
-    lost = _rounding_of_modes(shifted, inverse, shapes)[wanted]
-    # half of what the square is off by, of which the shift is taken away again
-    return np.sqrt(values) / (2.0 * np.pi), 0.5 * lost * (1.0 + shift / values)
-
-
-def _rounding_of_modes(matrix: Floats, inverse: Floats, shapes: Floats) -> Floats:
-    """Return a bound of the relative rounding errors of the highest values of (m, matrix).
-
-    Factorising moves entry (i, j) by a rounding of √(k_ii k_jj), so a mode's value by that of
-    Σ k_ii x_i² (Demmel 1989): the more, the less it bends.  The values found thereafter are off
-    by a rounding of the highest.
-
-    Parameters
-    ----------
-    inverse : (n,) array
-        The values, descending.
-    shapes : (size, n) array
-        Their vectors x with xᵀ `matrix` x = 1.
-    """
-    diagonal = np.diag(matrix)
-    scale = 1.0 / np.sqrt(diagonal)
-    largest = np.linalg.norm(matrix * scale[:, None] * scale, 2)
-    stretched = largest * (diagonal @ shapes**2)
-    return np.asarray(np.finfo(float).eps * (stretched + inverse[0] / inverse))
+    return np.asarray(np.sqrt(1.0 / inverse[rigid : rigid + count] - shift) / (2.0 * np.pi))
 
 
 def _top(size: int, count: int) -> list[int]:

@@ -37,27 +37,29 @@ def solved(model, quantities, *overrides, scene="paper"):
 def test_beam_elements_bar_follows_their_order():
     """Elements of order five gain 2¹⁰ by halving, and no more than 2⁸ is counted with.
 
-    So the error takes (2⁸ − 1) / (2¹⁰ − 1) / 1.25 = 0.2 of the bar, less where rounding has a part.
+    So the error takes (2⁸ − 1) / (2¹⁰ − 1) / 1.25 = 0.2 of the bar, somewhat more where the gain
+    is not yet that of the limit.
     """
     overrides = ("support.kind=clamped", "load.kind=none", "frequency=100 kHz")
     names = ("tip_displacement", "tip_rotation", "blocked_force")
     beam, exact = (solved(model, names, *overrides) for model in ("beam", "tmm"))
     for name, share in shares(beam, exact).items():
-        assert 0.1 < share < 0.21, name
+        assert 0.19 < share < 0.25, name
 
 
 def test_beam_elements_rounding():
-    """Slender and soft-rooted: 1e-9 of the frequencies is lost to the elimination, and told.
+    """Where rounding is all, errors take a fifth to a half of the bar, seldom more than all of it.
 
-    The share is one of chance; a hundredth of the bar, and it would say nothing.
+    The bar is twice a mean of distances between evaluations that round differently.
     """
     names = ("short_circuit_frequencies", "open_circuit_frequencies", "static_tip_displacement")
     found = []
-    for overrides in (("support.kind=clamped", "bimorph.tab_length=1.6 mm"), ("modes=6",)):
-        common = ("load.kind=none", *overrides)
+    for length in np.linspace(15.0, 30.0, 6):
+        common = ("load.kind=none", "modes=1", f"bimorph.length={length} mm")
         beam, exact = (solved(model, names, *common) for model in ("beam", "tmm"))
         found += shares(beam, exact).values()
-    assert 0.01 < max(found) <= 1.0
+    assert 0.1 < np.median(found) < 0.6
+    assert np.mean(np.array(found) <= 1.0) > 0.9
 
 
 @pytest.mark.parametrize("material", ["M1876", "PZT-5A"])

@@ -40,16 +40,12 @@ class Refined(Generic[T]):
         How the error bar comes about, for the reader.
     rounding : float or (n,) array
         Relative rounding error beyond that of the port equations; of modes, one for each.
-    elimination : float
-        Condition number of an elimination that made a matrix over ports: its rounding is in
-        every entry, and the port equations magnify it as they do their own.
     """
 
     fine: T
     coarser: tuple[tuple[T, float], ...]
     method: str
     rounding: Floats | float = 0.0
-    elimination: float = 0.0
 
 
 @storable

@@ -104,7 +104,7 @@ def _at_ports(
         closed = model.closed_form(ends)
         if closed is not None:
             return _of_tip(readout, scene, closed)
-    rounding: Any = round_off(attach(refined.fine, ends)) * (1.0 + refined.elimination)
+    rounding: Any = round_off(attach(refined.fine, ends))
 
     def wired(port: Multiport) -> Multiport:
         return in_series(port) if scene.bimorph.wiring == "series" else port
@@ -181,7 +181,7 @@ def _of_response(
         attached = attach(in_series(port) if series else port, ends)
         return of(respond(attached, {ELECTRICAL: 1.0}))
 
-    by_ports = round_off(attach(refined.fine, ends)) * (1.0 + refined.elimination)
+    by_ports = round_off(attach(refined.fine, ends))
     return _judge(refined, of_port, gain * by_ports + rounding)
 
 

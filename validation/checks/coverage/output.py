@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -23,8 +22,7 @@ def table(parts: Sequence[Part]) -> str:
         for row in part.rows:
             share = f"{row.inside}/{row.count}"
             verdict = "holds" if row.holds else "too narrow"
-            width = "rounding" if math.isnan(row.width) else f"{row.width:.2g}"
-            lines.append(f"  {row.quantity:28} {share:>12} {width:>10}  {verdict}")
+            lines.append(f"  {row.quantity:28} {share:>12} {row.width:>10.2g}  {verdict}")
             if not row.holds:
                 worst = row.worst
                 lines.append(f"    worst: {worst.error:.1e} beside a bar of {worst.bar:.1e}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,8 +12,8 @@ from tactgen.geometry.store.values import storable
 
 #: Share of the errors that a bar promises to cover.
 PROMISED = 0.95
-#: Bars up to this, relative, are bounds of rounding.
-ROUNDING = 1e-9
+#: Errors below are those of the reference.
+_EPS = float(np.finfo(float).eps)
 #: Multiples of the bars at which the calibration curve is drawn.
 MULTIPLES: Floats = np.geomspace(0.05, 5.0, 41)
 #: Chance at most that bars which keep the promise are called too narrow.
@@ -54,7 +53,7 @@ class Row:
     inside, count : int
         How many lie within their bars, and of how many.
     width : float
-        Median of bar over error, of the answers whose bar is no mere rounding; nan if all are.
+        Median of bar over error.
     worst : Judged
         The answer whose error is largest beside its bar.
     """
@@ -88,13 +87,8 @@ def _row(quantity: str, found: list[Judged]) -> Row:
 
 
 def median_width(found: Sequence[Judged]) -> float:
-    """Return the median of bar over error, of bars above :data:`ROUNDING`; nan if none is.
-
-    Rounding is bounded, not estimated: its bar is many times the error, and no digit that anybody
-    reads.
-    """
-    shown = [one.bar / max(one.error, 1e-15) for one in found if one.bar > ROUNDING]
-    return float(np.median(shown)) if shown else math.nan
+    """Return the median of bar over error."""
+    return float(np.median([one.bar / max(one.error, _EPS) for one in found]))
 
 
 def calibration(found: Sequence[Judged]) -> Floats:

@@ -116,7 +116,7 @@ class MechanicalCrosstalk:
             moved = 1.0 + _ROUNDING * (signs + np.triu(signs, 1).T)
             _, ratios = self._solved(replace(fine, stiffness=fine.stiffness * moved))
             found = np.maximum(found, np.abs(ratios - self._levels[0]).max(axis=1))
-        return found * (1.0 + self.ports.elimination)
+        return found
 
     def _solved(self, bimorph: Multiport) -> tuple[Multiport, Complex]:
         whole = display_ports(self.scene, bimorph, bare=self.bare)

@@ -96,7 +96,6 @@ class SmallSignal:
         """Return what `of` reads off the machine, with the bars of bimorph's ports and map."""
         value = of(self._whole(self.ports.fine))
         rounding = round_off(self._unreduced, ("voltage", "current"))
-        rounding = rounding * (1.0 + self.ports.elimination)
         bar: Floats = np.abs(value) * (rounding + self.ports.rounding)
         for coarser, factor in self.ports.coarser:
             bar = bar + factor * np.abs(value - of(self._whole(coarser)))

@@ -33,7 +33,6 @@ from tactgen.validation.checks.coverage.result import (
     MULTIPLES,
     Judged,
     calibration,
-    median_width,
     rows,
 )
 from tactgen.validation.command_line.cli import main
@@ -57,11 +56,15 @@ def test_verdict_allows_for_chance(inside, outside, holds):
     assert row.worst.where == ("there" if outside else "here")
 
 
-def test_rounding_has_no_width():
-    """The median is of bars that estimate something; nan where all are bounds of rounding."""
-    small, large = Judged("here", "f", 1e-15, 1e-10), Judged("here", "f", 1e-3, 4e-3)
-    assert median_width([small, large]) == pytest.approx(4.0)
-    assert np.isnan(median_width([small]))
+def test_width_is_the_median_of_bar_over_error():
+    """Answers that are hit exactly take what a double can tell for their error."""
+    eps = np.finfo(float).eps
+    found = [
+        Judged("", "f", 0.0, 3.0 * eps),
+        Judged("", "f", 1e-3, 4e-3),
+        Judged("", "f", 1.0, 9.0),
+    ]
+    assert rows(found)[0].width == pytest.approx(4.0)
 
 
 def test_numbers_of_modes_count_together():
