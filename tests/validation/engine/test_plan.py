@@ -6,6 +6,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.prospects import Prospect, total
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.stages import Stages, stage_key
 from tactgen.validation.models.reluctance import field
@@ -208,3 +209,9 @@ def test_every_model_and_quantity_has_a_description():
     """The catalogue is complete."""
     assert all(row.description for row in MODELS.values())
     assert all(q.meaning and q.unit and q.needs for q in QUANTITIES.values())
+
+
+def test_what_is_kept_or_of_unknown_cost_adds_nothing():
+    found = {"a": Prospect(False, 2.0), "b": Prospect(True, 5.0), "c": Prospect(False, None),
+             "d": Prospect(False, 3.0)}  # fmt: skip
+    assert total(found) == 5.0

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
 from tactgen.validation.export.display_view import drawn_parts
 from tactgen.validation.export.files import normal_actuator_solids, scene_solids
 from tactgen.validation.scene.scene import load_scene
@@ -67,6 +68,25 @@ def taken(seen):
         "normal actuator": solids_picture(normal_actuator_solids(scene.device)),
         "display": assembly_picture(drawn_parts(display)),
     }
+
+
+def test_the_held_end_is_drawn_to_scale_by_its_regions():
+    """From the front right: as wide as both sides seen aslant; a fifth of the length fills it."""
+    from PIL import Image
+
+    x, y, z = np.linspace(0.0, 0.5e-3, 3), np.array([0.0, 1e-3]), np.linspace(0.0, 10e-3, 5)
+    region = np.broadcast_to([[[0]], [[1]]], (2, 1, 4))
+    mesh = box_tetrahedra(x, y, z, region, ("shim", "piezo_top"))
+    with Image.open(io.BytesIO(mesh_picture(mesh, close_up=True))) as image:
+        shown = np.asarray(image.convert("RGB"), dtype=float)
+    width = (2.2 * 0.5 + 3.0 * 1.0) / np.hypot(3.0, 2.2)
+    assert shown.shape[1] - 2 * 12 == pytest.approx(width * 840 / 2.2, abs=4.0)
+    grey = np.ptp(shown, axis=2) < 20.0
+    dark = grey & (shown.max(axis=2) < 100.0)
+    assert 0.02 < dark.mean() < 0.4  # the shim, on the left
+    assert np.flatnonzero(dark.any(axis=0)).mean() < 0.5 * shown.shape[1]
+    assert 0.3 < (~grey).mean() < 0.95
+    assert 700 < shown.shape[0] < 840  # the lower edge is in the picture, the upper one is not
 
 
 @pytest.mark.heavy

@@ -297,20 +297,19 @@ def test_members_of_a_basis_lie_within_it(monkeypatch):
     monkeypatch.setattr(reduced, "solid_family", family)
     monkeypatch.setattr(reduced, "family_values", values)
     monkeypatch.setattr(reduced, "reference", reference)
-    for seed in range(2):
-        found = reduced.judge(np.random.default_rng(seed))
-        (low, high), (member,) = asked["ends"], asked["member"]
-        assert low <= member <= high == pytest.approx(1.44 * low)
-        device, scene = asked["case"].scene().device, asked["scene"]
-        b = device.bimorph
-        assert b.length == pytest.approx(member, rel=1e-9)
-        assert scene.frequency == pytest.approx(asked["case"].scene().frequency, rel=1e-9)
-        for name in ("width", "piezo_thickness", "shim_thickness"):
-            assert getattr(scene.bimorph, name) == getattr(b, name)
-        assert 15.0 / 1.2 < b.length / (3.0 * b.piezo_thickness) < 40.0 * 1.2
-        assert [one.quantity for one in found] == list(reduced._NAMES)
-        assert all(one.error == pytest.approx(0.1) and one.bar == 0.2 for one in found)
-        assert found[0].where == " ".join(asked["case"].overrides)
+    found = reduced.judge(np.random.default_rng(1))
+    (low, high), (member,) = asked["ends"], asked["member"]
+    assert low <= member <= high == pytest.approx(1.44 * low)
+    device, scene = asked["case"].scene().device, asked["scene"]
+    b = device.bimorph
+    assert b.length == pytest.approx(member, rel=1e-9)
+    assert scene.frequency == pytest.approx(asked["case"].scene().frequency, rel=1e-9)
+    for name in ("width", "piezo_thickness", "shim_thickness"):
+        assert getattr(scene.bimorph, name) == getattr(b, name)
+    assert 15.0 / 1.2 < b.length / (3.0 * b.piezo_thickness) < 40.0 * 1.2
+    assert [one.quantity for one in found] == list(reduced._NAMES)
+    assert all(one.error == pytest.approx(0.1) and one.bar == 0.2 for one in found)
+    assert found[0].where == " ".join(asked["case"].overrides)
 
 
 def test_a_field_is_judged_relative_to_the_better_one():

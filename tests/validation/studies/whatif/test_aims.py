@@ -1,5 +1,7 @@
 """Aims: what is met, what is best, and what their small language refuses."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -8,13 +10,15 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif.aim.best import (
+    Judged,
+    Verdict,
     pareto,
     parse_aims,
     verdict,
     yield_interval,
 )
 from tactgen.validation.studies.whatif.aim.expression import parse_aim
-from tactgen.validation.studies.whatif.aim.wording import shown
+from tactgen.validation.studies.whatif.aim.wording import as_values, shown
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
 
@@ -185,3 +189,22 @@ def test_margins_carry_the_unit_of_what_is_compared(text, margin, words):
     bar = {"1": 0.1, "N": 0.1e-3, "m": 0.1e-6}
     aim = parse_aim(text)
     assert shown(aim, margin, bar.get(aim.unit, 0.1)) == words
+
+
+def test_a_verdict_as_plain_values():
+    """Points and margins of the best; an interval of the yield only of drawn devices."""
+    aim = parse_aim("first(short_circuit_frequencies) > 0.5 kHz")
+    best, other = (Judged(n, "tmm", ((10.0 * n, 0.5), (1.0, 0.1))) for n in (1, 2))
+    found = Verdict((aim,), (best, other), (best,), (), (best,))
+    study = SimpleNamespace(points=[{}, {"gap": 1e-4}, {}], statement=SimpleNamespace(samples=2))
+    said = as_values(study, found)
+    assert said["aims"] == [aim.text]
+    assert (said["judged"], said["met"], said["undecided"]) == (2, 1, 0)
+    assert said["yield_interval_95"] == list(yield_interval(1, 2))
+    assert said["best"] == [
+        {"at": {"gap": 1e-4}, "models": "tmm", "margins": [10.0, 1.0], "bars": [0.5, 0.1]}
+    ]
+    study.statement.samples = 0
+    assert as_values(study, found)["yield_interval_95"] is None
+    study.statement.samples = 2
+    assert as_values(study, Verdict((aim,), (), (), (), ()))["yield_interval_95"] is None
