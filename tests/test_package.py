@@ -58,8 +58,8 @@ def test_command(installed):
     name, module, function = points.read_text().replace("=", " ").replace(":", " ").split()[1:]
     assert name == "tactgen"
     script = (
-        f"import sys; from {module} import {function}; sys.exit({function}(['solve', '--model', "
-        "'tmm', '--quantity', 'capacitance_free', '--json']))"
+        f"import sys; from {module} import {function}; sys.argv[1:] = ['solve', '--model', 'tmm', "
+        f"'--quantity', 'capacitance_free', '--json']; sys.exit({function}())"
     )
     assert json.loads(run(installed, "-c", script))["quantities"][0]["unit"] == "F"
 

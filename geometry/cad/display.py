@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tactgen.geometry.cad.solids import COLOURS, solid_of, write_glb, write_step
-from tactgen.geometry.cad.system_libraries import require_library
+from tactgen.geometry.cad.system_libraries import require_cad_kernel
 from tactgen.geometry.device.parameters import Device, Display
 from tactgen.geometry.display.clearances import check_display
 from tactgen.geometry.display.layout import Placed, Plate, display_parts, unit_names
@@ -38,7 +38,7 @@ def display_assembly(device: Device, display: Display) -> cq.Assembly:
         If parts do not fit, or the CAD kernel's system library is missing.
     """
     check_display(device, display)
-    require_library("libGL.so.1", "CAD solids")
+    require_cad_kernel()
     import cadquery as cq
 
     assembly = cq.Assembly(name="tactile_display")
@@ -57,7 +57,7 @@ def display_assembly(device: Device, display: Display) -> cq.Assembly:
 def display_solids(device: Device, display: Display) -> dict[str, cq.Shape]:
     """Return each distinct solid of the display in its own frame (mm)."""
     check_display(device, display)
-    require_library("libGL.so.1", "CAD solids")
+    require_cad_kernel()
     return {placed.name: _solid(placed) for placed in display_parts(device, display)}
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactgen.geometry.cad.system_libraries import require_library
+from tactgen.geometry.cad.system_libraries import require_cad_kernel
 from tactgen.geometry.device.layout import (
     MM,
     Box,
@@ -86,7 +86,7 @@ def build_solids(
         If a name is unknown, the parts cannot be put together, or the CAD kernel's
         system library is missing.
     """
-    require_library("libGL.so.1", "CAD solids")
+    require_cad_kernel()
     return {name: solid_of(part) for name, part in layout(device, standing, names).items()}
 
 

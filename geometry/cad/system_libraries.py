@@ -8,12 +8,16 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
+import sys
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
 
 #: Debian package of each library.
 _PACKAGE = {"libGL.so.1": "libgl1", "libOSMesa.so.8": "libosmesa6"}
+
+#: Address space that cadquery and what it imports take (bytes), measured with release 2.6.
+_KERNEL = 1_000_000_000
 
 
 def require_library(name: str, purpose: str) -> None:
@@ -31,6 +35,16 @@ def require_library(name: str, purpose: str) -> None:
             f"{purpose} need the library {name}, which is missing; install it with "
             f"apt-get install --no-install-recommends {_PACKAGE[name]}"
         ) from None
+
+
+def require_cad_kernel() -> None:
+    """Make sure that CAD solids can be made; InputError as the others.
+
+    Where there is too little room the libraries of the kernel fail amid loading, in many ways.
+    """
+    require_library("libGL.so.1", "CAD solids")
+    if "cadquery" not in sys.modules:
+        require_room(_KERNEL, "CAD solids")
 
 
 def require_room(size: int, purpose: str) -> None:

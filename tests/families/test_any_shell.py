@@ -7,7 +7,7 @@ import sys
 import pytest
 
 ANSWER = "solve --model tmm --quantity static_tip_displacement"
-CLI = f"{sys.executable} -m tactgen.validation.command_line.cli"
+CLI = f"{sys.executable} -m tactgen"
 
 
 def call(arguments, redirection="", **surroundings):

@@ -11,15 +11,15 @@ import contextlib
 import importlib
 import os
 import re
-import signal
 import sys
-import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from tactgen.fem.solvers.threads import thread_count
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.streams import say, usable_streams
+from tactgen.validation.command_line.ending import said_of_the_end, unwound_when_told_to_end
+from tactgen.validation.command_line.explanations import explained
+from tactgen.validation.command_line.streams import drop_output, say, usable_streams
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite
@@ -118,38 +118,6 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-class _Ended(BaseException):
-    """SIGTERM arrived: like KeyboardInterrupt, no error that code may handle."""
-
-
-@contextlib.contextmanager
-def _tidy_when_told_to_end() -> Iterator[None]:
-    """Let SIGTERM unwind the stack, so that half-written files are taken away.
-
-    A compiled library that is just being loaded makes an error of its own of it: after the signal
-    any error counts as the end.
-    """
-    told = False
-
-    def end(*_: object) -> NoReturn:
-        nonlocal told
-        told = True
-        raise _Ended
-
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGTERM, end)
-    try:
-        yield
-    except Exception as error:
-        if told:
-            raise _Ended from error
-        raise
-    finally:
-        signal.signal(signal.SIGTERM, before)
-
-
 def _check_settings() -> None:
     """Refuse bad settings now, not after meshing."""
     from tactgen.geometry.store.store import size_limit
@@ -176,7 +144,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     scene, code = "", 0
     try:
         usable_streams()
-        with _tidy_when_told_to_end(), contextlib.suppress(SystemExit):  # --help
+        with unwound_when_told_to_end(), contextlib.suppress(SystemExit):  # --help
             options = _parser(_command(arguments)).parse_args(arguments)
             _refuse_empty(options)
             scene = getattr(options, "scene", "")
@@ -184,20 +152,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _spare_imports()
             code = options.run(options)
         sys.stdout.flush()
-    except KeyboardInterrupt:
-        say("interrupted; nothing half-written was kept")
-        return 130
-    except _Ended:
-        say("told to end; nothing half-written was kept")
-        return 143
+    except KeyboardInterrupt as interrupt:
+        code, text = said_of_the_end(interrupt)
+        say(text)
     except BrokenPipeError:
-        _drop_output()
+        drop_output()
         return 141
     except Exception as error:
-        text = _explained(error, scene)
-        if text is None:
+        words = explained(error, scene)
+        if words is None:
             raise
-        say(text)
+        say(words)
         return 2
     return code
 
@@ -209,39 +174,6 @@ def _refuse_empty(options: argparse.Namespace) -> None:
         if isinstance(value, str) and not value.strip() and name not in _SPOKEN_OF:
             option = name.replace("_", "-")
             raise InputError(f"--{option} is empty; give it a value or leave it out")
-
-
-def _explained(error: Exception, scene: str) -> str | None:
-    """Return the sentence for an error that a user can act on, None for a mistake of ours."""
-    if isinstance(error, InputError):
-        return str(error)
-    if isinstance(error, OSError):
-        reason = (error.strerror or str(error)).lower()
-        if error.filename is not None:
-            return f"{error.filename} cannot be used ({reason}); make room or choose another place"
-        _drop_output()
-        return f"standard output cannot be written ({reason}); send it somewhere else"
-    if isinstance(error, MemoryError):
-        return (
-            "there is not enough memory for this; free some, raise the limit of the process, or "
-            "ask for less"
-        )
-    # by name: importing the solvers costs more than most answers
-    names = {kind.__name__ for kind in type(error).__mro__}
-    if names & {"LinAlgError", "SolverError", "ArpackError", "ArithmeticError"}:
-        reason = str(error) or type(error).__name__
-        return (
-            f'scene "{scene}" cannot be solved ({reason}); bring the values that it sets closer to '
-            "those of the built-in scenes paper and reluctance, or ask for another model with "
-            "--set models="
-        )
-    return None
-
-
-def _drop_output() -> None:
-    """Send what is left of stdout nowhere, so that Python does not complain at exit."""
-    with contextlib.suppress(OSError, ValueError, AttributeError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _command(arguments: Sequence[str] | None) -> str | None:

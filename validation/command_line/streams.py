@@ -35,6 +35,12 @@ def name_files(paths: Iterable[Path]) -> None:
         print(path, file=sys.stderr)
 
 
+def drop_output() -> None:
+    """Send what is left of stdout nowhere, so that Python does not complain at exit."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
 def usable_streams() -> None:
     """Let both streams be there and take every character.
 

@@ -153,7 +153,7 @@ def test_help_is_a_result(capsys):
 )  # fmt: skip
 def test_output_that_cannot_be_written(redirection, code, words, command):
     """A full disk or a closed stream is one sentence, no traceback, also at exit."""
-    shell = f"{sys.executable} -m tactgen.validation.command_line.cli {command} {redirection}"
+    shell = f"{sys.executable} -m tactgen {command} {redirection}"
     result = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
     assert result.returncode == code, result.stderr
     assert words in result.stderr
@@ -294,44 +294,9 @@ def test_plan_and_scenes_print(capsys):
 
 def test_closed_pipe_is_no_error(tmp_path):
     """`tactgen solve | head -1` ends quietly."""
-    command = (
-        f"{sys.executable} -m tactgen.validation.command_line.cli solve --model tmm --json | true"
-    )
+    command = f"{sys.executable} -m tactgen solve --model tmm --json | true"
     result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert result.stderr == "" or "warning" in result.stderr
-
-
-ENDED = """
-import os, signal, sys
-from tactgen.validation.export import files
-from tactgen.validation.command_line.cli import main
-
-def half(scene, drafts, announce):
-    for draft in drafts.values():
-        draft.write_text("half")
-    try:
-        os.kill(os.getpid(), signal.SIGTERM)
-    except BaseException:
-        if sys.argv[2] == "swallowed":
-            raise ImportError("initialization failed") from None
-        raise
-
-files._write = half
-sys.exit(main(["export", "reluctance", "--set", "models=network", "--map", sys.argv[1]]))
-"""
-
-
-@pytest.mark.parametrize("how", ["raised", "swallowed"])
-def test_told_to_end_leaves_nothing_behind(tmp_path, how):
-    """SIGTERM amid writing: the usual exit code, one sentence, no draft in the folder.
-
-    Also where a library that is being loaded makes an error of its own of the signal.
-    """
-    command = [sys.executable, "-c", ENDED, str(tmp_path / "map.nc"), how]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 143
-    assert done.stderr.endswith("told to end; nothing half-written was kept\n")
-    assert not list(tmp_path.iterdir())
 
 
 def test_dimensions_of_the_other_actuator_stop_nothing(capsys):

@@ -30,9 +30,10 @@ def test_every_command_is_put_to_the_test():
     assert {command.arguments[0] for command in (*LIGHT, *HEAVY)} | IDLE == set(commands())
 
 
-def test_killed_at_some_moment(trials):
-    """Nothing half-written, and the same command again is right."""
-    row = faults.killed(trials, 1)
+@pytest.mark.parametrize("family", [faults.killed, faults.interrupted])
+def test_ended_at_some_moment(trials, family):
+    """Nothing half-written, words of ours, and the same command again is right."""
+    row = family(trials, 1)
     assert row.verdict == "holds", row.worst
 
 

@@ -182,7 +182,7 @@ def begin(command: Command, around: Surroundings, **streams: Any) -> subprocess.
     words = [word.format(out=around.out, measured=around.measured) for word in command.arguments]
     variables = {**os.environ, "TACTGEN_CACHE": str(around.store), **around.variables}
     process = subprocess.Popen(
-        [sys.executable, "-m", "tactgen.validation.command_line.cli", *words],
+        [sys.executable, "-m", "tactgen", *words],
         env={name: value for name, value in variables.items() if value is not None},
         stdin=subprocess.DEVNULL, text=True, encoding="utf-8", start_new_session=True,
         **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **streams},

@@ -10,6 +10,7 @@ import math
 import os
 import random
 import resource
+import shutil
 import signal
 import tempfile
 import time
@@ -42,7 +43,7 @@ _STATEMENT = (
     "one, if words are not ours, or if it never ends. What is refused is quoted."
 )
 #: Codes with which a command may end that was not allowed to do its work.
-_REFUSED, _TERMINATED, _PIPE = 2, 143, 141
+_REFUSED, _INTERRUPTED, _TERMINATED, _PIPE = 2, 130, 143, 141
 #: A place where no file can be made, even by root.
 _NOWHERE = "/proc/tactgen"
 _GIB = 2**30
@@ -64,8 +65,10 @@ class Trials:
         self.right: dict[str, Any] = {}
         self.seconds: dict[str, float] = {}
         self.files: dict[str, list[str]] = {}
+        self.stores: dict[str, Path] = {}
         for command in commands:
             around, started = self.place(), time.perf_counter()
+            self.stores[command.name] = around.store
             done = finish(begin(command, around))
             self.seconds[command.name] = time.perf_counter() - started
             assert done.code == 0, f"{command.name} undisturbed: {done.err}"
@@ -91,6 +94,8 @@ class Trials:
         left = half_written(around.out)
         if left:
             return f"half-written: {', '.join(left)}"
+        if done.code == 0:  # it did its work all the same: that is what is looked at
+            return self.compared(command, around, done)
         return self.again(command, around)
 
     def again(self, command: Command, around: Surroundings) -> str:
@@ -100,11 +105,15 @@ class Trials:
         done = finish(begin(command, around))
         if done.code != 0:
             return f"afterwards it ended with {done.code}: {done.err[-200:]}"
+        return self.compared(command, around, done)
+
+    def compared(self, command: Command, around: Surroundings, done: Ended) -> str:
+        """Return what sets a run that did its work apart from an undisturbed one."""
         if answer(command, done) != self.right[command.name]:
-            return "afterwards the answer is another"
+            return "the answer is another"
         missing = set(self.files[command.name]) - set(_names(around.out))
         if missing or half_written(around.out):
-            return f"afterwards not all files are there: {sorted(missing)}"
+            return f"not all files are there: {sorted(missing)}"
         drafts = [p.name for p in around.out.rglob(f"{DRAFT}*")]
         return f"drafts were left: {drafts}" if drafts else ""
 
@@ -130,6 +139,12 @@ def terminated(trials: Trials, times: int) -> Row:
     """Tell commands to end at random moments, by SIGTERM."""
     codes = (_TERMINATED, -signal.SIGTERM, 0)  # the latter before the program has begun
     return _ended_by(trials, times, signal.SIGTERM, "told to end (SIGTERM)", codes)
+
+
+def interrupted(trials: Trials, times: int) -> Row:
+    """Interrupt commands at random moments, as Ctrl-C does: by SIGINT."""
+    codes = (_INTERRUPTED, -signal.SIGINT, 0)
+    return _ended_by(trials, times, signal.SIGINT, "interrupted (SIGINT)", codes)
 
 
 def _ended_by(trials: Trials, times: int, number: int, name: str, codes: Sequence[int]) -> Row:
@@ -177,13 +192,15 @@ def read_only(trials: Trials) -> Row:
 def nobody(trials: Trials) -> Row:
     """Take HOME away, or let it name nothing."""
     family = Family()
-    for command in trials.commands:
-        for home in (None, "", "/nonexistent"):
-            around = trials.place()
-            spoilt = replace(around, variables={"HOME": home, "TACTGEN_CACHE": None})
-            done = finish(begin(command, spoilt))
-            wrong = trials.judge(command, around, done, (0,))
-            _add(family, f"{command.name}, HOME={home}", wrong, done)
+    homes = (None, "", "/nonexistent")
+    for turn in range(max(len(homes), len(trials.commands))):
+        command = trials.commands[turn % len(trials.commands)]
+        home = homes[turn % len(homes)]
+        around = trials.place()
+        spoilt = replace(around, variables={"HOME": home, "TACTGEN_CACHE": None})
+        done = finish(begin(command, spoilt))
+        wrong = trials.judge(command, around, done, (0,))
+        _add(family, f"{command.name}, HOME={home}", wrong, done)
     return answered("faults: no home", "HOME missing, empty, not there", family.points)
 
 
@@ -219,17 +236,16 @@ def two_at_once(trials: Trials) -> Row:
     family = Family()
     for command in trials.commands:
         around = trials.place()
-        pair = [begin(command, around) for _ in range(2)]
-        for number, process in enumerate(pair, start=1):
-            done = finish(process)
+        pair = [finish(process) for process in [begin(command, around) for _ in range(2)]]
+        for number, done in enumerate(pair, start=1):
             wrong = ""
             if done.code == 0:
-                same = answer(command, done) == trials.right[command.name]
-                wrong = "" if same else "its answer is another"
+                wrong = trials.compared(command, around, done)
             elif done.code != _REFUSED or not said(done)[0]:
                 wrong = f"ended with {done.code}: {done.err[-200:]}"
             _add(family, f"{command.name}, number {number}", wrong, done)
-        _add(family, f"{command.name}, both", trials.again(command, around))
+        if any(done.code for done in pair):
+            _add(family, f"{command.name}, both", trials.again(command, around))
     what = "the same command twice on one store and one folder"
     return answered("faults: two at once", what, family.points, family.refusals)
 
@@ -240,12 +256,13 @@ def corrupted(trials: Trials, times: int) -> Row:
     for turn in range(times):
         command = trials.commands[turn % len(trials.commands)]
         around = trials.place()
-        done = finish(begin(command, around))
-        entries = sorted(around.store.rglob("*.kept")) if done.code == 0 else []
+        if trials.stores[command.name].exists():  # some commands keep nothing
+            shutil.copytree(trials.stores[command.name], around.store)
+        entries = sorted(around.store.rglob("*.kept"))
         how = trials.chance.choice(("bit", "cut", "empty", "swapped"))
         for path in entries:
             _spoil(path, trials.chance.choice(entries), how, trials.chance)
-        wrong = f"ended with {done.code}" if done.code else trials.again(command, around)
+        wrong = trials.again(command, around)
         _add(family, f"{command.name}, {len(entries)} entries, {how}", wrong)
     what = "every entry with a bit flipped, cut, emptied, or another's content"
     return answered("faults: corrupted store", what, family.points, family.refusals)
@@ -284,6 +301,7 @@ def _families(quick: bool) -> tuple[Callable[[Trials], Row], ...]:
     return (
         lambda trials: killed(trials, times),
         lambda trials: terminated(trials, times // 2),
+        lambda trials: interrupted(trials, times // 2),
         lambda trials: corrupted(trials, times // 2),
         no_room, read_only, two_at_once, little_memory, shut_pipe, nobody,
     )  # fmt: skip

@@ -1,0 +1,96 @@
+"""Told to end: the work is unwound, though not amid the loading of a compiled module."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from tactgen.validation.command_line import ending
+
+ENDED = """
+import os, signal, sys
+from tactgen.validation.export import files
+from tactgen.validation.command_line.cli import main
+
+def half(scene, drafts, announce):
+    for draft in drafts.values():
+        draft.write_text("half")
+    try:
+        os.kill(os.getpid(), signal.Signals[sys.argv[2]])
+    except BaseException:
+        if sys.argv[3] == "swallowed":
+            raise ImportError("initialization failed") from None
+        raise
+
+files._write = half
+sys.exit(main(["export", "reluctance", "--set", "models=network", "--map", sys.argv[1]]))
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "how", "code", "words"),
+    [
+        ("SIGTERM", "raised", 143, "told to end"),
+        ("SIGTERM", "swallowed", 143, "told to end"),
+        ("SIGINT", "swallowed", 130, "interrupted"),
+        ("SIGHUP", "raised", 129, "told to end"),
+    ],
+)
+def test_told_to_end_leaves_nothing_behind(tmp_path, name, how, code, words):
+    """A signal amid writing: the usual exit code, one sentence, no draft in the folder.
+
+    Also where a library makes an error of its own of the signal.
+    """
+    command = [sys.executable, "-c", ENDED, str(tmp_path / "map.nc"), name, how]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == code
+    assert done.stderr.endswith(f"tactgen: {words}; nothing half-written was kept\n")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_module_is_loaded_to_its_end(monkeypatch):
+    """An end amid the loading of a compiled module comes when that is done, and not before."""
+    loaded = []
+
+    def initialised():
+        os.kill(os.getpid(), signal.SIGTERM)
+        loaded.append(sum(range(3_000_000)))  # longer than the first look takes to come
+
+    def unwound():
+        with ending.unwound_when_told_to_end():
+            initialised()
+            while True:
+                pass
+
+    monkeypatch.setattr(ending, "_LOADERS", {initialised.__code__})
+    before = [signal.getsignal(number) for number in (signal.SIGTERM, ending._LOOK)]
+    with pytest.raises(KeyboardInterrupt) as told:
+        unwound()
+    assert loaded
+    assert ending.said_of_the_end(told.value)[0] == 143
+    assert [signal.getsignal(number) for number in (signal.SIGTERM, ending._LOOK)] == before
+
+
+def test_what_is_ignored_stays_ignored():
+    """A job in the background of a script does not hear the terminal's Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with ending.unwound_when_told_to_end():
+            os.kill(os.getpid(), signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_nothing_is_said_before_the_program_has_begun():
+    """Ctrl-C while the command line itself is loaded: the signal's own end, no traceback."""
+    script = (
+        "import os, signal, sys, tactgen.__main__ as program\n"
+        "class Finder:\n"
+        "    def find_spec(self, *_): os.kill(os.getpid(), signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Finder())\n"
+        "program.main()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, b"")
