@@ -16,7 +16,7 @@ import numpy as np
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
-from tactgen.tmm.reluctance.switching import Switching, spring_force, switching
+from tactgen.tmm.reluctance.switching import spring_force, switching
 from tactgen.validation.engine.results import Measured
 from tactgen.validation.models.reluctance.point import MagneticPoint
 
@@ -69,47 +69,72 @@ class SwitchingCurrents:
 Learned = dict[float, tuple[float, float]]
 
 
-def switching_currents(
-    device: Device, pull: CoenergyMap, at: Solver, learned: Learned | None = None
-) -> SwitchingCurrents:
+def switching_currents(device: Device, pull: CoenergyMap, at: Solver) -> SwitchingCurrents:
     """Return the switching currents of a model by its map and by points of it.
-
-    Parameters
-    ----------
-    learned : dict, optional
-        What the balances of a device nearby came to; brought up to date.
 
     Raises
     ------
     InputError
         If the stops do not fit the gap or the map.
     """
-    found = switching(device, pull)
-    balance = _Balance(device, pull, at, {} if learned is None else learned)
+    found = Balances(device, pull, at)
     return SwitchingCurrents(
-        lift_off=balance.at_gap(device.gap, found.lift_off),
-        pull_in=balance.extreme(found.pull_in_gap, found.pull_in),
-        holding=balance.at_gap(device.spring.stop_gap, found.holding),
-        drop_out=balance.extreme(found.drop_out_gap, found.drop_out),
-        floats=_floats(found),
-        beyond_table=balance.beyond_table,
-        limit=pull.current_limit,
+        lift_off=found.lift_off,
+        pull_in=found.pull_in,
+        holding=found.holding,
+        drop_out=found.drop_out,
+        floats=found.floats,
+        beyond_table=found.beyond_table,
+        limit=found.limit,
     )
 
 
-def _floats(found: Switching) -> bool:
-    """Return whether the rod leaves the upper stop for a place between the stops."""
-    return found.pull_in > found.lift_off * (1.0 + 1e-9)
+class Balances:
+    """What :class:`SwitchingCurrents` has, each current solved for when it is read.
 
+    By currents at which pull and spring balance, from points; each gap is solved once.
 
-class _Balance:
-    """Currents at which pull and spring balance, by points; each gap is solved once."""
+    Parameters
+    ----------
+    learned : dict, optional
+        What the balances of a device nearby came to; brought up to date.
+    """
 
-    def __init__(self, device: Device, pull: CoenergyMap, at: Solver, learned: Learned) -> None:
+    method = SwitchingCurrents.method
+
+    def __init__(
+        self, device: Device, pull: CoenergyMap, at: Solver, learned: Learned | None = None
+    ) -> None:
         self._device, self._pull, self._at = device, pull, at
-        self._learned = learned
+        self._learned: Learned = {} if learned is None else learned
+        self._by_map = switching(device, pull)
         self._found: dict[float, Measured] = {}
-        self.beyond_table = 0.0
+        self.beyond_table, self.limit = 0.0, pull.current_limit
+
+    @property
+    def floats(self) -> bool:
+        """Whether the rod leaves the upper stop for a place between the stops."""
+        return self._by_map.pull_in > self._by_map.lift_off * (1.0 + 1e-9)
+
+    @property
+    def lift_off(self) -> Measured:
+        """Current at which the rod leaves its upper stop (A)."""
+        return self.at_gap(self._device.gap, self._by_map.lift_off)
+
+    @property
+    def pull_in(self) -> Measured:
+        """Current that draws the rod to its lower stop (A)."""
+        return self.extreme(self._by_map.pull_in_gap, self._by_map.pull_in)
+
+    @property
+    def holding(self) -> Measured:
+        """Least current that holds the rod at its lower stop (A)."""
+        return self.at_gap(self._device.spring.stop_gap, self._by_map.holding)
+
+    @property
+    def drop_out(self) -> Measured:
+        """Current below which the rod is back at its upper stop (A)."""
+        return self.extreme(self._by_map.drop_out_gap, self._by_map.drop_out)
 
     def at_gap(self, gap: float, start: float) -> Measured:
         """Return the balance at `gap` near the map's current `start` (A), inf for none."""

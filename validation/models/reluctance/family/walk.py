@@ -7,6 +7,8 @@ solved, only their starts, grids and the map that says where to look come from n
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +17,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.store.store import is_kept
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS, stage_code
+from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.costs import recorded
 from tactgen.validation.engine.families import Box
@@ -41,11 +44,7 @@ from tactgen.validation.models.reluctance.field import (
     nearness,
 )
 from tactgen.validation.models.reluctance.point import MagneticPoint
-from tactgen.validation.models.reluctance.switching import (
-    Learned,
-    SwitchingCurrents,
-    switching_currents,
-)
+from tactgen.validation.models.reluctance.switching import Balances, Learned
 from tactgen.validation.scene.keys import value_of
 from tactgen.validation.scene.scene import Scene
 
@@ -188,12 +187,13 @@ class _WalkedModel(AxisymmetricModel):
     def at(self, current: float, gap: float) -> MagneticPoint:
         return self._walk.at(self.scene, current, gap)
 
-    def switching(self) -> SwitchingCurrents:
-        def work() -> SwitchingCurrents:
-            device, learned = self.scene.device, self._walk.learned
-            return switching_currents(device, self.map(), self.at, learned)
+    def answer(self, need: Need) -> Any:
+        """As of any scene, but that only the currents that are asked for are solved for."""
+        return self._balances if need == "magnetic_map" else super().answer(need)
 
-        return self.run("switching", work)
+    @cached_property
+    def _balances(self) -> Balances:
+        return Balances(self.scene.device, self.map(), self.at, self._walk.learned)
 
     def _map(self) -> CoenergyMap:
         maps = self._walk.maps
