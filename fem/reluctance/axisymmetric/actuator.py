@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from tactgen.fem.reluctance.axisymmetric.field import MagneticField, truncation_error
 from tactgen.fem.reluctance.axisymmetric.force import eggshell_force, virtual_work_force
 from tactgen.fem.reluctance.axisymmetric.two_orders import (
@@ -21,6 +19,7 @@ from tactgen.fem.reluctance.axisymmetric.two_orders import (
     solve_pair,
     two_orders,
 )
+from tactgen.fem.reluctance.iron import size_of
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
@@ -212,7 +211,7 @@ def field_point(
 
 def _beyond_table(field: MagneticField) -> float:
     """Return the share of the iron's volume beyond the end of a curve that ends early."""
-    d, size = field.discretisation, np.linalg.norm(field.flux_density, axis=-1)
+    d, size = field.discretisation, size_of(field.flux_density)
     beyond = total = 0.0
     for cells, curve in d.iron:
         beyond += curve.volume_beyond(size[cells], d.volumes[cells])

@@ -55,7 +55,7 @@ class MagneticField:
     def flux_density(self) -> Floats:
         """B_r and B_z (T) at the quadrature points, (n_e, n_q, 2)."""
         d = self.discretisation
-        return _flux_density(d, self.potential[d.cell_dofs])
+        return d.flux_density(self.potential[d.cell_dofs])
 
     @cached_property
     def field_strength(self) -> Floats:
@@ -161,7 +161,7 @@ class _Energy:
 
     def _flux_density(self, x: Floats) -> Floats:
         if self._at is not x:
-            self._at, self._flux = x, _flux_density(self._d, self._d.pattern.local(x))
+            self._at, self._flux = x, self._d.flux_density(self._d.pattern.local(x))
             density = energy_density(self._d.iron, self._flux)
             self._energy = float(np.sum(density * self._d.volumes))
         return self._flux
@@ -178,23 +178,14 @@ class _Energy:
 
     def gradient(self, x: Floats) -> Floats:
         d = self._d
-        h = field_from_flux(d.iron, self._flux_density(x)) * d.volumes[..., None]
-        both = np.concatenate([h[..., 0], h[..., 1]], axis=1)
-        return d.pattern.vector((both[:, None, :] @ d.curls)[:, 0, :]) - self._source
+        field = field_from_flux(d.iron, self._flux_density(x))
+        return d.pattern.vector(d.functional(field)) - self._source
 
     def hessian(self, x: Floats) -> Sparse:
         d, cells = self._d, self._d.iron_cells
-        t = reluctivity_tensor(self._iron, self._flux_density(x)[cells])
-        t *= d.volumes[cells][..., None, None]
-        curl_r, curl_z = np.split(d.iron_curls, 2, axis=1)
-        rows = (t[..., i, 0, None] * curl_r + t[..., i, 1, None] * curl_z for i in (0, 1))
-        local = d.iron_curls.transpose(0, 2, 1) @ np.concatenate([*rows], axis=1)
+        tensor = reluctivity_tensor(self._iron, self._flux_density(x)[cells])
+        local = d.matrices(tensor, cells)
         return d.pattern.of_entries(d.vacuum_entries + d.iron_pattern.entries(local))
-
-
-def _flux_density(d: Discretisation, local: Floats) -> Floats:
-    """Return B (n_e, n_q, 2) from the cells' unknowns (n_e, n_b)."""
-    return np.concatenate([d.curl_r @ local[..., None], d.curl_z @ local[..., None]], axis=-1)
 
 
 def truncation_error(solution: MagneticField) -> float:

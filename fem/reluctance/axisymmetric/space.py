@@ -41,6 +41,20 @@ class ReferenceCell:
     slope_r: Floats
     slope_z: Floats
 
+    @cached_property
+    def values(self) -> Floats:
+        """Functions, then their slopes along both sides, (n_b, 3 n_q)."""
+        return np.concatenate([self.shape, self.slope_r, self.slope_z]).T.copy()
+
+    @cached_property
+    def products(self) -> Floats:
+        """Products of two of these for the six pairs of kinds, symmetric, (6 n_q, n_b²)."""
+        u, r, z = self.shape, self.slope_r, self.slope_z
+        pairs = ((u, u), (u, r), (r, r), (z, z), (u, z), (r, z))
+        half = np.concatenate([np.einsum("qi,qj->qij", *pair) for pair in pairs])
+        both = 0.5 * (half + half.transpose(0, 2, 1))
+        return np.asarray(both.reshape(both.shape[0], -1))
+
     def of_functions(self, chosen: Sequence[int]) -> ReferenceCell:
         """Return the same with some of the functions only."""
         tables = (table[:, chosen] for table in (self.shape, self.slope_r, self.slope_z))
@@ -59,8 +73,6 @@ class Discretisation:
         What it was made from.
     cell_dofs : (n_e, n_b) int
         Unknown of each function.
-    curl_r, curl_z : (n_e, n_q, n_b) float
-        B_r and B_z of each function.
     volumes : (n_e, n_q) float
         2π r × quadrature weight (m³).
     radii : (n_e, n_q) float
@@ -77,8 +89,6 @@ class Discretisation:
     order: int
     reference: ReferenceCell
     cell_dofs: Ints
-    curl_r: Floats
-    curl_z: Floats
     volumes: Floats
     radii: Floats
     loads: Floats
@@ -107,11 +117,6 @@ class Discretisation:
         return np.concatenate([np.zeros(0, dtype=int), *(cells for cells, _ in self.iron)])
 
     @cached_property
-    def curls(self) -> Floats:
-        """B_r at all points of a cell, then B_z, (n_e, 2 n_q, n_b)."""
-        return np.concatenate([self.curl_r, self.curl_z], axis=1)
-
-    @cached_property
     def vacuum_entries(self) -> Floats:
         """What cells without iron give to the Hessian, whatever the field, as stored entries."""
         empty = np.setdiff1d(np.arange(self.cell_dofs.shape[0]), self.iron_cells)
@@ -136,11 +141,6 @@ class Discretisation:
         return over[columns] / heights + times[columns] * heights
 
     @cached_property
-    def iron_curls(self) -> Floats:
-        """Of the cells of iron, `curls`."""
-        return self.curls[self.iron_cells]
-
-    @cached_property
     def iron_pattern(self) -> Pattern:
         """Where the matrices of the cells of iron go."""
         return self.pattern.part(self.iron_cells)
@@ -161,6 +161,34 @@ class Discretisation:
         low = np.tile(self.grid.z[:-1], self.grid.r.size - 1)
         return low[:, None] + self.heights[:, None] * self.reference.levels
 
+    @cached_property
+    def _over_sides(self) -> tuple[Floats, Floats]:
+        """Radii over width and over height of their cells, (n_e, n_q) each."""
+        widths = np.repeat(np.diff(self.grid.r), self.grid.z.size - 1)
+        return self.radii / widths[:, None], self.radii / self.heights[:, None]
+
+    def flux_density(self, local: Floats) -> Floats:
+        """Return B (n_e, n_q, 2) from the cells' unknowns (n_e, n_b)."""
+        u, slope_r, slope_z = np.split(local @ self.reference.values, 3, axis=1)
+        over_width, over_height = self._over_sides
+        return np.stack([-over_height * slope_z, 2.0 * u + over_width * slope_r], axis=-1)
+
+    def functional(self, field: Floats) -> Floats:
+        """Return ∫ H·B_i dV (n_e, n_b) of each cell and function, field (n_e, n_q, 2)."""
+        over_width, over_height = self._over_sides
+        along, across = field[..., 1] * self.volumes, field[..., 0] * self.volumes
+        parts = [2.0 * along, over_width * along, -over_height * across]
+        return np.asarray(np.concatenate(parts, axis=1) @ self.reference.values.T)
+
+    def matrices(self, tensor: Floats, cells: Ints) -> Floats:
+        """Return ∫ B_i·tensor B_j dV (n, n_b²) of some cells, tensor (n, n_q, 2, 2) symmetric."""
+        width, height = (over[cells] for over in self._over_sides)
+        weighted = tensor * self.volumes[cells][..., None, None]
+        rr, rz, zz = weighted[..., 0, 0], weighted[..., 0, 1], weighted[..., 1, 1]
+        parts = [4.0 * zz, 4.0 * width * zz, width**2 * zz, height**2 * rr, -4.0 * height * rz,
+                 -2.0 * width * height * rz]  # fmt: skip
+        return np.asarray(np.concatenate(parts, axis=1) @ self.reference.products)
+
     def on(self, grid: Grid) -> Discretisation:
         """Return the same functions on a grid of the same cells, whose lines lie elsewhere."""
         return replace(self, grid=grid, **_tables(grid, self.reference))
@@ -174,8 +202,6 @@ def _tables(grid: Grid, reference: ReferenceCell) -> dict[str, Any]:
     labels = grid.labels.ravel()
     # of each column of cells, which differ in their heights only
     volumes = 2.0 * np.pi * radii * reference.weights
-    curl_z = 2.0 * reference.shape + (radii / widths[:, None])[..., None] * reference.slope_r
-    curl_r = -radii[..., None] * reference.slope_z
     linked = (volumes * radii) @ reference.shape
     of_cells = (section[..., None] * linked[:, None]).reshape(labels.size, -1)
     loads = [
@@ -185,8 +211,6 @@ def _tables(grid: Grid, reference: ReferenceCell) -> dict[str, Any]:
     ]
     n_q, n_b = reference.shape.shape
     return {
-        "curl_r": (curl_r[:, None] / heights[:, None, None]).reshape(-1, n_q, n_b),
-        "curl_z": np.repeat(curl_z, heights.size, axis=0),
         "volumes": (section[..., None] * volumes[:, None]).reshape(-1, n_q),
         "radii": np.repeat(radii, heights.size, axis=0),
         "loads": np.array(loads).reshape(-1, labels.size, n_b),
@@ -286,8 +310,6 @@ def lowered(fine: Discretisation) -> tuple[Discretisation, Ints]:
         order=fine.order - 1,
         reference=fine.reference.of_functions(local),
         cell_dofs=cell_dofs,
-        curl_r=fine.curl_r[..., local],
-        curl_z=fine.curl_z[..., local],
         loads=fine.loads[..., local],
         free=free,
         pattern=Pattern(cell_dofs, free),

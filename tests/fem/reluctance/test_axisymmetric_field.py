@@ -49,8 +49,8 @@ def manufactured(curve, order, n):
     r, z = d.radii, d.elevations
     b_r = r * (1.0 - r**2) ** 2 * np.pi / 2.0 * np.sin(np.pi * z / 2.0)
     b_z = (2.0 * (1.0 - r**2) ** 2 - 4.0 * r**2 * (1.0 - r**2)) * np.cos(np.pi * z / 2.0)
-    nu = curve.reluctivity(np.hypot(b_r, b_z)) * d.volumes
-    load = np.einsum("eq,eqb->eb", nu * b_r, d.curl_r) + np.einsum("eq,eqb->eb", nu * b_z, d.curl_z)
+    nu = curve.reluctivity(np.hypot(b_r, b_z))
+    load = d.functional(nu[..., None] * np.stack([b_r, b_z], axis=-1))
     field = solve_field(replace(d, loads=load[None]), np.ones(1))
     found_r, found_z = np.moveaxis(field.flux_density, -1, 0)
     miss = np.sum(((found_r - b_r) ** 2 + (found_z - b_z) ** 2) * d.volumes)
