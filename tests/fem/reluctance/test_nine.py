@@ -3,6 +3,7 @@
 import pytest
 
 from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+from tactgen.fem.reluctance.three_d import nine
 from tactgen.fem.reluctance.three_d.array import array_forces
 from tactgen.fem.reluctance.three_d.nine import (
     motion_weights,
@@ -31,6 +32,23 @@ def test_one_driven_unit_lifts_its_neighbours():
     assert force["middle"] > -1.05 * force["sleeve_middle"] > 0.0
     assert -0.2 * force["middle"] < force["beside"] < -0.05 * force["middle"]
     assert abs(force["diagonal"]) < 0.2 * abs(force["beside"])
+
+
+def test_pulls_are_each_units_own_and_all_are_in_the_balance(monkeypatch):
+    """One middle unit, four beside it, four on the diagonals; forces on sleeves count as well."""
+    forces = {"middle": 8.0, "beside": -4.0, "diagonal": 1.0, "sleeve_middle": -7.0}
+    monkeypatch.setattr(nine, "nine_solids", lambda *_: [2.0, 3.0])
+    monkeypatch.setattr(nine, "motion_weights", lambda _: {})
+    monkeypatch.setattr(nine, "VectorPotential", lambda solid: solid)
+    monkeypatch.setattr(nine, "ScalarPotential", lambda solid: -solid)
+    monkeypatch.setattr(
+        nine, "vertical_forces", lambda by, _: {name: by * force for name, force in forces.items()}
+    )
+    found = nine_forces(DEVICE, [ALONE, ALONE], GAP, PITCH)
+    assert [f.middle for f in found] == [(16.0, -16.0), (24.0, -24.0)]
+    assert [f.beside for f in found] == [(-2.0, 2.0), (-3.0, 3.0)]
+    assert [f.diagonal for f in found] == [(0.5, -0.5), (0.75, -0.75)]
+    assert [f.unbalanced for f in found] == [(-4.0, 4.0), (-6.0, 6.0)]
 
 
 @pytest.mark.heavy

@@ -1,11 +1,18 @@
 """The normal actuator and its air from CAD: volumes, planes at the winding's ends, regions."""
 
+from dataclasses import replace
+
+import cadquery as cq
 import numpy as np
 import pytest
 
+from tactgen.geometry.cad.solids import thinnest_feature
 from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.quadratic import jacobian_coefficients
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.reluctance import tets
 from tactgen.geometry.reluctance.tets import (
     REGIONS,
     ActuatorMeshing,
@@ -54,6 +61,126 @@ def test_rod_is_cut_where_the_winding_ends():
     assert {round(-1e3 * coil.position, 6), round(-1e3 * (coil.position + coil.length), 6)} < (
         heights
     )
+
+
+MESHING = ActuatorMeshing(size=1.0, growth=0.7)
+
+
+def sizes(points):
+    """Edge lengths (mm) wanted at points (r, z) in mm, at azimuths that do not matter."""
+    r, z = np.array(points, dtype=float).T
+    turn = np.linspace(0.1, 1.4, r.size)
+    return tets._edge_length(
+        DEVICE, MESHING, np.column_stack([r * np.cos(turn), r * np.sin(turn), z])
+    )
+
+
+def test_edges_are_shortest_where_iron_is_near_iron():
+    """0.3 of the working gap in it, 1.5 of the clearance at the flange, then ever longer by 0.7.
+
+    An edge of iron asks for 0.15 of its distance from the other part, the gap's corners thus for
+    0.4 of the narrower of the two; all of it goes with `size`.
+    """
+    rod, sleeve, gap = DEVICE.rod, DEVICE.sleeve, 1e3 * GAP
+    middle = 0.5e3 * (sleeve.inner_radius + sleeve.outer_radius)
+    clearance = 1e3 * (sleeve.inner_radius - rod.flange_radius)
+    least = 0.4 * min(gap, clearance)
+    assert sizes([(middle, 0.5 * gap)])[0] == pytest.approx(0.3 * gap, rel=1e-12)
+    flange = gap + 1e3 * (rod.head_thickness - rod.length + 0.5 * rod.flange_thickness)
+    between = 0.5e3 * (sleeve.inner_radius + rod.flange_radius)
+    assert sizes([(between, -flange if flange > 0.0 else flange)])[0] <= 1.5 * clearance + 1e-12
+    corner = (1e3 * sleeve.outer_radius, 0.0)
+    assert sizes([corner])[0] == pytest.approx(max(0.15 * gap, least), rel=1e-12)
+    far = np.array([(middle, 30.0), (middle, 31.0), (30.0, 0.5 * gap), (31.0, 0.5 * gap)])
+    up, across = np.diff(sizes(far))[[0, 2]]
+    assert 0.98 * 0.7 < up <= 0.7 + 1e-12
+    assert 0.98 * 0.7 < across <= 0.7 + 1e-12
+    rng = np.random.default_rng(1)
+    a, b = rng.uniform([0.0, -6.0], [3.0, 3.0], (2, 400, 2))
+    slope = np.abs(sizes(a) - sizes(b)) / np.linalg.norm(a - b, axis=1)
+    assert slope.max() <= 0.7 + 1e-9
+    assert sizes(a).min() >= least * (1.0 - 1e-12)
+    twice = tets._edge_length(DEVICE, replace(MESHING, size=2.0), np.array([[0.3, 0.4, 0.05]]))
+    assert twice[0] == pytest.approx(2.0 * sizes([(0.5, 0.05)])[0], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("point", "distance"),
+    [((2.0, 0.5), 1.0), ((0.5, 0.2), 0.2), ((4.0, 5.0), 5.0), ((-1, -1), 2**0.5)],
+)
+def test_distance_from_an_outline(point, distance):
+    """From a unit square: its sides from without and within, its corners."""
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    assert tets._distance(np.array(point), square) == pytest.approx(distance, rel=1e-12)
+
+
+def test_the_sizings_grid_is_even_inside_and_grows_gently_outside():
+    """From end to end, by the step in between, neighbours outside at most 1.5 apart or shorter."""
+    axis = tets._axis(-7.0, 0.0, 1.0, 9.0, 0.1)
+    assert (axis[0], axis[-1]) == pytest.approx((-7.0, 9.0), rel=1e-12)
+    inside = axis[(axis > -1e-9) & (axis < 1.0 + 1e-9)]
+    assert inside == pytest.approx(np.linspace(0.0, 1.0, 11), abs=1e-12)
+    for outside in (np.diff(axis[axis > 1.0 - 1e-9]), np.diff(axis[axis < 1e-9])[::-1]):
+        assert outside[1:] / outside[:-1] == pytest.approx(1.5, rel=1e-9)
+        assert 0.1 / 1.5 < outside[0] < 0.15  # 1 + ⌊n⌋ of them fill the way, n would by the step
+    wide = DEVICE.model_copy(update={"gap": 2e-3})  # four points in its gap make it a small grid
+    field = tets._sizing(wide, MESHING, np.array([[0.0, 0.0, -60.0], [60.0, 60.0, 60.0]]), 7.0)
+    assert field.points.min(axis=0) == pytest.approx([-7.0, -7.0, -67.0])
+    assert field.points.max(axis=0) == pytest.approx([67.0, 67.0, 67.0])
+    # beyond the planes of symmetry longer by the way gone there
+    beyond = np.maximum(-field.points[:, :2].min(axis=1), 0.0)
+    inner = tets._edge_length(wide, MESHING, field.points)
+    np.testing.assert_allclose(field.lengths, inner + beyond, rtol=1e-12)
+    heights = np.unique(field.points[:, 2])
+    in_gap = np.diff(heights[(heights > -0.5) & (heights < 2.5)])
+    assert in_gap == pytest.approx(0.5, rel=0.02)  # a whole number of them over the iron's length
+
+
+def test_air_is_divided_by_where_it_is():
+    """Near within a gap's width around the sleeve, far at the outer walls but not at x, y = 0."""
+    sleeve, gap = DEVICE.sleeve, DEVICE.gap
+    across = [0.0, sleeve.outer_radius / 1.5, sleeve.outer_radius + gap, 49e-3, 50e-3]
+    along = [-50e-3, -49e-3, -sleeve.length - gap, -sleeve.length, 0.0, gap, 49e-3, 50e-3]
+    x, z = np.array(across), np.array(along)
+    regions = np.full((4, 4, 7), 1)
+    regions[0, 0, 3] = 0
+    mesh = box_tetrahedra(x, x, z, regions, ("rod-in-0", "air-0"))
+    found = tets._with_air_divided(mesh, DEVICE)
+    names = np.array(found.regions)[found.region_of_cell].reshape(4, 4, 7, 6)
+    assert found.regions == REGIONS
+    outer = np.zeros((4, 4, 7), dtype=bool)
+    outer[3], outer[:, 3], outer[:, :, [0, 6]] = True, True, True
+    assert (names == "rod").all(axis=3).sum() == (names == "rod").any(axis=3).sum() == 1
+    assert ((names == "far") <= outer[..., None]).all()
+    assert (names == "far").any(axis=3)[outer].all()
+    assert (names[0, 0, [2, 4]] == "near").all()
+    assert (names[0, 0, [1, 5]] == "air").all()
+    assert (names[2, 2] != "near").all()
+
+
+def test_a_mesh_that_fails_is_tried_once_more_closer_to_the_surface(monkeypatch):
+    """Half of the time each; the second refusal stands."""
+    tried = []
+    box = cq.Solid.makeBox(60.0, 60.0, 120.0, cq.Vector(0.0, 0.0, -60.0))
+
+    def recorded(*_, envelope, time_limit, edge_length, sizing):
+        tried.append((envelope, time_limit, edge_length, sizing.points.max()))
+        return np.zeros((0, 3)), np.zeros((0, 4), dtype=int)
+
+    def refused(*_, **__):
+        raise MeshError(f"no good: {len(tried)}")
+
+    monkeypatch.setattr(tets, "actuator_solids", lambda *_: {"air-0": box})
+    monkeypatch.setattr(tets, "run_ftetwild", recorded)
+    monkeypatch.setattr(tets, "conform", refused)
+    with pytest.raises(MeshError, match="no good: 2"):
+        actuator_tets(DEVICE, 2e-3, replace(MESHING, time_limit=50.0))
+    diagonal = 60.0 * 6.0**0.5
+    envelope = 0.2 * thinnest_feature({"air-0": box})
+    assert tried == [
+        pytest.approx((envelope, 25.0, 0.1 * diagonal, 60.0 + 0.2 * diagonal), rel=1e-9),
+        pytest.approx((0.7 * envelope, 25.0, 0.1 * diagonal, 60.0 + 0.2 * diagonal), rel=1e-9),
+    ]
 
 
 @pytest.mark.heavy

@@ -197,6 +197,9 @@ def test_laws_balance_whatever_the_step(law):
         if abs(after - before) > 1e-6:
             moved = [over_a_step(law, before, after - before + d)[0] for d in (-1e-6, 1e-6)]
             assert slope == pytest.approx((moved[1] - moved[0]) / 2e-6, rel=1e-5, abs=1e-9)
+        energies = law.energy(np.array([after - 1e-6, after + 1e-6]))
+        at_rest = float(law.force(np.array(after), np.array(0.0)))
+        assert at_rest == pytest.approx(np.diff(energies)[0] / 2e-6, rel=1e-5)
 
 
 def test_friction_stops_what_slides():

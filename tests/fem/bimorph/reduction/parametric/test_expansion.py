@@ -8,6 +8,8 @@ from tactgen.fem.bimorph.bricks.matrices import brick_matrices
 from tactgen.fem.bimorph.reduction.parametric.body import (
     rigid_motions,
     rigid_shapes,
+    section_means,
+    sections,
     tip_shapes,
     tip_weights,
 )
@@ -108,6 +110,39 @@ def test_rigid_motions_and_the_tip_are_those_of_the_member(pair):
     np.testing.assert_allclose(
         tip_weights(c)[0].T @ work, system.tip[:-3].T @ states, rtol=1e-10, atol=1e-12
     )
+
+
+#: Motions of rigid sections at (x, y, z), by class.
+RIGID_SECTIONS = {
+    "bending_x": [lambda _x, _y, _z: (1, 0, 0), lambda x, _y, z: (-z, 0, x)],
+    "bending_y": [lambda _x, _y, _z: (0, 1, 0), lambda _x, y, z: (0, -z, y)],
+    "torsion": [lambda x, y, _: (-y, x, 0), lambda x, y, z: (-y * z, x * z, 0)],
+    "axial": [lambda _x, _y, _z: (0, 0, 1), lambda _x, _y, z: (0, 0, z)],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("motion", RIGID_SECTIONS)
+def test_motions_of_rigid_sections_have_all_their_energy_in_one_class(pair, motion):
+    """Of a member: whatever is uniform across, turns or twists a section; squeezing it is not."""
+    device, values = pair
+    products, _, _ = family_of(device)
+    member = with_values(device, values)
+    bricks = stretched(products.bricks, member.bimorph)
+    one = {key: np.array([value]) for key, value in values.items()}
+    c = products.terms.coefficients(device, one)
+    x, y, z = np.meshgrid(*(axis.nodes for axis in bricks.axes), indexing="ij")
+    squeezed = [lambda x, y, z: (x**2, x * y, x * z)]
+    moved = np.zeros((3, *bricks.shape, len(RIGID_SECTIONS[motion]) + 1))
+    for k, field in enumerate(RIGID_SECTIONS[motion] + squeezed):
+        for component, u in enumerate(field(x, y, z)):
+            moved[component, ..., k] = u * c.scale[0, component]
+    shapes = Shapes(moved, np.zeros((*bricks.shape, 0)))
+    energy = np.diag(np.tensordot(c.inertial[0], products.inertial(shapes, shapes), 1))
+    moved /= np.sqrt(energy)
+    means = section_means(products.bricks, motion, moved)[None]
+    *rigid, other = sections(products.bricks, motion).share(products.terms, c, means)[0]
+    np.testing.assert_allclose(rigid, 1.0, rtol=1e-10)
+    assert other < 0.999
 
 
 def test_random_shapes_measure_a_residual():

@@ -9,8 +9,11 @@ from tactgen.fem.bimorph.ports import ports_from_blocks, static_multiport
 from tactgen.fem.bimorph.reduction.parametric.answers import (
     family_modes,
     family_statics,
+    mode_states,
     softest,
+    static_states,
 )
+from tactgen.fem.bimorph.reduction.parametric.compression import compressed
 from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
 from tactgen.fem.bimorph.reduction.parametric.family import build_family
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
@@ -142,3 +145,25 @@ def test_a_constant_of_the_material_and_the_tab_vary_together():
         )
         exact = [m.frequency for m in natural_modes(system.related(motion), Ends(), count)]
         assert (np.abs(found.frequencies[0] - exact) <= found.bars[0] + 1e-6 * exact[0]).all()
+
+
+def test_fewer_shapes_say_the_same_of_what_they_were_taken_from(family):
+    """Modes and statics of two members to rounding, with fewer shapes; the bound stays."""
+    values = {"bimorph.length": np.array([11e-3, 18e-3])}
+
+    def states(motion, members):
+        modes = mode_states(members, Ends(), 1, open_circuit=False)
+        return np.concatenate([modes, static_states(members)], 2) if members.ports else modes
+
+    small = compressed(family, PLAIN, values, states, 1e-9)
+    for motion in family.motions:
+        few, many = (f.members(motion, PLAIN, values) for f in (small, family))
+        ours, theirs = (family_modes(m, Ends(), 1, open_circuit=False) for m in (few, many))
+        assert ours.frequencies == pytest.approx(theirs.frequencies, rel=1e-9)
+        assert ours.bars == pytest.approx(theirs.bars, rel=1e-3, abs=1e-12 * ours.frequencies.max())
+        assert ours.shares(few) == pytest.approx(theirs.shares(many), rel=1e-9)
+    assert small.motions["bending_x"].size < 0.7 * family.motions["bending_x"].size
+    few, many = (family_statics(f.members("bending_x", PLAIN, values)) for f in (small, family))
+    for name in ("held", "through", "follows", "compliance"):
+        one, other = getattr(few, name), getattr(many, name)
+        assert one == pytest.approx(other, rel=1e-8, abs=1e-9 * np.abs(other).max()), name
