@@ -25,7 +25,7 @@ from tactgen.tmm.ports.port import BIMORPH
 
 #: Polynomial order of w and ψ (equal orders lock only at low order).
 ORDER = 5
-#: Elements of the glued part of the tab: far more than its waves on the glue need.
+#: Elements of the glued part of the tab, halved with the others.
 _TAB_ELEMENTS = 8
 #: Most elements along a row: beyond, its dense matrices and their condition take minutes.
 MOST_ELEMENTS = 200
@@ -120,7 +120,7 @@ def assemble(
     lossy: bool,
     halvings: int = 0,
 ) -> BeamMatrices:
-    """Assemble the row of beams, `elements` shared out by waves, at least one a piece.
+    """Assemble the row of beams, `elements` shared out by waves, rounded up in each piece.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def assemble(
     for node, depth in joints:
         dofs = w_space.nodal_dofs[0][[node, node + 1]]
         ports = np.ix_(*2 * [[*dofs, *(dofs + w_space.N)]])
-        spring = bonded_tab(device, beam, depth, lossy=lossy)
+        spring = bonded_tab(device, beam, depth, _TAB_ELEMENTS * 2**halvings, lossy=lossy)
         stiffness[ports] += np.kron(spring, [[1.0, -1.0], [-1.0, 1.0]])
 
     @LinearForm(dtype=complex)  # type: ignore[untyped-decorator]
@@ -199,7 +199,9 @@ def _inertial(m: Any, rho_i: Any) -> Any:
     return form
 
 
-def bonded_tab(device: Device, beam: Beam, depth: float, *, lossy: bool = False) -> Numbers:
+def bonded_tab(
+    device: Device, beam: Beam, depth: float, elements: int = _TAB_ELEMENTS, *, lossy: bool = False
+) -> Numbers:
     """Return the stiffness (2, 2) of the tab in the slot at the slot's edge, to the head.
 
     Weak form of a beam on its bond lines, its end on the glue below it:
@@ -221,7 +223,7 @@ def bonded_tab(device: Device, beam: Beam, depth: float, *, lossy: bool = False)
     lateral = 2.0 * (b * squeezed + across * shear) / t
     rotational = 2.0 * (b * shear * half**2 + turned * shear) / t
     tab = section_constants(Piece("shim", depth), device, beam, np.zeros(1), lossy=lossy)[:2]
-    mesh = MeshLine(np.linspace(0.0, depth, _TAB_ELEMENTS + 1))
+    mesh = MeshLine(np.linspace(0.0, depth, elements + 1))
     space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
     # what holds the tab along its length has the form of an inertia
     per_loss = lossy_modulus(1.0, glue.loss_factor, lossy=lossy)

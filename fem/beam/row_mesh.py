@@ -30,7 +30,7 @@ def row_mesh(
     Bending waves are the shorter the thinner a piece is: their number goes as its length over
     the root of its thickness, and so does its share of the elements.
 
-    `elements` are shared out, at least one a piece; then each of them is halved so many times:
+    `elements` are shared out, rounded up in each piece; then each is halved so many times:
     a mesh and its halved one differ in every piece.
 
     A joint is a node, whose successor lies at the same height and which no element connects
@@ -48,7 +48,7 @@ def row_mesh(
             joints.append((last, piece.length))
             nodes.append(nodes[-1])
             continue
-        count = max(1, round(elements * share / total)) * 2**halvings
+        count = math.ceil(elements * share / total) * 2**halvings
         nodes += list(nodes[-1] + np.linspace(0.0, piece.length, count + 1)[1:])
         cells += [(last + i, last + i + 1) for i in range(count)]
         piece_of += count * [beams]

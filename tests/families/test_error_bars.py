@@ -62,6 +62,15 @@ def test_beam_elements_rounding():
     assert np.mean(np.array(found) <= 1.0) > 0.9
 
 
+def test_beam_elements_bar_holds_the_tab():
+    """A tab that ends on thin glue: the bar misses the error of what is never halved."""
+    names = ("blocked_force", "tip_displacement")
+    overrides = ("glue.thickness=1 um", "bimorph.tab_length=4 mm", "load.kind=none")
+    high = (*overrides, "frequency=22 kHz")
+    beam, exact = (solved(model, names, *high, scene="bimorph_on_rod") for model in ("beam", "tmm"))
+    assert all(0.05 < share <= 1.0 for share in shares(beam, exact).values())
+
+
 @pytest.mark.parametrize("material", ["M1876", "PZT-5A"])
 def test_coupling_factor_has_what_two_frequencies_leave_of_it(material):
     """k² = 1 − (f_s/f_o)²: moving both frequencies by their bars moves k by its bar.

@@ -40,12 +40,15 @@ class Refined(Generic[T]):
         How the error bar comes about, for the reader.
     rounding : float or (n,) array
         Relative rounding error beyond that of the port equations; of modes, one for each.
+    rounds_apart : bool
+        Whether the coarser results tell rounding, too, of whatever is read off them.
     """
 
     fine: T
     coarser: tuple[tuple[T, float], ...]
     method: str
     rounding: Floats | float = 0.0
+    rounds_apart: bool = False
 
 
 @storable

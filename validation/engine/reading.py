@@ -94,6 +94,14 @@ def _judge(
     return Judged(value, np.asarray(bar, dtype=float), refined.method)
 
 
+def rounding_of_ports(
+    refined: Refined[Multiport], attached: Multiport, driven: Sequence[str] = ("voltage",)
+) -> Any:
+    """Return the relative rounding (n,) of the port equations that no other result tells."""
+    bound = round_off(attached, driven)
+    return np.full_like(bound, np.finfo(float).eps) if refined.rounds_apart else bound
+
+
 def _at_ports(
     readout: Readout | PortMatrix, model: Model, refined: Refined[Multiport], ends: Ends
 ) -> Judged:
@@ -104,7 +112,7 @@ def _at_ports(
         closed = model.closed_form(ends)
         if closed is not None:
             return _of_tip(readout, scene, closed)
-    rounding: Any = round_off(attach(refined.fine, ends))
+    rounding = rounding_of_ports(refined, attach(refined.fine, ends))
 
     def wired(port: Multiport) -> Multiport:
         return in_series(port) if scene.bimorph.wiring == "series" else port
@@ -181,7 +189,7 @@ def _of_response(
         attached = attach(in_series(port) if series else port, ends)
         return of(respond(attached, {ELECTRICAL: 1.0}))
 
-    by_ports = round_off(attach(refined.fine, ends))
+    by_ports = rounding_of_ports(refined, attach(refined.fine, ends))
     return _judge(refined, of_port, gain * by_ports + rounding)
 
 

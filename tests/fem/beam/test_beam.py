@@ -99,6 +99,13 @@ def test_a_halved_mesh_differs_in_every_piece():
     assert (counts[1] == 4 * counts[0]).all()
 
 
+def test_a_short_piece_takes_no_elements_from_a_long_one():
+    """Two elements on a row whose ceramic has nearly all waves: both are the ceramic's."""
+    bimorph = Bimorph(length=16e-3, tab_length=1e-3)
+    pieces = beam_pieces(Device(bimorph=bimorph), Support(kind="clamped"))
+    assert np.bincount(row_mesh(pieces, bimorph, 2)[1])[-1] == 2
+
+
 @pytest.mark.parametrize("length", [2e-3, 200e-3])
 def test_other_units_change_nothing_but_rounding(length):
     """The same ports and modes, and not to the last digit: what differs shows rounding.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -70,7 +71,7 @@ class BeamModel(BeamTheoryModel):
         factor = float(observed_factor(before, last, _ORDER))
         others = (beam.condense(beam.in_unit(meshes[0], unit), frequencies) for unit in _UNITS)
         rounded = ((other, _SHARE) for other in others)
-        return Refined(fine, ((middle, factor), *rounded), self._METHOD)
+        return Refined(fine, ((middle, factor), *rounded), self._METHOD, rounds_apart=True)
 
     def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
         from tactgen.fem.beam import beam
@@ -98,7 +99,7 @@ class BeamModel(BeamTheoryModel):
         return [
             beam.assemble(
                 s.device, s.support, s.beam,
-                elements=number // 2**_HALVINGS, halvings=halvings, lossy=lossy,
+                elements=math.ceil(number / 2**_HALVINGS), halvings=halvings, lossy=lossy,
             )
             for halvings in range(_HALVINGS, -1, -1)
         ]  # fmt: skip

@@ -22,9 +22,10 @@ from tactgen.tmm.generator.small_signal import (
     machine,
 )
 from tactgen.tmm.ports.loads.measured_law import disturbed
-from tactgen.tmm.ports.multiport import Multiport, in_series, respond, round_off, terminate
+from tactgen.tmm.ports.multiport import Multiport, in_series, respond, terminate
 from tactgen.tmm.ports.terminations import tip_stiffness
 from tactgen.validation.engine.model import Refined
+from tactgen.validation.engine.reading import rounding_of_ports
 from tactgen.validation.engine.results import MeasuredList
 from tactgen.validation.models.generator.judged_rod import JudgedRod
 from tactgen.validation.scene.scene import Scene
@@ -95,7 +96,7 @@ class SmallSignal:
     def _judged(self, of: Callable[[Multiport], Complex]) -> MeasuredList:
         """Return what `of` reads off the machine, with the bars of bimorph's ports and map."""
         value = of(self._whole(self.ports.fine))
-        rounding = round_off(self._unreduced, ("voltage", "current"))
+        rounding = rounding_of_ports(self.ports, self._unreduced, ("voltage", "current"))
         bar: Floats = np.abs(value) * (rounding + self.ports.rounding)
         for coarser, factor in self.ports.coarser:
             bar = bar + factor * np.abs(value - of(self._whole(coarser)))
