@@ -7,7 +7,7 @@ Gauss rule of degree + 1 points gives exactly.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -84,6 +84,7 @@ def nodal_values(axis: Axis) -> Floats:
     return values
 
 
+@lru_cache(maxsize=64)
 def line_matrices(axis: Axis, first: int = 0, last: int | None = None) -> LineMatrices:
     """Return the matrices of an axis, integrated over the intervals first … last − 1."""
     n, p = axis.nodes.size, axis.degree

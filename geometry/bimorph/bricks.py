@@ -41,7 +41,7 @@ def lobatto_points(degree: int) -> Floats:
     return np.concatenate([[-1.0], inner, [1.0]])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Axis:
     """One axis: ascending break points (m) and the degree of the polynomials between them.
 

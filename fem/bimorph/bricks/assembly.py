@@ -103,6 +103,11 @@ class _Quarter:
         return nodal_mass(self.bricks, self.known)
 
     @cached_property
+    def tip(self) -> Floats:
+        """The tip's functionals (4 n, 2)."""
+        return tip_functionals(self.bricks)
+
+    @cached_property
     def place(self) -> Ints:
         """The place of each node (n,) in the order of elimination."""
         return elimination_order(self.bricks)
@@ -115,7 +120,7 @@ class _Quarter:
         return SolidSystem(
             stiffness=unknowns.bordered(self.stiffness),
             mass=unknowns.bordered(mass),
-            tip=unknowns.seen(tip_functionals(bricks)),
+            tip=unknowns.seen(self.tip),
             expand=expand,
             nodes=nodes,
             node_mass=node_mass,

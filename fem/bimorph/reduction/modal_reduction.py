@@ -1,30 +1,35 @@
 """A solid reduced to its :class:`~fem.bimorph.reduction.modal_model.ModalModel`.
 
-With the lowest held modes in the basis, the rest of (K − Ω² M)⁻¹ f is a series in Ω² K⁻¹ M
-that converges fast below the modes left out; f are the loads by base motion, tip and charge.
-
-Every vector x of the basis is K⁻¹ r of a known load r, so xᵢᵀ K xⱼ = xᵢᵀ rⱼ: bending, ten
-million times softer than what it is assembled from, is never a difference of large terms.
+The basis is what base motion, tip and charge load, and K⁻¹ M of it again and again, with a random
+load for modes that these do not reach.  So it holds the lowest held modes and the series in
+Ω² K⁻¹ M of (K − Ω² M)⁻¹ f, which converges fast below the modes left out.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from tactgen.fem.bimorph.modes import eigenpairs
 from tactgen.fem.bimorph.motions import section_motions
 from tactgen.fem.bimorph.reduction.modal_model import ModalModel
 from tactgen.fem.bimorph.system import SolidSystem
 from tactgen.geometry.arrays import Floats, Sparse
-from tactgen.geometry.bimorph.ends import Ends
 
-#: Held modes in the basis beyond those wanted: a load and an open circuit each lift a mode past
-#: one other at most, springs of the base none.
+#: Held modes that come to rest beside those wanted: a load and an open circuit each lift a mode
+#: past one other at most, springs of the base none.
 _MORE = 2
-#: Blocks of the series for the modes left out: frequencies are then those of the mesh to 1e-9.
+#: Their residual before the last block, that of K⁻¹ M x = x / ω² relative to 1 / ω²: frequencies,
+#: which err by its square, are then those of the mesh to 1e-9.
+_RESIDUAL = 1e-3
+#: Least blocks of the series.
 _BLOCKS = 4
 #: A vector of which less than this is new is rounding.
 _NOISE = 1e-8
+#: One that lost more than this share is made orthogonal once more.
+_LOST = 0.1
+#: Most blocks; each gains a digit or more.
+_MOST_BLOCKS = 100
 
 
 def modal_model(system: SolidSystem, count: int) -> ModalModel:
@@ -36,15 +41,14 @@ def modal_model(system: SolidSystem, count: int) -> ModalModel:
     follows = -factor.solve(system.stiffness.border[:, :2])
     carried = mass @ follows + system.mass.border[:, :2]
     tip, charge = system.tip[:, 0], -system.stiffness.border[:, 2]
-    basis = _Basis(mass, n)
-    values, vectors = eigenpairs(system, Ends(), count + _MORE)
-    basis.extend(np.column_stack(vectors), mass @ np.column_stack(vectors) * values)
-    loads = np.column_stack([carried, tip[:n], charge])
-    for _ in range(_BLOCKS):
-        loads = mass @ basis.extend(factor.solve(loads), loads)
-    shapes = np.vstack([np.column_stack([basis.shapes, follows]), np.zeros((2, basis.size + 2))])
-    shapes[n:, basis.size :] = np.eye(2)
-    stiffness, whole = np.zeros((2, basis.size + 2, basis.size + 2))
+    rest = mass @ np.random.default_rng(0).standard_normal(n)
+    loads = np.column_stack([carried, tip[:n], charge, rest])
+    basis = _Basis(factor.solve, mass, loads)
+    basis.grow_to_rest(count + _MORE)
+    size = basis.size
+    shapes = np.vstack([np.column_stack([basis.shapes, follows]), np.zeros((2, size + 2))])
+    shapes[n:, size:] = np.eye(2)
+    stiffness, whole = np.zeros((2, size + 2, size + 2))
     stiffness[:-2, :-2] = basis.shapes.T @ basis.loads
     whole[:-2, :-2] = basis.shapes.T @ basis.weighed
     whole[:-2, -2:] = basis.shapes.T @ carried
@@ -67,32 +71,65 @@ def modal_model(system: SolidSystem, count: int) -> ModalModel:
 
 
 class _Basis:
-    """Vectors x of unit mass, orthogonal in it, each with its load K x and with M x."""
+    """Vectors x of unit mass, orthogonal in it, each with its load K x and with M x.
 
-    def __init__(self, mass: Sparse, n: int) -> None:
-        self._mass = mass
-        self.shapes, self.loads, self.weighed = np.zeros((3, n, 0))
+    Block Lanczos around 0 Hz without restarts (G. H. Golub and C. F. Van Loan, Matrix Computations,
+    4th ed., 10.3.6).  Every x is K⁻¹ r of a known load r, so xᵢᵀ K xⱼ = xᵢᵀ rⱼ: bending, ten
+    million times softer than what it is assembled from, is never a difference of large terms.
+    """
+
+    def __init__(self, solve: Callable[[Floats], Floats], mass: Sparse, start: Floats) -> None:
+        self._solve, self._mass, self._next = solve, mass, start
+        self.shapes, self.loads, self.weighed = np.zeros((3, start.shape[0], 0))
 
     @property
     def size(self) -> int:
         """Number of vectors."""
         return int(self.shapes.shape[1])
 
-    def extend(self, shapes: Floats, loads: Floats) -> Floats:
-        """Take in what is new in shapes (n, j), of which the loads are K times; return that."""
+    def grow_to_rest(self, count: int) -> None:
+        """Add blocks until the lowest `count` modes have come to rest."""
+        self._grow()
+        for blocks in range(2, _MOST_BLOCKS + 1):
+            values, parts = self._lowest(count)
+            last = parts[self.size - self._next.shape[1] :]
+            outside = self._grow()
+            residuals = values * np.sqrt(np.abs((last * (outside @ last)).sum(axis=0)))
+            at_rest = values.size == count and bool((residuals <= _RESIDUAL).all())
+            if (at_rest and blocks >= _BLOCKS) or self._next.shape[1] == 0:
+                return
+
+    def _lowest(self, count: int) -> tuple[Floats, Floats]:
+        """Return ω² of modes and their parts (k, count); right to rounding as inverses are."""
+        inverse = np.linalg.inv(self.shapes.T @ self.loads)
+        found, parts = np.linalg.eigh(0.5 * (inverse + inverse.T))
+        chosen = slice(None, max(found.size - count, 0) - found.size - 1, -1)
+        return 1.0 / found[chosen], parts[:, chosen]
+
+    def _grow(self) -> Floats:
+        """Add K⁻¹ of the next loads; return the products (j, j) in the mass of what was new."""
+        found, force = self._solve(self._next), self._next
+        known = self.weighed.T @ found
+        found, force = found - self.shapes @ known, force - self.loads @ known
+        outside = found.T @ (self._mass @ found)
+        sizes = np.sqrt((known**2).sum(axis=0) + np.maximum(outside.diagonal(), 0.0))
         before = self.size
-        for x, load in zip(shapes.T, loads.T, strict=True):
-            size = np.sqrt(x @ (self._mass @ x))
-            if size == 0.0:  # moves nothing
-                continue
-            new, force = x / size, load / size
-            for _ in range(2):  # twice is enough (Kahan, Parlett)
-                known = self.weighed.T @ new
-                new, force = new - self.shapes @ known, force - self.loads @ known
-            left = np.sqrt(max(new @ (self._mass @ new), 0.0))
-            if left > _NOISE:
-                new, force = new / left, force / left
-                self.shapes = np.column_stack([self.shapes, new])
-                self.loads = np.column_stack([self.loads, force])
-                self.weighed = np.column_stack([self.weighed, self._mass @ new])
-        return self.shapes[:, before:]
+        for x, load, size in zip(found.T, force.T, sizes, strict=True):
+            self._take(x, load, size)
+        self._next = self.weighed[:, before:]
+        return np.asarray(outside)
+
+    def _take(self, x: Floats, load: Floats, size: float) -> None:
+        """Add what is new in a vector of which there was `size`."""
+        least, left = _NOISE * size, 0.0
+        while left <= _LOST * size:
+            size = left or size
+            known = self.weighed.T @ x
+            x, load = x - self.shapes @ known, load - self.loads @ known
+            weighed = self._mass @ x
+            left = float(np.sqrt(max(float(x @ weighed), 0.0)))
+            if left <= least:
+                return
+        self.shapes = np.column_stack([self.shapes, x / left])
+        self.loads = np.column_stack([self.loads, load / left])
+        self.weighed = np.column_stack([self.weighed, weighed / left])
