@@ -208,6 +208,16 @@ def test_absurd_sizes_are_refused(kind, value, words):
     assert words in refusal(kind, value, SCENE)
 
 
+def test_limits_are_orders_of_magnitude():
+    """They stop slips of units: powers of ten, but for shares and for what melts at 2000 K."""
+    known = [(value, *getattr(value, "__metadata__", ())) for value in vars(u).values()]
+    units = [one for found in known for one in found if isinstance(one, u.Unit)]
+    limits = {(unit.kind, limit) for unit in units for limit in unit.limits or () if limit}
+    assert len(limits) > 40
+    odd = {(name, x) for name, x in limits if f"{x:.12e}"[:14] != "1.000000000000"}
+    assert odd == {("temperature", 2000.0), ("loss factor", 2.0), ("relative scatter", 0.3)}
+
+
 @pytest.mark.parametrize("kind", [u.LengthOrZero, u.Position, u.Voltage, u.Mass])
 def test_zero_stays_allowed(kind):
     """The smallest magnitude is no bound for nothing at all."""

@@ -24,7 +24,7 @@ class Chooser:
 
     def __init__(self, root: Path, known: dict) -> None:
         self.seconds, self.entered = known["seconds"], known["entered"]
-        self.importers = _importers(root)
+        self.root, self.importers = root, _importers(root)
 
     def turns(self, mistake: Mistake) -> list[list[str]]:
         """Return the tests of the mistake's own room that enter its function, and all others."""
@@ -39,11 +39,13 @@ class Chooser:
         return [turn for turn in (first, [*rest, *readers]) if turn]
 
     def _reaching(self, mistake: Mistake) -> set[str]:
-        """Return tests that enter the function; outside one, any of the file or its importers."""
-        if mistake.function:
-            return set(self.entered.get(f"{mistake.file}::{mistake.function}", ()))
+        """Return tests that enter the function; if it runs on import, any of the file's users."""
+        direct = set(self.entered.get(f"{mistake.file}::{mistake.function}", ()))
+        if mistake.function and mistake.function not in _on_import(self.root / mistake.file):
+            return direct
         files = {mistake.file, *self.importers[mistake.file]}
-        return {t for f, tests in self.entered.items() if f.split("::")[0] in files for t in tests}
+        direct |= {t for t in self.seconds if t.split("::")[0] in files}
+        return direct.union(*(t for f, t in self.entered.items() if f.split("::")[0] in files))
 
     def _within(self, tests: set[str], budget: float) -> list[str]:
         """Return the cheapest tests, as many as the budget (s) lets, one at least."""
@@ -65,10 +67,24 @@ class Chooser:
         return found
 
 
+def _on_import(path: Path) -> set[str]:
+    """Return the functions that a file calls on import: what they make is there before a test."""
+    tree = ast.parse(path.read_bytes())
+    bodies = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+    found: set[str] = set()
+    left: list[ast.AST] = [n for n in tree.body if isinstance(n, ast.Assign | ast.AnnAssign)]
+    while left:
+        names = {n.id for n in ast.walk(left.pop()) if isinstance(n, ast.Name)}
+        new = names & set(bodies) - found
+        found |= new
+        left += [bodies[name] for name in new]
+    return found
+
+
 def _importers(root: Path) -> dict[str, set[str]]:
-    """Return by file the files that import from it."""
+    """Return by file the files that import from it, tests as well."""
     found: dict[str, set[str]] = defaultdict(set)
-    for package in PACKAGES:
+    for package in (*PACKAGES, "tests"):
         for path in sorted((root / package).rglob("*.py")):
             for node in ast.walk(ast.parse(path.read_bytes())):
                 if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("tactgen."):

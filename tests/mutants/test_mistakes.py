@@ -24,6 +24,9 @@ def answer(a, b, k):
     c = -a * b + k[0, 1]
     write_text(a, b)
     return max(c, 2) if not k else plot(a, b, figsize=(4, 3), stderr=True)
+
+
+__all__ = ["LIMIT", "ORDER", "answer"]
 '''
 
 
@@ -64,7 +67,7 @@ def test_every_kind_once_and_no_word_of_what_is_said(tool, tmp_path):
     }
     lines = {m.line for m in found if m.kind.startswith(("number", "integer"))}
     assert lines == {3, 13, 15}  # not 1, 6, 10, 12
-    assert not [m for m in found if m.before in ("4", "(4, 3)") or m.line == 5]
+    assert not [m for m in found if m.before in ("4", "(4, 3)") or m.line == 5 or m.line > 15]
     source = SOURCE.encode()
     assert all(mistakes.is_python(m.put(source)) for m in found)
     assert {m.function for m in found} == {"", "answer"}
@@ -168,6 +171,9 @@ def test_cheap_tests_of_its_own_room_come_first_and_slow_ones_are_left_out(tool,
                "tests/test_house.py::d": 0.1, "tests/x.py::e": 0.1}  # fmt: skip
     direct = [t for t in seconds if t.startswith(("tests/fem", "tests/tmm"))]
     known = {"seconds": seconds, "entered": {"fem/a.py::f": direct}}
+    (tmp_path / "fem/b").mkdir(parents=True)
+    for file in ("a.py", "b/c.py"):
+        (tmp_path / "fem" / file).write_text("def f(): ...\n", encoding="utf-8")
     chooser = tool("choice").Chooser(tmp_path, known)
     mistake = tool("mistakes").Mistake("fem/a.py", 1, "sign", "f", 0, 1, "-", "")
     near, others = chooser.turns(mistake)
@@ -175,6 +181,19 @@ def test_cheap_tests_of_its_own_room_come_first_and_slow_ones_are_left_out(tool,
     assert others == ["tests/tmm/t.py::c", "tests/fem/t.py::slow", "tests/test_house.py::d"]
     unseen = tool("mistakes").Mistake("fem/b/c.py", 1, "sign", "f", 0, 1, "-", "")
     assert chooser.turns(unseen)[0] == ["tests/fem/t.py::b", "tests/fem/t.py::a"]
+
+
+def test_what_runs_on_import_is_asked_of_all_that_use_the_file(tool, tmp_path):
+    """No test enters it; a test that reads the table made by it does not enter the file at all."""
+    source = "def f():\n    return -1\ndef g():\n    return f()\nTABLE = g()\ndef h(): ...\n"
+    (tmp_path / "fem").mkdir()
+    (tmp_path / "fem/a.py").write_text(source, encoding="utf-8")
+    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests/t.py").write_text("from tactgen.fem.a import TABLE\n", encoding="utf-8")
+    known = {"seconds": {"tests/t.py::a": 0.1, "tests/u.py::b": 0.1}, "entered": {}}
+    chooser = tool("choice").Chooser(tmp_path, known)
+    mistake = tool("mistakes").Mistake("fem/a.py", 2, "sign", "f", 0, 1, "-1", "1")
+    assert chooser.turns(mistake) == [["tests/t.py::a"]]
 
 
 def test_no_two_drawn_touch_and_a_seed_draws_the_same(tool, tmp_path):

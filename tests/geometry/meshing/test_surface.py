@@ -46,3 +46,15 @@ def test_a_curved_tetrahedron_shows_its_mid_edge_nodes():
     assert len(surface.triangles) == 16
     assert len(surface.edges) == 12
     assert enclosed(mesh, surface.triangles) == pytest.approx(1.0 / 6.0)
+
+
+def test_two_straight_tetrahedra_show_all_edges_but_not_the_face_between_them():
+    """Six triangles and nine edges, seen from outside, each of its own tetrahedron."""
+    points = np.vstack([np.zeros(3), np.eye(3), np.ones(3)])
+    cells = np.array([[0, 1, 2, 3], [1, 2, 3, 4]])
+    mesh = Mesh(points, cells, "tetra", np.array([0, 1]), ("a", "b"), {})
+    surface = surface_of(mesh)
+    assert list(np.bincount(surface.region_of_triangle)) == [3, 3]
+    assert len(surface.edges) == 9
+    assert [0, 4] not in surface.edges.tolist()
+    assert enclosed(mesh, surface.triangles) == pytest.approx(1.0 / 6.0 + 1.0 / 3.0)

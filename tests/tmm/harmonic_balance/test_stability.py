@@ -59,6 +59,26 @@ def test_between_the_folds_only():
         assert expected == int(middle)
 
 
+@pytest.mark.parametrize(("share", "omega", "force"), [(0.1, 1.2, 1.0), (0.1, 0.5, 3.0)])
+def test_friction_that_depends_on_the_motion_takes_part(share, omega, force):
+    """A mass on x³/10 and a damper share · x²: stable beside a resonance and where driven hard."""
+    mass, linear_damping = np.eye(1), 0.02
+
+    def law(q, rate):
+        x, v = q[:, :, None], rate[:, :, None]
+        effort = 0.1 * q**3 + share * q**2 * rate
+        return LawPoint(effort, 0.3 * x**2 + 2.0 * share * x * v, share * x**2)
+
+    def linear(w):
+        d = 1.0 - w**2 + 1j * linear_damping * w
+        return np.stack([d, np.full_like(d, -force)], axis=-1)[:, None, :]
+
+    oscillator = Oscillator(linear, law, np.zeros(1), np.ones(1))
+    orbit = steady_orbit(oscillator, omega, 1.0, resolution=FINE)
+    assert unstable(multipliers(orbit, mass, linear_damping * mass, mass, law)) == 0
+    assert unstable_exponents(oscillator, orbit) == 0
+
+
 UEDA = cases.one_mass(cases.cubic(1.0), damping=0.05)
 
 

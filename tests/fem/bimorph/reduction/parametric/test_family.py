@@ -16,6 +16,7 @@ from tactgen.fem.bimorph.reduction.parametric.answers import (
 from tactgen.fem.bimorph.reduction.parametric.compression import compressed
 from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
 from tactgen.fem.bimorph.reduction.parametric.family import build_family
+from tactgen.fem.bimorph.reduction.parametric.training_set import at_rest
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.stretching import dividing, stretched
@@ -94,6 +95,16 @@ def test_statics_lie_within_their_bounds(family):
     bound = np.outer(found.missing[0, 1:], found.missing[0, 1:])
     off = np.abs(found.compliance[0] - compliance)
     assert (off <= bound + ROUNDING * np.abs(compliance)).all()
+
+
+def test_the_stated_bound_is_that_of_the_family_as_it_is(family):
+    """Margins included: the largest over a fine row of members, which may miss the very worst."""
+    values = {"bimorph.length": np.linspace(*LENGTH["bimorph.length"], 61)}
+    largest = max(
+        at_rest(family.members(motion, PLAIN, values), count).bound.max()
+        for motion, count in MODES.items()
+    )
+    assert 0.7 * family.bound < largest < 1.3 * family.bound
 
 
 def test_a_thickness_changes_the_proportions_and_the_bound_is_reached():
