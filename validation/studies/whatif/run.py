@@ -192,6 +192,8 @@ def _all_answers(
     jobs: list[Job], processes: int, announce: Callable[[str], None], *, retry: bool
 ) -> Iterator[tuple[int, Answer]]:
     """Yield the answers to all jobs; those that another process is at are waited for last."""
+    if not jobs:
+        return
     start, total, done = time.monotonic(), len(jobs), 0
 
     def stage(text: str) -> None:

@@ -114,13 +114,14 @@ def run(options: argparse.Namespace) -> int:
         write_statement(writable_folder(folder), statement)
     with announcer() as announce:
         study = run_study(statement, processes, announce, retry=options.retry, scheduler=scheduler)
+        found = verdict(study, aims) if aims else None
         if folder is not None:
             announce("writing")
-            _write(folder, study, announce)
+            _write(folder, study, found, announce)
         if options.plot:
             announce("drawing")
             _draw(Path(options.plot), study)
-    _show(options, study, verdict(study, aims) if aims else None, choice)
+    _show(options, study, found, choice)
     return 0
 
 
@@ -177,7 +178,9 @@ def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
     return stated(options, before)
 
 
-def _write(folder: Path, study: Study, announce: Callable[[str], None]) -> None:
+def _write(
+    folder: Path, study: Study, found: Verdict | None, announce: Callable[[str], None]
+) -> None:
     from tactgen.validation.studies.whatif.shown.netcdf import write_netcdf
     from tactgen.validation.studies.whatif.shown.page import write_page
     from tactgen.validation.studies.whatif.shown.tidy import write_tidy
@@ -185,7 +188,7 @@ def _write(folder: Path, study: Study, announce: Callable[[str], None]) -> None:
     write_tidy(folder, study)
     write_netcdf(folder, study)
     if any(answer.status == "ok" for _, _, answer in study.rows):
-        write_page(folder, study, announce)
+        write_page(folder, study, found, announce)
 
 
 def _show(

@@ -1,4 +1,4 @@
-"""A study as one self-contained page: sliders over its axes, the picture, the table.
+"""A study as one self-contained page: its aims, sliders over its axes, the picture, the table.
 
 The sliders go from one baked point to the next.  Where a model answers the range by a reduced
 basis, the points are a finer grid than the study's own, which costs milliseconds each.
@@ -19,10 +19,13 @@ from tactgen.geometry.files import write_text
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.families import basis
+from tactgen.validation.studies.whatif.aim.best import Verdict
+from tactgen.validation.studies.whatif.aim.wording import sentences
 from tactgen.validation.studies.whatif.answers import Answer
 from tactgen.validation.studies.whatif.asked.axes import Axis
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import Study, answers_at
+from tactgen.validation.studies.whatif.shown.aim_picture import aim_picture
 from tactgen.validation.studies.whatif.shown.pictures import study_picture
 from tactgen.validation.studies.whatif.shown.representative import representative
 from tactgen.validation.studies.whatif.shown.summary import heading, table_lines
@@ -42,11 +45,16 @@ _MOST = 20_000
 
 
 def write_page(
-    folder: Path, study: Study, announce: Callable[[str], None] = lambda _: None
+    folder: Path,
+    study: Study,
+    found: Verdict | None = None,
+    announce: Callable[[str], None] = lambda _: None,
 ) -> Path:
-    """Write the page, whole or not at all."""
+    """Write the page, whole or not at all; `found` is what the study's aims say."""
     stated = study.statement
     parts = [f"<p>{html.escape(_asked(stated))}</p>"]
+    if found is not None:
+        parts += _aims(study, found)
     if _has_sliders(stated):
         parts += _sliders(study, announce)
     try:
@@ -60,6 +68,15 @@ def write_page(
         "numbers are in study.csv and study.nc.</p>"
     )
     return write_text(folder / FILE, plain_page(f"What if: {stated.scene}", parts))
+
+
+def _aims(study: Study, found: Verdict) -> list[str]:
+    """Return what the aims say in words, and where they are met as a picture."""
+    said = html.escape("\n".join(sentences(study, found)))
+    parts = [f'<h2>Aims</h2><div class="wide"><pre>{said}</pre></div>']
+    if found.judged:
+        parts.append(f"<figure>{aim_picture(study, found)}</figure>")
+    return parts
 
 
 def _asked(stated: Statement) -> str:

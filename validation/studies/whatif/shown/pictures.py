@@ -99,7 +99,7 @@ def _values(study: Study, name: str, model: str, numbers: Sequence[int]) -> tupl
     return scale * found[0], scale * found[1]
 
 
-def _along(axis: Axis, values: Sequence[Any]) -> tuple[Floats, str]:
+def along(axis: Axis, values: Sequence[Any]) -> tuple[Floats, str]:
     """Return an axis' values in the unit that people write them in, and its label."""
     scale = scene_field(axis.key).scale
     factor = scale.per_si if scale else 1.0
@@ -150,7 +150,7 @@ def _lines(study: Study, axis: Axis) -> Figure:
         for (n, model), (m, (at, numbers)) in itertools.product(
             enumerate(models), enumerate(groups.items())
         ):
-            x, label = _along(axis, [study.points[number][axis.key] for number in numbers])
+            x, label = along(axis, [study.points[number][axis.key] for number in numbers])
             y, bar = _values(study, name, model, numbers)
             colour = _COLOURS[n % len(_COLOURS)] if len(models) > 1 else _COLOURS[m % 6]
             style = _STYLES[m % len(_STYLES)] if len(models) > 1 else "-"
@@ -176,8 +176,8 @@ def _contours(study: Study, axes: Sequence[Axis]) -> Figure:
     first, second = axes
     for row, (name, model) in zip(grid, pairs, strict=True):
         for side, (at, numbers) in zip(row, groups.items(), strict=True):
-            x, x_label = _along(first, first.values)
-            y, y_label = _along(second, second.values)
+            x, x_label = along(first, first.values)
+            y, y_label = along(second, second.values)
             found, _ = _values(study, name, model, numbers)
             places = {
                 (study.points[n][first.key], study.points[n][second.key]): value
@@ -261,7 +261,7 @@ def _scatter(study: Study, drawn: Sequence[Axis]) -> Figure:
     for row, name in zip(grid, names, strict=True):
         models = [model for each, model in pairs if each == name]
         for side, axis in zip(row, drawn, strict=True):
-            x, label = _along(axis, [point[axis.key] for point in study.points])
+            x, label = along(axis, [point[axis.key] for point in study.points])
             for model, colour in zip(models, itertools.cycle(_COLOURS)):
                 y, bar = _values(study, name, model, numbers)
                 side.errorbar(
@@ -280,7 +280,7 @@ def _parallel(study: Study, drawn: Sequence[Axis]) -> Figure:
     side = grid[0, 0]
     columns, labels = [], []
     for axis in drawn:
-        values, label = _along(axis, [point[axis.key] for point in study.points])
+        values, label = along(axis, [point[axis.key] for point in study.points])
         columns.append(values)
         labels.append(label)
     for name, model in pairs:
