@@ -138,7 +138,7 @@ def _path(device: Device, gaps: Floats, cells: int, *, parasitic_gap: bool) -> _
     def below_top(position: float) -> tuple[Floats, Floats]:
         return np.maximum(position, top), np.where(position < top, moving, fixed)
 
-    _check_path(device, gaps, collar, top)
+    check_circuit(device, gaps)
     lowest = np.minimum(rod.flange_position + rod.flange_thickness, top + sleeve.length)
     ends = {
         "flange": (np.full_like(gaps, rod.flange_position), fixed),
@@ -168,13 +168,25 @@ def _path(device: Device, gaps: Floats, cells: int, *, parasitic_gap: bool) -> _
     )
 
 
-def _check_path(device: Device, gaps: Floats, collar: Floats, top: Floats) -> None:
-    """Refuse gaps at which the parts, moved, no longer form this circuit."""
+def check_circuit(device: Device, gaps: Floats) -> None:
+    """Refuse gaps (m) at which the parts, moved, do not form this circuit.
+
+    Raises
+    ------
+    InputError
+        With the first of them, or what is too long at any.
+    """
     rod, sleeve = device.rod, device.sleeve
     check_gap(device, float(gaps.max()))
+    top = gaps - NOMINAL_GAP
+    reach = (
+        f"sleeve.collar_thickness = {sleeve.collar_thickness * 1e3:g} mm to the flange at "
+        f"rod.flange_position = {rod.flange_position * 1e3:g} mm, of which the network knows no "
+        "circuit; make the collar thinner"
+    )
     for wrong, words in (
         (gaps <= 0.0, "leaves no gap; use a positive one"),
-        (collar >= rod.flange_position, "brings the flange to the collar; use a smaller one"),
+        (gaps >= widest_circuit(device), f"brings {reach}"),
         (top + sleeve.length <= rod.flange_position, "lifts the flange below the sleeve's end"),
     ):
         if wrong.any():

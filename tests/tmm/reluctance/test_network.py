@@ -232,7 +232,7 @@ def test_covered_part_of_the_bore():
                 coil={"length": 0.1e-3},
             ),
             0.2e-3,
-            "gap = 0.2 mm brings the flange to the collar",
+            "gap = 0.2 mm brings sleeve.collar_thickness",
         ),
     ],
 )

@@ -105,6 +105,10 @@ def test_a_dimension_takes_a_table_of_maps_and_says_so(closed, monkeypatch):
     (wider,) = plan_study(more)
     assert (wider.kept, wider.walks[0].points) == (7, 6)
     assert wider.walks[0].seconds in recorded().values()
+    run_study(stated("rod.radius=0.57mm,0.61mm", quantities=STROKE), 1)
+    assert len(closed) == 5  # two points would have no table of their own: they read this one
+    run_study(stated("rod.radius=0.55mm,0.605mm", quantities=STROKE), 1)
+    assert len(closed) == 7  # it does not reach so far
 
 
 def test_the_maps_bar_holds_what_lies_between_those_solved(closed):

@@ -5,6 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.warnings import accuracy_warnings
 from tactgen.validation.models.reluctance.field import _fine_enough
@@ -58,3 +60,11 @@ def test_bars_beyond_the_accuracy_are_told(value, bar, words):
     found = accuracy_warnings(scene, [quantity(value, bar)])
     assert len(found) == bool(words)
     assert all(words in text for text in found)
+
+
+def test_what_makes_no_circuit_is_refused_before_anything_is_solved():
+    """The network says so at once; the field takes the same device."""
+    scene, _ = load_scene("reluctance", ["sleeve.collar_thickness=2mm"])
+    with pytest.raises(InputError, match=r"brings sleeve\.collar_thickness = 2 mm to"):
+        make_plan(scene, ("network", "axisymmetric"), ("magnetic_force",))
+    make_plan(scene, ("axisymmetric",), ("magnetic_force",))

@@ -27,6 +27,7 @@ from tactgen.validation.models.reluctance.switching import (
 )
 from tactgen.validation.models.reluctance.warnings import magnetic_warnings
 from tactgen.validation.scene.files import leaves
+from tactgen.validation.scene.scene import Scene
 
 
 class MagneticModel(Model):
@@ -106,6 +107,13 @@ class NetworkModel(MagneticModel):
         "difference from half as many ladder cells, of the incremental inductance no less in "
         "relation than of the flux linkage; the network's own error is not included"
     )
+
+    @classmethod
+    def check(cls, scene: Scene) -> None:
+        """Refuse a scene whose parts do not form the network's circuit."""
+        from tactgen.tmm.reluctance.circuit import check_circuit
+
+        check_circuit(scene.device, np.array([scene.gap]))
 
     def point(self) -> MagneticPoint:
         """Return the values at the scene's current and gap."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.store import is_kept, kept, recalled
+from tactgen.geometry.store.store import kept, recalled
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.reluctance.coenergy.fit import fit, largest_share
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, MapError, Samples
@@ -45,6 +45,9 @@ _GOOD = 1.0
 #: Most places, and the places of the smallest table over so many keys.
 _MOST_PLACES, _FEWEST = 25, 5
 
+#: Tables over the same dimensions that are held; and a share of a range that is rounding.
+_MOST_TABLES, _ROUNDING = 16, 1e-9
+
 Ranges = Mapping[str, tuple[float, float]]
 #: By name the values at currents and gaps (c, m), and what they are judged by.
 _SampleValues = dict[str, tuple[Value, Value]]
@@ -69,6 +72,20 @@ class MapTable:
     current: Floats
     gap: Floats
     table: Table
+
+    def covers(self, ranges: Ranges, currents: Floats, gaps: Floats) -> bool:
+        """Return whether a range, with currents (A) and gaps (m), lies within the table's."""
+        own = {
+            **self.ranges,
+            "current": (0.0, self.current[-1]),
+            "gap": (self.gap[0], self.gap[-1]),
+        }
+        wanted = {**ranges, "current": (0.0, currents[-1]), "gap": (gaps[0], gaps[-1])}
+        slack = {key: _ROUNDING * (high - low) for key, (low, high) in own.items()}
+        return all(
+            own[key][0] - slack[key] <= low and high <= own[key][1] + slack[key]
+            for key, (low, high) in wanted.items()
+        )
 
     def at(self, values: Mapping[str, float], described: str) -> CoenergyMap:
         """Return the map at values by key within the range."""
@@ -99,6 +116,20 @@ class MapTable:
         )
 
 
+@storable
+@dataclass(frozen=True, eq=False)
+class MapTables:
+    """All tables that were made over some dimensions of a scene, the latest last."""
+
+    tables: tuple[MapTable, ...]
+
+    def covering(self, ranges: Ranges, currents: Floats, gaps: Floats) -> MapTable | None:
+        """Return the table of the least width that holds a range, currents (A) and gaps (m)."""
+        able = [table for table in self.tables if table.covers(ranges, currents, gaps)]
+        return min(able, key=lambda t: float(np.prod([b - a for a, b in t.ranges.values()])),
+                   default=None)  # fmt: skip
+
+
 def pays(ranges: Ranges, members: int) -> bool:
     """Return whether a table over the dimensions takes fewer maps than so many scenes do."""
     return bool(ranges) and len(ranges) <= 2 and members > _FEWEST ** len(ranges)
@@ -107,7 +138,7 @@ def pays(ranges: Ranges, members: int) -> bool:
 def map_table(
     scene: Scene, ranges: Ranges, all_ranges: Ranges, announce: Callable[[str], None]
 ) -> MapTable:
-    """Return the table over dimensions, from the store if it is there.
+    """Return a table over dimensions, from the store if one there holds their range.
 
     Parameters
     ----------
@@ -120,21 +151,28 @@ def map_table(
         If parts do not fit somewhere in the range, or the samples are not smooth enough.
     """
     currents, gaps = _grid(scene, all_ranges)
+    inputs = _inputs(scene, ranges)
 
-    def work() -> MapTable:
+    def work() -> MapTables:
         start = time.perf_counter()
         found = _tabled(scene, dict(ranges), currents, gaps, announce)
         record({_cost_name(ranges): time.perf_counter() - start})
-        return found
+        earlier: MapTables | None = recalled(_KIND, inputs, _MADE_OF)
+        return MapTables((*(earlier.tables if earlier else ()), found)[-_MOST_TABLES:])
 
-    inputs = _inputs(scene, ranges, currents, gaps)
-    return kept(_KIND, inputs, _MADE_OF, work, announce=announce)
+    def serves(found: MapTables) -> bool:
+        return found.covering(ranges, currents, gaps) is not None
+
+    tables = kept(_KIND, inputs, _MADE_OF, work, serves=serves, announce=announce)
+    found = tables.covering(ranges, currents, gaps)
+    assert found is not None
+    return found
 
 
 def map_prospect(scene: Scene, ranges: Ranges, all_ranges: Ranges) -> Prospect:
     """Return whether the table is kept, and what one over as many keys took here."""
-    inputs = _inputs(scene, ranges, *_grid(scene, all_ranges))
-    return Prospect(is_kept(_KIND, inputs, _MADE_OF), recorded().get(_cost_name(ranges)))
+    held = kept_table(scene, ranges, all_ranges) is not None
+    return Prospect(held, recorded().get(_cost_name(ranges)))
 
 
 def first_maps(
@@ -144,27 +182,28 @@ def first_maps(
 
     None where the table is there.
     """
-    currents, gaps = _grid(scene, all_ranges)
-    if is_kept(_KIND, _inputs(scene, ranges, currents, gaps), _MADE_OF):
+    if kept_table(scene, ranges, all_ranges):
         return []
+    currents, gaps = _grid(scene, all_ranges)
     places = product(first_points().tolist(), repeat=len(ranges))
     return [partial(_samples, _scene_at(scene, ranges, each), currents, gaps) for each in places]
 
 
 def kept_table(scene: Scene, ranges: Ranges, all_ranges: Ranges) -> MapTable | None:
-    """Return the table if it is in the store."""
-    return recalled(_KIND, _inputs(scene, ranges, *_grid(scene, all_ranges)), _MADE_OF)
+    """Return a table that holds the range, if there is one in the store."""
+    tables: MapTables | None = recalled(_KIND, _inputs(scene, ranges), _MADE_OF)
+    return tables.covering(ranges, *_grid(scene, all_ranges)) if tables else None
 
 
 def _cost_name(ranges: Ranges) -> str:
     return f"{_KIND} of {len(ranges)} keys"
 
 
-def _inputs(scene: Scene, ranges: Ranges, currents: Floats, gaps: Floats) -> tuple[object, ...]:
+def _inputs(scene: Scene, ranges: Ranges) -> tuple[object, ...]:
+    """Return what a table over some dimensions depends on but for their range."""
     own = (key for key in MODELS["axisymmetric"].stages["map"] if key not in MAP_RANGE)
     rest = values_read(with_values(scene, dict.fromkeys(ranges, 0.0)), own)
-    wanted = {key: (float(low), float(high)) for key, (low, high) in ranges.items()}
-    return rest, wanted, currents.tolist(), gaps.tolist()
+    return rest, sorted(ranges)
 
 
 def _grid(scene: Scene, ranges: Ranges) -> tuple[Floats, Floats]:
@@ -214,7 +253,7 @@ def _scene_at(scene: Scene, ranges: Ranges, place: Sequence[float]) -> Scene:
 
 def _samples(scene: Scene, currents: Floats, gaps: Floats) -> _SampleValues:
     """Return the samples of a scene's map with what they are judged by, kept."""
-    inputs = _inputs(scene, {}, currents, gaps)
+    inputs = *_inputs(scene, {}), currents.tolist(), gaps.tolist()
     return kept(f"{_KIND}.samples", inputs, _MADE_OF, partial(_solved, scene, currents, gaps))
 
 

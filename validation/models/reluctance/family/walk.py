@@ -67,7 +67,7 @@ def walk_shares(
     if not of_stroke:
         return None
     users = f"for {', '.join(of_stroke)} alone"
-    dimensions = _tabled(ranges, quantities, members)
+    dimensions = _tabled(scene, ranges, quantities, members)
     if dimensions:
         shared = f"a table of co-energy maps over {', '.join(dimensions)}, {users}"
         return shared, map_prospect(scene, dimensions, ranges)
@@ -85,7 +85,7 @@ def walk_parts(
     scene: Scene, ranges: Box, quantities: Sequence[str], members: int
 ) -> Sequence[Callable[[], object]]:
     """Return what of the table of maps can be computed and kept side by side."""
-    dimensions = _tabled(ranges, quantities, members)
+    dimensions = _tabled(scene, ranges, quantities, members)
     return first_maps(scene, dimensions, ranges) if dimensions else []
 
 
@@ -103,22 +103,24 @@ def prepare_walk(
     InputError
         As :func:`validation.models.reluctance.family.map_table.map_table`.
     """
-    dimensions = _tabled(ranges, quantities, members)
+    dimensions = _tabled(scene, ranges, quantities, members)
     if dimensions:
         map_table(scene, dimensions, ranges, announce)
 
 
 def begin_walk(scene: Scene, ranges: Box, quantities: Sequence[str], members: int) -> WalkedAnswers:
     """Return a walk over scenes that differ from one in numbers of these ranges."""
-    dimensions = _tabled(ranges, quantities, members)
+    dimensions = _tabled(scene, ranges, quantities, members)
     maps = kept_table(scene, dimensions, ranges) if dimensions else None
     return WalkedAnswers(scene, ranges, tuple(quantities), maps)
 
 
-def _tabled(ranges: Box, quantities: Sequence[str], members: int) -> Box:
+def _tabled(scene: Scene, ranges: Box, quantities: Sequence[str], members: int) -> Box:
     """Return the ranges of dimensions over which maps are tabled, if any."""
     found = _dimensions(ranges)
-    return found if _of_stroke(quantities) and pays(found, members) else {}
+    if not found or not _of_stroke(quantities):
+        return {}
+    return found if pays(found, members) or kept_table(scene, found, ranges) else {}
 
 
 def _of_stroke(quantities: Sequence[str]) -> list[str]:
