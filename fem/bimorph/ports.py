@@ -22,7 +22,7 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
     double, since rounding K − Ω² M alone moves a peak by a millionth of its width.
     """
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
-    wide = np.clongdouble if system.lossy else np.longdouble
+    wide, plain = (np.clongdouble, complex) if system.lossy else (np.longdouble, float)
     n = system.inner
     blocks = []
     for frequency in frequencies:
@@ -30,14 +30,11 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
         factor = _factor(system, omega2)
         x = np.zeros((system.size, 5), dtype=wide)
         x[n:, :3] = np.eye(3)
-        # without inner motion only the ports' columns act
-        ports = system.stiffness.border - omega2 * system.mass.border
-        x[:n] -= factor.solve(np.hstack([ports, -system.tip[:n]]))
-        last = _norms(x[:n])
-        for _ in range(_REFINEMENTS):
+        last: Floats = np.zeros(5)
+        for _ in range(1 + _REFINEMENTS):
             missing = _force(system, omega2, x)
             missing[:, 3:] -= system.tip
-            step = factor.solve(missing[:n].astype(ports.dtype))
+            step = factor.solve(missing[:n].astype(plain))
             x[:n] -= step
             size = _norms(step)
             # the next step is to this one as this one is to the last

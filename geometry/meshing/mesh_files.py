@@ -1,24 +1,21 @@
-"""Meshes to and from .vtu and .msh files, names of regions and faces included.
+"""Meshes to .vtu and .msh files, names of regions and faces included.
 
-For ParaView, Gmsh and other solvers.  A round trip gives the same mesh; results at the
-points can go along on the way out.
+For ParaView, Gmsh and other solvers; results at the points can go along.
 """
 
 from __future__ import annotations
 
-import contextlib
-import io
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.arrays import Ints
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
-from tactgen.geometry.meshing.mesh import CellKind, Mesh
+from tactgen.geometry.meshing.mesh import Mesh
 
 if TYPE_CHECKING:
     import meshio
@@ -62,32 +59,6 @@ def write_mesh(
         content.write(temporary, **options)
 
 
-def read_mesh(path: str | Path) -> Mesh:
-    """Read a mesh that :func:`write_mesh` wrote.
-
-    Raises
-    ------
-    InputError
-        If there is no such file or it is not such a mesh.
-    """
-    import meshio
-
-    path = Path(path)
-    _check_suffix(path)
-    if not path.is_file():
-        raise InputError(f"{path} does not exist; give the path of a .vtu or .msh file")
-    try:
-        # meshio's front door ends the whole program on a broken file; its Gmsh reader chats
-        with contextlib.redirect_stdout(io.StringIO()):
-            if path.suffix == ".vtu":
-                return _from_vtu(meshio.vtu.read(str(path)))
-            return _from_msh(meshio.gmsh.read(str(path)))
-    except Exception as error:  # readers raise whatever a broken file provokes
-        raise InputError(
-            f"{path} is not a mesh with named regions; give a file written by this program"
-        ) from error
-
-
 def _check_suffix(path: Path) -> None:
     if path.suffix not in {".vtu", ".msh"}:
         raise InputError(f"{path} does not end in .vtu or .msh; name the file so")
@@ -118,26 +89,6 @@ def _as_vtu(mesh: Mesh, fields: dict[str, NDArray[np.number]]) -> meshio.Mesh:
     return meshio.Mesh(mesh.points, blocks, point_data=fields, cell_data=data)
 
 
-def _from_vtu(content: meshio.Mesh) -> Mesh:
-    kind, cells = content.cells[0].type, content.cells[0].data
-    data = content.cell_data
-    faces = {}
-    for name in [name for name in data if name.startswith(_FACE)]:
-        marked = [
-            block.data[marks == 1]
-            for block, marks in zip(content.cells[1:], data[name][1:], strict=True)
-        ]
-        faces[name.removeprefix(_FACE)] = np.concatenate([m for m in marked if len(m)])
-    return _mesh(
-        content.points,
-        cells,
-        kind,
-        region_of_cell=data["region"][0],
-        regions=tuple(n.removeprefix(_REGION) for n in data if n.startswith(_REGION)),
-        faces=faces,
-    )
-
-
 def _as_msh(mesh: Mesh, fields: dict[str, NDArray[np.number]]) -> meshio.Mesh:
     import meshio
 
@@ -154,47 +105,4 @@ def _as_msh(mesh: Mesh, fields: dict[str, NDArray[np.number]]) -> meshio.Mesh:
         point_data=fields,
         cell_data={"gmsh:physical": groups, "gmsh:geometrical": groups},
         field_data=names,
-    )
-
-
-def _from_msh(content: meshio.Mesh) -> Mesh:
-    groups = content.cell_data["gmsh:physical"]
-    names = sorted(content.field_data.items(), key=lambda item: int(item[1][0]))
-    regions = tuple(name for name, (_, dimension) in names if dimension == 3)
-    volumes = [k for k, block in enumerate(content.cells) if block.type in _CELLS]
-    surfaces = [k for k, block in enumerate(content.cells) if block.type in _FACES.values()]
-    faces = {}
-    for name, (group, dimension) in names:
-        if dimension == 2:
-            marked = [content.cells[k].data[groups[k] == group] for k in surfaces]
-            faces[name] = np.concatenate([m for m in marked if len(m)])
-    return _mesh(
-        content.points,
-        np.concatenate([content.cells[k].data for k in volumes]),
-        content.cells[volumes[0]].type,
-        region_of_cell=np.concatenate([groups[k] for k in volumes]) - 1,
-        regions=regions,
-        faces=faces,
-    )
-
-
-def _mesh(
-    points: Floats,
-    cells: Ints,
-    kind: str,
-    *,
-    region_of_cell: Ints,
-    regions: tuple[str, ...],
-    faces: dict[str, Ints],
-) -> Mesh:
-    kinds: dict[str, CellKind] = {k: k for k in get_args(CellKind)}
-    if not regions:
-        raise ValueError("no named regions")
-    return Mesh(
-        points=np.asarray(points, dtype=np.float64),
-        cells=np.asarray(cells, dtype=np.int64),
-        kind=kinds[kind],
-        region_of_cell=np.asarray(region_of_cell, dtype=np.int64),
-        regions=regions,
-        faces={name: np.asarray(corners, dtype=np.int64) for name, corners in faces.items()},
     )

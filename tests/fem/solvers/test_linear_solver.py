@@ -149,7 +149,8 @@ def test_multipliers(solver, zeros):
 )  # fmt: skip
 def test_singular_matrices_are_refused(solver, definite, matrix):
     """A mechanism is reported, not solved; also where rounding hides the zero pivot."""
-    with pytest.raises(SolverError, match=r"singular|not finite"):
+    words = "singular" if np.isfinite(matrix.sum()) else "not finite"
+    with pytest.raises(SolverError, match=words):
         factorise(sparse.csr_matrix(matrix), definite=definite, solver=solver)
 
 

@@ -5,7 +5,7 @@ import pytest
 from scipy import sparse
 
 from tactgen.fem.solvers.linear_solver import SolverError
-from tactgen.fem.solvers.newton import Factors, minimise
+from tactgen.fem.solvers.newton import _SLOPE_LEFT, Factors, _stepped, minimise
 
 
 class Saturating:
@@ -36,6 +36,24 @@ def test_arrives_from_where_plain_newton_diverges(start):
     found = minimise(Saturating(a, b), np.full(2, start))
     np.testing.assert_allclose(found.x, np.arctanh(b / a), rtol=1e-9)
     assert found.steps <= 20
+
+
+@pytest.mark.parametrize("start", [0.1, 0.6, 3.0])
+@pytest.mark.parametrize("reach", [0.2, 1.0, 50.0])
+def test_a_step_is_whole_or_ends_where_the_slope_is_small(start, reach):
+    """Never longer than the direction, and never at a larger energy."""
+    energy = Saturating(np.array([1.0]), np.array([0.5]))
+    x = np.array([start])
+    gradient = energy.gradient(x)
+    direction = -reach * gradient / energy.hessian(x).diagonal()
+    slope = float(gradient @ direction)
+    there, found = _stepped(energy, x, direction, slope)
+    length = float((there - x)[0] / direction[0])
+    assert 0.0 < length < 1.0 + 1e-12
+    assert energy.value(there) <= energy.value(x)
+    assert found == energy.gradient(there)
+    left = float(found @ direction)
+    assert abs(left) <= _SLOPE_LEFT * abs(slope) or (length > 1.0 - 1e-12 and left < 0.0)
 
 
 def test_quadratic_energy_takes_one_step_and_a_look():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tactgen.geometry.bimorph import stretching
 from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import lobatto_points
 from tactgen.geometry.device.parameters import Bimorph, Device
@@ -79,6 +80,34 @@ def test_family_gets_finer():
     """Every level of the family has more nodes than the one before."""
     counts = [np.prod(bimorph_bricks(Device(), level).shape) for level in LEVELS]
     assert counts == sorted(set(counts))
+
+
+@pytest.mark.parametrize("levels", [LEVELS, stretching.LEVELS], ids=["answers", "families"])
+def test_a_division_is_what_its_level_states(levels):
+    """Shares fill a layer; bricks at edges and ends are of the size stated or, to fit in whole,
+    less, and so is the longest; each level has smaller ones at both ends than the one before.
+    """
+    b = Bimorph(glue_thickness=10e-6, length=60e-3)
+    thin = min(b.piezo_thickness, b.shim_thickness)
+    for number, meshing in enumerate(levels):
+        bricks = bimorph_bricks(Device(bimorph=b), meshing)
+        assert tuple(axis.degree for axis in bricks.axes) == meshing.degree
+        assert sum(meshing.layer) == pytest.approx(1.0, rel=1e-12)
+        x, y, z = (np.diff(axis.breaks) for axis in bricks.axes)
+        assert x[-len(meshing.layer) :] == pytest.approx(
+            b.piezo_thickness * np.array(meshing.layer)
+        )
+        assert y[-1] == pytest.approx(meshing.side * thin, rel=1e-12)
+        at_most, at_least = (b.length / pieces for pieces in meshing.pieces)
+        longest = min(max(meshing.longest * b.thickness, at_least), at_most)
+        tip = max(meshing.smallest, meshing.tip)
+        for found, stated in (
+            (z[0], meshing.smallest * thin), (z[-1], tip * thin), (z.max(), longest)
+        ):  # fmt: skip
+            assert 0.5 * stated < found < stated * (1.0 + 1e-12)
+        if number:
+            assert meshing.smallest < levels[number - 1].smallest
+            assert tip <= max(levels[number - 1].smallest, levels[number - 1].tip)
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3, 6])

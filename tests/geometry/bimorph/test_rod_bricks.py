@@ -7,7 +7,7 @@ from tactgen.fem.bimorph.bricks.round_slabs import round_matrices
 from tactgen.fem.elements.line_basis import line_matrices
 from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Axis, Bricks, Slab
-from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_bricks, rod_parts
+from tactgen.geometry.bimorph.rod_bricks import _GROWTH, ROD_LEVELS, rod_bricks, rod_parts
 from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Bimorph, Device, Rod
 from tactgen.geometry.errors import InputError
@@ -118,3 +118,30 @@ def test_divisions_are_those_that_the_bars_were_held_against(level, breaks):
     """Breaks along x, y and z: a coarser grading is another error, and its bars another study."""
     bricks = rod_bricks(GLUED, ROD_LEVELS[level])
     assert tuple(axis.breaks.size for axis in (bricks.x, bricks.y, bricks.z)) == breaks
+
+
+@pytest.mark.parametrize("level", range(len(ROD_LEVELS)))
+def test_a_division_is_what_its_level_states(level):
+    """Shares across the layers fill them; bricks at the edges are of the size stated or, to fit
+    in whole, less, by no more than their growth; each level is finer than the one before.
+    """
+    meshing, b, bond = ROD_LEVELS[level], GLUED.bimorph, GLUED.glue.thickness
+    bricks = rod_bricks(GLUED, meshing)
+    thick = (0.5 * b.shim_thickness, bond, b.piezo_thickness - bond)
+    shares = (meshing.core, meshing.bond, meshing.layer)
+    assert [sum(each) for each in shares] == pytest.approx([1.0, 1.0, 1.0], rel=1e-12)
+    across = np.concatenate([t * np.array(each) for t, each in zip(thick, shares, strict=True)])
+    assert np.diff(bricks.x.breaks)[: across.size] == pytest.approx(across, rel=1e-9)
+    side = np.flatnonzero(np.isclose(bricks.y.breaks, 0.5 * b.width))[0]
+    ceramic, tip = bricks.electrode
+    y, z = np.diff(bricks.y.breaks), np.diff(bricks.z.breaks)
+    for found, stated in (
+        (y[side - 1], meshing.side), (z[ceramic - 1], meshing.smallest),
+        (z[ceramic], meshing.smallest), (z[tip - 1], max(meshing.smallest, meshing.tip)),
+    ):  # fmt: skip
+        assert stated / _GROWTH < found / b.shim_thickness < stated * (1.0 + 1e-9)
+    if level:
+        coarser = ROD_LEVELS[level - 1]
+        assert meshing.smallest < coarser.smallest
+        assert meshing.side <= coarser.side
+        assert meshing.tip <= coarser.tip

@@ -15,7 +15,7 @@ from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.mesh_files import read_mesh, write_mesh
+from tactgen.geometry.meshing.mesh_files import write_mesh
 from tactgen.geometry.meshing.quadratic import (
     TET_EDGES,
     jacobian_coefficients,
@@ -282,15 +282,41 @@ def test_cache_returns_the_identical_mesh(bimorph, monkeypatch):
     assert_same(bimorph, tetrahedralise(softer, "alone", options=patient))
 
 
+def assert_written(path, mesh):
+    """Points, and under each name of a region or a face its cells in their order, and no other."""
+    file = meshio.read(path)
+    assert np.array_equal(file.points, mesh.points)
+
+    def named(name, dimension):
+        if file.field_data:  # of Gmsh: numbers of physical groups, and their dimensions
+            marks = file.cell_data["gmsh:physical"]
+            mark, found = file.field_data[name]
+            assert found == dimension
+        else:
+            marks, mark = file.cell_data[f"{'region' if dimension == 3 else 'face'} {name}"], 1
+        chosen = [b.data[m == mark] for b, m in zip(file.cells, marks, strict=True)]
+        return np.concatenate([cells for cells in chosen if len(cells)])
+
+    assert file.cells[0].type == mesh.kind
+    for region in mesh.regions:
+        assert np.array_equal(named(region, 3), mesh.cells[mesh.cells_of(region)]), region
+    for name, corners in mesh.faces.items():
+        assert np.array_equal(named(name, 2), corners), name
+    sizes = [len(mesh.cells), *map(len, mesh.faces.values())]
+    assert sum(len(block.data) for block in file.cells) == sum(sizes)
+    if path.suffix == ".vtu":
+        assert np.array_equal(file.cell_data["region"][0], mesh.region_of_cell)
+
+
 @pytest.mark.parametrize("suffix", [".vtu", ".msh"])
 @pytest.mark.parametrize("which", ["bimorph", "coil"])
-def test_files_give_the_mesh_back(which, suffix, request, tmp_path, capfd):
+def test_files_hold_the_mesh(which, suffix, request, tmp_path, capfd):
     mesh = request.getfixturevalue(which)
     path = tmp_path / f"mesh{suffix}"
     mode = np.sin(mesh.points)
     write_mesh(mesh, path, point_data={"mode 1": mode, "potential": mode[:, 0]})
-    assert_same(mesh, read_mesh(path))
     assert capfd.readouterr().out == ""
+    assert_written(path, mesh)
     if suffix == ".vtu":
         fields_there = meshio.read(path).point_data
         assert np.array_equal(fields_there["mode 1"], mode)
@@ -311,7 +337,7 @@ def test_bricks_go_to_files_too(tmp_path):
     fields = {"motion": np.sin(mesh.points + 1.0), "potential": np.arange(12.0)}
     for name in ("a.vtu", "a.msh"):
         write_mesh(mesh, tmp_path / name, point_data=fields)
-        assert_same(mesh, read_mesh(tmp_path / name))
+        assert_written(tmp_path / name, mesh)
         found = meshio.read(tmp_path / name).point_data
         assert {of: values.tolist() for of, values in found.items()} == {
             of: values.tolist() for of, values in fields.items()
@@ -323,11 +349,6 @@ def test_files_that_cannot_be_used_are_explained(coil, tmp_path):
         write_mesh(coil, tmp_path / "mesh.stl")
     with pytest.raises(InputError, match="choose a folder that exists"):
         write_mesh(coil, tmp_path / "missing" / "mesh.vtu")
-    with pytest.raises(InputError, match="does not exist"):
-        read_mesh(tmp_path / "missing.vtu")
-    (tmp_path / "broken.vtu").write_text("<VTKFile>")
-    with pytest.raises(InputError, match="not a mesh with named regions"):
-        read_mesh(tmp_path / "broken.vtu")
 
 
 def test_jacobian_coefficients_bound_the_jacobian_and_give_the_volume():

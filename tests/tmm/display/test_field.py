@@ -9,6 +9,8 @@ from tactgen.geometry.device.parameters import Device, Display
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.display.field import (
+    CELLS,
+    NEIGHBOURS,
     beside,
     between_heads,
     head_levels,
@@ -58,6 +60,24 @@ def test_what_is_beside_the_gap_pulls_nothing_itself():
 def test_what_leaves_one_head_arrives_at_the_others():
     """Or goes home through its own permeance."""
     assert head_levels(Display(), 0.3).sum() == pytest.approx(1.0)
+
+
+def test_of_two_units_the_other_is_a_permeance_in_series():
+    """At a small current, where iron is linear: what is beside the gap leads over the air to the
+    other's own permeance, which the pull of units driven in turn tells.
+    """
+    small = 1e-4
+    over = between_heads(DEVICE, Display().pitch)
+    alone = circuit(DEVICE, np.array([GAP]), FULL, CELLS)
+
+    def pull(permeance):
+        return solve(beside(alone, permeance), np.array([small])).force[0, 0]
+
+    alternating = network_forces(DEVICE, Display(), small, GAP).alternating
+    own = 2.0 * NEIGHBOURS * over / (math.sqrt(pull(0.0) / alternating) - 1.0)
+    found = network_forces(DEVICE, Display(rows=1, columns=2), small, GAP).single
+    # the steel's permeability at the start rises with its flux
+    assert found == pytest.approx(pull(over * own / (over + own)), rel=1e-3)
 
 
 def test_one_driven_unit_pulls_less_than_alone():

@@ -68,11 +68,6 @@ class GrowingBasis:
         self._add(Shapes(rigid.moved, lift))
 
     @property
-    def size(self) -> int:
-        """Number of displacements in the basis."""
-        return int(self._moving.shapes.shape[1])
-
-    @property
     def unknowns(self) -> int:
         """Number of unknowns of a member."""
         return int(self._grid.index.size)
