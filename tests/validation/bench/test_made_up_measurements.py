@@ -210,11 +210,13 @@ def test_peers_get_bricks_of_two_orders_from_coarse_to_fine(monkeypatch, peer):
     whole, quick = (ways._peer_ways(peer, quick=quick) for quick in (False, True))
     paths = [(one.path, one.level, one.swept) for one in whole]
     bricks = [(f"{peer}, bricks of order {order}", str(n), n <= 2)
-              for order, count in ((2, 3), (3, 4)) for n in range(1, count + 1)]  # fmt: skip
+              for order, grids in ((2, ways._SECOND), (3, ways._THIRD))
+              for n in range(1, len(grids) + 1)]  # fmt: skip
     tetrahedra = [(f"{peer}, tetrahedra of order {order}", str(n), False)
                   for order in (2, 3) for n in (1, 2)]  # fmt: skip
     assert paths == bricks + (tetrahedra if peer == "NGSolve" else [])
-    assert [(one.path, one.level, one.swept) for one in quick] == [bricks[0], bricks[3]]
+    first = [bricks[0], bricks[len(ways._SECOND)]]
+    assert [(one.path, one.level, one.swept) for one in quick] == first
     assert not any(one.own for one in whole)
     for one in whole:
         assert one.solve([1.0, 2.0]) == "answer"

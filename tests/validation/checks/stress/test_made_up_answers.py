@@ -151,9 +151,9 @@ def test_the_device_as_built_is_asked_from_coarse_to_fine(fields, quick, points)
 def test_the_energy_of_a_field_is_that_supplied():
     """Steel and air, W' integrated cell by cell from B alone."""
     point = solve_point(Device(), 0.3, 0.1e-3, order=2, refinement=0.25, any_grid=True)
-    assert magnetics_device._imbalance(point) < 1e-9
+    assert magnetics_device._imbalance(point) < magnetics_device._BALANCE
     short = replace(point, flux_linkage=0.99 * point.flux_linkage)
-    assert magnetics_device._imbalance(short) == pytest.approx(1.0 / 0.99 - 1.0, rel=1e-6)
+    assert magnetics_device._imbalance(short) == pytest.approx(1.0 / 0.99 - 1.0, rel=1e-4)
 
 
 def test_the_whole_run_takes_every_family(monkeypatch):
