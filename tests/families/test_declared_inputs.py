@@ -9,6 +9,9 @@ from tactgen.geometry.device.parameters import Parameters
 from tactgen.geometry.device.profile import Profile
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.stages import values_read
+from tactgen.validation.models.amplitude import states
+from tactgen.validation.models.amplitude.held_head import held_head, in_state
 from tactgen.validation.scene.scene import Scene, load_scene, scene_keys
 from tactgen.validation.studies.whatif.answers import question
 
@@ -171,3 +174,19 @@ def test_an_answer_stands_for_all_that_is_read(name, model, quantities):
     for a, b in zip(first.quantities, also.quantities, strict=True):
         np.testing.assert_array_equal(a.value, b.value)
         np.testing.assert_array_equal(a.uncertainty, b.uncertainty)
+
+
+def test_what_is_kept_of_growing_amplitudes_goes_by_all_that_it_reads():
+    """All keys at once that leave its inputs as they are leave the head and its stop, too."""
+    scene, _ = load_scene("paper", ["support.kind=contact", "load.kind=finger"])
+    held = in_state(scene, "held")
+    first = values_read(held, states._READS)
+    idle = [k for k in varied(held) if values_read(changed(held, [k]), states._READS) == first]
+    assert "bimorph.length" not in idle
+    assert "frequency" in idle
+    one, other = (held_head(each) for each in (held, changed(held, idle)))
+    assert (one.place, one.support) == (other.place, other.support)
+    f = np.array([0.0, 300.0])
+    assert np.array_equal(one.attached(f), other.attached(f))
+    assert np.array_equal(one.oscillator.linear(f), other.oscillator.linear(f))
+    assert np.array_equal(one.oscillator.static, other.oscillator.static)

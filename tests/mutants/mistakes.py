@@ -12,7 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 #: Folders in which numbers are positions and sizes of what is drawn.
-LOOKS = ("validation/view", "validation/report/figures", "validation/book")
+LOOKS = (
+    "validation/view", "validation/report/figures", "validation/book", "validation/checks/setup",
+)  # fmt: skip
 #: Programs that are not installed for the tests.
 ABSENT = ("validation/bench/bimorph/peers",)
 #: Keywords that say how something looks.
@@ -21,6 +23,8 @@ _LOOK_KEYWORDS = {
     "linestyle", "marker", "markersize", "pad", "padding", "style", "width_ratios", "zorder",
     "help", "metavar", "font_size", "window_size", "frameon", "clip_on", "sharex", "sharey",
 }  # fmt: skip
+#: What takes the size of a figure first.
+_FIGURES = {"panels", "new_figure"}
 
 _OPERATORS = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*", ast.FloorDiv: "*"}
 _COMPARISONS = {
@@ -112,6 +116,8 @@ class _Finder:
         looks |= isinstance(node, ast.AnnAssign) and ast.unparse(node.target).endswith("COLOURS")
         for child in _children(node):
             aside = isinstance(child, ast.keyword) and child.arg in _LOOK_KEYWORDS
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                aside |= node.func.id in _FIGURES and child in node.args
             if not aside:
                 yield from self._below(child, function, within, looks=looks)
 

@@ -2,8 +2,8 @@
 
 Every function of the copy says its number when it is entered; the plugin writes, for each test,
 which were since the last, and the processor time it took.  Who is given what was made before, by
-a fixture, a cache or the store, counts as having entered all that made it.  Commands that a test
-starts write their own when they end, under the test's name.
+a fixture, a cache, the store or when its file was read, counts as having entered all that made it.
+Commands that a test starts write their own when they end, under the test's name.
 """
 
 import ast
@@ -153,6 +153,15 @@ class _Recorder:
     def __init__(self, folder: Path) -> None:
         self.file = (folder / f"{os.getpid()}.jsonl").open("a", encoding="utf-8")
         self.begun = _spent()
+        self.collected: dict[str, set[str]] = {}
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_make_collect_report(self, collector):
+        SEEN.clear()
+        report = yield
+        self.collected[collector.nodeid] = set(SEEN)
+        SEEN.clear()
+        return report
 
     @pytest.hookimpl(wrapper=True)
     def pytest_fixture_setup(self, fixturedef):
@@ -160,6 +169,7 @@ class _Recorder:
             return (yield)
 
     def pytest_runtest_call(self, item) -> None:
+        SEEN.update(self.collected[item.nodeid.split("::")[0]])
         for fixtures in item._fixtureinfo.name2fixturedefs.values():
             SEEN.update(_MADE[id(fixtures[-1])])
 

@@ -23,6 +23,7 @@ def answer(a, b, k):
         raise ValueError(f"{a + 1} is below")
     c = -a * b + k[0, 1]
     write_text(a, b)
+    panels(4.0, 3.0)
     return max(c, 2) if not k else plot(a, b, figsize=(4, 3), stderr=True)
 
 
@@ -61,13 +62,13 @@ def test_every_kind_once_and_no_word_of_what_is_said(tool, tmp_path):
         (14, "write", "write_text(a, b)", "(a).write_text(b)"),
         (14, "index", "a, b", "b, a"),
         (14, "statement", "write_text(a, b)", "pass"),
-        (15, "operator", "max", "min"),
-        (15, "integer", "2", "3"),
-        (15, "stream", "True", "not True"),
+        (16, "operator", "max", "min"),
+        (16, "integer", "2", "3"),
+        (16, "stream", "True", "not True"),
     }
     lines = {m.line for m in found if m.kind.startswith(("number", "integer"))}
-    assert lines == {3, 13, 15}  # not 1, 6, 10, 12
-    assert not [m for m in found if m.before in ("4", "(4, 3)") or m.line == 5 or m.line > 15]
+    assert lines == {3, 13, 16}  # not 1, 6, 10, 12, 15
+    assert not [m for m in found if m.before in ("4", "(4, 3)") or m.line == 5 or m.line > 16]
     source = SOURCE.encode()
     assert all(mistakes.is_python(m.put(source)) for m in found)
     assert {m.function for m in found} == {"", "answer"}
@@ -110,6 +111,8 @@ from tactgen.geometry.store.store import kept
 def made():
     return A()
 
+READ = A.k()
+
 def stored():
     return kept("number", (1.0,), ("tactgen.fem.a",), lambda: f(2))
 
@@ -131,6 +134,9 @@ class A:
     @cached_property
     def g(self):
         return 1
+    @staticmethod
+    def k():
+        return 3
 
 @cache
 def f(x):
@@ -142,7 +148,7 @@ def h(x):
 
 
 def test_who_is_given_what_was_made_before_has_entered_what_made_it(tmp_path):
-    """By a fixture of the module, a cache, a property, or the store."""
+    """By a fixture of the module, a cache, a property, the store, or when its file was read."""
     packages = HERE.parent.parent
     copy = tmp_path / "copy"
     for name in (".setup", "geometry"):
@@ -161,7 +167,7 @@ def test_who_is_given_what_was_made_before_has_entered_what_made_it(tmp_path):
     entered = json.loads((copy / "reach.json").read_text())["entered"]
     first, second, third = (f"tests/test_a.py::test_{n}" for n in ("first", "second", "third"))
     assert entered["fem/a.py::A.__init__"] == entered["fem/a.py::A.g"] == [first, second]
-    assert entered["fem/a.py::h"] == [first, second, third]
+    assert entered["fem/a.py::h"] == entered["fem/a.py::A.k"] == [first, second, third]
 
 
 def test_cheap_tests_of_its_own_room_come_first_and_slow_ones_are_left_out(tool, tmp_path):

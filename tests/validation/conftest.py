@@ -76,6 +76,45 @@ def unlaid(request, monkeypatch, leave_unlaid):
         leave_unlaid(monkeypatch)
 
 
+@pytest.fixture(autouse=True)
+def no_curve_without_words(monkeypatch):
+    """Let no figure be drawn whose curves run out of sight, or along an axis without a name."""
+    from tactgen.validation.view import figures
+
+    in_words = figures._in_words
+
+    def beside(axis, figure, along):
+        """Return axes in the same row or column of a grid."""
+        place = axis.get_subplotspec()
+        if place is None:
+            return [axis]
+        spans = [(each, each.get_subplotspec()) for each in figure.axes]
+        return [e for e, s in spans if s is not None and getattr(s, along) == getattr(place, along)]
+
+    def first(words):
+        return next(filter(None, words), "")
+
+    def checked(figure):
+        seen = []
+        for axis in figure.axes:
+            if not axis.axison or not axis.lines:
+                continue
+            column, row = (beside(axis, figure, way) for way in ("colspan", "rowspan"))
+            over = first(each.get_ylabel() for each in (axis, *row))
+            title = first(each.get_title() for each in (axis, *column))
+            assert over or title, "a curve over what?"
+            assert first(each.get_xlabel() for each in (axis, *column)), "along what?"
+            seen.append((title, over, axis.get_xlabel()))
+            low, high = sorted(axis.get_xlim())
+            at = np.concatenate([np.asarray(line.get_xdata(), float) for line in axis.lines])
+            at = at[np.isfinite(at)]
+            assert at.size == 0 or ((at >= low) & (at <= high)).mean() >= 0.5, "out of sight"
+        assert len(seen) == len(set(seen)), "which of them?"
+        return in_words(figure)
+
+    monkeypatch.setattr(figures, "_in_words", checked)
+
+
 @pytest.fixture(scope="session")
 def rough_fields():
     """Return what solves the normal actuator's fields far more coarsely than an answer needs.

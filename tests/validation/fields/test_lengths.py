@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.fields.gather import Request, gather
-from tactgen.validation.fields.lengths import length_range
+from tactgen.validation.fields.lengths import _Lattice, length_range
 from tactgen.validation.fields.over_length import lagrange_weights
 from tactgen.validation.scene.scene import load_scene
 
@@ -50,6 +51,47 @@ def test_a_row_over_the_length():
     )
     sign = np.sign(np.vdot(shape, np.real(state.fields["displacement"])))
     assert sign * shape == pytest.approx(np.real(state.fields["displacement"]), abs=1e-12)
+
+
+def test_what_is_missed_is_measured_between_the_nodes():
+    """The largest distance from a solution there, of any mode, over that mode's size."""
+    scene, _ = load_scene("j1", ["models=tmm", "modes=2"])
+    found = length_range(scene, "tmm", ENDS, known=2)
+    middle = found.solved.size // 2
+    between = float(found.solved[middle : middle + 2].mean())
+    more = at(scene, between).model_copy(update={"modes": scene.modes + 2})
+    (more,) = gather(more, ["tmm"], Request((), "edges"))
+    missed = []
+    for mode in found.modes:
+        alike = [s for s in more.states if s.circuit == mode.circuit and s.motion == mode.motion]
+        shape = np.real(alike[mode.place].fields["displacement"])
+        read = np.tensordot(lagrange_weights(found.solved, between), mode.shapes, 1)
+        read *= np.sign(np.vdot(read, shape))
+        missed.append(np.abs(read - shape).max() / np.abs(shape).max())
+    assert max(missed) == pytest.approx(found.missed, rel=1e-9)
+
+
+def test_stations_of_two_divisions_correspond_by_their_height():
+    """Other cells, other lengths: what is cubic along a column comes over exactly."""
+    x, y = np.array([0.0, 1.0, 3.0]), np.array([-1.0, 1.0])
+
+    def mesh(length, stations):
+        z = length * np.linspace(0.0, 1.0, stations) ** 2
+        region = np.broadcast_to(np.array([0, 1])[:, None, None], (2, 1, stations - 1))
+        return box_tetrahedra(x, y, z, region, ("one", "other"))
+
+    base, longer = mesh(2.0, 6), mesh(3.0, 9)
+    lattice = _Lattice(base, longer)
+    assert lattice.points == pytest.approx(base.points * [1.0, 1.0, 1.5])
+
+    def field(p, length):
+        share = p[:, 2] / length
+        return np.stack([share**3 + p[:, 0], share**2 * p[:, 1], 1.0 - share], axis=1)
+
+    assert lattice.of(field(longer.points, 3.0)) == pytest.approx(field(base.points, 2.0))
+    same = _Lattice(base, mesh(3.0, 6))
+    assert same.points == pytest.approx(lattice.points)
+    assert same.of(base.points) == pytest.approx(base.points)
 
 
 @pytest.mark.heavy

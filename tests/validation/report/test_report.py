@@ -17,6 +17,7 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
 from tactgen.validation.report.figures.bimorph import response_values
 from tactgen.validation.report.page import _with_pages, print_report, write_report
+from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.design import length_section
 from tactgen.validation.studies.uncertainty import propagation
@@ -37,6 +38,17 @@ def test_a_model_without_a_value_there_tells_none():
     curve = {"free": {"tmm": np.array([2e-6j, np.nan])}}
     told = json.loads(response_values(np.array([10.0, 20.0]), curve, {"free": "free tip"}))
     assert told["cases"][0]["models"] == {"tmm": {"size": ["2", None], "phase": ["90.0", None]}}
+
+
+def test_the_mesh_that_is_shown_is_the_finer_of_two():
+    """Of bricks known before anything is solved; of beams there is none."""
+    solid, beams = (
+        Study(*load_scene("j1", [f"models={models}"]), lambda _: None, quick=True)
+        for models in ("tmm,solid", "tmm")
+    )
+    sizes = [bricks.used().sum() for bricks in mesh_pair(solid.scene).meshes]
+    assert solid.shown_mesh.used().sum() == max(sizes) > min(sizes)
+    assert beams.shown_mesh is None
 
 
 @pytest.mark.heavy

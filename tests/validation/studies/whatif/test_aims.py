@@ -18,7 +18,7 @@ from tactgen.validation.studies.whatif.aim.best import (
     yield_interval,
 )
 from tactgen.validation.studies.whatif.aim.expression import parse_aim
-from tactgen.validation.studies.whatif.aim.wording import as_values, shown
+from tactgen.validation.studies.whatif.aim.wording import as_values, sentences, shown
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
 
@@ -208,3 +208,40 @@ def test_a_verdict_as_plain_values():
     assert as_values(study, found)["yield_interval_95"] is None
     study.statement.samples = 2
     assert as_values(study, Verdict((aim,), (), (), (), ()))["yield_interval_95"] is None
+
+
+def test_what_a_verdict_says():
+    """How many meet the conditions, and the best of them; nothing more where none does."""
+    condition = parse_aim("first(short_circuit_frequencies) > 0.5 kHz")
+    goal, other = (
+        parse_aim(f"minimise {name}") for name in ("capacitance_free", "capacitance_blocked")
+    )
+    points = [Judged(n, "tmm", ((10.0 * n, 0.5),)) for n in range(7)]
+    study = SimpleNamespace(
+        points=[{"gap": 1e-4 * n} for n in range(7)], statement=SimpleNamespace(samples=0)
+    )
+
+    def said(aims, met, undecided=(), best=()):
+        return sentences(study, Verdict(aims, tuple(points), tuple(met), tuple(undecided), best))
+
+    none = "0 of 7 points meet first(short_circuit_frequencies) > 0.5 kHz"
+    assert said((condition,), ()) == [none]
+    close = said((condition,), (), points[:1])
+    assert close[0] == none
+    assert close[1].startswith("1 of them all are nearer to the edge")
+    found = said((condition,), points[1:], best=tuple(points[:0:-1]))
+    assert found[1] == "farthest inside first(short_circuit_frequencies) > 0.5 kHz:"
+    assert len(found) == 2 + 5
+    assert found[2] == "  gap = 0.6 mm (tmm): margin 60.00 ± 0.50 Hz"
+    assert said((goal,), points, best=tuple(points))[0] == "best:"
+    both = said((goal, other), points, best=tuple(
+        Judged(n, "tmm", ((-1e-9, 1e-12), (-2e-9, 1e-12))) for n in range(6)))  # fmt: skip
+    assert both[0].startswith("6 points cannot be bettered in both minimise capacitance_free and")
+    assert len(both) == 1 + 6  # the whole front
+    empty = Verdict((condition,), (), (), (), ())
+    assert sentences(study, empty) == ["no point has all the quantities that the aims name"]
+    study.statement.samples = 7
+    share = said((condition,), points[:1])[0]
+    low, high = (100.0 * end for end in yield_interval(1, 7))
+    assert share.endswith(f": a yield of 14.3 % (95 % interval {low:.3g} to {high:.3g} %, "
+                          "from the count alone)")  # fmt: skip

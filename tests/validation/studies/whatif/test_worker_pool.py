@@ -52,7 +52,14 @@ def pool(monkeypatch):
             raise Busy
         return asked, values["at"], retry, patient
 
+    wait = workers.wait
+
+    def waits_for_some(futures, return_when):
+        assert futures, "nothing runs, and something is waited for: without end"
+        return wait(futures, return_when=return_when)
+
     monkeypatch.setattr(workers, "answer", answer)
+    monkeypatch.setattr(workers, "wait", waits_for_some)
     return Pool
 
 
