@@ -292,15 +292,17 @@ def _balance(matrix: Sparse) -> Floats:
     the rows' largest entries (D. Ruiz, A scaling algorithm to equilibrate both rows and
     columns norms in matrices, RAL-TR-2001-034).  Powers of two round nothing.
     """
-    entries = _largest(matrix, np.ones(matrix.shape[0]))
-    if not np.isfinite(entries).all():
-        raise SolverError("the matrix has entries that are not finite")
-    if not entries.all():
-        raise SolverError(f"the matrix is singular (row {int(np.argmin(entries))} is zero)")
     diagonal = np.abs(matrix.diagonal())
-    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, entries))
+    if not diagonal.all():
+        entries = _largest(matrix, np.ones(matrix.shape[0]))
+        if not entries.all():
+            raise SolverError(f"the matrix is singular (row {int(np.argmin(entries))} is zero)")
+        diagonal = np.where(diagonal > 0.0, diagonal, entries)
+    scale = 1.0 / np.sqrt(diagonal)
     for _ in range(_PASSES):
         entries = _largest(matrix, scale)
+        if not np.isfinite(entries).all():
+            raise SolverError("the matrix has entries that are not finite")
         if entries.max() <= _BALANCED and entries.min() >= 1.0 / _BALANCED:
             break
         scale = scale / np.sqrt(entries)

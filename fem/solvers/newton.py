@@ -167,7 +167,7 @@ def minimise(
         slope = float(gradient @ direction)
         if not slope <= 0.0:
             raise _not_convex()
-        x, gradient = _stepped(energy, x, direction, slope)
+        x, gradient = _stepped(energy, x, direction, slope, _SLOPE_LEFT if anew else _FAST)
         size = energy.scale(x)
         # what is left is measured by the factors from before the step: the same to first order
         rest = factors.solve(gradient)
@@ -191,16 +191,16 @@ def _not_convex() -> SolverError:
 
 
 def _stepped(
-    energy: ConvexEnergy, x: Floats, direction: Floats, slope: float
+    energy: ConvexEnergy, x: Floats, direction: Floats, slope: float, share: float = _SLOPE_LEFT
 ) -> tuple[Floats, Floats]:
     """Return where a step along `direction` ends, and the gradient there.
 
-    Its length, 1 at most, is found by regula falsi on the slope.
+    Its length, 1 at most, is found by regula falsi on the slope, up to a share that may be left.
 
     A small slope alone is not enough: where the curve has flattened out it may be far
     beyond the minimum, so the energy must not have grown either.
     """
-    enough = _SLOPE_LEFT * abs(slope)
+    enough = share * abs(slope)
     ceiling = energy.value(x) + _ROUNDING * energy.scale(x)
     low, slope_low, high, slope_high, length = 0.0, slope, 1.0, np.inf, 1.0
     for _ in range(_MAX_TRIALS):
