@@ -6,7 +6,6 @@ Looked for before the import that would otherwise fail with a traceback, or cras
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import os
 import sys
 from pathlib import Path
@@ -28,6 +27,8 @@ def require_library(name: str, purpose: str) -> None:
     InputError
         If not, with the command that installs it.
     """
+    import ctypes
+
     try:
         ctypes.CDLL(name)
     except OSError:
@@ -61,7 +62,7 @@ def require_room(size: int, purpose: str) -> None:
     if left is not None and left < size:
         raise InputError(
             f"{purpose} need {size / 1e9:.1f} GB of address space, and this process may take "
-            f"{max(left, 0) / 1e9:.1f} GB more; raise its limit (ulimit -v) or leave them out"
+            f"{max(left, 0) / 1e9:.1f} GB more; raise its limit (ulimit -v) or ask for less"
         )
 
 

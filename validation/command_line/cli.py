@@ -29,7 +29,9 @@ if TYPE_CHECKING:
 #: machine they wait for each other.  Read once, when numpy is loaded, which no module above
 #: does; the sparse solver's threads are in fem.solvers.threads.
 _BLAS_THREADS = "OPENBLAS_NUM_THREADS"
-
+#: Address space of the numerical libraries (bytes): 0.42 GB was seen.  With less OpenBLAS waits for
+#: memory without end, and MKL ends the process.
+_LEAST = 500_000_000
 
 #: Where the commands are declared.
 _HOME = "tactgen.validation.command_line.commands"
@@ -120,8 +122,10 @@ class _Version(argparse.Action):
 
 def _check_settings() -> None:
     """Refuse bad settings now, not after meshing."""
+    from tactgen.geometry.cad.system_libraries import require_room
     from tactgen.geometry.store.store import size_limit
 
+    require_room(_LEAST, "numpy, scipy and MKL")
     thread_count()
     size_limit()
 
