@@ -1,5 +1,6 @@
 """Refusals that no command reaches at a small cost, provoked where they are said."""
 
+import queue
 import subprocess
 import sys
 from types import SimpleNamespace as Stub
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.reluctance.axisymmetric.two_orders import two_orders
 from tactgen.geometry.bimorph.brick_family import bimorph_bricks
 from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.stretching import stretched
@@ -22,6 +24,7 @@ from tactgen.tmm.harmonic_balance import continuation
 from tactgen.tmm.harmonic_balance.newton import NoConvergence
 from tactgen.tmm.harmonic_balance.oscillator import Orbit
 from tactgen.tmm.reluctance import flux_ladder
+from tactgen.validation.bench.bimorph.peers import sfepy
 from tactgen.validation.models.amplitude import backbone, deflection, held_head
 from tactgen.validation.models.bimorph.family.values import family_values
 from tactgen.validation.models.display.spread import spread
@@ -29,8 +32,9 @@ from tactgen.validation.models.reluctance.family import field_tables
 from tactgen.validation.scene import frequencies
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.uncertainty import by_model
+from tactgen.validation.studies.whatif import cluster
 from tactgen.validation.studies.whatif.shown.pictures import study_picture
-from tactgen.validation.view import browser
+from tactgen.validation.view import browser, films
 
 
 def scene(name="paper", *overrides):
@@ -68,6 +72,8 @@ FAILED = Stub(rows=[(None, "tmm", Stub(status="failed"))])
             lambda: solids._only_solid(Stub(Solids=lambda: [1, 2])),
             InputError, "falls into 2 pieces",
         ),
+        (lambda: two_orders(Device(), 2e-4, 1, 1.0, 0.06), InputError, "order = 1 leaves none"),
+        (lambda: sfepy.run({"kind": "tetra"}), InputError, "no tetrahedra by itself; ask it for"),
         (lambda: sources._place("nowhere"), LookupError, "package nowhere has no folder"),
         (lambda: resting_places(UPWARD, 0.05), InputError, "nowhere between its stops at coil"),
         (
@@ -104,6 +110,38 @@ def test_each_is_said(what, error, words):
     """The sentence names what is wrong."""
     with pytest.raises(error, match=words):
         what()
+
+
+def test_a_cluster_that_is_lost(monkeypatch):
+    """What it raises is said; a scheduler that ended is not waited for."""
+
+    def gone(timeout):
+        raise OSError("closed")
+
+    def nothing(timeout):
+        raise queue.Empty
+
+    batch = Stub(key="1", result=gone, add_done_callback=lambda done: done(batch))
+    client = Stub(submit=lambda *_, **__: batch, status="closed")
+    monkeypatch.setitem(sys.modules, "distributed", Stub(KilledWorker=KeyError))
+    running = cluster._Running(client, ("tmm",))
+    running.submit(0, (0,), ())
+    with pytest.raises(InputError, match=r"the cluster was lost \(OSError: closed\); "):
+        running.next()
+    running._ended = Stub(get=nothing)
+    with pytest.raises(InputError, match="the scheduler ended; "):
+        running.next()
+
+
+def test_a_film_that_is_not_made(monkeypatch, tmp_path):
+    """What ffmpeg says last is quoted, and nothing is left."""
+    failed = Stub(returncode=1, stderr=b"first\nUnknown encoder\n")
+    monkeypatch.setattr(films, "check_ffmpeg", lambda _: None)
+    monkeypatch.setattr(subprocess, "run", lambda *_, **__: failed)
+    picture = Stub(tobytes=lambda: b"", size=(2, 2))
+    with pytest.raises(InputError, match="ffmpeg says: Unknown encoder; write --gif"):
+        films.save_film(tmp_path / "a.mp4", [picture], 40)
+    assert not list(tmp_path.iterdir())
 
 
 def test_another_row_of_pieces_is_no_member(few_bricks):
