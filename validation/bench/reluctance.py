@@ -19,7 +19,7 @@ import numpy as np
 from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.reluctance.map_range import map_grid
-from tactgen.validation.bench.one_core import on_one_core
+from tactgen.validation.bench.one_core import least_time, on_one_core
 from tactgen.validation.bench.result import Bench, Target, Timing
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential
 from tactgen.validation.checks.cases.magnetics.team20 import pole_forces
@@ -197,7 +197,7 @@ def _targets(
 
 def point_of(order: int, refinement: float, repeats: int) -> dict[str, float]:
     """Return the device's point and the least of several processor times (s)."""
-    seconds, point = _timed(
+    seconds, point = least_time(
         lambda: solve_point(_DEVICE, order=order, refinement=refinement, any_grid=True), repeats
     )
     assert isinstance(point, FieldPoint)
@@ -217,7 +217,7 @@ def point_of(order: int, refinement: float, repeats: int) -> dict[str, float]:
 def map_seconds(gaps: int, currents: int) -> float:
     """Return the processor time (s) of the samples of a map over the device's stroke."""
     i, g = map_grid(_DEVICE, currents, gaps)
-    return _timed(lambda: solve_map(_DEVICE, g.tolist(), i.tolist(), order=_MAP_ORDER), 1)[0]
+    return least_time(lambda: solve_map(_DEVICE, g.tolist(), i.tolist(), order=_MAP_ORDER))[0]
 
 
 def solid_of(name: str, scale: float) -> dict[str, float]:
@@ -226,20 +226,10 @@ def solid_of(name: str, scale: float) -> dict[str, float]:
     from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
 
     potential: Potential = VectorPotential if name == "A" else ScalarPotential
-    seconds, found = _timed(lambda: next(pole_forces(potential, scale, (_SATURATED,))), 1)
+    seconds, found = least_time(lambda: next(pole_forces(potential, scale, (_SATURATED,))))
     return {
         "seconds": seconds,
         "unknowns": found.unknowns,
         "force": found.force,
         "coenergy": found.coenergy,
     }
-
-
-def _timed(work: Callable[[], Any], repeats: int) -> tuple[float, Any]:
-    """Return the least processor time (s) and the last result."""
-    least, result = math.inf, None
-    for _ in range(repeats):
-        started = time.process_time()
-        result = work()
-        least = min(least, time.process_time() - started)
-    return least, result

@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.validation.bench.one_core import on_one_core, peak_memory
+from tactgen.validation.bench.one_core import least_time, on_one_core, peak_memory
 from tactgen.validation.bench.result import Bench, Target, Timing
 from tactgen.validation.view.formats import engineering
 
@@ -225,9 +225,9 @@ def measured(path: str, solver: str) -> dict[str, float]:
     matrix = sparse.load_npz(path)
     known = np.random.default_rng(3).uniform(-1.0, 1.0, (matrix.shape[0], _RIGHT_SIDES))
     right = matrix @ known
-    first, factor = _timed(lambda: factorise(matrix, solver=solver))
-    again, _ = _timed(lambda: factor.refactorise(matrix))
-    seconds, solution = _timed(lambda: factor.solve(right))
+    first, factor = least_time(lambda: factorise(matrix, solver=solver))
+    again, _ = least_time(lambda: factor.refactorise(matrix))
+    seconds, solution = least_time(lambda: factor.solve(right))
     negative = factor.negative_pivots
     return {
         "unknowns": matrix.shape[0],
@@ -239,9 +239,3 @@ def measured(path: str, solver: str) -> dict[str, float]:
         "error": float(np.abs(solution - known).max()),
         "negative": -1 if negative is None else negative,
     }
-
-
-def _timed(work: Callable[[], Any]) -> tuple[float, Any]:
-    started = time.process_time()
-    result = work()
-    return time.process_time() - started, result

@@ -89,6 +89,7 @@ def test_team20_in_a_process_of_its_own(potential):
     """A coarse mesh is within a quarter of the 80.1 N that were measured."""
     found = on_one_core(magnetics.__name__, "solid_of", potential, 3.0)
     assert found["force"] == pytest.approx(80.1, rel=0.25)
+    assert found["unknowns"] > 1000 > found["coenergy"] > 0.0
     assert found["seconds"] > 0.0
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.validation.bench import reluctance, skip, solver
+from tactgen.validation.bench import one_core, reluctance, skip, solver
 from tactgen.validation.bench.bimorph import beam, meshes, solid, ways
 from tactgen.validation.bench.bimorph.jobs import j1
 
@@ -245,3 +245,11 @@ def test_rows_of_the_solver_are_complete():
     assert len(row.cells) == len(row.columns)
     assert row.values == ("superlu, real", "solve", 10, 100, 0.5, 1e6, 1e-9)
     assert len(row.fields) == len(row.values)
+
+
+def test_the_least_time_of_several_runs_counts(monkeypatch):
+    """From the start of each to its end; with the last result."""
+    clock = iter([10.0, 13.0, 20.0, 21.5, 30.0, 32.0])
+    monkeypatch.setattr(one_core.time, "process_time", lambda: next(clock))
+    results = iter("abc")
+    assert one_core.least_time(lambda: next(results), 3) == (1.5, "c")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.cli import main
+from tactgen.validation.command_line.cli import commands, main
 from tactgen.validation.export.files import export
 from tactgen.validation.scene.scene import load_scene
 
@@ -327,3 +327,11 @@ def test_zero_is_printed_without_a_sign(capsys):
     )
     assert code == 0
     assert " -0 " not in out
+
+
+def test_help_is_on_stdout(capsys):
+    """Asked for or printed by a program; it is no message."""
+    commands()["solve"].print_help()
+    out, err = capsys.readouterr()
+    assert out.startswith("usage: tactgen solve")
+    assert err == ""

@@ -65,3 +65,12 @@ def test_a_gif_goes_round(scene, tmp_path, monkeypatch):
         assert film.info["loop"] == 0
         shown = [frame.info["duration"] for frame in ImageSequence.Iterator(film)]
     assert shown == [80, 80, 80]
+
+
+def test_motions_are_enlarged_to_a_share_of_the_pitch():
+    """Whatever their size; none where nothing moves."""
+    for tips, pitch in ((np.array([1e-6, -3e-6j]), 2.4), (np.array([5e-3]), 10.0)):
+        drawn = 1e3 * np.abs(tips).max() * assembly_frames.enlargement(tips, pitch)
+        assert 0.1 * pitch < drawn < 0.5 * pitch  # seen, and clear of the neighbour
+        assert drawn == pytest.approx(pitch * assembly_frames.enlargement(np.array([1e-3]), 1.0))
+    assert assembly_frames.enlargement(np.zeros(2), 2.4) == 0.0

@@ -113,3 +113,14 @@ def test_weights_reproduce_polynomials():
     nodes = np.array([1.0, 2.0, 4.0, 5.0])
     assert lagrange_weights(nodes, 3.0) @ nodes**3 == pytest.approx(27.0)
     assert lagrange_weights(nodes, 2.0) == pytest.approx([0.0, 1.0, 0.0, 0.0])
+
+
+def test_each_length_is_announced():
+    scene, _ = load_scene("j1", ["models=tmm", "modes=1"])
+    said = []
+    found = length_range(scene, "tmm", ENDS, said.append, known=2)
+    solved = found.solved.size + 1
+    assert said == [
+        "frequencies of tmm at 2 lengths",
+        *(f"shapes of tmm: length {n} of {solved}" for n in range(1, solved + 1)),
+    ]

@@ -19,7 +19,7 @@ from tactgen.geometry.meshing.tetwild.run import sizing_along_z, sizing_at_point
 from tactgen.geometry.meshing.tetwild.sizing import Sizing, limited_growth, sizing_for
 from tactgen.geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
 from tactgen.geometry.store.values import fingerprint
-from tactgen.validation.engine.refinement import SAFETY
+from tactgen.validation.engine.refinement import SAFETY, two_mesh_factor
 from tactgen.validation.models.bimorph import adaptive_meshes
 from tactgen.validation.models.bimorph.adaptive_meshes import (
     AdaptedPair,
@@ -352,3 +352,13 @@ def test_bars_of_the_generator_cover_finer_meshes():
     for name, value, bar in bars(loose):
         closer, own = better[name]
         assert abs(value - closer) <= bar + own, name
+
+
+def test_classes_that_are_no_goal_count_as_on_meshes_refined_alike():
+    """Eight times the unknowns are half the size; as many unknowns are no gain at all."""
+    fine, coarse = (solved_with(n, 1e-2) for n in (80_000, 10_000))
+    bending, others = AdaptedPair(fine, coarse).mode_factors
+    assert others == max(bending, two_mesh_factor(2.0))
+    more = AdaptedPair(coarse, coarse).mode_factors
+    assert np.isfinite(more).all()
+    assert more[1] >= others

@@ -5,6 +5,7 @@ import random
 import pytest
 
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.section.laminate import laminate_section
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph.beam_theory_error import (
     end_share,
@@ -94,3 +95,21 @@ def test_layers_of_a_taper_or_with_glue_count_as_plain_ones():
             near = expected_differences(plain)[name]
             assert (band.low, band.high) == pytest.approx((near.low, near.high), abs=2e-3)
     assert expected_differences(load_scene("bimorph_on_rod")[0]) == {}
+
+
+def test_a_band_holds_no_difference_and_that_of_the_plate():
+    """From the strip to the plate, whichever is larger, with what the ends may do besides."""
+    scene, _ = load_scene("j1")
+    ends = end_share(scene.bimorph)
+    strip = beam_values(scene)
+    plate = beam_values(scene, laminate_section(scene.device, scene.beam))
+    found = expected_differences(scene)
+    for name, narrow, wide in (
+        ("static_tip_displacement", strip.deflection, plate.deflection),
+        ("short_circuit_frequencies", strip.first_frequency, plate.first_frequency),
+        ("capacitance_free", strip.capacitance, plate.capacitance),
+    ):
+        both = sorted((0.0, narrow / wide - 1.0))
+        assert (found[name].low, found[name].high) == pytest.approx(
+            (both[0] - ends, both[1] + ends)
+        )

@@ -141,3 +141,12 @@ def test_who_has_no_bimorph_has_no_such_parts():
     assert alone(load_scene("reluctance")[0]) == ()
     assert "length" in alone(load_scene("paper")[0])
     assert "length" not in alone(load_scene("generator")[0])
+
+
+def test_who_does_not_wait_makes_nothing_ahead():
+    """What is done there is taken at once."""
+    with ThreadPoolExecutor(1) as pool:
+        other = Ahead(pool, lambda _, name: name, "scene", ["done"])
+        other._begun["done"].result()
+        other.meanwhile(pytest.fail, ["mine"])
+        assert other.take("done", pytest.fail) == "done"

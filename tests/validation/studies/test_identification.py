@@ -11,6 +11,7 @@ from tactgen.validation.catalogue.quantities import measurable
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.keys import with_values
 from tactgen.validation.scene.scene import FILE_KEYS, load_scene
+from tactgen.validation.studies.identification import identifiability
 from tactgen.validation.studies.identification import identify as identify_module
 from tactgen.validation.studies.identification.curve_fit import Misfit
 from tactgen.validation.studies.identification.curve_model import curve_model, sensitivities
@@ -463,3 +464,14 @@ def test_a_fitted_scene_elsewhere_names_the_same_curve(tmp_path):
     )
     for as_it_is in ("team20", "linear", str(tmp_path / "steel.csv")):
         assert file_from(Path("fits"), as_it_is, FILE_KEYS["steel.curve"]) == as_it_is
+
+
+@pytest.mark.parametrize(
+    ("half_width", "said"),
+    [
+        (1e-14, "to rounding"), (0.0123, "to ±1.2 %"), (np.log(50.0), "within a factor of 50"),
+        (np.log(250.0), "within a factor of 250"), (400.0, "within a factor of over 1000"),
+    ],
+)  # fmt: skip
+def test_how_well_a_parameter_is_known_in_words(half_width, said):
+    assert identifiability._spread(half_width) == said

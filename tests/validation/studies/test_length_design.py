@@ -14,7 +14,7 @@ from tactgen.validation.report.page import templates
 from tactgen.validation.scene.keys import value_of, with_values
 from tactgen.validation.scene.papers_device import is_papers_bimorph
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.design import length_scan, length_section, voltage_section
+from tactgen.validation.studies.design import length_scan, length_section, plots, voltage_section
 from tactgen.validation.studies.design.aim import PAPER_LENGTHS, Aim
 from tactgen.validation.studies.design.length_dependence import decided_lengths, dependences
 from tactgen.validation.studies.design.length_design import design, largest_margin
@@ -122,18 +122,6 @@ def test_every_minimum_is_found():
     # located to 4e-7 of the bracket of 0.7, and the error is of second order
     assert lowest[inner] == pytest.approx(-np.ones(6), abs=1e-12)
     assert where[[3, 7]].tolist() == [20.0, 20.0]
-
-
-def test_a_dip_in_the_last_interval_is_found():
-    """Sharper than the grid and beside the band's end, where the grid only sees a fall."""
-    f = np.linspace(1.0, 20.0, 60)
-
-    def dip(rows, x):
-        return np.abs(x - 19.9) + 0.0 * rows[:, None]
-
-    _, where, lowest = local_minima(f, dip(np.zeros(1), f), dip)
-    assert where[-1] == pytest.approx(19.9, rel=1e-7)
-    assert lowest[-1] < 1e-6
 
 
 def test_lowest_margin_is_the_lowest(paper):
@@ -578,3 +566,33 @@ def test_partials_render(name):
         assert html.count("<svg") == 1
         text = re.sub(r"<svg.*?</svg>", "", html, flags=re.DOTALL)
         assert not re.search(r"\bnan\b|\bNone\b|\binf\b", re.sub(r"<[^>]+>", " ", text))
+
+
+@pytest.mark.parametrize("at", [1.1, 19.9])
+def test_a_dip_beside_an_end_is_found(at):
+    """Sharper than the grid, where the grid only sees a slope."""
+    f = np.linspace(1.0, 20.0, 60)
+
+    def dip(rows, x):
+        return np.abs(x - at) + 0.0 * rows[:, None]
+
+    _, where, lowest = local_minima(f, dip(np.zeros(1), f), dip)
+    assert where[-1] == pytest.approx(at, rel=1e-7)
+    assert lowest[-1] < 1e-6
+
+
+def test_thresholds_are_drawn_in_micrometres_through_their_points():
+    from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
+    from tactgen.validation.view.figures import new_figure
+
+    axis = new_figure(4.0, 3.0).add_subplot()
+    f = np.geomspace(10.0, 1000.0, 50)
+    plots._threshold(axis, f)
+    curve, points = axis.lines
+    assert curve.get_ydata() == pytest.approx(1e6 * DISPLAY_THRESHOLD.at(f))
+    at, known = points.get_data()
+    assert known == pytest.approx(1e6 * DISPLAY_THRESHOLD.at(np.asarray(at)))
+    ((left, right),) = [tuple(s[:, 0]) for s in axis.collections[0].get_segments()]
+    assert left < right == pytest.approx(1000.0)
+    assert axis.get_xlim() == pytest.approx((10.0, 1000.0))
+    assert (axis.get_xlabel(), axis.get_ylabel()) == ("frequency (Hz)", "threshold (µm)")

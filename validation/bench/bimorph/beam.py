@@ -7,7 +7,7 @@ import platform
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from tactgen.tmm.beam.transfer.blocks import BLOCK
 from tactgen.tmm.beam.transfer.transfer_matrix import chain
 from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.tmm.ports.terminations import base_stiffness, ends_of, tip_stiffness
-from tactgen.validation.bench.one_core import on_one_core, peak_memory
+from tactgen.validation.bench.one_core import least_time, on_one_core, peak_memory
 from tactgen.validation.bench.result import Bench, Target, Timing
 from tactgen.validation.checks.cases import reference_beam as reference
 from tactgen.validation.checks.cases import textbook_beam
@@ -148,7 +148,7 @@ def seconds_of(path: str, case: str, points: int) -> float:
     """Return the least of three processor times (s) of one path; attachments are given."""
     f = _spaced(case, points)
     attached = _attached(f)
-    return min(_timed(lambda: _velocity(path, f, *attached)) for _ in range(3))
+    return least_time(lambda: _velocity(path, f, *attached), 3)[0]
 
 
 def map_seconds(lengths: int, frequencies: int, loads: int) -> float:
@@ -161,7 +161,7 @@ def map_seconds(lengths: int, frequencies: int, loads: int) -> float:
         for load in kinds:
             tip_response(_actuator(load), {"bimorph.length": l}, f)
 
-    return min(_timed(work) for _ in range(3))
+    return least_time(work, 3)[0]
 
 
 def memory_of(points: int) -> int:
@@ -213,9 +213,3 @@ def _velocity(path: str, f: Floats, base: tuple[Complex, Complex], tip: Complex)
 def _spaced(case: str, points: int) -> Floats:
     low, high = CASES[case]
     return (np.geomspace if high > 1e3 * low else np.linspace)(low, high, points)
-
-
-def _timed(work: Callable[[], Any]) -> float:
-    started = time.process_time()
-    work()
-    return time.process_time() - started

@@ -37,11 +37,6 @@ class Band:
     low: float
     high: float
 
-    @property
-    def largest(self) -> float:
-        """The larger of both sizes."""
-        return max(abs(self.low), abs(self.high))
-
 
 def end_share(bimorph: Bimorph) -> float:
     """Return which share of deflection, first frequency or capacitance the ends may move."""

@@ -130,3 +130,17 @@ def test_stiff_circuits_drive_fifty_milliamperes():
         scene, _ = load_scene("generator", list(run.overrides))
         assert run.by_voltage
         assert run.coil.level / scene.coil.source_resistance == pytest.approx(0.05)
+
+
+def test_quick_runs_reach_both_ends_of_a_range():
+    """Of every sweep: some of its points, none twice, among them the last."""
+    sweeps = [v for part in (lateral, machine) for v in vars(part).values()
+              if isinstance(v, sweep.Sweep)]  # fmt: skip
+    for one in (*sweeps, *holding.HELD, *holding.DRIVEN):
+        if not one.quick:
+            continue
+        chosen = list(one.chosen(True))
+        assert len(chosen) == len(set(chosen)) <= len(one.points)
+        if one is not lateral._CAD_LENGTH:  # a long one on tetrahedra takes minutes
+            assert one.points[-1] in chosen, one.family
+        assert list(one.chosen(False)) == list(one.points)

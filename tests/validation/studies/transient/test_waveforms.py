@@ -229,3 +229,11 @@ def test_what_switches_too_often_is_refused_before_it_is_tried():
         system = System(one, one, one, one[0], one[0], outputs={"x": Output(one[0], "m", 1.0)})
         with pytest.raises(InputError, match="ask for a shorter time"):
             simulate(system, Sources(drive), 10.0)
+
+
+@pytest.mark.parametrize("units", [(VOLTS, AMPERES), (VOLTS,)])
+def test_a_level_in_no_unit_that_may_be(units):
+    """Of several units none is named in place of the others."""
+    with pytest.raises(InputError) as refused:
+        parsed("10 kg", "--coil", units)
+    assert ("is no level in volts or amperes" in str(refused.value)) == (len(units) == 2)

@@ -2,6 +2,7 @@
 
 import json
 import re
+from types import SimpleNamespace
 
 import pytest
 
@@ -11,6 +12,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.whatif.compare.differences import answer_differences
 from tactgen.validation.studies.whatif.compare.sides import Key, Number, Side, read_sides
+from tactgen.validation.studies.whatif.compare.wording import as_values
 
 KEY = Key((), "capacitance_free", "solid", "", "")
 SCENE = load_scene("prototype")[0]
@@ -172,3 +174,13 @@ def test_devices_have_one_scale(capsys, tmp_path, driven):
         page, "found.pictures = all('img').map((img) => [img.alt, img.naturalHeight > 0]);"
     )
     assert found["pictures"] == [["device A", True], ["device B", True]]
+
+
+def test_a_comparison_as_plain_values():
+    """Who is compared, and what; nothing is lost."""
+    sides = tuple(SimpleNamespace(name=name, missing=("x",) * n) for n, name in enumerate("pq"))
+    change = SimpleNamespace(key="gap", first="1 mm", second="2 mm")
+    assert as_values(sides, [change], []) == {
+        "a": "p", "b": "q", "inputs": [{"key": "gap", "a": "1 mm", "b": "2 mm"}], "answers": [],
+        "missing": [0, 1],
+    }  # fmt: skip

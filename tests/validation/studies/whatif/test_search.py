@@ -2,6 +2,7 @@
 
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import solid_family
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.whatif import answers
+from tactgen.validation.studies.whatif.search.found import Found
 from tactgen.validation.studies.whatif.search.ranges import Range
 
 QUICK = (
@@ -102,3 +104,11 @@ def test_ends_of_a_range_are_exact():
     assert (by_ratio.at(0.0), by_ratio.at(1.0)) == (1e-4, 3e-3)
     assert by_ratio.share(by_ratio.at(0.3)) == pytest.approx(0.3, abs=1e-12)
     assert by_ratio.share(1.0) == 1.0
+
+
+@pytest.mark.parametrize(("share", "ends"), [(0.0, True), (0.5, False), (1.0, True)])
+def test_a_best_value_at_either_end_is_told(share, ends):
+    """Where the range is left, a better one may lie."""
+    bounds = SimpleNamespace(key="gap", share=lambda value: value)
+    found = SimpleNamespace(ranges=(bounds,), best=SimpleNamespace(values={"gap": share}))
+    assert Found.at_end.fget(found) == (("gap",) if ends else ())
