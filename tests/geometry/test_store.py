@@ -246,8 +246,11 @@ def full(*_):
     raise OSError(28, "No space left on device")
 
 
-@pytest.mark.parametrize("obstacle", ["a file in the way", "full disk"])
-def test_what_cannot_be_kept_is_said_once(folder, obstacle, monkeypatch, capsys):
+@pytest.mark.parametrize(
+    ("obstacle", "reason"),
+    [("a file in the way", "file exists"), ("full disk", "no space left on device")],
+)
+def test_what_cannot_be_kept_is_said_once(folder, obstacle, reason, monkeypatch, capsys):
     """The run goes on."""
     if obstacle == "full disk":
         folder.mkdir()
@@ -260,7 +263,8 @@ def test_what_cannot_be_kept_is_said_once(folder, obstacle, monkeypatch, capsys)
     assert len(calls) == 3
     said = capsys.readouterr().err
     assert said.count("\n") == 1
-    assert "not kept for the next run" in said
+    assert "results are not kept for the next run (" in said
+    assert f"{reason})" in said.lower()
 
 
 @pytest.mark.parametrize("home", [None, ""], ids=["none", "empty"])

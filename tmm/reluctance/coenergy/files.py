@@ -80,10 +80,7 @@ def read_map(path: str | Path) -> CoenergyMap:
             samples = _samples(file, path)
     except InputError:
         raise
-    except (
-        OSError, ValueError, TypeError, EOFError, LookupError, AttributeError, ArithmeticError,
-        MemoryError, AssertionError,
-    ) as error:  # fmt: skip
+    except Exception as error:  # noqa: BLE001
         reason = (getattr(error, "strerror", None) or "not a whole netCDF file").lower()
         raise InputError(
             f"{path} cannot be read as a co-energy map ({reason}); give a file that was written "

@@ -107,6 +107,39 @@ def test_the_stated_bound_is_that_of_the_family_as_it_is(family):
     assert 0.7 * family.bound < largest < 1.3 * family.bound
 
 
+def test_what_is_looked_at_at_rest_is_all_that_is_answered(family):
+    """Modes of both circuits, and of statics what a force and a volt do, each with its bound."""
+    members = family.members("bending_x", PLAIN, {"bimorph.length": np.array([11e-3, 18e-3])})
+    modes = [family_modes(members, Ends(), 3, open_circuit=o) for o in (False, True)]
+    statics = family_statics(members)
+    answers = at_rest(members, 3)
+    assert np.array_equal(answers.values[:, :6], np.hstack([m.frequencies for m in modes]))
+    assert np.array_equal(answers.missing[:, :6], np.hstack([m.bars for m in modes]))
+    assert answers.values[:, 6] == pytest.approx(statics.compliance[:, 0, 0].real)
+    assert answers.values[:, 7] == pytest.approx(statics.follows[:, 0, 2].real)
+    assert answers.values[:, 8] == pytest.approx(statics.held[:, 2, 2].real)
+    volt, force = statics.missing[:, 0], statics.missing[:, 1]
+    assert pytest.approx(np.array([force**2, force * volt, volt**2])) == answers.missing[:, 6:].T
+    others = family.members("torsion", PLAIN, {"bimorph.length": np.array([14e-3])})
+    assert at_rest(others, 1).values.shape == (1, 1)
+
+
+def test_a_division_does_not_depend_on_who_is_named_first():
+    """It is that of the longest pieces and the thinnest layers, each from whichever has it."""
+    least = {"length": 10e-3, "width": 2e-3, "tab_length": 1e-3, "bare_below": 0.5e-3,
+             "bare_above": 0.4e-3, "piezo_thickness": 0.2e-3, "shim_thickness": 0.2e-3,
+             "glue_thickness": 10e-6}  # fmt: skip
+    base = with_values(PLAIN, {f"bimorph.{name}": value for name, value in least.items()})
+    for name, value in least.items():
+        other = with_values(base, {f"bimorph.{name}": 1.7 * value})
+        found, turned = dividing([base, other], COARSE), dividing([other, base], COARSE)
+        alone = [dividing([device], COARSE) for device in (base, other)]
+        chosen = alone[0 if name.endswith("_thickness") else 1]
+        for ours, same, expected in zip(found.axes, turned.axes, chosen.axes, strict=True):
+            assert np.array_equal(ours.breaks, same.breaks), name
+            assert np.array_equal(ours.breaks, expected.breaks), name
+
+
 def test_a_thickness_changes_the_proportions_and_the_bound_is_reached():
     """Layers stretched apart need more shapes; a point that stays the worst is asked more of."""
     ranges = LENGTH | {"bimorph.piezo_thickness": (0.2e-3, 0.3e-3)}
