@@ -26,8 +26,6 @@ _HOLDER = __name__.removesuffix("geometry.store.sources")
 _INDEX = "sources" + SUFFIX
 #: Hashes that this process found, by the names.
 _digests: dict[tuple[str, ...], str] = {}
-#: Folders that this process has looked into or written an index to.
-_indexed: set[Path] = set()
 
 
 @dataclass
@@ -40,12 +38,15 @@ class Sources:
         Where hashes and imports are kept between runs.
     known : dict
         By file: its time and size, and (hash, names imported).
+    seen : dict
+        By file what is known of it, once it is sure to be what the file says now.
     """
 
     folder: Path
     known: dict[str, tuple[tuple[int, int], tuple[str, tuple[str, ...]]]] = field(
         default_factory=dict
     )
+    seen: dict[Path, tuple[str, tuple[str, ...]]] = field(default_factory=dict)
 
     def digest(self, names: Iterable[str]) -> str:
         """Return a hash of the named modules and packages with all that they import.
@@ -55,15 +56,16 @@ class Sources:
         LookupError
             If a name has no source: a hash of nothing would call everything up to date.
         """
-        with contextlib.suppress(FileNotFoundError, Damaged):
-            self.known = read_entry(self.folder / _INDEX)
+        if not self.seen:
+            with contextlib.suppress(FileNotFoundError, Damaged):
+                self.known = read_entry(self.folder / _INDEX)
         before = dict(self.known)
-        found: dict[str, str] = {}
+        found: dict[Path, str] = {}
         open_ends = [f for name in names for f in (*_imported(name), *_files_of(name))]
         while open_ends:
             file = open_ends.pop()
-            if str(file) not in found:
-                found[str(file)], imports = self._read(file)
+            if file not in found:
+                found[file], imports = self._read(file)
                 open_ends += [f for name in imports for f in _imported(name)]
         if self.known != before:
             with contextlib.suppress(InputError, OSError):
@@ -72,12 +74,15 @@ class Sources:
         return hashlib.sha256("".join(sorted(found.values())).encode()).hexdigest()
 
     def _read(self, file: Path) -> tuple[str, tuple[str, ...]]:
+        if file in self.seen:
+            return self.seen[file]
         state = file.stat()
         stamp = (state.st_mtime_ns, state.st_size)
         kept = self.known.get(str(file))
         if kept is None or kept[0] != stamp:
             kept = stamp, _parsed(file, stamp)
             self.known[str(file)] = kept
+        self.seen[file] = kept[1]
         return kept[1]
 
 
@@ -89,14 +94,17 @@ def _parsed(file: Path, _: tuple[int, int]) -> tuple[str, tuple[str, ...]]:
     return hashlib.sha256(content).hexdigest(), names
 
 
+#: What this process knows of the sources, by the folder with their index.
+_indexes: dict[Path, Sources] = {}
+
+
 def source_digest(names: tuple[str, ...], folder: Path) -> str:
     """Return :meth:`Sources.digest`, once a process: code that runs does not change.
 
     Each folder gets its index of the sources when it is first asked for.
     """
-    if names not in _digests or folder not in _indexed:
-        _digests[names] = Sources(folder).digest(names)
-        _indexed.add(folder)
+    if names not in _digests or folder not in _indexes:
+        _digests[names] = _indexes.setdefault(folder, Sources(folder)).digest(names)
     return _digests[names]
 
 

@@ -8,7 +8,6 @@ anew, what cannot be written is not kept, and each is said once.
 from __future__ import annotations
 
 import contextlib
-import importlib.metadata
 import os
 import re
 import sys
@@ -175,13 +174,27 @@ def clear() -> Holding:
 @cache
 def library_versions() -> tuple[str, ...]:
     """Return the versions of the libraries that may give other numbers."""
-    found = []
-    for library in _LIBRARIES:
-        try:
-            found.append(f"{library} {importlib.metadata.version(library)}")
-        except importlib.metadata.PackageNotFoundError:
-            found.append(f"no {library}")
-    return tuple(found)
+    installed = _installed()
+    return tuple(
+        f"{library} {installed[library]}" if library in installed else f"no {library}"
+        for library in _LIBRARIES
+    )
+
+
+def _installed() -> dict[str, str]:
+    """Return versions of what is installed, by name, the first found on the path.
+
+    Read off the folders ``name-version.dist-info`` of the PyPA's specification "Recording installed
+    projects": to load importlib.metadata and parse what is in them takes 30 ms of each command.
+    """
+    found: dict[str, str] = {}
+    for place in sys.path:
+        with contextlib.suppress(OSError):
+            for entry in Path(place).glob("*.dist-info"):
+                name, _, version = entry.stem.partition("-")
+                if version:
+                    found.setdefault(re.sub("[-_.]+", "-", name).lower(), version)
+    return found
 
 
 def _recalled(path: Path, serves: Callable[[T], bool]) -> tuple[T] | None:

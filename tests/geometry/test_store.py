@@ -1,6 +1,7 @@
 """The store: what comes back is what was put in, or it is computed anew; nothing in between."""
 
 import contextlib
+import importlib.metadata
 import os
 import random
 import signal
@@ -540,3 +541,12 @@ def test_this_code_is_found():
     """Every module that the store's own key names is hashed from its file."""
     found = sources._files_of("tactgen.geometry.store")
     assert {path.name for path in found} >= {"store.py", "values.py", "entry.py", "claim.py"}
+
+
+def test_versions_are_those_that_the_metadata_say():
+    """Read off the folders' names; a library that is missing is named as that."""
+    for said, library in zip(store.library_versions(), store._LIBRARIES, strict=True):
+        try:
+            assert said == f"{library} {importlib.metadata.version(library)}"
+        except importlib.metadata.PackageNotFoundError:
+            assert said == f"no {library}"
