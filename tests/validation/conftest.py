@@ -110,6 +110,10 @@ def no_curve_without_words(monkeypatch):
             at = at[np.isfinite(at)]
             assert at.size == 0 or ((at >= low) & (at <= high)).mean() >= 0.5, "out of sight"
         assert len(seen) == len(set(seen)), "which of them?"
+        legends = [*figure.legends, *filter(None, (axis.get_legend() for axis in figure.axes))]
+        shown = {text.get_text() for legend in legends for text in legend.get_texts()}
+        meant = {line.get_label() for axis in figure.axes for line in axis.lines}
+        assert {label for label in meant if label[:1] != "_"} <= shown, "a label that nobody sees"
         return in_words(figure)
 
     monkeypatch.setattr(figures, "_in_words", checked)

@@ -10,6 +10,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.transfer.precision import error_bound
 from tactgen.validation.checks.stress import beam, magnetics, output
+from tactgen.validation.checks.stress.beam_point import CONDITION_LIMIT
 from tactgen.validation.checks.stress.result import (
     WANTED,
     Point,
@@ -239,3 +240,7 @@ def test_section_for_the_report(made_up_stress):
     text = templates().get_template("stress.html").render(context)
     assert text.count("<svg") == 2
     assert "holds up to the condition limit" in text
+
+
+def test_accuracy_is_promised_up_to_the_condition_that_takes_it():
+    assert error_bound(CONDITION_LIMIT) == pytest.approx(WANTED, rel=1e-12)

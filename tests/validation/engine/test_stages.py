@@ -5,6 +5,7 @@ import pickle
 import subprocess
 import sys
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -179,3 +180,37 @@ def test_frequencies_of_other_supports_agree_with_the_beam():
         solid, beam = (found.get("short_circuit_frequencies", m) for m in ("solid", "beam"))
         bends = np.array(solid.classes) == "bending_x"
         assert solid.value[bends][0] == pytest.approx(beam.value[0], rel=0.02)
+
+
+@pytest.mark.parametrize("column", ["flux_density", "field", "slope_beyond"])
+def test_all_of_a_steels_curve_counts(monkeypatch, column):
+    """Two files under one name: what differs in either is another key."""
+    curve = {
+        "flux_density": np.array([0.0, 1.0]),
+        "field": np.array([0.0, 9.0]),
+        "slope_beyond": 2.0,
+    }
+    scene, keys = load_scene("reluctance")[0], []
+    for change in (0.0, 0.5):
+        one = {**curve, column: curve[column] + change}
+        monkeypatch.setattr(
+            stages, "magnetisation_curve", lambda _, one=one: SimpleNamespace(**one)
+        )
+        keys.append(stages.stage_keys(["network.map"], scene))
+    assert keys[0] != keys[1]
+
+
+@pytest.mark.parametrize("column", ["frequencies", "real", "imag"])
+def test_all_of_a_loads_table_counts(monkeypatch, column):
+    """Frequencies, and both parts of the impedance."""
+    table = {"frequencies": np.array([10.0, 20.0]), "real": np.ones(2), "imag": np.ones(2)}
+    scene, _ = load_scene("paper")
+    scene = scene.model_copy(update={"load": scene.load.model_copy(update={"kind": "table"})})
+    found = []
+    for change in (0.0, 0.5):
+        one = {**table, column: table[column] + change}
+        impedance = SimpleNamespace(real=one["real"], imag=one["imag"])
+        made = SimpleNamespace(frequencies=one["frequencies"], impedance=impedance)
+        monkeypatch.setattr(stages, "load_table", lambda _, made=made: made)
+        found.append(stages.values_read(scene, ["load"]))
+    assert found[0] != found[1]

@@ -1,6 +1,7 @@
 """Points of the axisymmetric model one after another, against closed forms and points alone."""
 
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from tactgen.validation.engine.costs import recorded
 from tactgen.validation.engine.families import find_families
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.reluctance import field
-from tactgen.validation.models.reluctance.family import walk
+from tactgen.validation.models.reluctance.family import map_table, walk
 from tactgen.validation.scene.keys import value_of, with_values
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif import answers
@@ -214,3 +215,19 @@ def test_bars_of_a_walk_hold_a_better_field(seed):
         for quantity, name in zip(given, ("force", "flux_linkage"), strict=True):
             off = abs(float(quantity.value) - getattr(point, name))
             assert off <= float(quantity.uncertainty) + getattr(point.errors, name)
+
+
+def test_bars_of_maps_leave_room_for_what_two_orders_share(monkeypatch):
+    """A bar of the field, or two percent of the value where that is more."""
+    names = tuple(map_table._SAMPLES)
+    values, bars = dict.fromkeys(names, -3.0), dict.fromkeys(names, 0.01)
+    wide = dict.fromkeys(names, 0.5)
+    point = SimpleNamespace(**values, errors=SimpleNamespace(**bars))
+    open_point = SimpleNamespace(**values, errors=SimpleNamespace(**wide))
+    monkeypatch.setattr(actuator, "solve_map", lambda *_, order: [[point, open_point]])
+    currents = np.array([0.1, 0.2])
+    found = map_table._solved(load_scene("reluctance")[0], currents, np.array([1e-4]))
+    for name, counts in map_table._SAMPLES.items():
+        value, bar = found[name]
+        assert value.tolist() == [[-3.0], [-3.0]]
+        assert bar * counts == pytest.approx(np.array([[0.06], [0.5]]))

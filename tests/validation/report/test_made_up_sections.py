@@ -16,7 +16,7 @@ from tactgen.validation.models.bimorph.joint_compliance import (
     frequency_on,
     tab_by_beam,
 )
-from tactgen.validation.report.figures import bimorph, display
+from tactgen.validation.report.figures import bimorph, display, magnetic_field
 from tactgen.validation.report.sections import bridge, gallery, machine
 from tactgen.validation.report.sections import display as display_section
 from tactgen.validation.scene.scene import load_scene
@@ -262,3 +262,32 @@ def test_cells_are_named_and_stills_are_of_the_first_modes(monkeypatch):
     assert [one["caption"] for one in found] == [f"{name}: 3 Hz, bending" for name in names]
     assert all(one["png"].startswith("data:image/png;base64,") for one in found)
     assert said == [f"picture of {name}" for name in names]
+
+
+@pytest.mark.parametrize("across", [1, 2, 4])
+def test_each_gauss_point_has_a_patch_of_its_own(across):
+    """Patches fill the intervals, and every point lies within its own."""
+    lines = np.array([0.0, 1.0, 4.0])
+    edges = magnetic_field._patches(lines, across)
+    points = np.concatenate([
+        0.5 * (a + b) + 0.5 * (b - a) * np.polynomial.legendre.leggauss(across)[0]
+        for a, b in ((0.0, 1.0), (1.0, 4.0))
+    ])  # fmt: skip
+    assert edges.size == points.size + 1
+    assert (edges[:-1] < points).all()
+    assert (points < edges[1:]).all()
+    assert set(lines) <= set(edges)
+
+
+def test_steps_of_a_bridge_are_bars_from_where_the_last_one_ended(figures):
+    """In percent of the start; the whole from 0; marks at what a closed form says of a step."""
+    made = [SimpleNamespace(
+        name=name, deflection=value, first_frequency=value, capacitance=value,
+        predicted=SimpleNamespace(deflection=0.05, first_frequency=0.05, capacitance=0.05),
+        section=SimpleNamespace(deflection=np.nan, first_frequency=np.nan, capacitance=np.nan),
+        step=SimpleNamespace(deflection=0.1, first_frequency=0.1, capacitance=0.1),
+    ) for name, value in (("start", 2.0), ("up", 2.2), ("down", 1.98))]  # fmt: skip
+    for axis in bimorph.bridge_plot(made, "whole").axes:
+        bars = [(bar.get_x(), bar.get_width()) for bar in axis.patches]
+        assert bars == [pytest.approx(b) for b in ((0.0, 10.0), (10.0, -11.0), (0.0, -1.0))]
+        assert axis.lines[0].get_xdata() == pytest.approx([5.0, 15.5])

@@ -17,9 +17,12 @@ class Pool:
 
     deadly: ClassVar[frozenset] = frozenset()
     seen: ClassVar[list] = []
+    made: ClassVar[int] = 0
 
     def __init__(self, processes):
         self.processes, self.broken = processes, False
+        Pool.made += 1
+        assert Pool.made < 20, "pool after pool, without end"
 
     def __enter__(self):
         return self
@@ -46,6 +49,7 @@ def pool(monkeypatch):
     monkeypatch.setattr(workers, "Workers", Pool)
     monkeypatch.setattr(Pool, "deadly", frozenset())
     monkeypatch.setattr(Pool, "seen", [])
+    monkeypatch.setattr(Pool, "made", 0)
 
     def answer(asked, values, announce, earlier, *, retry, patient):
         if asked == "busy":
