@@ -124,6 +124,17 @@ def circuit(device: Device, gaps: Floats, refinements: Refinements, cells: int =
     )
 
 
+def sleeve_heights(device: Device, gap: float) -> Floats:
+    """Return how high the middles of the iron elements (E,) of the full circuit at a gap (m) lie.
+
+    In m from the sleeve's top; nan of those that are not the sleeve's.
+    """
+    length = _path(device, np.array([gap]), CELLS, parasitic_gap=True).length[0]
+    middles = 0.5 * length - np.cumsum(length[::-1])[::-1]
+    no = np.full(length.size, np.nan)
+    return np.concatenate([no, middles, no[: _RINGS + 1]])
+
+
 def _path(device: Device, gaps: Floats, cells: int, *, parasitic_gap: bool) -> _Path:
     """Divide the path into zones of equal kind, each into equal cells.
 
