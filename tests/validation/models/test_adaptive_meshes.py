@@ -356,9 +356,7 @@ def test_bars_of_the_generator_cover_finer_meshes():
 
 def test_classes_that_are_no_goal_count_as_on_meshes_refined_alike():
     """Eight times the unknowns are half the size; as many unknowns are no gain at all."""
-    fine, coarse = (solved_with(n, 1e-2) for n in (80_000, 10_000))
+    fine, coarse = solved_with(80_000, 1e-4), solved_with(10_000, 1e-2)
     bending, others = AdaptedPair(fine, coarse).mode_factors
-    assert others == max(bending, two_mesh_factor(2.0))
-    more = AdaptedPair(coarse, coarse).mode_factors
-    assert np.isfinite(more).all()
-    assert more[1] >= others
+    assert bending < others == two_mesh_factor(2.0)
+    assert np.isfinite(AdaptedPair(coarse, coarse).mode_factors).all()

@@ -1,10 +1,13 @@
 """A rocking head under any model of the bimorph: the ports are all that harmonic balance knows."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from tactgen.tmm.harmonic_balance.response import steady_orbit
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.amplitude import backbone
 from tactgen.validation.models.amplitude.backbone import RESOLUTION
 from tactgen.validation.models.amplitude.held_head import held_head
 from tactgen.validation.scene.scene import load_scene
@@ -45,3 +48,18 @@ def test_the_solid_rocks_as_it_differs_on_springs():
     ratios = [of("solid") / of("tmm") for of in (rocking, linear)]
     # softening itself is worth two thousandths here, and goes with the moment
     assert abs(ratios[0]) == pytest.approx(abs(ratios[1]), rel=2e-3)
+
+
+def test_the_largest_peak_is_listed_first(monkeypatch):
+    """In whatever order the branch meets them."""
+    orbit = SimpleNamespace(frequency=100.0, harmonics=3)
+    branch = SimpleNamespace(orbits=[orbit], missing=0.0, ended="")
+    made = {"response_branch": branch, "folds": [], "peaks": (1.0, 3.0, 2.0), "speed": None,
+            "_stable": np.array([True])}  # fmt: skip
+    for name, value in made.items():
+        monkeypatch.setattr(backbone, name, lambda *_, value=value: value)
+    monkeypatch.setattr(backbone, "_peak", lambda *given: SimpleNamespace(velocity=given[-1]))
+    answered = SimpleNamespace(motion={"w_tip": np.array([0.0, 1.0])})
+    head = SimpleNamespace(oscillator=None, response=lambda orbit: answered)
+    found = backbone.response_curve(head, 1.0, (10.0, 100.0))
+    assert [peak.velocity for peak in found.peaks] == [3.0, 2.0, 1.0]
