@@ -169,6 +169,10 @@ def test_no_half_a_document(refused, command):
             ["coil.turns", "must be from 1 to 1000000"],
         ),
         (["init", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),
+        (
+            ["simulate", "generator", "--voltage", "1 V sine 9 Hz", "--until", "-1ms"],
+            ["--until = -0.001 s is not between"],
+        ),
     ],
 )
 def test_arguments(refused, arguments, words):

@@ -1,5 +1,6 @@
 """What a program made wrong is refused where it is seen: meshes, stored values, steps, pages."""
 
+import itertools
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -132,9 +133,13 @@ def test_values_that_cannot_be_stored_or_hold_more_than_was():
 
 def test_an_energy_that_falls_no_way():
     """Where its Hessian's factors point uphill, or nowhere; a diagonal tells before them."""
-    energy = SimpleNamespace(gradient=lambda x: x, hessian=lambda x: sparse.eye(2))
-    for share in (-1.0, np.nan):
-        uphill = SimpleNamespace(update=lambda matrix: None, solve=lambda g, by=share: by * g)
+    energy = SimpleNamespace(
+        gradient=lambda x: x, hessian=lambda x: sparse.eye(2), scale=lambda x: float(x @ x)
+    )
+    for share, held in itertools.product((-1.0, np.nan), (False, True)):
+        uphill = SimpleNamespace(
+            held=held, update=lambda matrix: None, solve=lambda g, by=share: by * g
+        )
         with pytest.raises(SolverError, match="convex"):
             minimise(energy, np.ones(2), uphill)
     with pytest.raises(SolverError, match="convex"):

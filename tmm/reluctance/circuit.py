@@ -193,7 +193,7 @@ def check_circuit(device: Device, gaps: Floats) -> None:
     reach = (
         f"sleeve.collar_thickness = {sleeve.collar_thickness * 1e3:g} mm to the flange at "
         f"rod.flange_position = {rod.flange_position * 1e3:g} mm, of which the network knows no "
-        "circuit; make the collar thinner"
+        "circuit; make the gap smaller or the collar thinner"
     )
     for wrong, words in (
         (gaps <= 0.0, "leaves no gap; use a positive one"),

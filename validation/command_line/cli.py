@@ -70,6 +70,11 @@ class _Parser(argparse.ArgumentParser):
     #: Makes description and epilog when help is asked for: what they list costs an import.
     listing: Callable[[], tuple[str, str]] | None = None
 
+    def __init__(self, *arguments: Any, **named: Any) -> None:
+        super().__init__(*arguments, **named)
+        # "-1ms" is a value, which its reader refuses, and no option
+        self._negative_number_matcher = re.compile(r"-\.?\d")
+
     def format_help(self) -> str:
         """Return the help text, with what is listed in it."""
         if self.listing is not None:

@@ -32,7 +32,8 @@ class MeasuredLoad:
     def impedance(self) -> MeasuredList:
         """Force per velocity (n,) in N s/m; nan at 0 Hz, where nothing moves steadily."""
         omega = 2.0 * np.pi * np.where(self.frequencies > 0.0, self.frequencies, np.nan)
-        value = tip_stiffness(self.ends.tip, self.frequencies) / (1j * omega)
+        # a real division: of complex numbers by nan numpy warns
+        value = tip_stiffness(self.ends.tip, self.frequencies) * (-1j * (1.0 / omega))
         bar = _ROUNDING * np.abs(value)
         if isinstance(self.ends.tip, MeasuredLaw):
             bar = bar + self.ends.tip.error(self.frequencies) / omega

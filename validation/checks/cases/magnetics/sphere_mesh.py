@@ -22,7 +22,7 @@ RADIUS, OUTER, CORE = 1.0, 3.0, 0.4
 def sphere_mesh(n: int, *, curved: bool, shells: Floats | None = None) -> Mesh:
     """Return the mesh with `n` intervals along each edge of the core and of the ball's shell.
 
-    Regions ball and air; faces x_low, y_low, z_low, outer.
+    Regions ball, air and far, the outermost layer of cells; faces x_low, y_low, z_low, outer.
     `shells` are the radii of the layers around the ball, from RADIUS; to OUTER by default.
     """
     if shells is None:
@@ -30,6 +30,7 @@ def sphere_mesh(n: int, *, curved: bool, shells: Floats | None = None) -> Mesh:
     q, hexes = _cube_octant(n, shells)
     tets, q = _split(hexes, q)
     depth = np.max(q[tets].mean(axis=1), axis=1)
+    beyond = q[tets].max(axis=2).min(axis=1) > shells[-2] * (1.0 - 1e-9)
     faces = np.concatenate([tets[:, f] for f in itertools.combinations(range(4), 3)])
     on = {
         name: faces[np.all(np.abs(q[faces, axis]) < 1e-12, axis=1)]
@@ -45,8 +46,8 @@ def sphere_mesh(n: int, *, curved: bool, shells: Floats | None = None) -> Mesh:
         points=points,
         cells=cells,
         kind="tetra10" if curved else "tetra",
-        region_of_cell=(depth > RADIUS).astype(int),
-        regions=("ball", "air"),
+        region_of_cell=(depth > RADIUS).astype(int) + beyond,
+        regions=("ball", "air", "far"),
         faces=on,
     )
 
