@@ -1,5 +1,7 @@
 """Pulls among driven units whose fields only add up: what is made of them, and of their bars."""
 
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -108,3 +110,13 @@ def test_potentials_farther_apart_than_what_is_out_of_balance_are_the_bar():
     assert (one.value, one.bar) == (pytest.approx(1.2), pytest.approx(0.2))
     assert field._of_nine((1.0, 1.0), (0.2, 0.6)).bar == pytest.approx(0.4)
     assert np.isfinite(one.bar)
+
+
+def test_what_a_new_process_knows_to_read():
+    """The field between units is kept: a process that never solved it must know its class."""
+    code = (
+        "import tactgen.validation.models.reluctance.field; "
+        "from tactgen.geometry.store import values; print(*values._STORABLE)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "NeighbourField" in done.stdout.split()

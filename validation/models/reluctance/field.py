@@ -19,6 +19,7 @@ from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples
 from tactgen.validation.catalogue.models import MODELS, stage_code
 from tactgen.validation.engine.results import Measured
 from tactgen.validation.engine.stages import values_read
+from tactgen.validation.models.display.field import by_field  # its result may be in the store
 from tactgen.validation.models.reluctance.model import MagneticModel
 from tactgen.validation.models.reluctance.point import MagneticPoint
 from tactgen.validation.models.reluctance.switching import Solver
@@ -189,8 +190,6 @@ class Magnetic3dModel(_FieldModel):
         )
 
     def _neighbours(self) -> Any:
-        from tactgen.validation.models.display.field import by_field
-
         return by_field(self.scene)
 
     def _map(self) -> CoenergyMap:
