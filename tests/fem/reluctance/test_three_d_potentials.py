@@ -53,7 +53,7 @@ def test_uniform_field_in_uniform_iron(potential, curved):
     """Patch test: iron all over in the source's uniform field has H = T0 exactly."""
     problem = MagneticSolid(
         sphere_mesh(2, curved=curved),
-        {"ball": TEAM20, "air": TEAM20},
+        {"ball": TEAM20, "air": TEAM20, "far": TEAM20},
         lambda points: np.broadcast_to([0.0, 0.0, 1.0], points.shape),
         flux_normal=("z_low", "outer"),
         copies=8,
