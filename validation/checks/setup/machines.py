@@ -14,6 +14,11 @@ if TYPE_CHECKING:
     from tactgen.validation.scene.scene import Scene
 
 _MM = 1e3
+#: A winding around the left leg, from 0 to 1, of a core without a size.
+_ON_THE_LEG = (
+    rectangle((-0.5, 1.2), (0.0, 2.8), "winding"),
+    rectangle((1.0, 1.2), (1.5, 2.8), "winding"),
+)
 
 
 def bimorph(scene: str, *, root: Root, finger: str = "") -> Drawing:
@@ -109,10 +114,7 @@ def core() -> Drawing:
         rectangle((x0, y0), (x1, b0), "iron"), rectangle((x0, b1), (x1, y1), "iron"),
         rectangle((x0, b0), (a0, b1), "iron"), rectangle((a1, b0), (x1, b1), "iron"),
     )  # fmt: skip
-    turns = (
-        rectangle((-0.5, 1.2), (0.0, 2.8), "winding"), rectangle((1.0, 1.2), (1.5, 2.8), "winding")
-    )  # fmt: skip
-    return Drawing((*frame, *turns))
+    return Drawing((*frame, *_ON_THE_LEG))
 
 
 def ideal_gap() -> Drawing:
@@ -122,13 +124,10 @@ def ideal_gap() -> Drawing:
         rectangle((1.0, 3.0), (2.2, 4.0), "iron"),
     )  # fmt: skip
     rod = rectangle((3.0, 1.6), (4.0, 3.0), "iron, moves")
-    turns = (
-        rectangle((-0.5, 1.2), (0.0, 2.8), "winding"), rectangle((1.0, 1.2), (1.5, 2.8), "winding")
-    )  # fmt: skip
     spring = Line(((3.5, 3.0), (3.5, 4.6)), "spring")
     wall = Line(((4.2, 4.6), (2.8, 4.6)), "held")
     gap = Mark("text", (4.0, 1.3), 0.0, "gap")
-    return Drawing((*yoke, rod, *turns), (spring, wall), (gap,))
+    return Drawing((*yoke, rod, *_ON_THE_LEG), (spring, wall), (gap,))
 
 
 def oscillator(*, law: str, drive: str = "P cos Ωt") -> Drawing:
