@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -14,10 +15,15 @@ from tactgen.geometry.store.values import storable
 PROMISED = 0.95
 #: Errors below are those of the reference.
 _EPS = float(np.finfo(float).eps)
+#: Median of bar over error from which bars say too little to be of use.
+WIDE = 5.0
 #: Multiples of the bars at which the calibration curve is drawn.
 MULTIPLES: Floats = np.geomspace(0.05, 5.0, 41)
 #: Chance at most that bars which keep the promise are called too narrow.
 _FALSE_ALARM = 0.01
+
+#: What is said of bars: they cover and are tight, they cover by being wide, they do not cover.
+Verdict: TypeAlias = Literal["holds", "wide", "fails"]
 
 
 @storable
@@ -52,24 +58,29 @@ class Row:
     ----------
     inside, count : int
         How many lie within their bars, and of how many.
+    devices : int
+        Of how many devices these are: of few, the median is a guess.
     width : float
         Median of bar over error.
     worst : Judged
         The answer whose error is largest beside its bar.
+    verdict : {"holds", "wide", "fails"}
+        "fails" if so many outside are unlikely of bars that keep the promise; "wide" if the
+        median is beyond :data:`WIDE`.
     """
 
     quantity: str
     inside: int
     count: int
+    devices: int
     width: float
     worst: Judged
+    verdict: Verdict
 
     @property
     def holds(self) -> bool:
-        """Whether so many outside are likely enough of bars that keep the promise."""
-        from scipy.stats import binom
-
-        return bool(binom.cdf(self.inside, self.count, PROMISED) >= _FALSE_ALARM)
+        """Whether the bars cover, however wide they are."""
+        return self.verdict != "fails"
 
 
 def rows(found: Sequence[Judged]) -> list[Row]:
@@ -83,7 +94,18 @@ def rows(found: Sequence[Judged]) -> list[Row]:
 
 def _row(quantity: str, found: list[Judged]) -> Row:
     worst = max(found, key=lambda one: one.error / max(one.bar, 1e-300))
-    return Row(quantity, sum(one.within for one in found), len(found), median_width(found), worst)
+    inside, devices = sum(one.within for one in found), len({one.where for one in found})
+    width = median_width(found)
+    verdict = _verdict(inside, len(found), width)
+    return Row(quantity, inside, len(found), devices, width, worst, verdict)
+
+
+def _verdict(inside: int, count: int, width: float) -> Verdict:
+    from scipy.stats import binom
+
+    if binom.cdf(inside, count, PROMISED) < _FALSE_ALARM:
+        return "fails"
+    return "wide" if width > WIDE else "holds"
 
 
 def median_width(found: Sequence[Judged]) -> float:

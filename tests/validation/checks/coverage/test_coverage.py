@@ -53,6 +53,7 @@ def test_verdict_allows_for_chance(inside, outside, holds):
     (row,) = rows(answers(inside, outside))
     assert (row.inside, row.count, row.holds) == (inside, inside + outside, holds)
     assert row.width == 2.0
+    assert row.verdict == ("holds" if holds else "fails")
     assert row.worst.where == ("there" if outside else "here")
 
 
@@ -65,6 +66,21 @@ def test_width_is_the_median_of_bar_over_error():
         Judged("", "f", 1.0, 9.0),
     ]
     assert rows(found)[0].width == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize(
+    ("bars", "verdict"),
+    [
+        ([1.0, 5.0, 9.0], "holds"),
+        ([1.0, 5.1, 9.0], "wide"),
+        (3 * [0.1] + 4 * [90.0], "fails"),
+    ],
+)
+def test_bars_that_cover_by_being_wide_are_called_so(bars, verdict):
+    """Median of bar over error beyond five; what does not cover fails, however wide it is."""
+    (row,) = rows([Judged(f"device {n % 2}", "f", 1.0, bar) for n, bar in enumerate(bars)])
+    assert (row.verdict, row.devices) == (verdict, 2)
+    assert row.holds == (verdict != "fails")
 
 
 def test_numbers_of_modes_count_together():
@@ -138,12 +154,30 @@ def test_the_table_says_what_does_not_hold_and_where():
     lines = table([part]).splitlines()
     assert lines[0] == "beam: beam against tmm; 30 devices, seed 7"
     rows = {line.split()[0]: line.split()[1:] for line in lines[2:]}
-    assert rows["f1"] == ["30/30", "2", "holds"]
-    assert rows["d"] == ["0/30", "0.33", "too", "narrow"]
+    assert rows["f1"] == ["1", "30/30", "2", "holds"]
+    assert rows["d"] == ["1", "0/30", "0.33", "fails"]
     at = next(number for number, line in enumerate(lines) if line.split()[0] == "d")
     assert lines[at + 1 : at + 3] == [
         "    worst: 3.0e-04 beside a bar of 1.0e-04", "    at a long one",
     ]  # fmt: skip
+    assert not any(line.startswith("wide:") for line in lines)
+
+
+def test_wide_bars_are_said_in_table_json_and_csv(monkeypatch, capsys, tmp_path):
+    """And the exit code stays 0."""
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "store"))
+    monkeypatch.setattr(beam, "judge", lambda rng: [Judged("device", "f", 1e-6, 6e-6)])
+    asked = ["coverage", "--only", "beam", "--devices", "2", "--seed", "1"]
+    assert main([*asked, "--out", str(tmp_path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[2].split() == ["f", "1", "2/2", "6", "wide"]
+    assert lines[3] == "wide: bars that cover, but of a median bar/error beyond 5"
+    with (tmp_path / "verdicts.csv").open() as file:
+        (row,) = csv.DictReader(file)
+    assert (row["quantity"], row["answers"], row["verdict"]) == ("f", "2", "wide")
+    assert main([*asked, "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["rows"]["beam"]
+    assert row["verdict"] == "wide"
 
 
 def test_references_of_the_solid_are_per_volt_of_the_drive(monkeypatch, few_bricks):
@@ -173,10 +207,11 @@ def test_a_seed_draws_the_same_devices(told, capsys, tmp_path, monkeypatch):
     out, err = capsys.readouterr()
     out = json.loads(out)
     assert f"--seed {out['seed']}" in err
-    assert err.endswith(f"{tmp_path / 'coverage.csv'}\n{tmp_path / 'calibration.svg'}\n")
+    files = ("verdicts.csv", "coverage.csv", "calibration.svg")
+    assert err.endswith("".join(f"{tmp_path / name}\n" for name in files))
     assert code == 1
     assert len(out["answers"][0]["answers"]) == 9
-    assert {path.name for path in tmp_path.iterdir()} == {"coverage.csv", "calibration.svg"}
+    assert {path.name for path in tmp_path.iterdir()} == set(files)
     with (tmp_path / "coverage.csv").open() as file:
         assert [float(row["relative bar"]) for row in csv.DictReader(file)] == 9 * [0.0]
 

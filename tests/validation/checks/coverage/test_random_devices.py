@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.device.parameters import Device
-from tactgen.validation.checks.coverage import axisymmetric, cad, machine, reduced, solid
+from tactgen.validation.checks.coverage import axisymmetric, beam, cad, machine, reduced, solid
 from tactgen.validation.checks.coverage.solid import Answer, Case
 from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.warnings import load_warnings
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -310,6 +311,13 @@ def test_members_of_a_basis_lie_within_it(monkeypatch):
     assert [one.quantity for one in found] == list(reduced._NAMES)
     assert all(one.error == pytest.approx(0.1) and one.bar == 0.2 for one in found)
     assert found[0].where == " ".join(asked["case"].overrides)
+
+
+def test_on_its_rod_a_bimorph_takes_every_frequency_that_is_drawn():
+    """The finger of the built-in scene is known up to 1000 Hz; three beyond were refused."""
+    scene, _ = beam._on_rod(np.random.default_rng(1))
+    scene = scene.model_copy(update={"frequency": (1159.2, 2000.0, 3000.0)})
+    assert load_warnings(scene, beam._QUANTITIES) == ()
 
 
 def test_a_field_is_judged_relative_to_the_better_one():

@@ -24,13 +24,13 @@ def add(commands: Commands) -> None:
     parser.add_argument("--only", action="append", metavar="PART", help=only)
     parser.add_argument("--devices", metavar="N", help="devices for each part; by default its own")
     parser.add_argument("--seed", metavar="N", help="of an earlier run, to draw the same devices")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write CSV and calibration curves")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="write CSVs and calibration curves")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the command; the exit code is 1 if a part's bars are too narrow."""
+    """Run the command; the exit code is 1 if a part's bars are too narrow, not if they are wide."""
     from tactgen.geometry.files import writable_folder
     from tactgen.validation.checks.coverage import PARTS
     from tactgen.validation.checks.coverage.output import table, write
