@@ -7,7 +7,7 @@ PACKAGES := geometry fem tmm validation
 # as the command line does for itself: small products gain nothing from more threads
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help setup report report-quick docs test test-heavy lint format lock clean
+.PHONY: help setup report report-quick docs test test-heavy approve lint format lock clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-13s %s\n", $$1, $$2}' Makefile
@@ -38,6 +38,9 @@ test: $(READY) ## run the tests, less the heavy ones
 
 test-heavy: $(READY) ## run the heavy tests
 	$(BIN)/pytest -m heavy
+
+approve: $(READY) ## write approved outputs anew, of TESTS=… or all; read the diff before you commit
+	$(BIN)/pytest --approve $(TESTS)
 
 lint: $(READY) ## check style, types and layering
 	$(BIN)/ruff check

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from approved import in_text
 
 from tactgen.validation.checks.stress import beam
 from tactgen.validation.checks.stress.result import Approach, ErrorMap, Point, Stress, judged
@@ -167,16 +168,10 @@ def made_up_stress(monkeypatch):
 
 @pytest.fixture
 def undrawn(monkeypatch):
-    """Leave a report's figures blank, for tests of its words: drawing takes most of its time."""
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    """Write a report's figures as text, for tests of its words: drawing takes most of its time."""
+    from tactgen.validation.view import pictures
 
-    from tactgen.validation.view import figures, pictures
-
-    def blank(_, file, **__):
-        file.write("<svg></svg>")
-
-    monkeypatch.setattr(figures, "lay_out", lambda _: None)
-    monkeypatch.setattr(FigureCanvasSVG, "print_svg", blank)
+    in_text(monkeypatch)
     monkeypatch.setattr(pictures, "solids_picture", lambda _: b"")
 
 

@@ -1,0 +1,95 @@
+"""Approved outputs: what counts as the same, what is told, and that no file is left over."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from approved import FOLDER, approve, described, differences, figure_text, page_text
+
+OLD = "f1 = 440.1234 Hz, 3 rows\nSV-1 passes\nx = 12.3 ± 4.0e-12 mm, 2e-11 %"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "count"),
+    [
+        ("440.1234", "440.1236", 0),  # rounding
+        ("440.1234", "440.2234", 1),
+        ("3 rows", "4 rows", 1),
+        ("SV-1", "SV-2", 1),
+        ("= 440", "= -440", 2),  # another sign is another word
+        ("passes", "fails", 2),
+        ("4.0e-12", "9.0e-13", 0),  # a bar of rounding
+        ("4.0e-12", "4.0e-3", 1),
+        ("2e-11 %", "7e-12 %", 0),  # the same as a part
+        ("2e-11 %", "7e-2 %", 1),
+        ("passes", "passes\nand one line more", 1),
+        ("SV-1 passes\n", "", 1),
+    ],
+)
+def test_words_are_exact_and_numbers_near(old, new, count):
+    """A line too many, another word or number is told; rounding is not."""
+    assert differences(OLD, OLD) == []
+    assert len(differences(OLD, OLD.replace(old, new))) == count
+
+
+def test_a_value_is_told_to_its_leaves():
+    """Fields, keys, arrays, complex numbers; long rows by some of their numbers and their mean."""
+
+    @dataclass(frozen=True)
+    class Row:
+        name: str
+        value: float
+        curve: np.ndarray
+
+    told = described({"row": Row("a  b", 1.0 / 3.0, np.arange(100.0)), "z": [1 + 2j, None, True]})
+    for wanted in ("row: Row", "name: a b", "value: 0.3333333", "(100,) [0, 24, 49, 74, 99]",
+                   "mean 49.5", "1 +2j", "True"):  # fmt: skip
+        assert wanted in told
+    assert described(SimpleNamespace(a=1)).split() == ["a:", "1"]
+
+
+def test_a_page_and_a_figure_are_told():
+    """A row a line, links and names of pictures, no style; limits, labels and data of axes."""
+    from tactgen.validation.view.figures import panels
+
+    page = "<style>p {}</style><h2>A</h2><table><tr><td>1</td><td>2</td></tr></table><img alt='i'>"
+    assert page_text(page).splitlines() == ["A", "| 1 | 2", "[alt: i]"]
+    assert page_text("<p>On 2026-01-31 in 3.25 s</p>") == "On … in …"
+    figure, axis = panels(2.0, 2.0)
+    axis.plot([1.0, 2.0], [3.0, 5.0], label="curve")
+    axis.set(xlabel="f in Hz", ylim=(0.0, 6.0), yscale="linear")
+    axis.legend()
+    told = figure_text(figure)
+    for wanted in ("x 'f in Hz' linear", "y '' linear [0, 6]", "line 'curve' - None [1, 2] [3, 5]",
+                   "legend ['curve']"):  # fmt: skip
+        assert wanted in told
+
+
+def test_no_file_is_left_of_a_test_that_is_gone():
+    """Each stands in the folder of its test's file, with the function's name before any "-"."""
+    tests = Path(__file__).parent
+    sources = {path.stem: path.read_text(encoding="utf-8") for path in tests.rglob("test_*.py")}
+    for file in FOLDER.rglob("*.txt"):
+        function = re.split(r"[-.]", file.name)[0]
+        assert f"def {function}(" in sources.get(file.parent.name, ""), file
+
+
+def test_what_says_the_same_is_not_written_again(tmp_path):
+    """Rounding makes no diff to review; another number does."""
+    file = tmp_path / "a" / "b.txt"
+    for text, kept in (("x 1.0  \n\n", "x 1.0"), ("x 1.0000001", "x 1.0"), ("x 2", "x 2")):
+        approve(file, text)
+        assert file.read_text("utf-8") == f"{kept}\n"
+
+
+def test_another_output_fails_and_says_how_to_approve_it(request):
+    """With the lines that differ; nothing is written by a failure."""
+    compare = request.getfixturevalue("approved")
+    if request.config.getoption("--approve"):
+        return
+    with pytest.raises(pytest.fail.Exception, match=r"(?s)\+ one line.*make approve TESTS=tests/t"):
+        compare("one line")
+    assert not (FOLDER / "test_approved").exists()
