@@ -22,7 +22,7 @@ def choices(value: Any, known: tuple[str, ...], kind: str, key: str) -> tuple[st
     Raises
     ------
     InputError
-        For an unknown name, with the nearest known one, and for anything but names.
+        For an unknown name, with the nearest known one or else all, and for anything but names.
     """
     names = [v.strip() for v in value.split(",")] if isinstance(value, str) else value
     listed = f"known are {', '.join(known)}"
@@ -35,7 +35,9 @@ def choices(value: Any, known: tuple[str, ...], kind: str, key: str) -> tuple[st
         raise InputError(f"{key} = {quoted(value)} names nothing; {listed}, or write all")
     for name in names:
         if name not in known and name != "all":
-            raise InputError(f"{kind} {quoted(name)} is unknown{nearest(name, known)}; {listed}")
+            raise InputError(
+                f"{kind} {quoted(name)} is unknown{nearest(name, known) or f'; {listed}'}"
+            )
     return known if "all" in names else tuple(dict.fromkeys(names))
 
 
