@@ -167,18 +167,20 @@ def minimise(
         slope = float(gradient @ direction)
         if not slope <= 0.0:
             raise _not_convex()
-        x, gradient = _stepped(energy, x, direction, slope, _SLOPE_LEFT if anew else _FAST)
+        share = _SLOPE_LEFT if anew else _FAST
+        x, gradient, length = _stepped(energy, x, direction, slope, share)
         size = energy.scale(x)
         # what is left is measured by the factors from before the step: the same to first order
         rest = factors.solve(gradient)
         before, left = (
             math.sqrt(abs(each) / size) if size else 0.0 for each in (slope, float(gradient @ rest))
         )
-        if left * max(left, _MOST_TAKEN * before) <= tolerance * before:
+        whole = length == 1.0  # else the factors are far too soft here, and so is what they take
+        if whole and left * max(left, _MOST_TAKEN * before) <= tolerance * before:
             return Minimum(x - rest, hessians)  # known, so taken away as well
         if anew and -slope <= _LAST_STEP**2 * size:
             return Minimum(x, hessians)
-        if left > _FAST * before:
+        if left > _FAST * before or not whole:
             rest = None
     raise SolverError(
         f"the magnetic field did not settle in {_MAX_STEPS} Newton steps "
@@ -192,10 +194,12 @@ def _not_convex() -> SolverError:
 
 def _stepped(
     energy: ConvexEnergy, x: Floats, direction: Floats, slope: float, share: float = _SLOPE_LEFT
-) -> tuple[Floats, Floats]:
-    """Return where a step along `direction` ends, and the gradient there.
+) -> tuple[Floats, Floats, float]:
+    """Return where a step along `direction` ends, the gradient there, and its length.
 
-    Its length, 1 at most, is found by regula falsi on the slope, up to a share that may be left.
+    The length, 1 at most, is found by regula falsi on the slope, up to a share that may be left;
+    the slope of an end that stays is halved each time (the Illinois rule; M. Dowell and P. Jarratt,
+    BIT 11 (1971) 168): else where the slope has saturated, one end would hardly move.
 
     A small slope alone is not enough: where the curve has flattened out it may be far
     beyond the minimum, so the energy must not have grown either.
@@ -203,6 +207,7 @@ def _stepped(
     enough = share * abs(slope)
     ceiling = energy.value(x) + _ROUNDING * energy.scale(x)
     low, slope_low, high, slope_high, length = 0.0, slope, 1.0, np.inf, 1.0
+    high_moved = False  # by the trial before
     for _ in range(_MAX_TRIALS):
         there = x + length * direction
         gradient = energy.gradient(there)
@@ -211,12 +216,15 @@ def _stepped(
         short = slope_there < -enough and length < 1.0
         far = slope_there > enough or (over and energy.value(there) > ceiling)
         if not (short or far):
-            return there, gradient
+            return there, gradient, length
         if over:
+            slope_low *= 0.5 if high_moved else 1.0
             high, slope_high = length, slope_there
         else:
+            slope_high *= 1.0 if high_moved else 0.5
             low, slope_low = length, slope_there
+        high_moved = over
         fraction = np.clip(slope_low / (slope_low - slope_high), 0.1, 0.9)
         length = low + (high - low) * float(fraction)
     there = x + length * direction
-    return there, energy.gradient(there)
+    return there, energy.gradient(there), length

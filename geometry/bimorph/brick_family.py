@@ -145,10 +145,9 @@ def _across(bimorph: Bimorph, meshing: BrickMeshing) -> Floats:
     if meshing.side == 0.0:
         return np.linspace(0.0, half_width, int(np.ceil(half_width / widest)) + 1)
     steps = [meshing.side * min(_grain(bimorph), _SIDE_SHARE * half_width)]
-    # what rounding leaves over is not an interval
-    while (rest := half_width - sum(steps)) > 1e-9 * half_width:
-        step = min(_GROWTH * steps[-1], widest)
-        steps.append(rest if rest <= 1.5 * step else step)
+    while (rest := half_width - sum(steps)) > 1.5 * (step := min(_GROWTH * steps[-1], widest)):
+        steps.append(step)
+    steps.append(rest)
     return np.concatenate([[0.0], np.cumsum(steps[::-1])[:-1], [half_width]])
 
 

@@ -49,6 +49,9 @@ _ROUNDINGS, _SAFETY = 4.0, 4.0
 #: Relative width of a bracket that is interpolated: its square, which a straight line misses,
 #: is nothing beside rounding, and the angles' signs are right at its ends.
 _NARROW = 1e-10
+#: Trials: bisection alone takes 34, and one more for each factor of two by which the root lies
+#: below the lowest frequency looked at.
+_MOST_TRIALS = 200
 #: Reference stiffness in those, and the relative step of a difference quotient.
 _OTHER_UNIT, _STEP = 5.0, 1e-5
 #: Rounding from which it cannot be told: what moves is then of the size of the step.
@@ -123,13 +126,16 @@ def _rounding(attached: _Attached, at: Floats) -> Floats:
 def _roots(
     attached: _Attached, wanted: Ints, points: Floats, counts: Ints, angles: Floats
 ) -> Floats:
-    """Return where the count passes each wanted number, by Chandrupatla's method (1997)."""
+    """Return where the count passes each wanted number, by Chandrupatla's method.
+
+    T. R. Chandrupatla, Adv. Eng. Software 28 (1997) 145.
+    """
     above = np.array([int(np.flatnonzero(counts > n)[0]) for n in wanted])
     b, fb = points[above], _signed(counts[above], angles[above], wanted)
     a = np.where(above > 0, points[above - 1], 0.0)
     fa = np.where(above > 0, _signed(counts[above - 1], angles[above - 1], wanted), 0.5 * np.pi)
     share = np.full(wanted.size, 0.5)
-    while True:
+    for _ in range(_MOST_TRIALS):
         x = a + share * (b - a)
         f = _signed(*attached.count(x), wanted)
         same = (f > 0.0) == (fa > 0.0)
@@ -146,6 +152,10 @@ def _roots(
             inverse += (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
         smooth = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
         share = np.clip(np.where(smooth, inverse, 0.5), least, 1.0 - least)
+    raise ArithmeticError(
+        f"a natural frequency of this row was not found in {_MOST_TRIALS} trials: it is next to "
+        "0 Hz; leave out springs that hold nothing, or masses out of all proportion"
+    )
 
 
 def _signed(counts: Ints, angles: Floats, wanted: Ints) -> Floats:

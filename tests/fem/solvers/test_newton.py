@@ -47,13 +47,34 @@ def test_a_step_is_whole_or_ends_where_the_slope_is_small(start, reach):
     gradient = energy.gradient(x)
     direction = -reach * gradient / energy.hessian(x).diagonal()
     slope = float(gradient @ direction)
-    there, found = _stepped(energy, x, direction, slope)
-    length = float((there - x)[0] / direction[0])
+    there, found, length = _stepped(energy, x, direction, slope)
+    assert length == pytest.approx(float((there - x)[0] / direction[0]))
     assert 0.0 < length < 1.0 + 1e-12
     assert energy.value(there) <= energy.value(x)
     assert found == energy.gradient(there)
     left = float(found @ direction)
     assert abs(left) <= _SLOPE_LEFT * abs(slope) or (length > 1.0 - 1e-12 and left < 0.0)
+
+
+@pytest.mark.parametrize("reach", [1.0, 30.0, 1e4])
+@pytest.mark.parametrize("near", [0.3, 1e-2, 1e-4])
+def test_a_step_beyond_where_the_slope_saturates_is_found_in_few_trials(near, reach):
+    """The slope beyond is small and the same everywhere: one end alone would creep to the minimum.
+
+    The slope of the end that stays is halved until it is as small; from there on each trial is
+    at least half as long as the one before, up to two more that change sides.
+    """
+    energy = Saturating(np.array([1.0]), np.array([1.0 - near]))
+    asked = []
+    energy.gradient = lambda x: asked.append(x) or Saturating.gradient(energy, x)
+    x = np.array([-3.0])
+    gradient = Saturating.gradient(energy, x)
+    direction = np.array([reach * 20.0])
+    slope = float(gradient @ direction)
+    there, found, _ = _stepped(energy, x, direction, slope)
+    assert energy.value(there) <= energy.value(x)
+    assert abs(float(found @ direction)) <= _SLOPE_LEFT * abs(slope)
+    assert len(asked) <= 5.0 + np.log2(20.0 * reach) + 0.5 * np.log2(2.0 / near)
 
 
 def test_quadratic_energy_takes_one_step_and_a_look():

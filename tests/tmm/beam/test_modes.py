@@ -9,7 +9,7 @@ import pytest
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
-from tactgen.tmm.beam.modes import bending_frequencies, natural_frequencies
+from tactgen.tmm.beam.modes import _roots, bending_frequencies, natural_frequencies
 from tactgen.tmm.beam.printed_formulas import matrix_a
 from tactgen.tmm.beam.section.section import Joint, Section, section
 from tactgen.tmm.beam.transfer import transfer_matrix as tmm
@@ -313,3 +313,15 @@ def test_rounding_that_cannot_be_told_is_refused():
     row = [(Section(EI=1.0, GA=1e-12, m=1.0, rhoI=1e-3), 1.0)]
     with pytest.raises(ArithmeticError, match="lost in rounding"):
         natural_frequencies(row, Ends(UNHELD), 3, open_circuit=False)
+
+
+def test_a_mode_next_to_no_frequency_at_all_is_refused():
+    """A count that is passed at 0 Hz has no bracket of a relative width: the search ends."""
+
+    class AtRest:
+        def count(self, frequencies):
+            return np.ones(frequencies.size, int), np.full((frequencies.size, 1), -0.5)
+
+    points = np.array([1.0])
+    with pytest.raises(ArithmeticError, match="not found in 200 trials"):
+        _roots(AtRest(), np.array([0]), points, *AtRest().count(points))

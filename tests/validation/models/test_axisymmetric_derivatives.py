@@ -2,6 +2,7 @@
 
 import pytest
 
+from tactgen.fem.reluctance.axisymmetric import two_orders
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.derivatives import by_differences, derivatives
 from tactgen.validation.models.reluctance import field, field_derivatives
@@ -35,6 +36,15 @@ def test_force_and_flux_linkage_are_slopes_of_the_co_energy(on_grids):
         # truncation at 1 %, and of the pull that windings slip through the grid in one of the two
         assert float(energy.slopes[key]) == pytest.approx(exact, rel=1e-3)
         assert abs(float(energy.slopes[key]) - exact) <= energy.bars[key]
+
+
+def test_where_the_lower_order_stops_hardly_moves_a_bar(on_grids, monkeypatch):
+    """Its rounding is no part of the bar, though it stops at 1e-6 of the field."""
+    found = on_grids(["gap"], COARSE)
+    monkeypatch.setattr(two_orders, "_COARSE", 1e-12)
+    again = on_grids(["gap"], ((0.0, 0.501),))  # in another store
+    for a, b in zip(found, again, strict=True):
+        assert a.bars["gap"] == pytest.approx(float(b.bars["gap"]), rel=0.01), a.quantity.name
 
 
 #: The edges of head and sleeve are one line.  The flange ends where the rod does, so neither its

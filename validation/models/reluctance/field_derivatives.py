@@ -43,7 +43,8 @@ if TYPE_CHECKING:
 #: Relative distance of the values: truncation, as its fourth power, and rounding over it then
 #: both leave less than the grid does.
 _DISTANCE = 1e-2
-#: Relative rounding of a value: where Newton's method stops.
+#: Relative rounding of a value: where Newton's method stops.  The lower order may stop a hundred
+#: times earlier; it alone makes the bar, and moves that by less than a hundredth.
 _ROUNDING = 1e-8
 #: A value that counts as none.
 _TINY = float(np.finfo(float).tiny)
