@@ -125,7 +125,9 @@ def _cell(q: Quantity | None, at: int | tuple[()], *, of_class: bool = False) ->
     text = _pole(number) if q.unit == "rad/s" else engineering(value, q.unit)
     if of_class and q.classes and isinstance(at, int) and q.classes[at] not in _USUAL:
         text += f" {q.classes[at].replace('bending_', '')}"
-    relative = abs(bar / value) if value else 0.0
+    if not value:
+        return f"{text} ±{engineering(bar, q.unit, 2)}" if bar else text
+    relative = abs(bar / value)
     return f"{text} ±{share(relative)}" if relative >= _FINE else text
 
 

@@ -55,20 +55,18 @@ def _rows(q: Quantity) -> list[tuple[str, str, str]]:
     if q.value.ndim > 1:
         return [("", f"5x5 at {len(q.frequency or ())} frequencies: --json", "")]
     if q.value.ndim == 0:
-        return [("", format_value(q.value[()], q.unit), _bar(q.value[()], float(q.uncertainty)))]
+        return [("", format_value(q.value[()], q.unit), _bar(q, ()))]
     if q.classes is not None:
         labels = [c.replace("bending_", "bend ") for c in q.classes]
     else:
         labels = [engineering(f, "Hz") for f in q.frequency or ()]
     picked = np.unique(np.linspace(0, len(labels) - 1, min(len(labels), _SHOWN)).astype(int))
-    return [
-        (labels[i], format_value(q.value[i], q.unit), _bar(q.value[i], float(q.uncertainty[i])))
-        for i in picked
-    ]
+    return [(labels[i], format_value(q.value[i], q.unit), _bar(q, i)) for i in picked]
 
 
-def _bar(value: Any, bar: float) -> str:
-    """Return an error bar as a share of its value."""
-    if math.isnan(bar) or not abs(value) > 0.0:
+def _bar(q: Quantity, at: int | tuple[()]) -> str:
+    """Return an error bar as a share of its value, in the value's unit where that is zero."""
+    size, bar = float(abs(q.value[at])), float(q.uncertainty[at])
+    if math.isnan(bar) or math.isnan(size):
         return "-"
-    return share(bar / abs(value))
+    return share(bar / size) if size > 0.0 else engineering(bar, q.unit, 2)

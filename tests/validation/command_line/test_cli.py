@@ -329,6 +329,22 @@ def test_zero_is_printed_without_a_sign(capsys):
     assert " -0 " not in out
 
 
+def test_the_bar_of_a_zero_has_its_unit(capsys):
+    """Where there is no share of the value, the table and the overview say the bar itself."""
+    plain = ["solve", "paper", "--model", "tmm", "--set", "piezo.d31=0 pC/N"]
+    asked = ["--quantity", "coupling_factor", "--quantity", "static_tip_displacement"]
+    _, out, _ = run(capsys, *plain, *asked, "--json")
+    bar = json.loads(out)["quantities"][0]["uncertainty"]
+    assert 0.0 < bar < 1e-5
+    _, out, _ = run(capsys, *plain, *asked)
+    rows = [line.split() for line in out.splitlines()]
+    assert rows[1][2] == "0"
+    assert float(rows[1][3]) == pytest.approx(bar, rel=0.05)
+    assert rows[2][2:] == ["0", "m", "0", "m"]
+    _, out, _ = run(capsys, *plain)
+    assert f"0 ±{rows[1][3]}" in out
+
+
 def test_help_is_on_stdout(capsys):
     """Asked for or printed by a program; it is no message."""
     commands()["solve"].print_help()
