@@ -148,6 +148,24 @@ def described(value, name="", indent=0):
     return "\n".join([head, *(described(part, key, indent + 1) for key, part in parts)])
 
 
+def answered(quantities):
+    """Return what quantities say: each on a line, with bars that are more than rounding."""
+    return "\n".join(map(_answered, quantities))
+
+
+def _answered(q):
+    value, bar = np.asarray(q.value), np.asarray(q.uncertainty, dtype=float)
+    # three digits of a bar: it is a difference, of which no more are the same elsewhere
+    rounded = np.vectorize(lambda one: float(f"{one:.3g}"))(bar)
+    of = "" if (bar <= TINY_PART * np.abs(value)).all() else f" ± {_row(rounded)}"
+    over = [
+        f"{word} {described(what)}"
+        for word, what in (("at", q.frequency), ("classes", q.classes and list(q.classes)))
+        if what is not None
+    ]
+    return " ".join([f"{q.name} by {q.model}: {_row(value)}{of} {q.unit}", *over])
+
+
 def _plain(text):
     """Return a text on one line, without the data of pictures."""
     return re.sub(r"(data:[\w/+-]+)[^\s\"]*", r"\1", " ".join(text.split()))

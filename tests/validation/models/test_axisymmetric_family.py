@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from approved import answered
 
 from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
 from tactgen.geometry.errors import InputError
@@ -56,7 +57,7 @@ def hold(point, answer):
         pytest.param("coil.current=50mA:200mA:9", (2, 6), marks=pytest.mark.heavy),
     ],
 )
-def test_a_study_takes_one_table_and_says_so(vary, held, monkeypatch):
+def test_a_study_takes_one_table_and_says_so(vary, held, monkeypatch, approved):
     statement = stated(vary)
     before = plan_study(statement)[0].bases[0].sentence
     assert "a table of fields" in before
@@ -71,6 +72,7 @@ def test_a_study_takes_one_table_and_says_so(vary, held, monkeypatch):
     for number in held:
         point, _, answer = rows[number]
         hold(point, answer)
+    approved("\n".join([before, *said, *(answered(answer.quantities) for _, _, answer in rows)]))
 
 
 def test_edges_that_pass_another_divide_the_range():

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from approved import answered
 
 from tactgen.fem.reluctance.axisymmetric import actuator
 from tactgen.fem.reluctance.axisymmetric.actuator import FieldErrors, FieldPoint, solve_point
@@ -73,7 +74,7 @@ def closed(own_store, monkeypatch):
     return maps
 
 
-def test_a_dimension_takes_a_table_of_maps_and_says_so(closed, monkeypatch):
+def test_a_dimension_takes_a_table_of_maps_and_says_so(closed, monkeypatch, approved):
     """Currents and positions are those of the closed form at each point, from five maps."""
     asked = stated("rod.radius=0.56mm:0.64mm:7", quantities=STROKE)
     (before,) = plan_study(asked)
@@ -100,6 +101,7 @@ def test_a_dimension_takes_a_table_of_maps_and_says_so(closed, monkeypatch):
             # half the force's bar, and what the last step of the secant was
             assert abs(found[name].value - exact) <= found[name].uncertainty <= 1e-3 * exact
         assert found["rod_position"].value < 0.1 * (device.spring.stop_gap - device.gap)
+    approved("\n".join([*before.sentences, *(answered(a.quantities) for _, _, a in study.rows)]))
     (after,) = plan_study(asked)
     assert (after.kept, after.walks) == (7, ())
     more = stated("rod.radius=0.56mm:0.64mm:13", quantities=STROKE)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from tactgen.geometry.device.parameters import Piezo
@@ -209,3 +210,8 @@ def test_given_mesh_is_used():
     other = replace(case, mesh=bricks.corner_mesh())
     # 20-node hexahedra on the bricks' corners: a coarse mesh
     assert solve_solid(other).values == pytest.approx(solve_solid(case).values, rel=0.02)
+
+
+def test_all_that_a_bridge_says(rungs, level, approved):
+    if level == 0:  # whose bricks are the same whatever the finer ones are
+        approved(described(rungs))

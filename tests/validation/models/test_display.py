@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from approved import answered
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import quantities_of
@@ -139,3 +140,8 @@ def test_refusals(override, words):
     with pytest.raises(InputError) as refused:
         make_plan(scene, ("tmm",), CROSSTALK)
     assert all(word in str(refused.value) for word in words)
+
+
+def test_all_that_is_said_of_a_small_display(tuned, approved):
+    found = (answers(CROSSTALK), tuned, answers(FIELD, model="network"))
+    approved("\n".join(answered(each.values()) for each in found))

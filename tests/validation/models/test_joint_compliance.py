@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.geometry.bimorph.rod_bricks import RodMeshing
 from tactgen.tmm.beam.transfer import transfer_matrix
@@ -91,7 +92,7 @@ def test_length_of_the_ceramic_does_not_matter():
     assert through.centre == pytest.approx(root.centre, rel=5e-3)
 
 
-def test_tab_for_a_stiffness(tabs):
+def test_tab_for_a_stiffness(tabs, approved):
     """The length for a stiffness has it; a joint below shortens it; or there is none."""
     lengths, found = tabs
     joint = SupportCompliance(np.array([[6e-7, -3e-4], [-3e-4, 1.2]]))
@@ -102,6 +103,16 @@ def test_tab_for_a_stiffness(tabs):
     assert study.at(alone, in_rod=False).rotational_stiffness == pytest.approx(0.24, rel=1e-2)
     assert study.at(in_rod, in_rod=True).rotational_stiffness == pytest.approx(0.24, rel=1e-2)
     assert np.isnan(study.tab_for(0.24, joint=5.0))
+    named = ("lateral_stiffness", "rotational_stiffness", "centre", "lateral_stiffness_at_centre")
+    approved(
+        described(
+            [
+                [(tab.matrix, *(getattr(tab, name) for name in named)) for tab in (*found, joint)],
+                [study.at(1.3e-3, in_rod=in_rod).matrix for in_rod in (False, True)],
+                (alone, in_rod, study.tab_for(0.1), study.tab_for(0.3, joint=1.2)),
+            ]
+        )
+    )
 
 
 def test_beam_on_a_support_is_the_whole():

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.multiport import respond
@@ -25,11 +26,12 @@ def loaded(state):
 
 
 @pytest.mark.parametrize("state", STATES)
-def test_small_voltages_see_the_linear_support(state):
+def test_small_voltages_see_the_linear_support(state, approved):
     """1 mV over 20 to 60 Hz: the linear answer; the voltage for it is that voltage."""
     scene = loaded(state)
     head = held_head(scene)
     found = loaded_deflection(head, 1e-3, (20.0, 60.0))
+    approved(described([found, head.place, head.support]))
     assert not found.ended
     port = attach(five_port(scene, "tmm")(found.frequencies), scene.ends)
     linear = respond(port, {"voltage": 1e-3}).motion["w_tip"]

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.network_pull import network_pull
@@ -121,7 +122,7 @@ def test_bars_of_a_map_cover_what_the_model_itself_says(history):
 
 
 @pytest.mark.parametrize("current", ["50mA", "250mA"])
-def test_bars_of_the_network_cover_what_finer_ladders_say(current):
+def test_bars_of_the_network_cover_what_finer_ladders_say(current, approved):
     """The same with eight times the map's cells; also in saturated steel bars stay below 5 %."""
     scene = generator("tmm,network", f"coil.current={current}")
     place = scene.rest[0]
@@ -131,6 +132,7 @@ def test_bars_of_the_network_cover_what_finer_ladders_say(current):
     for of in NUMBERS:
         found = of_rod(rod, of)
         assert 0.0 < abs(found.value - of(better)) <= found.bar < 0.05 * abs(found.value)
+    approved(described([of_rod(rod, of) for of in NUMBERS]))
 
 
 def test_slopes_that_agree_by_chance_count_as_those_around():

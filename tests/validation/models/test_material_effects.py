@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.geometry.device.piezo_library import LIBRARY
 from tactgen.geometry.errors import InputError
@@ -76,7 +77,7 @@ def test_only_extremes_are_impossible(name, impossible):
     assert refused == impossible
 
 
-def test_rows_have_values_or_a_reason(monkeypatch, few_bricks):
+def test_rows_have_values_or_a_reason(monkeypatch, few_bricks, approved):
     """With the reduced set kept no choice moves the solid by more than 2.5 percent; eps33 does."""
     monkeypatch.setattr(solid_values, "LEVELS", few_bricks)
     scene = load_scene("paper", ["support.kind=clamped", "load.kind=none"])[0]
@@ -90,5 +91,6 @@ def test_rows_have_values_or_a_reason(monkeypatch, few_bricks):
             assert tuple(row.values) == pytest.approx(tuple(first), rel=0.025)
     # a beam's motion knows none of this, eps33 not even through the field
     assert len({row.beam[:2] for row in rows.values() if row.beam}) == 1
+    approved(described(rows))
     low = rows["eps33 = 3400"].values
     assert low.deflection < 0.85 * first.deflection

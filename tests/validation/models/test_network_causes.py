@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
 from tactgen.geometry.device.parameters import Device
@@ -85,3 +86,9 @@ def test_pull_is_the_slope_of_the_coenergy_by_the_gap():
         found.append(with_outer_flux(at, outer, 0.13))
     slope = float((found[2].coenergy - found[0].coenergy)[0, 0]) / (2.0 * step)
     assert float(found[1].force[0, 0]) == pytest.approx(-slope, rel=1e-5)
+
+
+def test_all_that_is_said_of_the_difference(large, ladder, approved):
+    share = np.where(np.isnan(sleeve_heights(Device(), GAP)), 0.0, 0.3)
+    outer = OuterFlux(share, 1.3 / float(ladder.reluctance[0, -1]))
+    approved(described([large, with_outer_flux(ladder, outer, 0.13)]))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from approved import answered
 
 from tactgen.tmm.generator.positions import axial_forces, resting_places
 from tactgen.tmm.reluctance.coenergy.fit import fit
@@ -50,3 +51,9 @@ def test_the_bars_cover_the_map_made_finer():
     places = resting_places(axial_forces(device, finer), 60e-3)
     off = np.abs(found.value - [place.lift for place in places])
     assert (off <= found.uncertainty).all()
+
+
+def test_all_that_is_said_of_a_rod_at_rest(approved):
+    asked = ("coil.current=50mA", "coil.current=115mA", "coil.current=130mA")
+    found = [answers(one, f"coil.history={way}") for one in asked for way in ("rising", "falling")]
+    approved("\n".join(answered(each.values()) for each in found))

@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from approved import answered
 
 from tactgen.fem.reluctance.axisymmetric import actuator, walk
 from tactgen.fem.reluctance.axisymmetric.actuator import FieldErrors, FieldPoint
@@ -54,7 +55,7 @@ def mapped(own_store, monkeypatch):
     ],
 )
 def test_a_study_of_gap_current_spring_or_load_solves_one_map(
-    turns, vary, quantity, mapped, monkeypatch
+    turns, vary, quantity, mapped, monkeypatch, approved
 ):
     few = partial(map_grid, currents=7, gaps=6)
     monkeypatch.setattr("tactgen.tmm.reluctance.map_range.map_grid", few)
@@ -63,6 +64,7 @@ def test_a_study_of_gap_current_spring_or_load_solves_one_map(
     found = [answer.quantities[0] for _, _, answer in study.rows]
     assert len(mapped) == 1
     assert len({float(each.value) for each in found}) > 1
+    approved(answered(found))
 
 
 def test_another_geometry_has_another_map(mapped):

@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from approved import answered
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.transfer import transfer_matrix as tmm
@@ -62,7 +63,7 @@ def test_models_of_one_theory_agree():
         assert at_10_hertz, name
 
 
-def test_supplies():
+def test_supplies(approved):
     """A voltage supply is the current times the impedance; its poles are one more."""
     by_current = answers(*HELD)
     by_voltage = answers(*HELD, "coil.supply=voltage", "coil.source_resistance=100ohm")
@@ -76,6 +77,7 @@ def test_supplies():
     assert by_current["tmm", "axial_poles"].value.size == 2
     assert by_voltage["tmm", "axial_poles"].value.size == 3
     assert set(by_voltage["tmm", "axial_poles"].classes) == {"decays"}
+    approved("\n".join([answered(by_current.values()), answered(by_voltage.values())]))
 
 
 def test_cross_transfer_needs_a_tilted_head():

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.geometry.device.parameters import Threshold
 from tactgen.geometry.errors import InputError
@@ -212,3 +213,7 @@ def test_tables_that_are_no_threshold(tmp_path, content, words):
     path.write_text(content, encoding="utf-8")
     with pytest.raises(InputError, match=words):
         threshold_of(Threshold(kind="table", file=str(path)))
+
+
+def test_all_that_is_said_of_voltages(study, approved):
+    approved(described(study))

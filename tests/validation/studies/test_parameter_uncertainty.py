@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.materials import PRINTED
@@ -381,3 +382,8 @@ def test_columns_of_one_scene():
     columns = sensitivity_columns(scene)
     assert [c.frequency for c in columns] == [None, 10.0, 100.0]
     assert len(columns[0].logarithmic) == 20
+
+
+def test_all_that_is_said_of_headline_numbers(prototype, approved):
+    shown = ("static tip displacement", "peak tip velocity")
+    approved(described([list(prototype), *(prototype[label] for label in shown)]))

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.geometry.device.layout import total_height
 from tactgen.geometry.device.parameters import Coil, Device
@@ -82,11 +83,13 @@ def test_a_long_coil_and_the_stated_force_exclude_each_other():
     assert long.held_power > 3.0 * short.held_power
 
 
-def test_the_search_goes_down():
+def test_the_search_goes_down(approved):
     """From its start, a few steps end cooler, at radii that can be built."""
     start = weighed(actuator(0.64e-3, 0.95e-3, 2e-3), network_pull)
     found = best_with_coil(2e-3, steps=3)
     assert found.held_power < start.held_power
+    numbers = [[getattr(one, n) for n in vars(one) if n != "device"] for one in (start, found)]
+    approved(described([numbers, found.device.rod, found.device.coil, found.device.sleeve]))
     assert found.device.rod.radius < found.device.coil.outer_radius < 1.1e-3
 
 

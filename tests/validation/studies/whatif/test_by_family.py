@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from approved import answered
 
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.validation.engine.families import find_families
@@ -49,7 +50,7 @@ def test_what_is_no_family_is_answered_point_by_point(model, sets, quantities):
     assert find_families(model, scenes(*sets), quantities) == []
 
 
-def test_a_study_takes_the_reduced_basis_and_says_so(own_store, monkeypatch):
+def test_a_study_takes_the_reduced_basis_and_says_so(own_store, monkeypatch, approved):
     for module in (solid, solid_family):
         monkeypatch.setattr(module, "LEVELS", QUICK)
     quantities = ("short_circuit_frequencies", "static_tip_displacement")
@@ -60,6 +61,7 @@ def test_a_study_takes_the_reduced_basis_and_says_so(own_store, monkeypatch):
         alone.setattr(answers, "solve", lambda *_: pytest.fail("a point was solved alone"))
         study = run_study(stated, 1, said.append)
     assert any("9 points differ in bimorph.length only" in text for text in said)
+    approved("\n".join([*said, *(answered(each.quantities) for _, _, each in study.rows)]))
     point, _, answer = list(study.rows)[5]
     scene, _ = load_scene(
         "prototype", ["accuracy=0.1", "modes=1", f"bimorph.length={point['bimorph.length']!r} m"]

@@ -298,4 +298,6 @@ def _parallel(study: Study, drawn: Sequence[Axis]) -> Figure:
         for label, bottom, top in zip(labels, low[:, 0], high[:, 0], strict=True)
     ], rotation=30, ha="right", fontsize=8)  # fmt: skip
     side.set_yticks((0.0, 1.0), ("least", "most"))
+    side.set_xlabel("what was drawn, then what came of it")
+    side.set_ylabel("of all samples")
     return figure
