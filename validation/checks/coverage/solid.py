@@ -21,7 +21,6 @@ from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Numbers
 from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks, Held
-from tactgen.geometry.bimorph.stretching import LEVELS as ALL_PRODUCTS
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.tmm.ports.port import BIMORPH
@@ -38,14 +37,15 @@ _STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
 _MODES = ("short_circuit_frequencies", "coupling_factor")
 _HARMONIC = ("tip_displacement", "admittance")
 
-#: References are solved so many levels above the one judged, and leave no product of polynomials
-#: out: what is judged does.
+#: References are solved so many levels above the one judged.
 _ABOVE = 2
 #: Bricks that tetrahedra are judged by.
-_FOR_TETRAHEDRA = ALL_PRODUCTS[3]
-#: Largest quarter (nodes of its reference) that is affordable: of bricks, and of those that judge
-#: tetrahedra.
-_MOST_NODES, _MOST_NODES_FOR_CAD = 14_000, 10_000
+_FOR_TETRAHEDRA = LEVELS[3]
+#: Largest quarter (functions of its reference) that is affordable: of bricks, and of those that
+#: judge tetrahedra.
+_MOST_FUNCTIONS, _MOST_FUNCTIONS_FOR_CAD = 9_000, 6_500
+#: Share of the devices of which all classes of motion are judged, and of those whose response is.
+_ONE_IN_THREE = 1.0 / 3.0
 
 
 #: Numbers by quantity and class of motion, ascending.
@@ -96,7 +96,7 @@ class Case:
     @property
     def reference(self) -> BrickMeshing:
         """The division that its reference is solved on."""
-        return _FOR_TETRAHEDRA if self.model == "cad" else ALL_PRODUCTS[self.level - 1 + _ABOVE]
+        return _FOR_TETRAHEDRA if self.model == "cad" else LEVELS[self.level - 1 + _ABOVE]
 
 
 @dataclass(frozen=True)
@@ -197,9 +197,10 @@ def _ports(system: SolidSystem, frequency: float) -> Multiport:
 
 
 def judge(rng: np.random.Generator) -> list[Judged]:
-    """Return the answers of one device, drawn by `rng`."""
+    """Return the answers of one device, drawn by `rng`, of a third all motions or responses."""
     (case,) = varied_cases(int(rng.integers(2**31)), 1, finer=0)
-    return judged(case)
+    every, responds = rng.random(2) < _ONE_IN_THREE
+    return judged(replace(case, all_motions=bool(every), harmonic=bool(responds)))
 
 
 def judged(case: Case) -> list[Judged]:
@@ -228,11 +229,11 @@ def varied_cases(seed: int, count: int = 44, finer: int = 6) -> list[Case]:
     cases: list[Case] = []
     while len(cases) < count:
         case = _drawn(rng, len(cases))
-        if case is None or _nodes(case) > _MOST_NODES:
+        if case is None or _functions(case) > _MOST_FUNCTIONS:
             continue
         cases.append(case)
         again = replace(case, level=3, all_motions=False, harmonic=False)
-        if finer and _nodes(again) < _MOST_NODES:
+        if finer and _functions(again) < _MOST_FUNCTIONS:
             finer -= 1
             cases.append(again)
     return cases[:count]
@@ -249,13 +250,14 @@ def cad_cases(seed: int, count: int = 20) -> list[Case]:
         if beyond_plain_layers(case.scene().device.bimorph):
             continue
         case = replace(case, model="cad", all_motions=True)
-        if _nodes(case) < _MOST_NODES_FOR_CAD:
+        if _functions(case) < _MOST_FUNCTIONS_FOR_CAD:
             cases.append(case)
     return cases
 
 
-def _nodes(case: Case) -> int:
-    return int(bimorph_bricks(case.scene().device, case.reference, case.held).used().sum())
+def _functions(case: Case) -> int:
+    bricks = bimorph_bricks(case.scene().device, case.reference, case.held)
+    return int((bricks.used() & bricks.products()).sum())
 
 
 def _drawn(rng: np.random.Generator, number: int) -> Case | None:

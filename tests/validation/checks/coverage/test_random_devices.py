@@ -99,18 +99,19 @@ def test_every_kind_of_bimorph_is_drawn_and_none_that_contradicts_itself(drawn):
 
 def test_the_first_that_are_small_enough_come_finer_as_well(monkeypatch):
     """At level 3, without what takes long; none whose reference cannot be afforded."""
-    monkeypatch.setattr(solid, "_nodes", lambda case: 5000 * case.level)
+    most = solid._MOST_FUNCTIONS
+    monkeypatch.setattr(solid, "_functions", lambda case: 0.36 * most * case.level)
     found = solid.varied_cases(3, 8, finer=2)
     assert [case.level for case in found] == [2, 2, 2, 2, 2, 2, 2, 2]
-    monkeypatch.setattr(solid, "_nodes", lambda case: 4000 * case.level)
+    monkeypatch.setattr(solid, "_functions", lambda case: 0.3 * most * case.level)
     found = solid.varied_cases(3, 8, finer=2)
     assert [case.level for case in found] == [2, 3, 2, 3, 2, 2, 2, 2]
     for coarse, fine in (found[:2], found[2:4]):
         assert fine == replace(coarse, level=3, all_motions=False, harmonic=False)
     coarse = [case.overrides for case in solid.varied_cases(3, 5, finer=0)]
     assert coarse == [found[i].overrides for i in (0, 2, 4, 5, 6)]
-    large = iter([14_001, *10 * [14_000]])
-    monkeypatch.setattr(solid, "_nodes", lambda case: next(large))
+    large = iter([most + 1, *10 * [most]])
+    monkeypatch.setattr(solid, "_functions", lambda case: next(large))
     assert solid.varied_cases(3, 1, finer=0)[0].overrides == found[2].overrides
 
 
@@ -118,11 +119,11 @@ def test_cad_is_asked_for_what_it_knows(monkeypatch):
     """Plain layers clamped as a whole; all motions; references that can be afforded."""
     asked = []
 
-    def nodes(case):
+    def functions(case):
         asked.append(case)
-        return 10_000 if len(asked) == 2 else 9_999
+        return solid._MOST_FUNCTIONS_FOR_CAD - (len(asked) != 2)
 
-    monkeypatch.setattr(solid, "_nodes", nodes)
+    monkeypatch.setattr(solid, "_functions", functions)
     found = solid.cad_cases(5, 6)
     assert found == [asked[0], *asked[2:]]
     for case in asked:
@@ -134,9 +135,9 @@ def test_cad_is_asked_for_what_it_knows(monkeypatch):
 
 
 def test_a_reference_is_two_levels_above_what_it_judges():
-    levels = solid.ALL_PRODUCTS
+    levels = solid.LEVELS
     assert [levels.index(Case((), level=level).reference) for level in (2, 3)] == [3, 4]
-    assert solid._nodes(Case((), level=3)) > solid._nodes(Case((), level=2)) > 1000
+    assert solid._functions(Case((), level=3)) > solid._functions(Case((), level=2)) > 1000
 
 
 def test_a_case_is_asked_at_nine_tenths_of_its_first_resonance():
@@ -231,8 +232,11 @@ def test_answers_are_judged_beside_their_references(monkeypatch):
     assert (mode.error, mode.bar) == (pytest.approx(0.1), pytest.approx(0.05))
     assert (motion.quantity, motion.error, motion.bar) == ("u", pytest.approx(1.0), 0.2)
     monkeypatch.setattr(solid, "judged", lambda case: case)
-    monkeypatch.setattr(solid, "_nodes", lambda case: 14_000)
-    assert solid.judge(np.random.default_rng(1)).level == 2
+    monkeypatch.setattr(solid, "_functions", lambda case: 1)
+    drawn = [solid.judge(np.random.default_rng(seed)) for seed in range(30)]
+    assert {case.level for case in drawn} == {2}
+    for share in ([case.all_motions for case in drawn], [case.harmonic for case in drawn]):
+        assert 4 <= sum(share) <= 16
 
 
 def test_the_slow_response_of_a_reference_is_its_static_one(monkeypatch, few_bricks):
