@@ -12,6 +12,7 @@ from typing import Any
 
 from tactgen.geometry.files import write_text
 from tactgen.validation.book.figures import convergence, scattered
+from tactgen.validation.book.orders import DIVISIONS, KINDS
 from tactgen.validation.book.sketch import sketched
 from tactgen.validation.book.statistics import Scatter, scatter
 from tactgen.validation.book.unanswered import UNANSWERED
@@ -82,6 +83,9 @@ def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], No
         "provenance": _provenance(),
         "faults": kept_rows(),
         "unanswered": UNANSWERED,
+        "kinds": KINDS,
+        "divisions": DIVISIONS,
+        "page_of": {row.check.id: page for page in pages for row in page.rows},
         "counts": {v: sum(r.verdict == v for r in rows) for v in _VERDICTS},
     }
     render = _environment()

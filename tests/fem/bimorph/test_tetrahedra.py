@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.sparse.linalg import spsolve
 from skfem import BilinearForm
 from skfem.helpers import grad
 
@@ -23,6 +22,11 @@ from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 from tactgen.geometry.meshing.mirror import whole_mesh
 from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
+from tactgen.validation.checks.cases.manufactured import (
+    cells_space,
+    ceramic,
+    manufactured_errors,
+)
 
 SHORT = Device(bimorph=Bimorph(length=6e-3))
 #: A homogeneous section: shim and ceramic of one modulus.
@@ -264,87 +268,10 @@ def test_modes_of_the_quarter_are_even_or_odd(mesh):
             assert left == pytest.approx(right, rel=1e-12, abs=1e-12)
 
 
-AMPLITUDE = np.array([1.0, -0.7, 0.4, 0.8])
-WAVES = 1e3 * np.array([[1.1, 0.7, 0.9], [0.8, -1.2, 0.6], [-0.5, 0.9, 1.0], [0.9, 1.0, -0.8]])
-PHASE = np.array([0.3, 1.1, -0.4, 0.8])
-
-
-def manufactured_errors(mesh):
-    """Relative errors in energy and in the mean square of a smooth solution, all walls given.
-
-    y_q = a_q sin(k_q · x + c_q) in (u, φ / unit); its load is −div of the flux C grad y, so
-    Σ_q C_paqb k_qa k_qb y_q in row p.
-    """
-    from skfem import LinearForm
-
-    body, known, unit = body_of(SHORT, mesh)
-    basis, tensor = body.basis, known["piezo"].flux_tensor(unit)
-
-    def exact(at):
-        return AMPLITUDE[:, None] * np.sin(WAVES @ at + PHASE[:, None])
-
-    curvature = np.einsum("paqb,qa,qb->pq", tensor, WAVES, WAVES)
-    load = np.zeros((basis.N, 4))
-    for p in range(4):
-
-        def form(v, w, p=p):
-            shape = w.x.shape
-            force = curvature[p] @ exact(w.x.reshape(3, -1))
-            return force.reshape(shape[1:]) * v
-
-        load[:, p] = 4.0 * LinearForm(form).assemble(basis)
-    stiffness, _ = body.matrices
-    whole = exact(basis.doflocs).T.ravel()
-    given = np.zeros((basis.N, 4), dtype=bool)
-    given[basis.get_dofs().flatten()] = True
-    free, fixed = np.flatnonzero(~given), np.flatnonzero(given)
-    found = whole.copy()
-    right = load.ravel()[free] - stiffness[free][:, fixed] @ whole[fixed]
-    found[free] = spsolve(stiffness[free][:, free].tocsc(), right)
-    # ∫ (y_h − y)ᵀ… at quadrature points, component by component: gradients and values
-    slopes, size, off, mean = 0.0, 0.0, 0.0, 0.0
-    at = np.asarray(basis.global_coordinates())
-    for q in range(4):
-        field = basis.interpolate(found.reshape(-1, 4)[:, q])
-        angle = np.einsum("a,act->ct", WAVES[q], at) + PHASE[q]
-        value = AMPLITUDE[q] * np.sin(angle)
-        gradient = AMPLITUDE[q] * WAVES[q][:, None, None] * np.cos(angle)
-        slopes += ((field.grad - gradient) ** 2 * basis.dx).sum()
-        size += (gradient**2 * basis.dx).sum()
-        off += ((np.asarray(field) - value) ** 2 * basis.dx).sum()
-        mean += (value**2 * basis.dx).sum()
-    return np.sqrt(slopes / size), np.sqrt(off / mean)
-
-
-def cube(divisions):
-    """A cube of 1 mm in distorted tetrahedra: inner vertices moved by a tenth of an edge."""
-    planes = np.linspace(0.0, 1e-3, divisions + 1)
-    empty = np.zeros((divisions,) * 3, dtype=int)
-    mesh = box_tetrahedra(planes, planes, planes, empty, ("piezo",))
-    points = mesh.points.copy()
-    inner = ((points > 1e-9) & (points < 1e-3 - 1e-9)).all(axis=1)
-    moved = np.random.default_rng(1).uniform(-1.0, 1.0, points.shape)
-    points[inner] += 0.1e-3 / divisions * moved[inner]
-    faces = {"mirror_x": mesh.faces["x_low"], "mirror_y": mesh.faces["y_low"]}
-    return replace(mesh, points=points, faces=faces)
-
-
-def test_manufactured_solution_converges_with_its_order():
-    """Gradients by h², values by h³, on distorted cells; and a bound on the finest.
-
-    A tenth of an order is what cells of random shape scatter by.
-    """
-    coarse, fine = manufactured_errors(cube(3)), manufactured_errors(cube(6))
-    orders = np.log2(np.array(coarse) / np.array(fine))
-    assert orders[0] > 2.0 - 0.1
-    assert orders[1] > 3.0 - 0.1
-    # a twentieth of a wave to an edge: (kh)²/12 and (kh)³/60, with k h = 0.8 / 3
-    assert fine[0] < (0.8 / 3.0) ** 2 / 12.0
-    assert fine[1] < (0.8 / 3.0) ** 3 / 60.0
-
-
 def test_manufactured_solution_on_the_mesh_of_cad(tetwild):
     """fTetWild's cells are within a factor two of what cells of their edges give: k h = 0.8."""
-    gradient, value = manufactured_errors(all_ceramic(tetwild))
+    material = ceramic(lossy=False)
+    space, unit = cells_space(all_ceramic(tetwild), material)
+    gradient, value = manufactured_errors(space, material, unit, 0.0)
     assert gradient < 2.0 * 0.8**2 / 12.0
     assert value < 2.0 * 0.8**3 / 60.0

@@ -37,38 +37,6 @@ from tactgen.validation.checks.cases.magnetics.infinite_solenoid import (
 )
 
 
-def manufactured(curve, order, n):
-    """Return the relative L2 error of B for u = (1 − r²)² cos(πz/2), sourced by its own H.
-
-    The source ∫ H(B)·curl v is what a current density curl H does, for any curve.
-    """
-    lines = np.linspace(0.0, 1.0, n + 1), np.linspace(-1.0, 1.0, 2 * n + 1)
-    whole = Region("all", (0.0, 1.0), (-1.0, 1.0), curve)
-    grid = Grid(*lines, (whole,))
-    d = discretise(grid, order)
-    r, z = d.radii, d.elevations
-    b_r = r * (1.0 - r**2) ** 2 * np.pi / 2.0 * np.sin(np.pi * z / 2.0)
-    b_z = (2.0 * (1.0 - r**2) ** 2 - 4.0 * r**2 * (1.0 - r**2)) * np.cos(np.pi * z / 2.0)
-    nu = curve.reluctivity(np.hypot(b_r, b_z))
-    load = d.functional(nu[..., None] * np.stack([b_r, b_z], axis=-1))
-    field = solve_field(replace(d, loads=load[None]), np.ones(1))
-    found_r, found_z = np.moveaxis(field.flux_density, -1, 0)
-    miss = np.sum(((found_r - b_r) ** 2 + (found_z - b_z) ** 2) * d.volumes)
-    return math.sqrt(miss / np.sum((b_r**2 + b_z**2) * d.volumes))
-
-
-@pytest.mark.parametrize("curve", [linear(1000.0), TEAM20], ids=["linear", "team20"])
-@pytest.mark.parametrize(("order", "steepest"), [(2, 24.0), (4, (math.pi / 2.0) ** 5)])
-def test_manufactured_solution(curve, order, steepest):
-    """A smooth field (up to 2 T) converges with the order of the functions, and is near."""
-    errors = [manufactured(curve, order, n) for n in (4, 8)]
-    # the next term of the error still counts by (h = 1/4)² / 4 of itself
-    assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.1)
-    # a derivative interpolated by degree p − 1 in Chebyshev points; `steepest` is ∂^(p+1) u
-    h = 1.0 / 8.0
-    assert errors[1] < (h / 2.0) ** order / (2.0 ** (order - 1) * math.factorial(order)) * steepest
-
-
 def test_thick_solenoid():
     """B = µ0 J (r2 − r) in the winding, 0.012566 T inside, none outside (J = 1e6 A/m²).
 

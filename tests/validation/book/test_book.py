@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from tactgen.validation.book.book import SUBJECTS
+from tactgen.validation.book.orders import DIVISIONS, KINDS
 from tactgen.validation.book.statistics import scatter
 from tactgen.validation.checks import verification
 from tactgen.validation.checks.known import beams, laminates
@@ -83,6 +84,19 @@ def test_what_did_not_change_is_not_run_again(few, monkeypatch):
     monkeypatch.setattr(beams, "CASES", (wrong,))
     with pytest.raises(AssertionError, match="measured again"):
         verify(("beams",), extent="light", announce=lambda _: None)
+
+
+def test_the_grid_of_orders_has_every_row_of_an_order_and_no_empty_square():
+    """A row in it says its order; one that says an order is in it; each square has a word."""
+    said = {
+        row.id
+        for row in verification.group_rows("orders")
+        if " converge with order " in row.requirement
+    }
+    shown = [rows for division in DIVISIONS for rows in division.rows]
+    assert all(len(division.rows) == len(KINDS) for division in DIVISIONS)
+    assert all(shown)
+    assert {id_ for rows in shown if not isinstance(rows, str) for id_ in rows} == said
 
 
 def test_quick_takes_the_first_row_of_each_case(few):

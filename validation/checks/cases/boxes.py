@@ -261,17 +261,22 @@ def natural_frequencies(box: Box, count: int, *, loose: int = 0, near: float = 0
     Inverse Lanczos with a factor of K + (2π near)² M: `near` (Hz) must be above 0 where the body
     can move rigidly.
     """
-    from scipy.sparse.linalg import LinearOperator, eigsh
-
     if box.reduced()[0].shape[0] <= _DENSE:
         return _dense_frequencies(box, count, loose)
     shift = (2.0 * np.pi * near) ** 2
     stiffness, mass = box.reduced(shift=shift)
+    return lowest_frequencies(stiffness, mass, count + loose, shift)[loose:]
+
+
+def lowest_frequencies(stiffness: Sparse, mass: Sparse, count: int, shift: float = 0.0) -> Floats:
+    """Return the lowest frequencies (Hz), of a `stiffness` with `shift` times the mass in it."""
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
     factor, n = factorise(stiffness), stiffness.shape[0]
     start = factor.solve(np.asarray(mass @ np.random.default_rng(0).standard_normal(n)))
     values = eigsh(
         LinearOperator((n, n), matvec=lambda v: v, dtype=float),
-        k=count + loose,
+        k=count,
         M=mass,
         sigma=-shift,
         which="LM",
@@ -280,7 +285,7 @@ def natural_frequencies(box: Box, count: int, *, loose: int = 0, near: float = 0
         tol=1e-10,
         return_eigenvectors=False,
     )
-    return _hertz(np.sort(values)[loose:])
+    return _hertz(np.sort(values))
 
 
 def _dense_frequencies(box: Box, count: int, loose: int) -> Floats:

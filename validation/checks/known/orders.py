@@ -16,6 +16,8 @@ from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.validation.checks.case import Answer, Case, Refinement, case
 from tactgen.validation.checks.cases.boxes import Box, Held, Where, even, natural_frequencies
+from tactgen.validation.checks.cases.manufactured import quarter_wave_error
+from tactgen.validation.checks.known import smooth_fields
 from tactgen.validation.checks.known.laminates import bending_bimorph
 from tactgen.validation.checks.setup.drawing import Drawing
 from tactgen.validation.checks.setup.sections import section
@@ -105,23 +107,13 @@ def _orders(problem: _Problem) -> Case:
     )  # fmt: skip
 
 
-def leading_error(degree: int, intervals: int) -> float:
-    """Return the leading relative error of the rod's lowest frequency.
-
-    Half of the eigenvalue's, (p!/(2p)!)² (k h)^(2p)/(2p + 1) with k h = π/(2 n).
-    """
-    p = degree
-    constant = (math.factorial(p) / math.factorial(2 * p)) ** 2 / (2 * p + 1)
-    return 0.5 * constant * (math.pi / (2 * intervals)) ** (2 * p)
-
-
 _ROD = _orders(_Problem(
     "ROD",
     "Orders on a rod",
     "A rod without Poisson's ratio, one end held: the lowest axial frequency, 1/4 √(E/ρ)/L.",
     _rod_error,
     {1: 16, 2: 6, 3: 2, 4: 1},
-    lambda p: 2.0 * leading_error(p, 2 * {1: 16, 2: 6, 3: 2, 4: 1}[p]),
+    lambda p: 2.0 * quarter_wave_error(p, 2 * {1: 16, 2: 6, 3: 2, 4: 1}[p]),
     "twice the leading term of the error",
     section(_rod, 4, 1, unit="L"),
 ))  # fmt: skip
@@ -137,4 +129,4 @@ _BIMORPH = _orders(_Problem(
     section(bending_bimorph, _THICKNESS),
 ))  # fmt: skip
 
-CASES: tuple[Case, ...] = (_ROD, _BIMORPH)
+CASES: tuple[Case, ...] = (_ROD, _BIMORPH, *smooth_fields.CASES)

@@ -26,7 +26,10 @@ SPEAKS_FOR: dict[str, dict[str, tuple[str, ...]]] = {
     "elastic": {"": ("solid",)},
     "coils": {"": ("axisymmetric",)},
     "iron": {"": ("magnetic3d",)},
-    "orders": {"": ("solid",)},
+    "orders": {
+        "": ("solid",), "MMSC": ("cad",), "MMSE": ("cad",), "BEAMO": ("beam",),
+        "AXIO": ("axisymmetric",), "MAGO": ("magnetic3d",),
+    },
     "bimorph": {"TMM": ("tmm",), "FIN": ("tmm",), "BEA": ("beam",), "SOL": ("solid",)},
     "reluctance": {
         "COI": ("axisymmetric",), "SOL": ("axisymmetric",), "ACT": ("axisymmetric",),
