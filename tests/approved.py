@@ -166,6 +166,16 @@ def _answered(q):
     return " ".join([f"{q.name} by {q.model}: {_row(value)}{of} {q.unit}", *over])
 
 
+def by_ports(multiport):
+    """Return a symmetric port matrix by its pairs of ports, each over frequency."""
+    names = [port.name for port in multiport.ports]
+    return {
+        f"{a} {b}": multiport.stiffness[:, i, j]
+        for i, a in enumerate(names)
+        for j, b in enumerate(names[: i + 1])
+    }
+
+
 def _plain(text):
     """Return a text on one line, without the data of pictures."""
     return re.sub(r"(data:[\w/+-]+)[^\s\"]*", r"\1", " ".join(text.split()))

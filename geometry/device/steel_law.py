@@ -24,7 +24,7 @@ MU0 = 1.25663706212e-6
 _EARLY = 2.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class MagnetisationCurve:
     """A single-valued isotropic magnetisation curve: B and H parallel, H(B) increasing.
 

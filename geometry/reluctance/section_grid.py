@@ -73,7 +73,7 @@ class Region:
         return replace(self, heights=(low + displacement, high + displacement))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Grid:
     """A tensor-product grid with its regions.
 

@@ -30,7 +30,7 @@ _POINTS = 200
 _FEW = Dictionary(per_decade=3, ratios=(0.7,), reach=3.0)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Chain:
     """A mechanical network whose first coordinate is the tip.
 

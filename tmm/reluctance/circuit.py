@@ -62,7 +62,7 @@ FULL = Refinements()
 ONE_GAP = Refinements("perfect", parasitic_gap=False, leakage=False, fringing=False)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class _Path:
     """The path below the gap in k cells, from the flange up; arrays (m, k) unless said.
 

@@ -33,7 +33,7 @@ _ROUNDING = 64.0 * float(np.finfo(float).eps)
 _STEPS = 100
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Ladder:
     """The circuit at m gaps: n cells, E iron elements; `d_` is the derivative by the gap.
 
@@ -65,7 +65,7 @@ class Ladder:
     d_turns: Floats
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class LadderSolution:
     """What the circuit does at c currents and m gaps; arrays (c, m), fluxes (c, m, n).
 

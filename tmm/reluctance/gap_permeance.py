@@ -23,7 +23,7 @@ from tactgen.geometry.errors import InputError
 _HALF_CYLINDER = 0.26
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class GapPermeance:
     """Permeance at m gaps, and how much of the collar's bore its tubes take.
 

@@ -19,7 +19,7 @@ from tactgen.tmm.generator.transient.bimorph import BimorphModes
 _AROUND = 33
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class MovingBody:
     """A mesh, and how its points follow the coordinates of a run.
 

@@ -29,7 +29,7 @@ from tactgen.geometry.arrays import Floats, Sparse
 from tactgen.geometry.device.steel_law import MU0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class MagneticField:
     """A converged field.
 

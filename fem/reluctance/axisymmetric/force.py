@@ -24,7 +24,7 @@ from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.reluctance.section_grid import Grid
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class EggshellWeight:
     """Gradient of the weight at the quadrature points, each (n_e, n_q) in 1/m."""
 

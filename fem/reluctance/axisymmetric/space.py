@@ -22,7 +22,7 @@ from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.reluctance.section_grid import Grid
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class ReferenceCell:
     """Shape functions on a cell of width and height 1, the same for all cells of a grid.
 
@@ -61,7 +61,7 @@ class ReferenceCell:
         return ReferenceCell(self.across, self.levels, self.weights, *tables)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Discretisation:
     """Shape functions of one order on one grid, as tables at the quadrature points.
 

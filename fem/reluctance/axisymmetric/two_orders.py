@@ -26,7 +26,7 @@ from tactgen.geometry.reluctance.section_regions import actuator_regions
 _FINE, _COARSE = 1e-8, 1e-6
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class TwoOrders:
     """What is shared by all currents of one device at one gap.
 
@@ -43,7 +43,7 @@ class TwoOrders:
     coarse_factors: Factors
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Pair:
     """The same field by the lower and by the wanted order."""
 

@@ -42,7 +42,7 @@ from tactgen.geometry.meshing.mesh import Mesh
 _PARALLEL = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class MotionWeight:
     """How far each point goes along when the body moves by 1.
 

@@ -36,7 +36,7 @@ from tactgen.geometry.meshing.quadratic import TET_EDGES
 SourceField = Callable[[Floats], Floats]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class MagneticSolid:
     """What is to be solved.
 
@@ -81,7 +81,7 @@ class MagneticSolid:
                 )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class SampledSolid:
     """The problem at its quadrature points.
 
@@ -168,7 +168,7 @@ def with_sorted_corners(mesh: Mesh) -> Mesh:
     return replace(mesh, cells=cells)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class MagneticField:
     """A solution at the quadrature points.
 

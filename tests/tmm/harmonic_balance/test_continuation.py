@@ -93,3 +93,14 @@ def test_what_has_no_orbit_says_how_far_it_came():
     with pytest.raises(NoConvergence, match=r"no orbit was found at a drive of 1, the highest"):
         steady_orbit(weak, 0.05, 1.0, resolution=Resolution(1e-3, 5, 15))
     assert np.isfinite(steady_orbit(weak, 0.05, 0.3).spectrum).all()
+
+
+@pytest.mark.parametrize(("had", "least", "left"), [(20, 5, 15), (7, 5, 5), (6, 5, 6)])
+def test_harmonics_that_nothing_moves_in_are_dropped(had, least, left):
+    """A quarter of them at each step where far less is missing than may be, down to the fewest."""
+    oscillator = cases.driven_duffing()
+    start = steady_orbit(oscillator, 1.2, 1e-3, resolution=ROUGH).with_harmonics(had)
+    branch = follow(
+        oscillator, start, "level", 1e-3, 1.02e-3, resolution=Resolution(1e-5, least, 40)
+    )
+    assert branch.orbits[1].harmonics == left

@@ -17,7 +17,7 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats, Ints
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class BimorphModes:
     """k modes over a base that moves by [w, ψ].
 

@@ -44,7 +44,7 @@ _TURNED = 3.0
 LOWER, UPPER, BORE = "lower_stop", "upper_stop", "bore"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Machine:
     """The system with what an initial state needs.
 

@@ -37,7 +37,7 @@ _ROUNDS, _AIM, _LOWERED = 4, 0.5, 0.1
 _HOPELESS = 1.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Answer:
     """A run with what it is worth.
 

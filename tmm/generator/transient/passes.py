@@ -37,7 +37,7 @@ _SAFETY = 1.5
 MOST_STEPS = 3_000_000
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Passes:
     """Three runs over the same steps: in pairs, as chosen, in halves.
 

@@ -11,7 +11,7 @@ from tactgen.tmm.generator.transient.step import Flow, State
 from tactgen.tmm.generator.transient.system import System
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Run:
     """What a run gave at its times (k,).
 

@@ -29,7 +29,7 @@ from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
 _KEPT = 512
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, slots=True)
 class State:
     """The machine at one time.
 

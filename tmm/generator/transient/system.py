@@ -20,7 +20,7 @@ from tactgen.tmm.generator.transient.laws import Law
 from tactgen.tmm.reluctance.coenergy.cells import Coenergy
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Element:
     """One spring or p of one kind, side by side: δ = `offset` + `direction` · x.
 
@@ -40,7 +40,7 @@ class Element:
     offset: Floats | float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Friction:
     """Coulomb friction under what an element pushes, rounded off at small speeds.
 
@@ -64,7 +64,7 @@ class Friction:
     speed: float = 1e-4
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Coil:
     """The winding and what its field pulls at.
 
@@ -96,7 +96,7 @@ class Coil:
     gaps: tuple[float, float] = (-np.inf, np.inf)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Output:
     """A linear output `row` · x in `unit`.
 
@@ -111,7 +111,7 @@ class Output:
     step_scale: float | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class System:
     """A structure with its springs, its stops and its coil, in SI units.
 

@@ -45,7 +45,7 @@ class Coenergy(Protocol):
         ...
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class CoenergyCells:
     """A co-energy map cell by cell.
 

@@ -15,7 +15,7 @@ from tactgen.geometry.store.values import storable
 
 
 @storable
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class SplineBasis:
     """n functions, each a polynomial on every one of s spans.
 

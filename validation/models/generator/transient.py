@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _HIGHEST = 20e3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Simulation:
     """What a scene did.
 

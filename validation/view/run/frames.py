@@ -36,7 +36,7 @@ CONTACTS = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Instant:
     """A run at one time: s, coordinates, lift and tip (m), coil current (A), phase."""
 

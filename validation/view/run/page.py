@@ -21,7 +21,7 @@ _MOST = 2000
 _TOUCH = 1e-3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Film:
     """A run as it is seen.
 

@@ -39,7 +39,7 @@ Ranges = Mapping[str, tuple[float, float]]
 
 
 @storable
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class FieldTable:
     """What the field says over a range.
 
@@ -64,7 +64,7 @@ class FieldTable:
 
 
 @storable
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class PointFamily:
     """What the field says over a range: one table, or of one key several, side by side."""
 

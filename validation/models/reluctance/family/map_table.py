@@ -54,7 +54,7 @@ _SampleValues = dict[str, tuple[Value, Value]]
 
 
 @storable
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class MapTable:
     """Samples of co-energy maps over a range.
 
@@ -117,7 +117,7 @@ class MapTable:
 
 
 @storable
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class MapTables:
     """All tables that were made over some dimensions of a scene, the latest last."""
 

@@ -23,7 +23,7 @@ _FIRST = 2
 
 
 @storable
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Table:
     """Values at the points of a grid in the box [−1, 1]^k.
 
