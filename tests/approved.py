@@ -158,12 +158,9 @@ def _answered(q):
     # three digits of a bar: it is a difference, of which no more are the same elsewhere
     rounded = np.vectorize(lambda one: float(f"{one:.3g}"))(bar)
     of = "" if (bar <= TINY_PART * np.abs(value)).all() else f" ± {_row(rounded)}"
-    over = [
-        f"{word} {described(what)}"
-        for word, what in (("at", q.frequency), ("classes", q.classes and list(q.classes)))
-        if what is not None
-    ]
-    return " ".join([f"{q.name} by {q.model}: {_row(value)}{of} {q.unit}", *over])
+    over = "" if q.frequency is None else f" at {_row(np.array(q.frequency))}"
+    kinds = "" if q.classes is None else f", {' '.join(q.classes)}"
+    return f"{q.name} by {q.model}: {_row(value)}{of} {q.unit}{over}{kinds}"
 
 
 def by_ports(multiport):

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.fem.bimorph.refinement.error_indicator import GoalError
 from tactgen.geometry.bimorph import tets
@@ -47,12 +48,13 @@ def test_uniform_errors_ask_for_uniformly_finer_elements():
         last = lengths[0]
 
 
-def test_elements_to_blame_become_finer_than_the_rest():
+def test_elements_to_blame_become_finer_than_the_rest(approved):
     """An element with a large share gets short edges, one far away with none keeps its own."""
     mesh = uniform_box(10)
     centre = mesh.points[mesh.cells].mean(axis=1)
     errors = np.where(np.linalg.norm(centre, axis=1) < 0.15e-3, 1.0, 1e-9)
     sizing = sizing_for(mesh, errors, 0.1 * errors.sum(), shortest=0.0, most=1e9)
+    approved(described(sizing))
     distance = np.linalg.norm(sizing.points, axis=1)
     assert sizing.lengths[distance.argmin()] < 0.5 * sizing.lengths[distance.argmax()]
 
@@ -360,3 +362,11 @@ def test_classes_that_are_no_goal_count_as_on_meshes_refined_alike():
     bending, others = AdaptedPair(fine, coarse).mode_factors
     assert bending < others == two_mesh_factor(2.0)
     assert np.isfinite(AdaptedPair(coarse, coarse).mode_factors).all()
+
+
+def test_all_that_pairs_say(approved):
+    names = ("static_factor", "mode_factors", "static_share", "largest_bar", "method")
+    coarse = solved_with(3_000, 1e-2, capacitance=3e-2, bending_2=5e-2)
+    fine = [solved_with(9_000, 4e-3), solved_with(20_000, 1e-3, tip_compliance=9e-3)]
+    pairs = [AdaptedPair(each, coarse) for each in fine]
+    approved(described([{name: getattr(pair, name) for name in names} for pair in pairs]))

@@ -111,7 +111,7 @@ NUMBERS = (
 
 
 @pytest.mark.parametrize("history", ["rising", pytest.param("falling", marks=pytest.mark.heavy)])
-def test_bars_of_a_map_cover_what_the_model_itself_says(history):
+def test_bars_of_a_map_cover_what_the_model_itself_says(history, approved):
     """Stiffness, pull per current and inductance, on either stop; and are no wider than a fifth."""
     scene = generator("tmm,network", f"coil.history={history}")
     rod = judged_by_map(scene, scene.pull)
@@ -119,6 +119,7 @@ def test_bars_of_a_map_cover_what_the_model_itself_says(history):
     for of in NUMBERS:
         found = of_rod(rod, of)
         assert abs(found.value - of(better.fine)) <= found.bar < 0.2 * abs(found.value)
+    approved(described([of_rod(rod, of) for of in NUMBERS]))
 
 
 @pytest.mark.parametrize("current", ["50mA", "250mA"])

@@ -429,3 +429,8 @@ def test_where_options_are_refused(of, taken, refused):
     for text in refused:
         with pytest.raises(InputError, match="is not between"):
             of(text)
+
+
+def test_why_a_run_cannot_be_read(tmp_path):
+    with pytest.raises(InputError, match=r"none.nc cannot be read \(No such file or directory\)"):
+        read_film(tmp_path / "none.nc")

@@ -174,12 +174,10 @@ def _write(options: argparse.Namespace, found: Simulation, announce: Callable[[s
         drives = {"bimorph_voltage": options.voltage, "coil_drive": options.coil}
         write_run(options.out, found, drives)
     if options.plot:
-        from tactgen.geometry.files import written_whole
+        from tactgen.geometry.files import write_text
         from tactgen.validation.studies.transient.plot import time_plot
 
-        picture = time_plot(found)
-        with written_whole(options.plot) as draft:
-            draft.write_text(picture, encoding="utf-8")
+        write_text(Path(options.plot), time_plot(found))
     if options.fields:
         from tactgen.validation.export.run_motion import write_run_steps
 

@@ -1,0 +1,75 @@
+"""Options that take a number: both ends of their ranges are taken, what lies beyond is refused."""
+
+from functools import partial
+from types import SimpleNamespace
+
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.commands.studies import backbone, design, positions, simulate
+from tactgen.validation.command_line.study_options import whole_number
+from tactgen.validation.scene.frequencies import parse_frequencies
+from tactgen.validation.studies.transient.waveforms import AMPERES, VOLTS, parsed
+
+#: By name, what reads the option, what it takes and with what result, and what it refuses.
+OPTIONS = {
+    "--until": (
+        simulate._until, {"1 us": 1e-6, "10 s": 10.0}, ("0.9 us", "10.1 s", "3", "nan s"),
+    ),
+    "--accuracy": (simulate._accuracy, {"1e-6": 1e-6, "0.5": 0.5}, ("9e-7", "0.51", "fine")),
+    "--voltage of backbone": (
+        backbone._voltages,
+        {"1:3:2": [1.0, 3.0], "1:4:3:log": [1.0, 2.0, 4.0], "1:3:3:lin": [1.0, 2.0, 3.0],
+         "2,0.5 V": [2.0, 0.5]},
+        ("1:2:1", "1:2:101", "1:2", "1:2:3:log:4", "1:2:3:cubic", "0:2:3", "-1", "1 A"),
+    ),
+    "--frequency of backbone": (
+        backbone._band, {"100:200": [100.0, 200.0], "0.1 kHz:200 Hz": [100.0, 200.0]},
+        ("200:100", "100:100", "0:100", "100", "100:", ":100"),
+    ),
+    "--current": (
+        positions._currents, {"0:1 A:2": [0.0, 1.0], "20 mA:60 mA:3": [0.02, 0.04, 0.06]},
+        ("0:1A:1", "0:1A:10001", "1A:1A:3", "2A:1A:3", "0:1:3", "-1mA:1A:3", "0:1A", "0:1A:3:4"),
+    ),
+    "--sample": (
+        partial(whole_number, option="--sample", least=1, most=30, example="2"),
+        {"1": 1, "30": 30}, ("0", "31", "1.5", "-2", "", "100000000000"),
+    ),
+    "--band": (
+        partial(design._two, option="--band", example="10:1000"), {"10 : 20": ["10", "20"]},
+        ("10", "10:", ":20", "1:2:3"),
+    ),
+    "--lengths": (design._length, {"20 mm": 0.02}, ("20", "0 mm", "20 s")),
+    "--coil": (
+        lambda text: vars(parsed(text, "--coil", (AMPERES, VOLTS)).waveform),
+        {"2 V step": {"level": 2.0, "start": 0.0, "stop": float("inf")},
+         "1 mA square 100 Hz": {"high": 1e-3, "frequency": 100.0, "low": 0.0, "duty": 0.5,
+                                "start": 0.0}},
+        ("1 V step at 2 ms until 2 ms", "1 V square 100 Hz duty 1", "1 V square 100 Hz duty 0",
+         "1 V sine 1 mHz phase 1", "1e-10 V", "1e6 V", "1 V sine 0 Hz", "1 V step at -1 ms"),
+    ),
+    "frequency": (
+        parse_frequencies,
+        {"10:20:1": [10.0], "10:20:2": [10.0, 20.0], "10:40:3:log": [10.0, 20.0, 40.0],
+         "1 kHz, 5": [1000.0, 5.0]},
+        ("10:20:0", "10:20", "10:20:1000001", "0:10:3:log", "-1", "1 s", "", "1 mHz", "10:20:2:x"),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("option", OPTIONS)
+def test_ends_are_taken_and_no_more(option):
+    read, taken, refused = OPTIONS[option]
+    for text, value in taken.items():
+        found = read(text)
+        assert (list(found) if isinstance(value, list) else found) == pytest.approx(value), text
+    for text in refused:
+        with pytest.raises(InputError):
+            pytest.fail(f"{text} was taken as {read(text)}")
+
+
+def test_a_scenes_band_is_that_of_its_frequencies_above_0():
+    scene = SimpleNamespace(name="own", frequency=(300.0, 0.0, 200.0, 400.0))
+    assert backbone._scene_band(scene) == (200.0, 400.0)
+    with pytest.raises(InputError, match="scene own states no band"):
+        backbone._scene_band(SimpleNamespace(name="own", frequency=(0.0, 200.0)))
