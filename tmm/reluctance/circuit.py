@@ -124,15 +124,38 @@ def circuit(device: Device, gaps: Floats, refinements: Refinements, cells: int =
     )
 
 
-def sleeve_heights(device: Device, gap: float) -> Floats:
-    """Return how high the middles of the iron elements (E,) of the full circuit at a gap (m) lie.
+@dataclass(frozen=True)
+class IronPlaces:
+    """Where the full circuit's iron elements (E,) lie: k of the rod, k of the sleeve, the head's.
 
-    In m from the sleeve's top; nan of those that are not the sleeve's.
+    Attributes
+    ----------
+    flange, sleeve : (E,) bool
+        What belongs to these; the rest are shaft and head.
+    ends : (k + 1,) float
+        Ends of the first k and of the sleeve's, from the lowest up (m above the sleeve's top).
     """
-    length = _path(device, np.array([gap]), CELLS, parasitic_gap=True).length[0]
-    middles = 0.5 * length - np.cumsum(length[::-1])[::-1]
-    no = np.full(length.size, np.nan)
-    return np.concatenate([no, middles, no[: _RINGS + 1]])
+
+    flange: Bools
+    sleeve: Bools
+    ends: Floats
+
+    @property
+    def middles(self) -> Floats:
+        """Heights (k,) of their middles (m)."""
+        return np.asarray(0.5 * (self.ends[1:] + self.ends[:-1]))
+
+
+def iron_places(device: Device, gap: float) -> IronPlaces:
+    """Return where the iron elements of the full circuit at a gap (m) lie."""
+    path = _path(device, np.array([gap]), CELLS, parasitic_gap=True)
+    length = path.length[0]
+    none, head = np.zeros(length.size, dtype=bool), np.zeros(_RINGS + 1, dtype=bool)
+    return IronPlaces(
+        flange=np.concatenate([path.in_flange[0], none, head]),
+        sleeve=np.concatenate([none, ~none, head]),
+        ends=np.append(-np.cumsum(length[::-1])[::-1], 0.0),
+    )
 
 
 def _path(device: Device, gaps: Floats, cells: int, *, parasitic_gap: bool) -> _Path:

@@ -36,6 +36,9 @@ _GAPS = 4
 #: Order of the field points that are drawn into the quick version's curves: 0.2 % in force.
 _POINT_ORDER = 3
 
+#: The quantity behind each value that the bridge follows.
+_QUANTITY = {"force": "magnetic_force", "flux_linkage": "flux_linkage"}
+
 #: What each refinement of the network means, by its name there.
 _MEANING = {
     "one straight gap, perfect iron": "all ampere-turns stand across one gap with a uniform "
@@ -217,14 +220,13 @@ class NormalActuator:
     def _from_the_network(
         self, network: dict[str, float], field: dict[str, float]
     ) -> list[tuple[str, str, dict[str, float]]]:
-        """Return the steps from the network to the field: each cause taken away in turn."""
+        """Return the steps from the network to the field: causes taken away, then what is left."""
         rows, value = [], network
-        for cause in reversed(self.causes[1:]):
-            share = {"force": cause.force, "flux_linkage": cause.flux_linkage}
-            value = {key: value[key] - share[key] * field[key] for key in field}
-            rows.append((f"{cause.name} as in the field", cause.meaning, value))
-        first = next((cause.meaning for cause in self.causes), "what tubes of assumed shape lack")
-        return [*rows, ("the field", first, field)]
+        for cause in self.causes:
+            value = {key: value[key] - cause.of[_QUANTITY[key]] * field[key] for key in field}
+            rows.append((cause.name, cause.meaning, value))
+        last = "what no cause was measured for" if rows else "what tubes of assumed shape lack"
+        return [*rows, ("the field", last, field)]
 
     @cached_property
     def switching(self) -> dict[str, SwitchingCurrents]:
