@@ -24,6 +24,14 @@ def _at_rest(of: Callable[[Any], Any]) -> AnswerReadout:
     return AnswerReadout("rest", of)
 
 
+MAGNETIC_FORCE = QuantityRow(
+    "magnetic_force", "N", "pull between rod and sleeve at the coil's current and the gap",
+    _at_point(lambda point: point.force), label="pull", headline=True,
+)  # fmt: skip
+FLUX_LINKAGE = QuantityRow(
+    "flux_linkage", "Wb", "flux linkage of the winding, all turns",
+    _at_point(lambda point: point.flux_linkage),
+)  # fmt: skip
 INCREMENTAL_INDUCTANCE = QuantityRow(
     "incremental_inductance", "H", "d flux linkage / d current, gap held",
     _at_point(lambda point: point.incremental_inductance),
@@ -38,14 +46,8 @@ DROP_OUT_CURRENT = QuantityRow(
 )  # fmt: skip
 
 ROWS = (
-    QuantityRow(
-        "magnetic_force", "N", "pull between rod and sleeve at the coil's current and the gap",
-        _at_point(lambda point: point.force), label="pull", headline=True,
-    ),
-    QuantityRow(
-        "flux_linkage", "Wb", "flux linkage of the winding, all turns",
-        _at_point(lambda point: point.flux_linkage),
-    ),
+    MAGNETIC_FORCE,
+    FLUX_LINKAGE,
     QuantityRow(
         "coenergy", "J", "magnetic co-energy", _at_point(lambda point: point.coenergy),
         label="co-energy",

@@ -14,6 +14,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.reluctance import FLUX_LINKAGE, MAGNETIC_FORCE
 from tactgen.validation.engine.model import Model
 from tactgen.validation.engine.plan import Plan
 from tactgen.validation.engine.results import Quantity
@@ -37,7 +38,7 @@ _GAPS = 4
 _POINT_ORDER = 3
 
 #: The quantity behind each value that the bridge follows.
-_QUANTITY = {"force": "magnetic_force", "flux_linkage": "flux_linkage"}
+_QUANTITY = {"force": MAGNETIC_FORCE.name, "flux_linkage": FLUX_LINKAGE.name}
 
 #: What each refinement of the network means, by its name there.
 _MEANING = {
