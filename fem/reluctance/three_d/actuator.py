@@ -105,13 +105,17 @@ class SolidPoint:
     def errors(self) -> FieldErrors:
         """How far the values may be from the exact field of the same model.
 
-        Half the difference of the potentials; never less than the co-energy's, relatively,
-        and for the force, which both can miss alike, that and what two shells differ by on
-        top.  The incremental inductance has the scatter of dH/dB besides.
+        Half the difference of the potentials; never less than the co-energy's, relatively.  Of
+        the force that is too much: its two values mostly lie on either side of the true one, and
+        their mean is several times nearer to it.  It counts with the co-energy's share, or with
+        what half its difference has beyond that, as in deep saturation, and no less than what two
+        shells differ by.  These do not add up: one field that is too coarse is the cause of all.
+        The incremental inductance has the scatter of dH/dB besides.
         """
         a, b = self.vector, self.scalar
         width = abs(a.coenergy - b.coenergy) / (a.coenergy + b.coenergy) if self.current else 0.0
         shells = max(float(np.ptp(by.forces)) for by in (a, b))
+        of_energy = width * abs(self.force)
         linear = self.incremental_inductance * self.current
         saturation = abs(self.flux_linkage / linear - 1.0) if self.current else 0.0
         slope = 0.5 * abs(a.incremental_inductance - b.incremental_inductance)
@@ -120,7 +124,7 @@ class SolidPoint:
                 0.5 * abs(a.flux_linkage - b.flux_linkage), width * abs(self.flux_linkage)
             ),
             coenergy=0.5 * abs(a.coenergy - b.coenergy),
-            force=0.5 * abs(a.forces[0] - b.forces[0]) + shells + width * abs(self.force),
+            force=max(of_energy, 0.5 * abs(a.forces[0] - b.forces[0]) - of_energy, shells),
             incremental_inductance=max(slope, width * self.incremental_inductance)
             + _SCATTER * min(1.0, saturation) * self.incremental_inductance,
         )

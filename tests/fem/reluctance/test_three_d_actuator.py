@@ -115,8 +115,7 @@ def test_source_vanishes_where_the_sleeve_moves():
 def test_error_bars_reach_the_axisymmetric_field(current, gap, sector):
     """Each value is off by less than both models' bars.
 
-    Over 5 gaps from 20 to 400 µm, 4 currents from 5 to 400 mA and 2 meshes the largest
-    distance found was 0.74 of the bars, in the force.
+    Of 100 random actuators on 0.4 to 0.65 of the usual lines one force was off by its bar.
     """
     # in deep saturation order 3 says too little of ∂λ/∂i's scatter
     exact = axisymmetric(current, gap, 3 if current < 0.2 else 4)

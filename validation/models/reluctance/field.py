@@ -41,7 +41,7 @@ _Found = TypeVar("_Found", "FieldPoint", "SolidPoint")
 #: Accuracy in force that a fineness of the grid reaches with its error bar, coarsest first.
 REFINEMENTS = ((2e-3, 1.0), (5e-4, 1.5), (0.0, 2.0))
 #: The same of the 3D model's sector.
-_SECTOR_REFINEMENTS = ((2.5e-2, 0.7), (1.3e-2, 1.0), (0.0, 1.4))
+_SECTOR_REFINEMENTS = ((1.3e-2, 0.7), (6e-3, 1.0), (0.0, 1.4))
 #: Polynomial order of a field map's samples: their error is then below that of interpolating them.
 MAP_ORDER = 3
 #: As what they are kept.
@@ -160,8 +160,9 @@ class Magnetic3dModel(_FieldModel):
 
     name = "magnetic3d"
     _METHOD = (
-        "half the difference of vector and scalar potential; for the force also what two shells "
-        "in the air differ by"
+        "half the difference of vector and scalar potential, relatively no less than the "
+        "co-energy's; the force's is the co-energy's, or what half its difference has beyond "
+        "that, or what two shells in the air differ by, whichever is largest"
     )
 
     def point(self) -> MagneticPoint:
