@@ -10,15 +10,11 @@ from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_bricks, rod_parts
 from tactgen.geometry.bimorph.stretching import LEVELS as LONG_LEVELS
 from tactgen.geometry.bimorph.stretching import dividing
+from tactgen.geometry.device.groups.declaration import Parameters
+from tactgen.geometry.device.groups.display import Scatter, Skin
+from tactgen.geometry.device.groups.operation import Beam, Drive, Limits, Load, Threshold
 from tactgen.geometry.device.layout import closed_form_volumes, layout, moving_rings, total_height
-from tactgen.geometry.device.parameters import (
-    Bimorph,
-    Device,
-    Display,
-    Scatter,
-    Sleeve,
-    Support,
-)
+from tactgen.geometry.device.parameters import Bimorph, Device, Display, Sleeve, Support
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.display.bill import bill_of_parts, total_mass
 from tactgen.geometry.display.clearances import clearances, footprint
@@ -32,6 +28,7 @@ from tactgen.geometry.reluctance.section_grid import graded_grid
 from tactgen.geometry.reluctance.section_regions import actuator_regions
 from tactgen.geometry.reluctance.sector_tets import Sector, sector_mesh
 from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh
+from tactgen.geometry.units import Unit
 from tests.approved import described
 
 PAPER = Device()
@@ -150,6 +147,45 @@ def test_meshes_of_hexahedra_and_swept_tetrahedra(approved):
         "nine": meshed(nine_mesh(PAPER, 0.2e-3, 2.4e-3, Cell(refinement=0.4, layers=2))),
         "TEAM problem 20": meshed(team20_mesh(Team20Meshing(scale=4.0))),
     }
+    approved(described(said))
+
+
+def test_points_of_bricks(approved, few_bricks):
+    """Nodes, electrodes and the bimorph taken whole, at its corners and at every node."""
+    device = Device(bimorph=Bimorph(length=4e-3, glue_thickness=20e-6, bare_below=0.4e-3))
+    bricks = bimorph_bricks(device, few_bricks[0])
+    on_rod = rod_bricks(Device(bimorph=Bimorph(tab_length=0.9e-3)), ROD_LEVELS[0])
+    said = [
+        {
+            "shape": each.shape, "axes": [axis.nodes for axis in each.axes],
+            "electrodes": [np.argwhere(mask).sum(axis=0) for mask in each.electrodes()],
+            "used": int(each.used().sum()),
+        }
+        for each in (bricks, on_rod)
+    ]  # fmt: skip
+    said += [meshed(bricks.corner_mesh()), meshed(bricks.node_mesh())]
+    approved(described(said))
+
+
+def test_every_parameter(approved):
+    """What each is unless stated, within which limits, how far off, and by which source."""
+    kinds = {
+        "display": Display, "skin": Skin, "scatter": Scatter, "support": Support, "load": Load,
+        "threshold": Threshold, "drive": Drive, "limits": Limits, "beam": Beam,
+        **{name: type(part) for name, part in Device() if isinstance(part, Parameters)},
+    }  # fmt: skip
+    said = {}
+    for group, kind in kinds.items():
+        for name, field in kind.model_fields.items():
+            extra = field.json_schema_extra or {}
+            limits = [
+                (unit.si, unit.above, unit.at_least, unit.below, unit.limits, unit.shown)
+                for held in field.metadata
+                if isinstance(unit := getattr(held, "func", None), Unit)
+            ]
+            said[f"{group}.{name}"] = " | ".join(
+                str(v) for v in (field.default, extra.get("spread"), extra.get("own"), *limits)
+            )
     approved(described(said))
 
 

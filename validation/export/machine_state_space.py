@@ -54,7 +54,6 @@ def write_machine(path: str | Path, scene: Scene) -> None:
     with written_whole(path) as temporary:
         np.savez_compressed(
             temporary,
-            allow_pickle=False,
             title=np.array(_TITLE),
             conventions=np.array(_CONVENTIONS),
             a=found.a,

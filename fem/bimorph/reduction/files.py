@@ -45,7 +45,6 @@ def write_ports(path: str | Path, reduced: ReducedSolid, *, made_from: str) -> N
     with written_whole(path) as temporary:
         np.savez_compressed(
             temporary,
-            allow_pickle=False,
             title=np.array(TITLE),
             conventions=np.array(_CONVENTIONS),
             made_from=np.array(made_from),

@@ -42,7 +42,6 @@ def write_state_space(
     with written_whole(path) as temporary:
         np.savez_compressed(
             temporary,
-            allow_pickle=False,
             title=np.array(TITLE),
             conventions=np.array(_CONVENTIONS),
             a=found.a,

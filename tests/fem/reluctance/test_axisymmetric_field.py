@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tactgen.fem.reluctance import iron as iron_law
 from tactgen.fem.reluctance.axisymmetric.field import solve_field, truncation_error
 from tactgen.fem.reluctance.axisymmetric.force import (
     eggshell_force,
@@ -257,3 +258,17 @@ def test_energy_beyond_the_wall_is_that_of_the_moments(current):
     assert truncation_error(solution) == pytest.approx(
         MU0 * moment**2 / (4.0 * np.pi * 0.06**3), rel=1e-4
     )
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-3, 0.3, 2.6])
+def test_the_irons_tensor_is_its_slope_along_and_its_reluctivity_across(size):
+    """In a faint field as in a strong one; and dB/dH is the inverse of dH/dB."""
+    along = np.array([2.0, -1.0, 2.0]) / 3.0
+    across = np.array([1.0, 2.0, 0.0]) / np.sqrt(5.0)
+    iron = [(np.array([True]), TEAM20)]
+    (((tensor,),),) = (iron_law.reluctivity_tensor(iron, size * along[None, None]),)
+    for direction, value in ((along, TEAM20.slope(size)), (across, TEAM20.reluctivity(size))):
+        np.testing.assert_allclose(tensor @ direction / value, direction, atol=1e-12)
+    field = TEAM20.field_strength(size) * along[None, None]
+    (((back,),),) = (iron_law.permeability_tensor(iron, field),)
+    np.testing.assert_allclose(back @ tensor, np.eye(3), atol=1e-9)

@@ -335,3 +335,16 @@ def test_a_factor_is_freed_when_nobody_has_it(solver):
         assert method() is None
     finally:
         gc.enable()
+
+
+@needs_mkl
+def test_the_librarys_memory_is_given_back(monkeypatch):
+    """With the factor that it belongs to: nobody else knows of it."""
+    given = []
+    monkeypatch.setattr(pardiso, "_release", lambda *what: given.append(what[0]))
+    upper = sparse.csr_matrix(np.eye(2))
+    factor = pardiso.Pardiso(upper.indptr, upper.indices, complex_numbers=False)
+    held = factor._handle
+    del factor
+    gc.collect()
+    assert [handle is held for handle in given] == [True]

@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import fields, replace
+from math import factorial
 
 import meshio
 import numpy as np
@@ -14,6 +15,7 @@ from tactgen.geometry.cad.tessellation import tessellate
 from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing import quadratic
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.mesh_files import write_mesh
 from tactgen.geometry.meshing.quadratic import (
@@ -366,3 +368,12 @@ def test_curved_triangles_have_the_area_of_the_cylinder():
     first = [p[0, 0], p[2, 0], p[2, 2], p[1, 0], p[2, 1], p[1, 1]]
     second = [p[0, 0], p[2, 2], p[0, 2], p[1, 1], p[1, 2], p[0, 1]]
     assert triangle_areas(np.array([first, second])).sum() == pytest.approx(0.12, rel=1e-4)
+
+
+def test_the_rule_over_triangles_is_exact_to_its_degree():
+    """∫ xᵃ yᵇ = a! b! / (a + b + 2)! over the unit triangle, for a + b up to 5, to rounding."""
+    x, y = quadratic._RADON.T
+    for a in range(6):
+        for b in range(6 - a):
+            exact = factorial(a) * factorial(b) / factorial(a + b + 2)
+            assert quadratic._RADON_WEIGHTS @ (x**a * y**b) == pytest.approx(exact, rel=1e-14)

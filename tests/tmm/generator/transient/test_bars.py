@@ -59,6 +59,18 @@ def test_the_bar_of_a_smooth_run_is_half_as_wide_again_as_its_error():
     assert found.errors["x"] / off == pytest.approx(1.5, rel=0.03)
 
 
+def test_a_second_round_is_no_finer_than_it_must_be():
+    """Its steps go by how far the first round missed: its error is near half of what is allowed."""
+    system = System(
+        UNIT, 0.0 * UNIT, UNIT, 0.0 * ONE, 0.0 * ONE, 0.0,
+        (Element("stop", Stop(30.0), -ONE, -0.5),), (), None, {"x": Output(ONE, "m", 1.0)},
+    )  # fmt: skip
+    found = simulate(system, Sources(), 40.0, position=ONE, accuracy=1e-2)
+    assert found.rounds == 2
+    # a fifth: as far as the order of two is seen in steps that choose their lengths
+    assert found.error == pytest.approx(0.5e-2, rel=0.2)
+
+
 def test_the_bar_holds_over_impacts():
     """A mass that bounces on a hard stop without loss, against its closed form between impacts."""
     mass, g, k, height = 1e-3, 9.81, 1e5, 1e-3
