@@ -30,6 +30,8 @@ SHOWN = 6
 #: A row of more numbers than this is written as its size, some of its numbers and their mean.
 LONG = 8
 
+#: A number of one digit that small: a size of rounding.
+_OF_ROUNDING = re.compile(r"\de-\d\d")
 _NUMBER = re.compile(r"((?<![A-Za-z_\d.])\d+(?:\.\d+)?(?:e[-+]?\d+)?)")
 
 
@@ -41,7 +43,6 @@ def pytest_addoption(parser):
 @pytest.fixture
 def approved(request):
     """Return a function that compares a text with the approved one of this test."""
-    test = request.path.relative_to(request.config.rootpath)
     name = re.sub(r"[^\w.=-]+", "-", request.node.name).strip("-")
 
     def compare(text, part=""):
@@ -50,10 +51,37 @@ def approved(request):
             approve(file, text)
         elif found := differences(file.read_text("utf-8") if file.exists() else "", lean(text)):
             told = [f"{file.name}: not what was approved", *found[:SHOWN]]
-            told.append(f"{len(found)} lines; if all are meant: make approve TESTS={test}")
+            told.append(f"{len(found)} lines; {_how(request)}")
             pytest.fail("\n".join(told), pytrace=False)
 
     return compare
+
+
+@pytest.fixture
+def approved_line(request):
+    """Return a function that compares one line, named after the case of a test with many cases."""
+    test = request.node.name.partition("[")[0]
+    file = FOLDER / request.path.stem / f"{test}.txt"
+
+    def compare(text):
+        if request.node.get_closest_marker("heavy") is not None:
+            return
+        name = request.node.callspec.id
+        lines = file.read_text("utf-8").splitlines() if file.exists() else []
+        known = dict(line.split(": ", 1) for line in lines)
+        if request.config.getoption("--approve"):
+            known[name] = text if differences(known.get(name, ""), text) else known[name]
+            approve(file, "\n".join(f"{key}: {known[key]}" for key in sorted(known)))
+        elif found := differences(known.get(name, ""), text):
+            told = f"{file.name}, {name}: not what was approved"
+            pytest.fail("\n".join([told, *found, _how(request)]), pytrace=False)
+
+    return compare
+
+
+def _how(request):
+    test = request.path.relative_to(request.config.rootpath)
+    return f"if all are meant: make approve TESTS={test}"
 
 
 def approve(file, text):
@@ -97,9 +125,9 @@ def _alike(old, new):
         a, b = float(pieces[at]), float(others[at])
         largest, below = max(a, b), TINY
         if "±" in pieces[at - 1]:
-            below = TINY_PART * last
-        if pieces[at + 1].startswith((" %", "%", " relative")):
-            below = 100.0 * TINY_PART
+            below = max(TINY, TINY_PART * last)
+        if _OF_ROUNDING.fullmatch(pieces[at]) or pieces[at + 1].startswith((" %", " relative")):
+            below = 10.0 * TINY_PART
         if largest >= below and abs(a - b) > NEAR * largest:
             return False
         last = a
@@ -173,6 +201,17 @@ def by_ports(multiport):
     }
 
 
+def measured_text(outcome):
+    """Return what a check measured: of errors beside nothing two digits, and below 1e-6 none.
+
+    What is left of cancellation below that is of the libraries.
+    """
+    measured, reference = outcome.measured, outcome.check.reference
+    if outcome.check.unit == "1" and (isinstance(reference, tuple) or not reference):
+        return f"{measured:.1e}" if abs(measured) >= 1e-6 else "rounding"
+    return f"{measured:.5g} of {described(np.array(reference))} {outcome.check.unit}"
+
+
 def _plain(text):
     """Return a text on one line, without the data of pictures."""
     return re.sub(r"(data:[\w/+-]+)[^\s\"]*", r"\1", " ".join(text.split()))
@@ -244,7 +283,7 @@ def figure_text(figure):
 
 def _line(line):
     label = "" if line.get_label().startswith("_") else line.get_label()
-    x, y = (np.asarray(data, dtype=float) for data in line.get_data())
+    x, y = line.get_xydata().T
     return (
         f"  line {_plain(label)!r} {line.get_linestyle()} {line.get_marker()} {_row(x)} {_row(y)}"
     )
@@ -266,8 +305,9 @@ _BLOCKS = {
 _SILENT = {"style", "script", "metadata"}
 #: What is another on another day or machine: dates, times, versions.
 _PASSING = re.compile(
-    r"\b\d{4}-\d{2}-\d{2}\b|(?<![\w.])[\d.]+ s\b|(?<=\| )\d+\.\d{3}(?= \|)"
-    r"|on \w+ \w+, Python [\d.]+, by .*|code [0-9a-f]{12}\b.*"
+    r"\b\d{4}-\d{2}-\d{2}\b|(?<![\w.])\d[\d.]*(?:e-\d\d)? s\b|(?<=\| )\d+\.\d{3}(?= \|)"
+    r"|on \w+ \w+, Python [\d.]+, by .*|code [0-9a-f]{12}\b.*|commit [0-9a-f]{7}(?:-dirty)?"
+    r"|libraries numpy .*"
 )
 
 

@@ -57,6 +57,7 @@ def main() -> None:
     drawing.add_argument("--seed", type=int, required=True)
     drawing.add_argument("--count", type=int, default=150)
     drawing.add_argument("--packages", nargs="+", choices=WEIGHTS, default=list(WEIGHTS))
+    drawing.add_argument("--under", nargs="+", default=[""], help="of these folders alone")
     drawing.add_argument(
         "--most", type=int, default=10**9, help="end after so many, to go on later"
     )
@@ -97,16 +98,23 @@ def _reach(arguments: argparse.Namespace, copy: Path) -> None:
 
 
 def drawn(
-    root: Path, seed: int, count: int, packages: Iterable[str] = reach.PACKAGES
+    root: Path,
+    seed: int,
+    count: int,
+    packages: Iterable[str] = reach.PACKAGES,
+    under: Iterable[str] = ("",),
 ) -> list[Mistake]:
-    """Return mistakes: kinds in turn, packages by weight, then any; no two touch one line."""
+    """Return mistakes: kinds in turn, packages by weight, then any; no two touch one line.
+
+    Only files whose path begins with one of `under` are taken.
+    """
     weights = {package: WEIGHTS[package] for package in packages}
     chance = random.Random(seed)
     pools: dict[tuple[str, str], list[Mistake]] = defaultdict(list)
     for package in weights:
         for path in sorted((root / package).rglob("*.py")):
             file = path.relative_to(root).as_posix()
-            if not file.startswith(ABSENT):
+            if file.startswith(tuple(under)) and not file.startswith(ABSENT):
                 for mistake in mistakes_in(root, file):
                     pools[package, mistake.kind].append(mistake)
     kinds = sorted({kind for _, kind in pools})
@@ -127,7 +135,7 @@ def _draw(arguments: argparse.Namespace, copy: Path) -> None:
         if results["seed"] != arguments.seed:
             raise SystemExit(f"{arguments.out} holds seed {results['seed']}: name another file")
     else:
-        found = drawn(ROOT, arguments.seed, arguments.count, arguments.packages)
+        found = drawn(ROOT, arguments.seed, arguments.count, arguments.packages, arguments.under)
         results = {"seed": arguments.seed, "mistakes": [asdict(m) for m in found]}
     chooser = Chooser(ROOT, json.loads(arguments.reach.read_text()))
     import_ahead()

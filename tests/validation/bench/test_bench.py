@@ -243,7 +243,7 @@ def test_a_part_without_a_measurement_is_refused(monkeypatch):
         solver.run(quick=True, announce=lambda _: None)
 
 
-def test_solver_part(monkeypatch):
+def test_solver_part(monkeypatch, told):
     """One row per step, way and size; a count of pivots that is off is not met."""
     measured = {
         "unknowns": 9, "entries": 81, solver._FIRST: 3.0, solver._AGAIN: 1.0, solver._SOLVE: 0.1,
@@ -258,3 +258,4 @@ def test_solver_part(monkeypatch):
     assert {row.case for row in part.timings} == {solver._FIRST, solver._AGAIN, solver._SOLVE}
     assert [target.met for target in part.targets] == [True, False, True]
     assert time_error_plot(part.timings).count("superlu, complex") >= 1
+    told(part)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.validation.bench import one_core, reluctance, skip, solver
 from tactgen.validation.bench.bimorph import beam, meshes, solid, ways
@@ -41,7 +42,9 @@ def measured(monkeypatch):
 
 
 @pytest.mark.parametrize(("quick", "points"), [(True, 100_000), (False, 1_000_000)])
-def test_every_way_of_the_beam_is_timed_over_both_ranges(measured, monkeypatch, quick, points):
+def test_every_way_of_the_beam_is_timed_over_both_ranges(
+    measured, monkeypatch, quick, points, told
+):
     """The slow ways take a twentieth of the points; targets read the chosen way's rate."""
     monkeypatch.setattr(beam, "error_of", lambda path, case: 1e-13)
     found = beam.run(quick, lambda _: None)
@@ -61,13 +64,14 @@ def test_every_way_of_the_beam_is_timed_over_both_ranges(measured, monkeypatch, 
     assert "200 lengths x 2000 frequencies x 3 loads" in mapped.what
     # asked for: 1.5 million points a second, the map in 2 s, all in 1 GB
     assert [target.wanted for target in found.targets] == [1.5e6, 2.0, 1e9]
+    told(found)
 
 
 @pytest.mark.parametrize(
     ("quick", "grids", "scales"),
     [(True, 6, [1.4, 3.0, 2.0]), (False, 15, [0.8, 3.0, 2.0, 1.4, 1.0])],
 )
-def test_fields_are_timed_against_a_finer_one(measured, quick, grids, scales):
+def test_fields_are_timed_against_a_finer_one(measured, quick, grids, scales, told):
     """Linkage and both forces by grid; TEAM problem 20 between both potentials."""
     found = reluctance.run(quick, lambda _: None)
     half = [t for t in found.timings if t.path.startswith("order")]
@@ -95,6 +99,7 @@ def test_fields_are_timed_against_a_finer_one(measured, quick, grids, scales):
     assert ("map_seconds", 10, 10) in measured
     assert found.targets[1].measured == 1.5
     assert f"each {0.02 * scales[0]:.0e} from that" in found.conditions
+    told(found)
 
 
 def made_answers(scene, *, seconds, computed, answers=(1.0,)):
@@ -104,7 +109,7 @@ def made_answers(scene, *, seconds, computed, answers=(1.0,)):
     }  # fmt: skip
 
 
-def test_a_scene_is_solved_alone_and_with_the_store_it_starts_from(monkeypatch):
+def test_a_scene_is_solved_alone_and_with_the_store_it_starts_from(monkeypatch, told):
     """Cold from an empty store; warm from its own, or from that of the scene it comes after."""
     asked = []
 
@@ -132,9 +137,10 @@ def test_a_scene_is_solved_alone_and_with_the_store_it_starts_from(monkeypatch):
     assert len(row.values) == len(row.fields)
     assert row.cells[-1] == "bit for bit"
     assert found.seconds == sum(t.seconds for t in found.timings)
+    told(found)
 
 
-def test_a_warm_answer_that_differs_is_a_fault(monkeypatch):
+def test_a_warm_answer_that_differs_is_a_fault(monkeypatch, told):
     """Counted, named, and shown in its row; a quick run solves no field."""
 
     def solved(case, store):
@@ -149,6 +155,7 @@ def test_a_warm_answer_that_differs_is_a_fault(monkeypatch):
     assert needless.how.startswith("TMM only answers otherwise when warm; ")
     assert [t.error for t in found.timings] == 5 * [0.0, 1.0]
     assert found.timings[1].cells[-1] == "they differ"
+    told(found)
 
 
 def level(*, own, swept=True):
@@ -163,7 +170,7 @@ def level(*, own, swept=True):
 
 
 @pytest.mark.parametrize(("own", "seconds"), [(True, 10.0), (False, 10.0)])
-def test_a_way_runs_the_job_and_the_sweep(own, seconds):
+def test_a_way_runs_the_job_and_the_sweep(own, seconds, approved):
     """Errors with the reference's bar; a sample's time is scaled up to all frequencies."""
     f = np.geomspace(10.0, 1000.0, 20)
     bars = np.full(6, 1e-3)
@@ -177,9 +184,10 @@ def test_a_way_runs_the_job_and_the_sweep(own, seconds):
     assert two.phases["sweep"] == pytest.approx(seconds)
     assert (one.unknowns, one.process_seconds, one.peak_memory) == (9, 3.0, 8)
     assert len(list(solid._timings(level(own=own, swept=False), reference, 4))) == 1
+    approved(described([one, two]))
 
 
-def test_the_solids_run_says_what_is_missing_and_how_far_the_reference_is(monkeypatch):
+def test_the_solids_run_says_what_is_missing_and_how_far_the_reference_is(monkeypatch, approved):
     """Absent peers are told at once; distances from the published values are shown."""
     values = np.append(solid.PUBLISHED * (1.0 + 2e-4), 1e-9)
     reference = solid.Reference(values, np.full(6, 3e-5), np.array([1.0]), np.array([1.0]), 7e-4)
@@ -200,10 +208,11 @@ def test_the_solids_run_says_what_is_missing_and_how_far_the_reference_is(monkey
     assert "deflection -6.759552e-07 ± 3e-05, f1 1066.173 ± 3e-05" in found[0].conditions
     assert "sweep ± 7e-04" in found[0].conditions
     assert len(found[0].timings) == 1
+    approved(described([one.conditions for one in found]))
 
 
 @pytest.mark.parametrize("peer", ["NGSolve", "SfePy"])
-def test_peers_get_bricks_of_two_orders_from_coarse_to_fine(monkeypatch, peer):
+def test_peers_get_bricks_of_two_orders_from_coarse_to_fine(monkeypatch, peer, approved):
     """Only NGSolve tetrahedra too; sweeps of the two coarsest; the frequencies that are asked."""
     asked = []
     monkeypatch.setattr(ways, "solve", lambda name, job: asked.append((name, job)) or "answer")
@@ -226,6 +235,11 @@ def test_peers_get_bricks_of_two_orders_from_coarse_to_fine(monkeypatch, peer):
         assert f"of order {job['order']}" in one.path
         assert ("tetra" in one.path) == (job["kind"] == "tetra")
     assert all(job["first"] < job["longest"] for _, job in asked)
+    first = asked[0][1]
+    changed = [{k: v for k, v in job.items() if first.get(k) is not v} for _, job in asked[1:]]
+    plain = {key: value for key, value in first.items() if not isinstance(value, dict)}
+    ceramic = {key: np.array(value) for key, value in first["ceramic"].items()}
+    approved(described([plain, ceramic, changed]))
 
 
 def test_hexahedra_of_27_nodes_are_bricks_of_degree_two():

@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 
 import pytest
+from approved import page_text
 
 from tactgen.validation.book.book import SUBJECTS
 from tactgen.validation.book.orders import DIVISIONS, KINDS
@@ -43,7 +44,7 @@ def test_every_case_says_its_problem():
     assert set(PROBLEMS) <= families
 
 
-def test_book_is_complete(few, tmp_path, capsys):
+def test_book_is_complete(few, tmp_path, capsys, undrawn, approved):
     """A page a case; each row with source, tolerance and reason; no broken link, no address."""
     assert main(["verify", "--only", "beams", "--only", "laminates", "--out", str(tmp_path)]) == 0
     assert capsys.readouterr().err.endswith(f"{tmp_path / 'index.html'}\n")
@@ -65,6 +66,8 @@ def test_book_is_complete(few, tmp_path, capsys):
     assert "test_known_rows.py::test_row[SMITS-1]" in pages["matrix.html"]
     assert pages["laminates-cyl1.html"].count("<svg") == 2  # what is solved, and convergence
     assert "Of 5 numbers" in pages["index.html"]
+    for name, html in pages.items():
+        approved(page_text(html), name.removesuffix(".html"))
 
 
 def test_what_did_not_change_is_not_run_again(few, monkeypatch):

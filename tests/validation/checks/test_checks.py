@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
+from approved import measured_text
 
 from tactgen.geometry.bimorph.brick_family import LEVELS
 from tactgen.validation.checks import bimorph_measurements
@@ -42,13 +43,14 @@ def coarsest():
         for c in ALL
     ],
 )
-def test_row(check):
+def test_row(check, approved_line):
     """Each row passes, or differs for the reason that it states."""
     outcome = run_check(check)
     expected = {"calibrated" if check.calibrated else "pass"}
     if check.explained:
         expected.add("differs, explained")
     assert outcome.status in expected, f"{outcome.measured} against {check.reference}"
+    approved_line(measured_text(outcome))
 
 
 def test_ids_are_unique_and_rows_complete():

@@ -3,6 +3,9 @@
 import json
 from pathlib import Path
 
+import numpy as np
+from approved import described
+
 from tactgen.validation.checks.verification import GROUPS, group_cases
 
 AGREED = Path(__file__).parents[2] / "data" / "tolerances.json"
@@ -28,3 +31,14 @@ def test_what_is_known_to_differ_is_explained_and_nothing_else():
         for case in group_cases(group):
             for row in case.rows:
                 assert bool(row.explained) == (row.known != 0.0), row.id
+
+
+def test_references_of_all_rows(approved):
+    """What each is held against, in its unit, tier and report."""
+    lines = [
+        f"{row.id} {described(np.array(row.reference))} {row.unit} | {row.tier} | {row.scene}"
+        for group in GROUPS
+        for case in group_cases(group)
+        for row in case.rows
+    ]
+    approved("\n".join(lines))

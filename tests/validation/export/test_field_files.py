@@ -7,6 +7,7 @@ import meshio
 import numpy as np
 import pytest
 import pyvista as pv
+from approved import described
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.surface import surface_of
@@ -33,7 +34,7 @@ def result(scene, tmp_path_factory, few_bricks):
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".vtkhdf"])
-def test_every_field_comes_back(result, tmp_path, suffix):
+def test_every_field_comes_back(result, tmp_path, suffix, approved):
     """Numbers as they were, named with units; complex amplitudes in two parts."""
     path = tmp_path / f"fields{suffix}"
     write_fields(path, result)
@@ -49,6 +50,8 @@ def test_every_field_comes_back(result, tmp_path, suffix):
     if suffix == ".vtu":
         read = meshio.read(path).point_data["static: electric potential (V)"]
         assert read == pytest.approx(result.state("static").fields["potential"])
+    sizes = {name: np.abs(grid[name]) for name in grid.array_names}
+    approved(described([sizes, dict(grid.field_data.items())]))
 
 
 def test_a_period_is_a_series_of_steps(result, tmp_path):
@@ -63,7 +66,7 @@ def test_a_period_is_a_series_of_steps(result, tmp_path):
     assert block.point_data["300 Hz: displacement (m)"] == pytest.approx(expected)
 
 
-def test_gltf_animates_every_motion(result, tmp_path):
+def test_gltf_animates_every_motion(result, tmp_path, approved):
     """Targets are the displacements to scale; weights at a quarter period are those of e^{jΩt}."""
     path = tmp_path / "swing.glb"
     write_animated_glb(path, result, {})
@@ -94,6 +97,8 @@ def test_gltf_animates_every_motion(result, tmp_path):
     assert weights[8, -2:] == pytest.approx([0.0, -1.0], abs=1e-7)
     assert not weights[:, :-2].any()
     assert pv.read(path).n_blocks > 0
+    bulk = ("accessors", "bufferViews", "buffers")
+    approved(described({key: value for key, value in content.items() if key not in bulk}))
 
 
 def test_export_writes_both_or_none(tmp_path):

@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ET
 import meshio
 import numpy as np
 import pytest
+from approved import described
 from PIL import Image
 
 from tactgen.geometry.errors import InputError
@@ -72,13 +73,14 @@ def test_a_film_is_the_same_twice(found, tmp_path, monkeypatch):
     assert paths[0].read_bytes() == paths[1].read_bytes()
 
 
-def test_steps_hold_times_and_displacements(found, body, tmp_path, monkeypatch):
+def test_steps_hold_times_and_displacements(found, body, tmp_path, monkeypatch, approved):
     monkeypatch.setattr(run_motion, "_STEPS", 3)
     write_run_steps(tmp_path / "run.pvd", found)
     steps = ET.parse(tmp_path / "run.pvd").getroot().findall(".//DataSet")
     assert [float(s.get("timestep")) for s in steps] == pytest.approx([0.0, 1e-4, 2e-4])
     last = meshio.read(tmp_path / steps[-1].get("file")).point_data["displacement (m)"]
     assert last == pytest.approx(body.displacement(found.answer.run.position[-1]), rel=1e-9)
+    approved(described([body.mesh.points, body.mesh.regions, last, [s.attrib for s in steps]]))
 
 
 def test_films_need_their_program(tmp_path, monkeypatch):

@@ -1,7 +1,10 @@
 """Modes over the length: the quantities' numbers, the solved shapes, and what lies between."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
@@ -36,7 +39,7 @@ def check(scene, model, found):
     assert seen >= len(q.value) - 2  # those that some length has not among its lowest
 
 
-def test_a_row_over_the_length():
+def test_a_row_over_the_length(approved):
     """The transfer matrix: every length its own closed form; shapes between five to 0.2 %."""
     scene, _ = load_scene("j1", ["models=tmm", "modes=2"])
     found = length_range(scene, "tmm", ENDS, known=4)
@@ -51,6 +54,8 @@ def test_a_row_over_the_length():
     )
     sign = np.sign(np.vdot(shape, np.real(state.fields["displacement"])))
     assert sign * shape == pytest.approx(np.real(state.fields["displacement"]), abs=1e-12)
+    modes = [replace(mode, shapes=np.abs(mode.shapes)) for mode in found.modes]
+    approved(described([found.lengths, found.solved, found.points, modes]))
 
 
 def test_what_is_missed_is_measured_between_the_nodes():

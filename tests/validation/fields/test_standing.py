@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.validation.fields.gather import Request, gather
 from tactgen.validation.fields.result import MODE_SIZE
@@ -18,7 +19,7 @@ def seen():
     return scene, alone, standing(scene, alone)
 
 
-def test_the_rod_moves_as_a_rigid_body_with_the_base(seen):
+def test_the_rod_moves_as_a_rigid_body_with_the_base(seen, approved):
     """Where it touches the base as the base does; no length in it changes, to first order."""
     _, alone, whole = seen
     count = len(alone.mesh.points)
@@ -44,6 +45,15 @@ def test_the_rod_moves_as_a_rigid_body_with_the_base(seen):
             assert state.tip / before.tip == pytest.approx(np.abs(ratio).max())
         else:
             assert state.tip == before.tip
+    approved(
+        described(
+            [
+                whole.mesh.points,
+                whole.mesh.regions,
+                [np.abs(s.fields["displacement"]) for s in whole.states],
+            ]
+        )
+    )
 
 
 def test_the_page_knows_what_has_no_field_inside(seen):

@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from approved import page_text
 
 from tactgen.validation.models.bimorph.bridge import solid_values
 from tactgen.validation.report.page import templates
@@ -29,7 +30,7 @@ def texts(scene, *overrides, quick):
         "number": {name: at for at, name in enumerate(["models", *found], start=1)},
     }
     html = {n: pages.get_template(f"{n}.html").render(common | made) for n, made in found.items()}
-    return {name: " ".join(re.sub(r"<[^>]+>", " ", text).split()) for name, text in html.items()}
+    return {name: page_text(text) for name, text in html.items()}
 
 
 @pytest.mark.usefixtures("own_store", "coarse_bricks")

@@ -118,8 +118,12 @@ SV, PAP = STATIC_TIP_DISPLACEMENT, "PAP-1"
         ("history", 0, {"outcomes": (measured("PAP-1", "fail"),)}),
     ],
 )
-def test_a_level_falls_with_its_evidence(factor, level, changed):
-    """One thing taken away, and the factor stands where the row below it ends."""
+def test_a_level_falls_with_its_evidence(factor, level, changed, approved_line):
+    """One thing taken away, and the factor stands where the row below it ends, and says why."""
+    found = next(f for n, f in zip(NAMES, factors(replace(FULL, **changed)), strict=True)
+                 if n == factor)  # fmt: skip
+    told = [f"{'met' if c.met else 'not met'}: {c.found}" for c in found.criteria]
+    approved_line(" | ".join([str(found.level), *told]))
     assert levels(replace(FULL, **changed))[factor] == level
 
 

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from approved import page_text
 
 from tactgen.tmm.ports.terminations import finger_impedance
 from tactgen.validation.report.page import templates
@@ -17,8 +18,12 @@ def study(*overrides):
     return Study(scene, origins, lambda _: None, quick=True)
 
 
+def page(of, shown):
+    return templates().get_template("load.html").render(scene=of.scene, **shown)
+
+
 def in_words(of, shown):
-    html = templates().get_template("load.html").render(scene=of.scene, **shown)
+    html = page(of, shown)
     text = re.sub(r"\s+", " ", re.sub(r"<svg.*?</svg>|<[^>]+>", " ", html, flags=re.DOTALL))
     assert not re.search(r"\bnan\b|\bNone\b|Undefined", text)
     return text
@@ -28,7 +33,8 @@ def test_a_free_tip_has_none():
     assert load_section(study("load.kind=none")) is None
 
 
-def test_the_finger_is_that_of_figures_4_and_6():
+@pytest.mark.usefixtures("undrawn")
+def test_the_finger_is_that_of_figures_4_and_6(approved):
     """Impedance and phase by eqs 1 and 2, stiffness and damping by eqs 4 and 5; not passive."""
     of = study("frequency=10:1000:10:log")
     shown = load_section(of)
@@ -39,10 +45,11 @@ def test_the_finger_is_that_of_figures_4_and_6():
         assert row["stiffness"] == pytest.approx(-2 * np.pi * row["frequency"] * z.imag)
         assert row["power"] > 0.0
     assert "No springs, dampers and masses have both" in in_words(of, shown)
+    approved(page_text(page(of, shown)))
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_table_is_shown_with_its_fits(tmp_path):
+def test_a_table_is_shown_with_its_fits(tmp_path, approved):
     """The printed constants come back from a table of the paper's finger."""
     f = np.geomspace(10.0, 1000.0, 30)
     rows = [f"{a}, {z.real}, {z.imag}" for a, z in zip(f, finger_impedance(f), strict=True)]
@@ -50,7 +57,9 @@ def test_a_table_is_shown_with_its_fits(tmp_path):
     head = "frequency (Hz), impedance_re (N s/m), impedance_im (N s/m)"
     path.write_text("\n".join([head, *rows]))
     of = study("load.kind=table", f"load.file={path}", "frequency=20,500")
-    text = in_words(of, load_section(of))
+    shown = load_section(of)
+    approved(page_text(page(of, shown)).replace(str(tmp_path), "…"))
+    text = in_words(of, shown)
     for wanted in (
         "has 30 points",
         "= 0.0002263",

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from approved import in_text, page_text
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
@@ -30,10 +31,14 @@ def study(name="generator", *overrides, quick=True):
     return Study(scene, origins, lambda _: None, quick=quick)
 
 
+def page(section, of, shown):
+    template = templates().get_template(f"{section.id}.html")
+    return template.render(scene=of.scene, quick=of.quick, number=NUMBER, **shown)
+
+
 def words(section, of, shown):
     """What a section says."""
-    template = templates().get_template(f"{section.id}.html")
-    html = template.render(scene=of.scene, quick=of.quick, number=NUMBER, **shown)
+    html = page(section, of, shown)
     text = re.sub(r"\s+", " ", re.sub(r"<svg.*?</svg>|<[^>]+>", " ", html, flags=re.DOTALL))
     assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", text)
     return text
@@ -63,8 +68,10 @@ def held():
 
 @pytest.fixture(scope="module")
 def support_held(held):
-    """What the section on the support shows of it, drawn."""
-    return SUPPORT.context(held)
+    """What the section on the support shows of it, with its figures in words."""
+    with pytest.MonkeyPatch.context() as patch:
+        in_text(patch)
+        return SUPPORT.context(held)
 
 
 def test_the_story_in_order(up):
@@ -99,7 +106,8 @@ def test_an_actuator_alone_without_current_is_refused_at_once():
         check_report(scene, quick=True)
 
 
-def test_positions_over_the_current(up):
+@pytest.mark.usefixtures("undrawn")
+def test_positions_over_the_current(up, approved):
     """The loop of the model that is asked for, with both switching currents; all places."""
     shown = POSITIONS.context(up)
     (loop,) = shown["loops"]
@@ -112,9 +120,10 @@ def test_positions_over_the_current(up):
     text = words(POSITIONS, up, shown)
     assert "The scene's current is 0" in text
     assert "all places at 50 mA" in text
+    approved(page_text(page(POSITIONS, up, shown)))
 
 
-def test_rows_are_the_scenes_own_support(held, support_held):
+def test_rows_are_the_scenes_own_support(held, support_held, approved):
     """The state of the scene is that which its quantities were computed with."""
     shown = support_held
     springs = held.scene.held
@@ -130,6 +139,7 @@ def test_rows_are_the_scenes_own_support(held, support_held):
     text = words(SUPPORT, held, shown)
     for wanted in ("calibrated", "predicted", "outside their validity"):
         assert wanted in text, wanted
+    approved(page_text(page(SUPPORT, held, shown)))
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -142,7 +152,7 @@ def test_the_moment_is_held_against_what_the_contact_bears(support_held):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_small_motions_in_words(held, up):
+def test_small_motions_in_words(held, up, approved):
     """Poles by both supplies; without current those of the rod held down, and it says so."""
     text = words(MOTIONS, held, MOTIONS.context(held))
     for wanted in ("current held", "voltage held", "by symmetry neither drive"):
@@ -150,6 +160,7 @@ def test_small_motions_in_words(held, up):
     shown = MOTIONS.context(up)
     assert shown["of"].coil.current == 0.05
     assert "Without current the coil neither pulls" in words(MOTIONS, up, shown)
+    approved(page_text(page(MOTIONS, up, shown)))
 
 
 def test_a_quick_report_says_what_it_leaves_out(up):
@@ -162,7 +173,7 @@ def test_a_quick_report_says_what_it_leaves_out(up):
 def test_more_than_the_head_bears_is_a_known_limit(up, monkeypatch):
     """On the first page, where the drive tips the head; not where it does not."""
     said = "outside their validity"
-    monkeypatch.setattr(propagation, "affordable", lambda _: 100)
+    monkeypatch.setattr(propagation, "_EVALUATIONS", 100)
     for moment, known in (({"largest": 2e-4, "tipping": 1e-4}, True),
                           ({"largest": 5e-5, "tipping": 1e-4}, False)):  # fmt: skip
         monkeypatch.setattr(up, "shown", {"support": {"moment": moment}})
@@ -199,7 +210,7 @@ def test_both_states_are_those_of_the_paper(narrow):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_the_deflection_stands_beside_the_papers(narrow, monkeypatch):
+def test_the_deflection_stands_beside_the_papers(narrow, monkeypatch, approved):
     """Ranges and slopes of Fig 15 for the paper's bimorph at 50 V, and for no other."""
     of, states = narrow
     at = np.linspace(10.0, 1000.0, 50)
@@ -212,12 +223,14 @@ def test_the_deflection_stands_beside_the_papers(narrow, monkeypatch):
     text = words(large_motion.AMPLITUDE, of, shown)
     for wanted in ("3.1 µm to 24.8 µm", "13.6 µm to 72.4 µm", "What remains unexplained", "1.00"):
         assert wanted in text, wanted
+    approved(page_text(page(large_motion.AMPLITUDE, of, shown)))
     other = study("generator", "frequency=60,80", "drive.voltage=40V", quick=False)
     text = words(large_motion.AMPLITUDE, other, large_motion.AMPLITUDE.context(other))
     assert "72.4" not in text
 
 
-def test_the_run_in_time(up, monkeypatch):
+@pytest.mark.usefixtures("undrawn")
+def test_the_run_in_time(up, monkeypatch, approved):
     """Phases beside the text's, errors and the current that is needed."""
     monkeypatch.setattr(large_motion, "_UNTIL", 2e-4)
     monkeypatch.setattr(large_motion, "_QUICK_ACCURACY", 0.3)
@@ -231,6 +244,7 @@ def test_the_run_in_time(up, monkeypatch):
     text = words(large_motion.TIME, up, {**shown, "film": ""})
     for wanted in ("4 to 7 ms", "Not all four phases occur", "118.4", "energy balance"):
         assert wanted in text, wanted
+    approved(page_text(page(large_motion.TIME, up, {**shown, "film": ""})))
 
 
 def test_a_bimorph_on_other_supports_has_no_such_sections():

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from approved import described, figure_text
 
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.validation.engine.results import Quantity
@@ -47,7 +48,7 @@ def made_of_beams(monkeypatch):
     return scene, study, found, drawn
 
 
-def test_the_tab_that_gives_the_fitted_stiffness(support):
+def test_the_tab_that_gives_the_fitted_stiffness(support, approved):
     """Alone L = EI/c_s; in the rod shorter by what slot, glue and rod turn."""
     scene, study, found, _ = support
     bending = tab_by_beam(scene, 1e-3).rotational_stiffness * 1e-3
@@ -62,6 +63,7 @@ def test_the_tab_that_gives_the_fitted_stiffness(support):
         assert tab == pytest.approx(found["alone"] - 0.45 * bending, rel=1e-6)
         assert modulus in joint_compliance.GLUE_MODULI
     assert study.target == stiffness
+    approved(described(found))
 
 
 def test_each_tab_stands_beside_its_beam_and_in_the_rod(support):
@@ -114,7 +116,7 @@ def figures(monkeypatch):
         monkeypatch.setattr(module, "svg", lambda figure: figure)
 
 
-def test_the_support_is_drawn_in_millimetres(figures):
+def test_the_support_is_drawn_in_millimetres(figures, approved):
     """A curve a name, a point where it meets the fitted value; none where it never does."""
     lengths = np.array([0.0, 1e-3, 2e-3])
     curves = {"beam": 1e3 * lengths, "solid": 2e3 * lengths, "whole": 0.1 + lengths}
@@ -134,6 +136,7 @@ def test_the_support_is_drawn_in_millimetres(figures):
     assert axis.get_xlim() == pytest.approx((0.0, 2.0))
     assert axis.get_ylim()[0] == 0.0
     assert [text.get_text() for text in axis.get_legend().get_texts()] == list(curves)
+    approved(figure_text(axis.figure))
 
 
 def quantity(name, value, *, model="tmm", frequency=None, classes=None, unit="1"):
@@ -141,7 +144,7 @@ def quantity(name, value, *, model="tmm", frequency=None, classes=None, unit="1"
     return Quantity(name, model, value, unit, np.zeros(value.shape), "", 0.0, frequency, classes)
 
 
-def test_crosstalk_is_drawn_in_percent_by_the_last_model(figures):
+def test_crosstalk_is_drawn_in_percent_by_the_last_model(figures, approved):
     """On logarithmic axes where no frequency is 0; nothing where no model knows it."""
     f = (10.0, 100.0)
     first = quantity("crosstalk_near", [0.1, 0.1], frequency=f)
@@ -159,9 +162,10 @@ def test_crosstalk_is_drawn_in_percent_by_the_last_model(figures):
     slow = quantity("crosstalk_near", [0.1, 0.1], frequency=(0.0, 10.0))
     assert display.crosstalk_plot([slow]).axes[0].get_xscale() == "linear"
     assert display.crosstalk_plot([]) == display.crosstalk_plot([unknown]) == ""
+    approved(figure_text(axis.figure))
 
 
-def test_units_are_listed_by_the_last_model():
+def test_units_are_listed_by_the_last_model(approved):
     """A row a unit, a column a quantity of that model."""
     classes = ("r1c1", "r1c2")
     asked = [
@@ -178,9 +182,10 @@ def test_units_are_listed_by_the_last_model():
         ("r1c2", [(4.0, "Hz"), (6.0, "m")]),
     ]
     assert display_section._units(asked[:1]) is None
+    approved(described(found))
 
 
-def test_the_displays_section_has_its_parts_and_its_narrowest_gaps(monkeypatch):
+def test_the_displays_section_has_its_parts_and_its_narrowest_gaps(monkeypatch, approved):
     """Two pictures, one cut along a column; ten gaps, and how many are wider."""
     from tactgen.validation.export import display_view
     from tactgen.validation.view import pictures
@@ -215,9 +220,10 @@ def test_the_displays_section_has_its_parts_and_its_narrowest_gaps(monkeypatch):
     assert found["mass"] == pytest.approx(sum(line.count * line.mass for line in found["bill"]))
     assert found["height"] == pytest.approx(45e-3, abs=1e-3)
     assert [row.cells for row in found["numbers"]] == [(alone,)]
+    approved(described({k: v for k, v in found.items() if k != "numbers"}))
 
 
-def test_small_motions_by_a_models_own_map():
+def test_small_motions_by_a_models_own_map(approved):
     """By the network: what its pull says where the rod rests, and the fastest pole's frequency."""
     scene = load_scene("generator", ["models=tmm,network", "coil.current=60 mA", "load.kind=none"])[
         0
@@ -239,6 +245,7 @@ def test_small_motions_by_a_models_own_map():
     slow = found.motional.value / found.axial_stiffness.value
     assert abs(moved) == pytest.approx(abs(slow), rel=2e-2)
     assert np.sign(slow) == -np.sign(moved.real)  # what pulls at the gap moves the tip down
+    approved(described(found))
 
 
 def test_cells_are_named_and_stills_are_of_the_first_modes(monkeypatch):
@@ -279,7 +286,7 @@ def test_each_gauss_point_has_a_patch_of_its_own(across):
     assert set(lines) <= set(edges)
 
 
-def test_steps_of_a_bridge_are_bars_from_where_the_last_one_ended(figures):
+def test_steps_of_a_bridge_are_bars_from_where_the_last_one_ended(figures, approved):
     """In percent of the start; the whole from 0; marks at what a closed form says of a step."""
     made = [SimpleNamespace(
         name=name, deflection=value, first_frequency=value, capacitance=value,
@@ -287,7 +294,9 @@ def test_steps_of_a_bridge_are_bars_from_where_the_last_one_ended(figures):
         section=SimpleNamespace(deflection=np.nan, first_frequency=np.nan, capacitance=np.nan),
         step=SimpleNamespace(deflection=0.1, first_frequency=0.1, capacitance=0.1),
     ) for name, value in (("start", 2.0), ("up", 2.2), ("down", 1.98))]  # fmt: skip
-    for axis in bimorph.bridge_plot(made, "whole").axes:
+    figure = bimorph.bridge_plot(made, "whole")
+    approved(figure_text(figure))
+    for axis in figure.axes:
         bars = [(bar.get_x(), bar.get_width()) for bar in axis.patches]
         assert bars == [pytest.approx(b) for b in ((0.0, 10.0), (10.0, -11.0), (0.0, -1.0))]
         assert axis.lines[0].get_xdata() == pytest.approx([5.0, 15.5])

@@ -5,6 +5,7 @@ from html import unescape
 from types import SimpleNamespace
 
 import pytest
+from approved import page_text
 
 from tactgen.validation.models.bimorph.beam_theory_error import expected_differences
 from tactgen.validation.report.page import templates, write_report
@@ -34,15 +35,13 @@ def words(html):
     return re.sub(r"\s+", " ", unescape(text))
 
 
-def test_what_was_studied_is_ones_own_device():
+def test_what_was_studied_is_ones_own_device(approved):
     """Section 1 names taper, bare ends, glue, tab and load."""
     scene, _ = load_scene("paper", OWN)
-    text = words(
-        templates()
-        .get_template("what.html")
-        .render(scene=scene, lateral=True, normal=None, number={"parameters": 9}, pictures=[])
-    )
-    assert [said for said in SAID if said not in text] == []
+    given = {"scene": scene, "lateral": True, "normal": None, "pictures": []}
+    html = templates().get_template("what.html").render(**given, number={"parameters": 9})
+    assert [said for said in SAID if said not in words(html)] == []
+    approved(page_text(html))
 
 
 @pytest.mark.parametrize(("name", "there"), [("j1", False), ("prototype", True)])

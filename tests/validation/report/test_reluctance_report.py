@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from approved import kept_figures, page_text
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.coenergy.files import read_map
@@ -33,7 +34,8 @@ def ids(html):
 
 
 def words(html):
-    return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", html[html.index("<main>") :]))
+    plain = re.sub(r"(?s)<svg.*?</svg>|<[^>]+>", " ", html[html.index("<main>") :])
+    return re.sub(r"\s+", " ", plain)
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +46,8 @@ def reluctance(tmp_path_factory, rough_fields, make_plain):
     with rough_fields(tmp_path_factory.mktemp("rough")) as patch:
         make_plain(patch)
         patch.setattr(reluctance, "_PICTURE", {"order": 2, "refinement": 0.7})
-        return make(tmp_path_factory.mktemp("reluctance"), "reluctance")
+        figures = kept_figures(patch)
+        return (*make(tmp_path_factory.mktemp("reluctance"), "reluctance"), figures)
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +63,7 @@ def actuator(*overrides, models=None, quantities=None):
 
 def test_report_is_complete_and_self_contained(reluctance):
     """Sections of the normal actuator only, its checks, pictures inside the page."""
-    html, _ = reluctance
+    html, *_ = reluctance
     assert ids(html) == ["what", *NORMAL, "checks", "credibility", "parameters", "plan"]
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
     assert html.count('<img src="data:image/png;base64,') == 1  # rod, coil and sleeve
@@ -69,9 +72,16 @@ def test_report_is_complete_and_self_contained(reluctance):
     assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", words(html))
 
 
+def test_all_that_a_report_says(reluctance, approved):
+    """Its words, numbers and figures, as far as its parameters."""
+    html, steps, figures = reluctance
+    approved(page_text(html[: html.index('<h2 id="parameters">')]))
+    approved("\n".join([*figures, *steps]), "figures")
+
+
 def test_report_asks_nothing_of_the_lateral_actuator(reluctance):
     """No stage, section, check or parameter of the bimorph."""
-    html, steps = reluctance
+    html, steps, _ = reluctance
     assert not any(step.split(".")[0] in ("lumped", "tmm", "beam", "solid") for step in steps)
     assert "<td>TMM-1</td>" not in html
     assert "<code>bimorph.length</code>" not in html
@@ -81,7 +91,7 @@ def test_report_asks_nothing_of_the_lateral_actuator(reluctance):
 
 def test_what_is_assumed_is_said_first(reluctance):
     """Before any section: reconstructed, and agreement with the paper is no confirmation."""
-    html, _ = reluctance
+    html, *_ = reluctance
     head = words(html[: html.index('<h2 id="what">')])
     assert "The normal actuator is reconstructed" in head
     assert "turns were chosen so that the field model pulls with the paper's 110 mN" in head
@@ -101,7 +111,7 @@ def test_all_that_was_asked_for_is_there(reluctance):
 
 def test_quick_report_solves_no_map_of_the_field(reluctance):
     """The map is the costly part: left out, said so, and single points shown instead."""
-    html, steps = reluctance
+    html, steps, _ = reluctance
     assert "axisymmetric.map" not in steps
     assert "field at single points" in steps
     assert "not in the quick version" in html
@@ -158,10 +168,12 @@ def check_words(text, there, not_there):
         (("spring.preload=0 N", "spring.stiffness=0 N/m"), ("no spring force",), ("snaps",)),
     ],
 )  # fmt: skip
-def test_words_follow_the_spring(tmp_path, overrides, there, not_there):
+def test_words_follow_the_spring(tmp_path, overrides, there, not_there, approved):
     """What is said of switching, turns and preload is true of this scene, not of the usual one."""
     html, _ = make(tmp_path, "reluctance", "models=network", *overrides)
     check_words(words(html), there, not_there)
+    begin, end = (html.index(f'<h2 id="{name}">') for name in ("characteristics", "checks"))
+    approved(page_text(html[begin:end]))
 
 
 @pytest.mark.usefixtures("own_store", "undrawn")

@@ -87,7 +87,7 @@ def prototype(tmp_path_factory, make_plain):
     with pytest.MonkeyPatch.context() as patch:
         make_plain(patch)
         figures = kept_figures(patch)
-        patch.setattr(propagation, "affordable", lambda _: 100)
+        patch.setattr(propagation, "_EVALUATIONS", 100)
         patch.setattr(length_section, "_cases", lambda *_: [])
         return (*make(tmp_path_factory.mktemp("prototype"), "prototype", *asked), figures)
 

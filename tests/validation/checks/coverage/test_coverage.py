@@ -99,8 +99,9 @@ def test_calibration_counts_what_lies_within_so_many_bars():
     assert set(curve[MULTIPLES >= 1.5]) == {1.0}
 
 
-def test_bars_of_beams_hold_on_fresh_devices():
+def test_bars_of_beams_hold_on_fresh_devices(approved):
     """One device of each kind; `tactgen coverage` takes many."""
+    told = []
     for judge in (
         beam.judge, taper.judge, machine.judge_map, machine.judge_motions, in_time.judge,
     ):  # fmt: skip
@@ -108,6 +109,10 @@ def test_bars_of_beams_hold_on_fresh_devices():
         assert found, judge
         assert all(one.within for one in found), [one for one in found if not one.within]
         assert any(one.error > 0.0 for one in found)  # no reference is what it judges
+        told += [judge.__module__, *dict.fromkeys(one.where for one in found)]
+        bars = (f"{one.bar:.2e}" if one.bar > 1e-8 else "rounding" for one in found)
+        told += map("{0.quantity} ±{1}".format, found, bars)
+    approved("\n".join(told))
 
 
 def test_the_networks_own_pull_is_the_maps():
@@ -146,7 +151,7 @@ def told(monkeypatch, tmp_path):
     return numbers
 
 
-def test_the_table_says_what_does_not_hold_and_where():
+def test_the_table_says_what_does_not_hold_and_where(approved):
     """A line a quantity; of bars that are too narrow the worst, and the device it is of."""
     fine = [Judged("anywhere", "f1", 1e-6, 2e-6)] * 30
     narrow = [Judged("a long one", "d", 3e-4, 1e-4)] * 30
@@ -161,6 +166,7 @@ def test_the_table_says_what_does_not_hold_and_where():
         "    worst: 3.0e-04 beside a bar of 1.0e-04", "    at a long one",
     ]  # fmt: skip
     assert not any(line.startswith("wide:") for line in lines)
+    approved("\n".join(lines))
 
 
 def test_wide_bars_are_said_in_table_json_and_csv(monkeypatch, capsys, tmp_path):

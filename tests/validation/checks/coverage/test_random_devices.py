@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.validation.checks.coverage import axisymmetric, beam, cad, machine, reduced, solid
@@ -38,11 +39,12 @@ def keys(case):
     ("highest", "sizes"),
     [(False, ("3mm", "0.3mm", "0.02mm", "0.02mm")), (True, ("60mm", "10mm", "1mm", "1mm"))],
 )
-def test_the_smallest_and_the_largest_bimorph_are_as_large_as_stated(highest, sizes):
+def test_the_smallest_and_the_largest_bimorph_are_as_large_as_stated(highest, sizes, approved):
     names = ("length", "width", "piezo_thickness", "shim_thickness")
     found = keys(solid._drawn(End(highest=highest), 0))
     assert tuple(found[f"bimorph.{name}"] for name in names) == sizes
     assert load_scene("prototype", [f"{k}={v}" for k, v in found.items()])[0]
+    approved(described(found))
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +70,7 @@ def test_no_bimorph_is_too_stout_too_slender_or_too_wide(drawn):
     assert 0.5 < len(slender) / len(drawn) < 0.9
 
 
-def test_every_kind_of_bimorph_is_drawn_and_none_that_contradicts_itself(drawn):
+def test_every_kind_of_bimorph_is_drawn_and_none_that_contradicts_itself(drawn, approved):
     """A tab is no base held by its shim; a tip has a mass or a spring; glue is the thinnest."""
     found = [case for case in drawn if case is not None]
     has = {
@@ -95,6 +97,7 @@ def test_every_kind_of_bimorph_is_drawn_and_none_that_contradicts_itself(drawn):
     numbered = [(n, case) for n, case in enumerate(drawn) if case is not None]
     assert all(case.all_motions == (n % 3 == 0) for n, case in numbered)
     assert all(case.harmonic == (n % 4 == 3) for n, case in numbered)
+    approved(described(drawn[:12]))
 
 
 def test_the_first_that_are_small_enough_come_finer_as_well(monkeypatch):
@@ -115,7 +118,7 @@ def test_the_first_that_are_small_enough_come_finer_as_well(monkeypatch):
     assert solid.varied_cases(3, 1, finer=0)[0].overrides == found[2].overrides
 
 
-def test_cad_is_asked_for_what_it_knows(monkeypatch):
+def test_cad_is_asked_for_what_it_knows(monkeypatch, approved):
     """Plain layers clamped as a whole; all motions; references that can be afforded."""
     asked = []
 
@@ -132,6 +135,7 @@ def test_cad_is_asked_for_what_it_knows(monkeypatch):
     assert asked[0].reference == solid._FOR_TETRAHEDRA
     monkeypatch.setattr(cad, "judged", lambda case: case)
     assert cad.judge(np.random.default_rng(1)).model == "cad"
+    approved(described(asked))
 
 
 def test_a_reference_is_two_levels_above_what_it_judges():
@@ -215,7 +219,7 @@ def test_the_pair_that_is_held_by_its_shim(monkeypatch, few_bricks):
     assert pair.meshes[0].held == "shim" != whole.held
 
 
-def test_answers_are_judged_beside_their_references(monkeypatch):
+def test_answers_are_judged_beside_their_references(monkeypatch, approved):
     """Relative, modes by their order in their class; the references of the classes found."""
     found = [Answer("f", 11.0, 0.5, "torsion", 1), Answer("u", -2.0 - 2.0j, 0.4)]
     asked = []
@@ -237,6 +241,7 @@ def test_answers_are_judged_beside_their_references(monkeypatch):
     assert {case.level for case in drawn} == {2}
     for share in ([case.all_motions for case in drawn], [case.harmonic for case in drawn]):
         assert 4 <= sum(share) <= 16
+    approved(described([mode, motion]))
 
 
 def test_the_slow_response_of_a_reference_is_its_static_one(monkeypatch, few_bricks):
@@ -281,7 +286,7 @@ def test_references_of_the_classes_that_were_found(monkeypatch, few_bricks, kind
     assert 500.0 < bending[0] < 1000.0 < bending[1]
 
 
-def test_members_of_a_basis_lie_within_it(monkeypatch):
+def test_members_of_a_basis_lie_within_it(monkeypatch, approved):
     """Errors and bars relative to the reference, of every quantity of one member."""
     asked = {}
 
@@ -315,6 +320,7 @@ def test_members_of_a_basis_lie_within_it(monkeypatch):
     assert [one.quantity for one in found] == list(reduced._NAMES)
     assert all(one.error == pytest.approx(0.1) and one.bar == 0.2 for one in found)
     assert found[0].where == " ".join(asked["case"].overrides)
+    approved(described([found, asked["ends"], asked["member"], asked["case"]]))
 
 
 def test_on_its_rod_a_bimorph_takes_every_frequency_that_is_drawn():

@@ -1,6 +1,7 @@
 """Every row of the cases with known answers, run as a test."""
 
 import pytest
+from approved import measured_text
 
 from tactgen.validation.checks.row import run_check
 from tactgen.validation.checks.verification import GROUPS, group_cases
@@ -22,11 +23,12 @@ _LIKE = ("NAGAOKA-1", "NAGAOKA-5", "VM168-1", "SPHEROID-1", "CARTER-1", "CARTER-
         for row in case.rows
     ],
 )
-def test_row(check):
+def test_row(check, approved_line):
     """Each row passes; one that is known to differ differs as it says, and does not pass."""
     outcome = run_check(check)
     expected = "differs, explained" if check.explained else "pass"
     assert outcome.status == expected, f"{outcome.measured} against {check.reference}"
+    approved_line(measured_text(outcome))
 
 
 def test_cases_are_complete():

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from approved import described
 
 from tactgen.fem.reluctance.axisymmetric.actuator import FieldErrors, solve_point
 from tactgen.geometry.device.parameters import Device
@@ -83,7 +84,7 @@ def by_name(rows):
 
 @pytest.mark.parametrize(("quick", "points", "straight"), [(True, 27, 6), (False, 125, 20)])
 def test_every_number_of_the_field_is_compared_over_the_whole_range(
-    fields, quick, points, straight
+    fields, quick, points, straight, approved
 ):
     """µr 1 to 1e6 and steel, gaps 1 µm to 5 mm, 1 µA to 1 kA: exact answers hold."""
     asked = fields()
@@ -100,6 +101,7 @@ def test_every_number_of_the_field_is_compared_over_the_whole_range(
     gaps, currents = ({one[i] for one in asked} for i in (1, 2))
     assert (min(gaps), max(gaps), min(currents), max(currents)) == (1e-6, 5e-3, 1e-6, 1e3)
     assert len(asked) == len(set(asked)) == points
+    approved(described([rows, [one[1:] for one in asked]]))
 
 
 @pytest.mark.parametrize(
@@ -132,7 +134,7 @@ def test_energy_that_is_lost_fails_the_balance_alone(fields):
 
 
 @pytest.mark.parametrize(("quick", "points"), [(True, 4 * 3 * 3), (False, 4 * 4 * 4)])
-def test_the_device_as_built_is_asked_from_coarse_to_fine(fields, quick, points):
+def test_the_device_as_built_is_asked_from_coarse_to_fine(fields, quick, points, approved):
     """Closed, open, and opened too far, which is refused; orders and fineness as it says."""
     asked = fields(coenergy=1e-3)
     row = magnetics_device.as_built_row(quick)
@@ -146,6 +148,7 @@ def test_the_device_as_built_is_asked_from_coarse_to_fine(fields, quick, points)
     assert (min(fineness), max(fineness)) == (0.25, 1.0 if quick else 2.0)
     fields(force=2.1e-3)
     assert magnetics_device.as_built_row(quick).verdict == "fails"
+    approved(described([row, [one[1:] for one in asked]]))
 
 
 def test_the_energy_of_a_field_is_that_supplied():
@@ -170,7 +173,7 @@ def test_the_whole_run_takes_every_family(monkeypatch):
 
 
 @pytest.mark.parametrize("quick", [True, False])
-def test_co_energy_lies_between_the_potentials_of_a_finer_mesh(monkeypatch, quick):
+def test_co_energy_lies_between_the_potentials_of_a_finer_mesh(monkeypatch, quick, approved):
     """The coarse middle may be off by both half widths; crossed bounds fail."""
 
     def potentials(crossed):
@@ -203,10 +206,11 @@ def test_co_energy_lies_between_the_potentials_of_a_finer_mesh(monkeypatch, quic
     assert magnetics_solid.team20_rows(quick)[0].verdict == "fails"
     lost = SimpleNamespace(current=2.0, flux_linkage=3.0, energy=4.0, coenergy=1.0)
     assert magnetics_solid._imbalance(lost) == pytest.approx(1.0 / 6.0)
+    approved(described([bracket, balance]))
 
 
 @pytest.mark.parametrize(("low", "verdict"), [(-1e-3, "holds"), (2e-3, "fails")])
-def test_the_ball_lies_between_its_potentials(monkeypatch, low, verdict):
+def test_the_ball_lies_between_its_potentials(monkeypatch, low, verdict, approved):
     """From below by A, from above by φ: as far off as they are apart, if they do not cross."""
     asked = []
 
@@ -220,6 +224,7 @@ def test_the_ball_lies_between_its_potentials(monkeypatch, low, verdict):
     assert row.worst.bound == pytest.approx(max(1e-3 - low, 0.0) + 1e-9)
     assert row.worst.error == max(abs(low), 1e-3)
     assert sorted(set(asked)) == [(2, 10.0**power) for power in range(7)]
+    approved(described([row, asked]))
 
 
 @pytest.fixture
@@ -229,7 +234,7 @@ def devices(monkeypatch):
 
 
 @pytest.mark.parametrize("quick", [True, False])
-def test_devices_of_the_solid_reach_as_far_as_their_rows_say(devices, quick):
+def test_devices_of_the_solid_reach_as_far_as_their_rows_say(devices, quick, approved):
     """Thickness shared 1e-3 to 1e3 at one total, electrodes in the middle, glue from jelly on."""
     layered = [d.bimorph for d in solid_answers.thickness_row(quick).values()]
     assert [b.thickness for b in layered] == pytest.approx(len(layered) * [0.77e-3])
@@ -249,9 +254,11 @@ def test_devices_of_the_solid_reach_as_far_as_their_rows_say(devices, quick):
     if not quick:
         assert max(g.youngs_modulus for g in glued) == 1e12
         assert max(g.poisson_ratio for g in glued) == 0.49999
+    changed = [d.model_dump(exclude_defaults=True) for d in (*layered, *found.values(), *glued)]
+    approved(described([list(found), changed]))
 
 
-def test_the_solids_bar_is_what_two_divisions_are_apart(monkeypatch):
+def test_the_solids_bar_is_what_two_divisions_are_apart(monkeypatch, approved):
     """Times the factor of bricks; of a frequency its least share as well."""
     by_level = ([1.0, 2.0, 300.0, 900.0], [1.1, 2.0, 290.0, 890.0], [1.15, 2.0, 288.0, 888.0])
     monkeypatch.setattr(solid_answers, "bimorph_bricks", lambda _, level: level)
@@ -269,6 +276,7 @@ def test_the_solids_bar_is_what_two_divisions_are_apart(monkeypatch):
     least = solid_answers.least_difference(np.array([290.0, 890.0]), np.array([290.0, 900.0]))
     assert row.worst.where == "here, f1"
     assert row.over == pytest.approx(2.0 / (0.6 * 290.0 * least))
+    approved(described(row))
 
 
 def test_what_bricks_say_scales_as_it_must(few_bricks):
@@ -300,7 +308,7 @@ def quantity(value, bar):
     return Quantity("x", "tmm", value, "m", np.broadcast_to(bar, value.shape), "", 0.0)
 
 
-def test_the_lateral_run_takes_every_sweep_of_every_pair(monkeypatch):
+def test_the_lateral_run_takes_every_sweep_of_every_pair(monkeypatch, approved):
     """The reduced basis last, and not in a quick run."""
     monkeypatch.setattr(
         lateral.Pair, "row", lambda pair, sweep, quick: (pair.judged, sweep.family, quick)
@@ -314,10 +322,13 @@ def test_the_lateral_run_takes_every_sweep_of_every_pair(monkeypatch):
     assert said == ["lumped against tmm", "beam against tmm", "cad against solid"] * 2 + [
         "reduced basis against the bricks of its members"
     ]
+    approved(described(whole))
 
 
 @pytest.mark.parametrize(("off", "verdict"), [(1.5e-3, "holds or says why not"), (2.5e-3, "fails")])
-def test_a_reduced_basis_is_held_against_the_bricks_of_its_members(monkeypatch, off, verdict):
+def test_a_reduced_basis_is_held_against_the_bricks_of_its_members(
+    monkeypatch, off, verdict, approved
+):
     """At both ends and between, each number within both bars; outside its range it refuses."""
     from tactgen.validation.models.bimorph.family import solid_family, values
 
@@ -348,6 +359,7 @@ def test_a_reduced_basis_is_held_against_the_bricks_of_its_members(monkeypatch, 
     row = lateral.family_row()
     assert (row.points, len(row.refusals), row.verdict) == (15, 2, verdict)
     assert row.over == pytest.approx(off / (2.0 * BAR), rel=1e-3)
+    approved(described(row))
 
 
 @pytest.mark.parametrize(("off", "verdict"), [(0.0, "holds"), (1e-4, "fails")])
@@ -400,7 +412,7 @@ def test_a_slope_is_the_difference_of_two_places_of_rest():
 
 
 @pytest.mark.parametrize(("off", "verdict"), [(1.5e-3, "holds"), (3e-3, "fails")])
-def test_a_run_is_held_against_a_finer_one(monkeypatch, off, verdict):
+def test_a_run_is_held_against_a_finer_one(monkeypatch, off, verdict, approved):
     """Every output at its worst time within both bars, its last current, and its energy."""
     asked = []
     time = np.linspace(0.0, 1.0, 5)
@@ -438,3 +450,4 @@ def test_a_run_is_held_against_a_finer_one(monkeypatch, off, verdict):
     assert ("voltage", 10.0) in asked
     whole = motion.motion_rows(False)
     assert [row.points for row in whole] == [2 * 5, 2 * 3, 3 * 6]
+    approved(described([blows, lossless, circuits, whole, asked]))

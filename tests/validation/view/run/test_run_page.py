@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from approved import described, page_text
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
@@ -39,7 +40,7 @@ def reader(data):
     return lambda at: np.frombuffer(raw, kinds[at["type"]], at["count"], at["offset"])
 
 
-def test_the_pages_motion_is_the_runs():
+def test_the_pages_motion_is_the_runs(approved):
     """At each instant of the page the points are displaced as the run's coordinates say."""
     film = made_up()
     data = film_payload(film)
@@ -59,6 +60,7 @@ def test_the_pages_motion_is_the_runs():
     assert data["phases"][phase[-1]]["name"] == PHASES[3]
     # a blow shorter than the distance of two instants is not lost
     assert read(data["forces"][0]).max() == pytest.approx(7e3)
+    approved(described({key: value for key, value in data.items() if key != "blob"}))
 
 
 def test_what_is_drawn_is_of_a_size_that_is_seen():
@@ -71,7 +73,7 @@ def test_what_is_drawn_is_of_a_size_that_is_seen():
     assert np.isfinite(list(film_payload(still)["drawn"].values())).all()
 
 
-def test_the_page_asks_for_nothing_and_escapes_names():
+def test_the_page_asks_for_nothing_and_escapes_names(approved):
     text = run_page(made_up())
     assert "a &lt;device&gt; in time" in text
     assert "± 1 µm &amp; more" in text
@@ -80,6 +82,7 @@ def test_the_page_asks_for_nothing_and_escapes_names():
     assert "default-src 'none'" in text
     data = re.search(r'id="tr-data">(.*?)</script>', text, re.DOTALL)[1]
     assert json.loads(data.replace("<\\/", "</"))["samples"] == 100
+    approved(page_text(text))
 
 
 @pytest.mark.parametrize(
