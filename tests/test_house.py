@@ -87,16 +87,3 @@ def test_rows_walked_side_by_side_are_of_one_length():
             if count := path.read_text(encoding="utf-8").count("strict=False"):
                 found[path.relative_to(ROOT).as_posix()] = count
     assert found == UNEVEN
-
-
-def test_files_appear_whole():
-    """What is written goes to a draft, which takes the file's name once it is whole."""
-    found = set()
-    for package in PACKAGES:
-        for path in (ROOT / package).rglob("*.py"):
-            for onto in re.findall(r"([\w.]+|\))\.write_(?:text|bytes)\(", path.read_text("utf-8")):
-                if onto not in {"draft", "temporary"}:
-                    found.add((path.relative_to(ROOT).as_posix(), onto))
-    # the input of commands that are killed, and what is spoilt for them
-    faults = "validation/checks/stress/faults/run.py"
-    assert found == {(faults, "self.measured"), (faults, "path")}

@@ -1,13 +1,10 @@
 """``tactgen backbone``: a table, JSON, a picture; bad input refused in one sentence."""
 
 import json
-from dataclasses import fields
 
-import numpy as np
 import pytest
 
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.models.amplitude import backbone as amplitude
 
 ON_A_STOP = ("prototype", "--set", "support.kind=contact", "--set", "coil.current=0mA")
 #: From below the bent resonance to above it; peak and folds in between.
@@ -39,37 +36,6 @@ def test_bent_resonance(capsys, tmp_path):
     assert not curve["stable"][turned + 2]
     assert found["warnings"] == []
     assert plot.read_text(encoding="utf-8").startswith("<svg")
-
-
-def test_table(capsys, tmp_path, monkeypatch):
-    """One line a peak, with the small stiffness at the head of it; as JSON every point of it."""
-    solved = []
-
-    def once(*arguments, **options):
-        solved[:] = solved or [whole(*arguments, **options)]
-        return solved[0]
-
-    whole = amplitude.backbone
-    monkeypatch.setattr(amplitude, "backbone", once)
-    arguments = [*ON_A_STOP, "--voltage", "0.1", "--frequency", "740:790", "--model", "lumped"]
-    assert main(["backbone", *arguments]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert "upper stop with 110 mN, small rocking stiffness 0.2401" in lines[0]
-    assert [line.split()[0] for line in lines[2:]] == ["0.1"]
-    plot = tmp_path / "backbone.svg"
-    assert main(["backbone", *arguments, "--plot", str(plot), "--json"]) == 0
-    assert plot.read_text(encoding="utf-8").startswith("<svg")
-    found, (curve,) = json.loads(capsys.readouterr().out), solved[0].curves
-    assert set(found) == {
-        "scene", "model", "place", "small_rotational_stiffness", "curves", "warnings",
-    }  # fmt: skip
-    assert (found["scene"], found["model"], found["warnings"]) == ("prototype", "lumped", [])
-    assert found["place"]["kind"] == "upper stop"
-    assert found["small_rotational_stiffness"] == solved[0].head.support.rotational_stiffness
-    told = found["curves"][0]
-    assert set(told) == {field.name for field in fields(curve)}
-    assert np.array(told["displacement"]) @ [1.0, 1.0j] == pytest.approx(curve.displacement)
-    assert told["frequencies"] == list(curve.frequencies)
 
 
 @pytest.mark.parametrize(

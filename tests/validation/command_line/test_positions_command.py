@@ -30,16 +30,6 @@ def test_the_loop_by_both_ways(tmp_path, capsys):
     assert float(read[-1]["current (A)"]) == pytest.approx(0.150)
 
 
-def test_in_words(capsys):
-    """The currents that move it, and some of the positions; a finger has no such currents."""
-    assert main(["positions", "generator", "--current", "0:140mA:8"]) == 0
-    out = capsys.readouterr().out
-    assert "pull-in" in out
-    assert out.count("upper stop") + out.count("lower stop") == 16 + 1  # and the heading
-    assert main(["positions", "--set", "load.normal_force=20mN", "--current", "0:140mA:8"]) == 0
-    assert "pull-in" not in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [(["--current", "0:1A"], "is not START:STOP:N"), (["--current", "0:1:5"], "with its unit"),

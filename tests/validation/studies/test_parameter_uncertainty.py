@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from approved import described
+from approved import described, kept_figures
 
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.materials import PRINTED
@@ -226,13 +226,15 @@ def test_base_samples():
     assert base_samples(30, 1) == 2
 
 
-def test_section_of_the_report():
+def test_section_of_the_report(approved, monkeypatch):
     """Rows, ranges, a plot, and the most detailed model's numbers beside the model's own."""
     scene, _ = load_scene("prototype", ["support.kind=clamped"])
     said = []
     # a few samples: how many there are in a report is of no concern here
     rows = parameter_uncertainty(scene, evaluations=60, announce=said.append)
+    drawn = kept_figures(monkeypatch)
     found = section(scene, solve(scene, ("tmm", "beam"), ("capacitance_free",)), rows)
+    approved("\n".join([*said, *drawn]))
     assert found["detailed_model"] == "beam"
     for row in found["uncertainties"]:
         if row.target.peak:

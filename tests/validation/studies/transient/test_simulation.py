@@ -37,7 +37,7 @@ from tactgen.validation.models.generator.transient import (
     scene_modes,
 )
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.transient.files import write_run
+from tactgen.validation.studies.transient.files import TITLE, write_run
 from tactgen.validation.studies.transient.film import read_film
 from tactgen.validation.view.run.page import PHASES, run_page
 
@@ -434,3 +434,11 @@ def test_where_options_are_refused(of, taken, refused):
 def test_why_a_run_cannot_be_read(tmp_path):
     with pytest.raises(InputError, match=r"none.nc cannot be read \(No such file or directory\)"):
         read_film(tmp_path / "none.nc")
+
+
+def test_a_run_of_other_phases_is_refused(tmp_path):
+    path = tmp_path / "run.nc"
+    with netcdf_file(str(path), "w") as file:
+        file.title, file.phases = TITLE.encode(), b"up down"
+    with pytest.raises(InputError, match=r"\(its phases have other names\); write it with"):
+        read_film(path)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from approved import figure_text
 
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif.aim.best import parse_aims, verdict
@@ -40,7 +41,7 @@ def legend(side):
     return [text.get_text() for text in side.get_legend().get_texts()]
 
 
-def test_over_one_axis_margins_are_seen_to_cross_zero(drawn):
+def test_over_one_axis_margins_are_seen_to_cross_zero(drawn, approved):
     """What is met lies above the line, in the colour of its legend, at the axis' values."""
     study, found, figure = drawn((LENGTH,), FAST)
     (side,) = figure.axes
@@ -54,9 +55,10 @@ def test_over_one_axis_margins_are_seen_to_cross_zero(drawn):
     assert y.min() >= 0.0 > missed.lines[0].get_ydata().max()
     assert side.get_title() == FAST
     assert side.get_ylabel() == "margin (Hz)"
+    approved(figure_text(figure))
 
 
-def test_two_axes_are_a_plane_with_the_best_ringed(drawn):
+def test_two_axes_are_a_plane_with_the_best_ringed(drawn, approved):
     """Every point of the grid is there once; the ring is around the best of those that meet."""
     study, found, figure = drawn((LENGTH, WIDTH), FAST, FARTHEST)
     (side,) = figure.axes
@@ -66,9 +68,10 @@ def test_two_axes_are_a_plane_with_the_best_ringed(drawn):
     best = study.points[found.best[0].number]
     np.testing.assert_allclose(ring, [[1e3 * best["bimorph.length"], 1e3 * best["bimorph.width"]]])
     assert legend(side) == ["met", "not met", "best"]
+    approved(figure_text(figure))
 
 
-def test_two_goals_are_a_front(drawn):
+def test_two_goals_are_a_front(drawn, approved):
     """One over the other; the line joins what is not bettered in both, and only that."""
     _, found, figure = drawn((LENGTH, WIDTH), FASTEST, FARTHEST)
     (side,) = figure.axes
@@ -79,14 +82,16 @@ def test_two_goals_are_a_front(drawn):
     assert np.all(np.diff(front.get_ydata()) > 0.0)
     assert "point" in legend(side)
     assert side.get_xlabel() == f"{FASTEST}: value (Hz)"
+    approved(figure_text(figure))
 
 
-def test_of_more_axes_margins_are_counted(drawn):
+def test_of_more_axes_margins_are_counted(drawn, approved):
     """All points are in the bars, at their margins."""
     spread = "support.rotational_stiffness=0.1N*m/rad:0.4N*m/rad:2"
     study, _, figure = drawn((LENGTH, WIDTH, spread), FAST)
     (side,) = figure.axes
     assert sum(bar.get_height() for bar in side.patches) == len(study.points)
+    approved(figure_text(figure))
 
 
 def test_the_page_begins_with_what_the_aims_say(tmp_path):

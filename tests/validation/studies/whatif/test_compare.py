@@ -10,9 +10,11 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.whatif.compare import page
 from tactgen.validation.studies.whatif.compare.differences import answer_differences
 from tactgen.validation.studies.whatif.compare.sides import Key, Number, Side, read_sides
 from tactgen.validation.studies.whatif.compare.wording import as_values
+from tactgen.validation.view import pictures
 
 KEY = Key((), "capacitance_free", "solid", "", "")
 SCENE = load_scene("prototype")[0]
@@ -76,12 +78,12 @@ def test_two_scenes(capsys, tmp_path):
     assert [static["a"], static["b"]] == [float(s.quantities[0].value) for s in expected]
     assert static["verdict"] == "beyond the bars"
     assert static["change"] == pytest.approx(1 / 50 - 1)
-    page = (tmp_path / "compare.html").read_text(encoding="utf-8")
-    assert "<svg" in page
-    assert page.count("frequency (Hz)") == 2  # at the axis, and in the picture's name
-    assert "tip displacement (µm)" in page
-    assert not re.findall(r"""(?:src|href)=["'](?!#|data:)|<link|<script|url\((?!#)""", page)
-    assert 'aria-label="tip displacement (µm) over frequency (Hz)"' in page
+    written = (tmp_path / "compare.html").read_text(encoding="utf-8")
+    assert "<svg" in written
+    assert written.count("frequency (Hz)") == 2  # at the axis, and in the picture's name
+    assert "tip displacement (µm)" in written
+    assert not re.findall(r"""(?:src|href)=["'](?!#|data:)|<link|<script|url\((?!#)""", written)
+    assert 'aria-label="tip displacement (µm) over frequency (Hz)"' in written
     code, out, _ = compared(capsys, "paper", "paper", *asked)
     assert "the input is the same" in out
     assert out.count("the same") == 3
@@ -166,12 +168,12 @@ def test_devices_have_one_scale(capsys, tmp_path, driven):
         "capacitance_free", "--model", "tmm", "--out", tmp_path,
     )  # fmt: skip
     assert code == 0
-    page = (tmp_path / "compare.html").read_text(encoding="utf-8")
-    first, second = (float(v) for v in re.findall(r"height:([\d.]+)rem", page))
+    written = (tmp_path / "compare.html").read_text(encoding="utf-8")
+    first, second = (float(v) for v in re.findall(r"height:([\d.]+)rem", written))
     # the margin of the picture, and the top face seen slightly from above: some percent
     assert second / first == pytest.approx(14 / 20, rel=0.05)
     found = driven(
-        page, "found.pictures = all('img').map((img) => [img.alt, img.naturalHeight > 0]);"
+        written, "found.pictures = all('img').map((img) => [img.alt, img.naturalHeight > 0]);"
     )
     assert found["pictures"] == [["device A", True], ["device B", True]]
 
@@ -184,3 +186,22 @@ def test_a_comparison_as_plain_values():
         "a": "p", "b": "q", "inputs": [{"key": "gap", "a": "1 mm", "b": "2 mm"}], "answers": [],
         "missing": [0, 1],
     }  # fmt: skip
+
+
+def test_pictures_of_devices_have_one_scale(monkeypatch):
+    """The larger is as high as a picture may be; where none can be made, it is said why."""
+    inputs = [SimpleNamespace(key="bimorph.length")]
+    sides = (side("long"), side("short"))
+    made = [bytes(20) + height.to_bytes(4, "big") for height in (100, 70)]
+    monkeypatch.setattr(pictures, "solids_pictures", lambda _: made)
+    said = "".join(page._devices(sides, inputs, lambda _: {}))
+    heights = [float(height) for height in re.findall(r"height:([\d.]+)rem", said)]
+    assert heights == pytest.approx([page._TALLEST, 0.7 * page._TALLEST], abs=5e-3)
+    assert re.findall(r"<figcaption>(.*?)</figcaption>", said) == ["A: long", "B: short"]
+    assert page._devices(sides, [SimpleNamespace(key="drive.voltage")], lambda _: {}) == []
+
+    def none(_):
+        raise InputError("no solids of <these>")
+
+    (said,) = page._devices(sides, inputs, none)
+    assert said == "<p>No picture of the devices: no solids of &lt;these&gt;</p>"
