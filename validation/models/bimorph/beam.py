@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 #: Elements are halved so many times: three meshes, of which the finest is the result.
 _HALVINGS = 2
 #: Order that is counted with at most.  Twice the elements' is what the energy's error goes to in
-#: the limit; with one wave in six elements it is between 7 and 10 (tests/fem/beam/test_beam.py).
+#: the limit (case BEAMO); with one wave in six elements it is between 7 and 10.
 _ORDER = 8
 #: Rounding is seen by evaluating the finest elements again in other units (N, C; not a power of
 #: two, which would round alike).  Twice the mean distance to four others covers 98 of 100 errors

@@ -74,6 +74,18 @@ def test_the_worst_entry_is_that_beyond_its_bar():
     assert sweep.worst(quantity([0.0], [0.0]), quantity([0.0], [0.0]))[0] == 0.0
 
 
+@pytest.mark.parametrize(
+    ("off", "judged"), [((2.0, 2.5), 0.5), ((2.0, 3.1), 3.1), ((2.0,) * 3, 2.0)]
+)
+def test_of_a_response_one_value_in_twenty_may_miss(off, judged):
+    """Two of forty are passed over, but not a third, nor one beyond three bars."""
+    errors = np.full(40, 0.5)
+    errors[5 : 5 + len(off)] = off
+    right = quantity(np.full(40, 100.0), np.zeros(40))
+    error, bound = sweep.worst(quantity(right.value + errors, np.ones(40)), right)
+    assert (error, bound) == (pytest.approx(judged / 100.0), 0.01)
+
+
 @pytest.mark.heavy
 @pytest.mark.parametrize("part", [lateral, machine], ids=["lateral", "machine"])
 @pytest.mark.parametrize("quick", [True, False])
