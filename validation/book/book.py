@@ -24,8 +24,8 @@ from tactgen.validation.view.templates import page_templates
 
 #: What each group is about, for the reader who was not there.
 SUBJECTS = {
-    "beams": "Beams in closed form and from handbooks, by the transfer-matrix and lumped models",
-    "laminates": "Exact laminates in cylindrical bending, bimetal strips, PVDF",
+    "beams": "Beams in closed form and from handbooks, by the models lumped and tmm; two as solids",
+    "laminates": "Exact laminates in cylindrical bending, bimetal strips, PVDF, a patch in shear",
     "resonators": "Piezoelectric resonators of IEEE Std 176, patch test of a free block",
     "elastic": "Elastic bodies: cube, plates, torsion, rods",
     "coils": "Coils in air: inductance, force, field, circuit",

@@ -23,8 +23,31 @@ UNANSWERED: tuple[Unanswered, ...] = (
         "no model here has an electrostatic force; its magnetic twin is the case SNAP",
     ),
     Unanswered(
-        "Stresses of NAFEMS tests 5H and R0031/1 and of ANSYS VM231, and VM174's large deflection",
-        "boxes give displacements, forces and charges; stresses are read off the model solid's own "
-        "bimorph only, and all models are linear",
+        "NAFEMS LE1 and LE10; stresses of NAFEMS tests 5H and R0031/1 and of ANSYS VM34 and VM231, "
+        "whose field strength, too",
+        "boxes give displacements, forces and charges, and have no elliptic edges; stresses and "
+        "fields are read off the model solid's own bimorph only",
+    ),
+    Unanswered(
+        "NAFEMS FV32: tapered membrane",
+        "the models' bodies in three dimensions are bars, boxes and rods, none of them a wedge; "
+        "tapered beams are the cases VM34, VM148, WEDGE and BREADTH",
+    ),
+    Unanswered(
+        "ANSYS VM174: large deflection of a bimetal strip",
+        "all models of the bimorph are linear; small deflections are the cases VM35 and VM144",
+    ),
+    Unanswered(
+        "Smits, Dalke and Cooney's matrix: its row and column of uniform pressure",
+        "no model of the bimorph has a pressure on it; the other entries are the case SMITS",
+    ),
+    Unanswered(
+        "ANSYS VM183: two masses on springs",
+        "its answer is the solution of two equations, of which every response here has more",
+    ),
+    Unanswered(
+        "NASA's example of a grid convergence index (0.97050, 0.96854, 0.96178)",
+        "error bars here are no grid convergence index: how they are made stands beside each, and "
+        "`tactgen coverage` judges them",
     ),
 )

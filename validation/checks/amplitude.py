@@ -30,7 +30,7 @@ _SOLVER: tuple[Check, ...] = (
         "A mass on a linear and a cubic spring, five times as stiff at its turning point: its free "
         "angular frequency.",
         4.357461857, "rad/s", _ELLIPTIC, 3e-10, "ten digits of the reference",
-        m.strong_cubic_frequency,
+        partial(m.cubic_frequency, 5.0),
     ),
     Check(
         "HB-2", "code verification",
@@ -65,6 +65,23 @@ _SOLVER: tuple[Check, ...] = (
             "at most 160 harmonics of a force with a kink", partial(m.one_sided, ratio),
         )
         for i, (ratio, tolerance) in enumerate(_CONTACT)
+    ),
+    *(
+        Check(
+            f"HB-{10 + i}", "code verification",
+            f"The free angular frequency on x + x³ from {amplitude:g}.",
+            reference, "rad/s", _ELLIPTIC, 3e-10, "ten digits of the reference",
+            partial(m.cubic_frequency, amplitude),
+        )
+        for i, (amplitude, reference) in enumerate(
+            ((0.1, 1.003741836), (0.5, 1.089158179), (1.0, 1.317776065), (2.0, 1.976016364))
+        )
+    ),
+    Check(
+        "HB-14", "code verification",
+        "Without a law: VM86's mass of 0.5 lb s²/in on 200 lb/in and 6 lb s/in, 10 lb at 20 rad/s.",
+        0.0833, "in", "ANSYS Verification Manual, VM86 (Close: 10/120)", 5e-4,
+        "three printed digits", m.vm86_amplitude,
     ),
 )  # fmt: skip
 

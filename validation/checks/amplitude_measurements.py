@@ -25,9 +25,14 @@ from tactgen.validation.scene.scene import load_scene
 _BAND = (10.0, 1000.0)
 
 
-def strong_cubic_frequency() -> float:
-    """Free angular frequency of x'' + x + x³ = 0 from x = 5 (rad/s)."""
-    return oscillators.free_on_cubic(1.0, 1.0, 1.0, 5.0).omega
+def cubic_frequency(amplitude: float) -> float:
+    """Free angular frequency of x'' + x + x³ = 0 from x = `amplitude` (rad/s)."""
+    return oscillators.free_on_cubic(1.0, 1.0, 1.0, amplitude).omega
+
+
+def vm86_amplitude() -> float:
+    """Amplitude of VM86's driven mass on a spring and a damper (in)."""
+    return abs(oscillators.fundamental(oscillators.driven_vm86()))
 
 
 def vm156_period() -> float:

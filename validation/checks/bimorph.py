@@ -58,6 +58,12 @@ CHECKS: tuple[Check, ...] = (
         m.finger_stiffness_maximum,
     ),
     Check(
+        "FIN-2", "code verification",
+        "The finger's fitted damping has its minimum where eqs 1-5 put it.",
+        0.486, "N s/m", "paper eqs 1-5, table 1", 1e-3, "three digits of the reference",
+        m.finger_damping_minimum,
+    ),
+    Check(
         "BEA-1", "code verification",
         "Beam elements converge to the transfer-matrix model in their first frequency.",
         1044.1572903341285, "Hz", _EXACT, 1e-8, "20 elements of order five",

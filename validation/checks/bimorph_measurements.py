@@ -85,6 +85,11 @@ def finger_stiffness_maximum() -> float:
     return float(finger_spring_damper(np.linspace(10.0, 1000.0, 9901))[0].max())
 
 
+def finger_damping_minimum() -> float:
+    """Least damping of the finger between 10 and 1000 Hz (N s/m)."""
+    return float(finger_spring_damper(np.linspace(10.0, 1000.0, 9901))[1].min())
+
+
 def finger_damping_start() -> float:
     """Damping of the finger at 10 Hz (N s/m)."""
     return float(finger_spring_damper(np.array([10.0]))[1][0])

@@ -36,9 +36,9 @@ PROBLEMS = {
         partial(machines.bimorph, "paper", root="springs"),
     ),
     ("bimorph", "FIN"): Problem(
-        "The finger's stiffness has a maximum",
+        "The finger's stiffness has a maximum, its damping a minimum",
         "The paper fits rational functions to a finger's impedance (eqs 1 to 5, table 1). Where "
-        "is the stiffness largest between 10 and 1000 Hz?",
+        "is the stiffness largest between 10 and 1000 Hz, and where does it damp least?",
         "the load of all models, searched for its maximum",
         partial(machines.bimorph, "paper", root="springs", finger="finger"),
     ),
@@ -160,7 +160,8 @@ PROBLEMS = {
         "TEAM problem 20: a nonlinear plunger in three dimensions",
         "Centre pole, yoke and coil of mild steel with a gap of 1.5 mm, at 1000 to 5000 ampere-"
         "turns; the force on the pole was measured, and flux densities in gap, pole and yoke. The "
-        "bare edge elements approach the force from one side, the scalar potential from the other.",
+        "bare edge elements approach the force from one side, the scalar potential from the other. "
+        "ANSYS VM233 and VM241 are this problem at 5000 ampere-turns.",
         _EDGE,
         machines.team_20,
     ),

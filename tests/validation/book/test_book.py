@@ -65,7 +65,7 @@ def test_book_is_complete(few, tmp_path, capsys, undrawn, approved):
         assert row.id in pages["matrix.html"]
     assert "test_known_rows.py::test_row[SMITS-1]" in pages["matrix.html"]
     assert pages["laminates-cyl1.html"].count("<svg") == 2  # what is solved, and convergence
-    assert "Of 5 numbers" in pages["index.html"]
+    assert f"Of {sum(len(case.rows) for case in FEW)} numbers" in pages["index.html"]
     for name, html in pages.items():
         approved(page_text(html), name.removesuffix(".html"))
 
@@ -106,7 +106,7 @@ def test_quick_takes_the_first_row_of_each_case(few):
     """The others are skipped, and say so."""
     found = verify(("beams",), extent="quick", announce=lambda _: None)
     assert [row.check.id for row in found if row.verdict != "skipped"] == ["VM34-1", "SMITS-1"]
-    assert sum(row.verdict == "skipped" for row in found) == 3
+    assert sum(row.verdict == "skipped" for row in found) == len(found) - len(FEW)
 
 
 def test_bias_and_scatter():

@@ -120,6 +120,12 @@ def driven_duffing_branch() -> Branch:
     return follow(oscillator, start, "omega", 0.5, 1.6, resolution=EXACT)
 
 
+def driven_vm86() -> Orbit:
+    """Return 0.5 ẍ + 6 ẋ + 200 x = 10 cos 20t, Ansys verification case VM86."""
+    plain = one_mass(cubic(0.0), mass=0.5, damping=6.0, stiffness=200.0, force=10.0)
+    return steady_orbit(plain, 20.0, 1.0, resolution=EXACT)
+
+
 def fundamental(orbit: Orbit) -> complex:
     """Return the first harmonic of the first coordinate."""
     return complex(orbit.spectrum[1, 0])

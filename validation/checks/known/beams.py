@@ -253,7 +253,7 @@ _TAPERS = (
 
 @cache
 def _smits() -> Floats:
-    """Return tip deflection per volt and per newton, rotation per moment, free capacitance.
+    """Return the matrix' entries without pressure, in the order of the rows.
 
     Two PZT-5A layers of 0.26 mm in series: the lumped model's voltage is that of one layer.
     """
@@ -269,9 +269,11 @@ def _smits() -> Floats:
     compliance = np.linalg.inv(model.stiffness.real[2:4, 2:4])
     coupling = -model.stiffness.real[2:4, 4]
     capacitance = model.stiffness.real[4, 4] + coupling @ compliance @ coupling
-    return np.array(
-        [(compliance @ coupling)[0] / 2.0, compliance[0, 0], compliance[1, 1], capacitance / 4.0]
-    )
+    per_volt = compliance @ coupling / 2.0
+    return np.array([
+        per_volt[0], compliance[0, 0], compliance[1, 1], capacitance / 4.0, -compliance[1, 0],
+        -per_volt[1], -compliance[0, 1],
+    ])  # fmt: skip
 
 
 _SMITS = case(
@@ -290,6 +292,9 @@ _SMITS = case(
             ("The tip's deflection per newton", 1.7773154e-3, "m/N"),
             ("The tip's rotation per moment", 13.3298654, "rad/(N m)"),
             ("The free capacitance", 1.17974546e-9, "F"),
+            ("The tip's rotation per newton", 0.133298654, "rad/N"),
+            ("The tip's rotation per volt", 3.7943787e-5, "rad/V"),
+            ("The tip's deflection per moment", 0.133298654, "m/(N m)"),
         ))
     ],
     setup=partial(strip, 20.0, (("piezo", 0.26), ("piezo", 0.26))),

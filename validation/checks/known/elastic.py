@@ -225,7 +225,9 @@ _PLATES = (
         answers=[
             Answer(f"Frequency {at + 7} of the free plate is NAFEMS'.", value, "Hz",
                    nth(free_plate, at))
-            for at, value in enumerate((1.622, 2.360, 2.922, 4.190))
+            for at, value in enumerate(
+                (1.622, 2.360, 2.922, 4.190, 4.190, 7.356, 7.356, 7.668)
+            )
         ],
         setup=section(plate, 2, 6, unit="m", plane=("z", "y")),
     ),

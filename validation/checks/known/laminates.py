@@ -23,7 +23,7 @@ from tactgen.validation.checks.cases.boxes import (
     stacked,
     statics,
 )
-from tactgen.validation.checks.known import bimetal
+from tactgen.validation.checks.known import bimetal, shear_beam
 from tactgen.validation.checks.setup.sections import section
 
 #: Length of the half wave (m), and the thickness of each layer (m) of three bimorphs.
@@ -282,4 +282,11 @@ _PVDF = case(
     setup=section(pvdf, False),
 )  # fmt: skip
 
-CASES: tuple[Case, ...] = (*_CYLINDRICAL, _DRIVEN, _PAGANO, *bimetal.CASES, _PVDF)
+CASES: tuple[Case, ...] = (
+    *_CYLINDRICAL,
+    _DRIVEN,
+    _PAGANO,
+    *bimetal.CASES,
+    _PVDF,
+    *shear_beam.CASES,
+)

@@ -99,6 +99,9 @@ _HWANG = case(
             (60, 0.1224, _EXCHANGED, 0.0147),
             (80, 0.2208, "", 0.0),
         )
+    ] + [
+        Answer("At 200 V the tip is printed to move by 69.00 um.", 69.00e-6, "m",
+               lambda: 200.0 * pvdf_deflection(0.1, True)),
     ],
     setup=section(pvdf, True),
 )  # fmt: skip

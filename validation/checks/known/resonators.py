@@ -34,7 +34,7 @@ _CERAMIC = LIBRARY["PZT-5A"]
 _AXES = (0, 1, 2)
 
 
-def _material(ceramic: Piezoceramic, poled: Component = "x") -> Material:
+def poled(ceramic: Piezoceramic, poled: Component = "x") -> Material:
     """Return a ceramic poled along an axis of the box."""
     tensors = ceramic.tensors(lossy=False)
     if poled == "z":  # exchange x and z: Voigt xx yy zz yz xz xy
@@ -58,7 +58,7 @@ def _plate(shear: bool) -> Box:
     What does not vary along the plate does not move the other way.  Its halves are mirrored: the
     column reaches from the middle (φ = 0) to one electrode.
     """
-    material = _material(_CERAMIC, "z" if shear else "x")
+    material = poled(_CERAMIC, "z" if shear else "x")
     box = block((even(0.5 * _THICKNESS, 1, 9), even(1e-4, 1, 1), even(1e-4, 1, 1)), material)
     # all points of a height move alike: one column of nodes, the others tied to it
     other: tuple[Component, ...] = ("x", "y") if shear else ("y", "z")
@@ -132,7 +132,7 @@ _SLENDER = "Rayleigh's correction for a bar 0.1 mm thick: (ν π a/L)²/12 is 1e
 
 def _bar(along: bool) -> Box:
     """Return an eighth of a 10 mm bar along z, driven across (31) or along its length (33)."""
-    material = _material(_BAR_CERAMIC, "z" if along else "x")
+    material = poled(_BAR_CERAMIC, "z" if along else "x")
     side = even(0.5 * _SIDE, 1, 2)
     box = block((side, side, even(0.5 * _BAR, 2, 7)), material)
     return replace(box, held=_mirrored(grounded="z" if along else "x"))
@@ -186,7 +186,7 @@ def _driven_bar() -> Box:
     """Return an eighth of the 10 x 0.2 x 0.05 mm bar, half a volt on its face."""
     axes = (even(0.025e-3, 1, 2), even(0.1e-3, 1, 2), even(5e-3, 2, 6))
     held = (*_mirrored(grounded="x"), Held(_FACE, ("phi",), 0.5))
-    return replace(block(axes, _material(_BAR_CERAMIC)), held=held)
+    return replace(block(axes, poled(_BAR_CERAMIC)), held=held)
 
 
 @cache
@@ -218,7 +218,7 @@ _ADMITTANCE = case(
 
 def _held_block() -> Box:
     """Return the block with 1 V across 1 mm, held against rigid motion alone."""
-    box = block((even(1e-3, 1, 1), even(2e-3, 1, 1), even(10e-3, 1, 1)), _material(_CERAMIC))
+    box = block((even(1e-3, 1, 1), even(2e-3, 1, 1), even(10e-3, 1, 1)), poled(_CERAMIC))
     held = (
         Held(Where(x=0.0), ("phi",), 1.0),
         Held(Where(x=1e-3), ("phi",)),

@@ -15,7 +15,17 @@ from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.section.section import Section
 from tactgen.tmm.beam.section.tapered import segmented
 from tactgen.validation.checks.case import Answer, Case, case, nth
-from tactgen.validation.checks.cases.boxes import Box, Held, Load, Where, block, even, harmonic
+from tactgen.validation.checks.cases.boxes import (
+    Box,
+    Component,
+    Held,
+    Load,
+    Where,
+    block,
+    even,
+    harmonic,
+    natural_frequencies,
+)
 from tactgen.validation.checks.setup.sections import section
 from tactgen.validation.checks.setup.strips import pushed, root_of_share, strip, tapered
 
@@ -81,7 +91,36 @@ def _deep_beam_peak() -> float:
     return float(_PEAK - 0.5 * b / a)
 
 
+@cache
+def _turned_or_stretched(turned: bool) -> float:
+    """Return the first frequency (Hz) of the beam in torsion or along, by its symmetries."""
+    along: tuple[tuple[Component, ...], ...] = (("y", "z"), ("x", "z"), ("x", "y"))
+    across: tuple[tuple[Component, ...], ...] = (("x",), ("y",), ("z",))
+    on_x, on_y, at_root = along if turned else across
+    held = (Held(Where(x=0.0), on_x), Held(Where(y=0.0), on_y), Held(Where(z=0.0), at_root))
+    axes = (even(1.0, 1, 4), even(1.0, 1, 4), even(10.0, 2, 5))
+    material = Material(isotropic_stiffness(200e9, 0.3), 8000.0)
+    return float(natural_frequencies(block(axes, material, *held), 1)[0])
+
+
 CASES: tuple[Case, ...] = (
+    case(
+        "FV5S",
+        "Deep beam in torsion and along (NAFEMS FV5)",
+        "The same beam as a solid: one end does not turn, or does not move along; it may warp and "
+        "become thinner.",
+        model="a quarter in bricks of the model solid, 4 x 4 x 5 degrees, two along the beam",
+        source="NAFEMS FV5: 1/(4 L) √(G J/(ρ I_p)) and 1/(4 L) √(E/ρ)",
+        tolerance=1e-3,
+        reason="along, the inertia of becoming thinner, (ν k)² I_p/(2 A) = 7e-4; in torsion four "
+        "printed digits",
+        answers=[
+            Answer("Torsion is at 71.20 Hz.", 71.20, "Hz", partial(_turned_or_stretched, True)),
+            Answer("Motion along the beam is at 125.0 Hz.", 125.0, "Hz",
+                   partial(_turned_or_stretched, False)),
+        ],
+        setup=section(_deep_beam, unit="m"),
+    ),
     case(
         "VM148",
         "Cantilever of parabolic height (ANSYS VM148)",

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 #: Whose equations the known answers of a group are solved by: for cases by their id, for the
 #: group's others under "".
 SPEAKS_FOR: dict[str, dict[str, tuple[str, ...]]] = {
-    "beams": {"": ("lumped", "tmm")},
+    "beams": {"": ("lumped", "tmm"), "P5H": ("solid",), "FV5S": ("solid",)},
     "laminates": {"": ("solid",)},
     "resonators": {"": ("solid",)},
     "elastic": {"": ("solid",)},

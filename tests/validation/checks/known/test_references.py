@@ -172,7 +172,7 @@ def test_wedge():
 
 
 def test_smits():
-    """The four entries in closed form for two layers of thickness h in series."""
+    """The entries without pressure in closed form for two layers of thickness h in series."""
     length, width, h = 20e-3, 2.1e-3, 0.26e-3
     s11, d31, eps = 16.4e-12, -171e-12, 1700 * EPS0
     k2 = d31**2 / (s11 * eps)
@@ -181,6 +181,9 @@ def test_smits():
         s11 * length**3 / (2 * width * h**3),
         3 * s11 * length / (2 * width * h**3),
         eps * (1 - k2 / 4) * width * length / (2 * h),
+        3 * s11 * length**2 / (4 * width * h**3),
+        -3 * d31 * length / (4 * h**2),
+        3 * s11 * length**2 / (4 * width * h**3),
     ]
     assert references(beams, "SMITS") == pytest.approx(exact, rel=1e-8)
 
