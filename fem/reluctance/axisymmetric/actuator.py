@@ -223,16 +223,17 @@ def _errors(fine: MagneticField, values: dict[str, float], lower: dict[str, floa
     """Return error bars: the change from the lower order, never less than the coenergy's.
 
     The coenergy rises with the order towards its exact value, so its change cannot vanish
-    by accident, as that of a force can.  Truncation is added, to the force what its two
-    routes differ by, to the incremental inductance the scatter of dH/dB.
+    by accident, as that of a force can.  The force counts with no less than what its two routes
+    differ by, which has the same cause.  Truncation is added, and to the incremental inductance
+    the scatter of dH/dB.
     """
     total = values["coenergy"]
     rise = abs(total - lower["coenergy"]) / total if total else 0.0
     missing = truncation_error(fine) / total if total else 0.0
 
-    def bar(name: str, truncation: float) -> float:
+    def bar(name: str, truncation: float, least: float = 0.0) -> float:
         value = values[name]
-        change = max(abs(value - lower[name]), rise * abs(value))
+        change = max(abs(value - lower[name]), rise * abs(value), least)
         return change + truncation * missing * abs(value)
 
     linear = values["incremental_inductance"] * float(fine.currents[0])
@@ -242,7 +243,7 @@ def _errors(fine: MagneticField, values: dict[str, float], lower: dict[str, floa
     return FieldErrors(
         flux_linkage=bar("flux_linkage", 2.0),
         coenergy=bar("coenergy", 1.0),
-        force=bar("force", _FORCE_TRUNCATION) + abs(values["force"] - values["force_eggshell"]),
+        force=bar("force", _FORCE_TRUNCATION, abs(values["force"] - values["force_eggshell"])),
         incremental_inductance=bar("incremental_inductance", 2.0) + scatter,
     )
 

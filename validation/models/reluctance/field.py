@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 #: How the half section's error bars come about.
 _METHOD = (
-    "change from the lower polynomial order, truncation of the air, and for the force the "
-    "difference between virtual work and the stress in the air"
+    "change from the lower polynomial order, for the force no less than the difference between "
+    "virtual work and the stress in the air; and truncation of the air"
 )
 
 _Found = TypeVar("_Found", "FieldPoint", "SolidPoint")

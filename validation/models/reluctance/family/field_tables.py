@@ -81,9 +81,9 @@ class PointFamily:
         """How the error bars come about, for the reader."""
         places = sum(next(iter(t.table.values.values())).size for t in self.tables)
         return (
-            f"change from the lower polynomial order, truncation of the air, and for the force "
-            f"the difference of its two routes, at {places} places of the range on grids that "
-            "move with it; with what half as many places miss in between"
+            "change from the lower polynomial order, for the force no less than the difference of "
+            f"its two routes, and truncation of the air, at {places} places of the range on grids "
+            "that move with it; with what half as many places miss in between"
         )
 
     def covers(self, ranges: Ranges) -> bool:
