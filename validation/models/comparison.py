@@ -21,7 +21,8 @@ Verdict = Literal["reference", "agrees", "explained", "model form", "differs"]
 #: A difference is explained if the causes account for all but this fraction of the value and what
 #: the bars allow: they are told apart on coarser meshes.
 UNEXPLAINED = 3e-3
-#: Fraction that a shortcut of a model may be worth beside what the bridge follows.
+#: Fraction that a shortcut of a model may be worth beside what the bridge follows, where no model
+#: of the same theory without it was asked for, whose difference measures it.
 _SHORTCUT = 0.01
 #: Models of one theory agree to this fraction, whatever their error bars say.
 _SAME_THEORY = 1e-8
@@ -106,7 +107,7 @@ def compare(
         by_model = {q.model: q for q in quantities if q.name == row.name}
         if by_model and not row.by_frequency and not _is_list(row, by_model.values()):
             found = [by_model[model] for model in ranked(tuple(by_model))]
-            cells = tuple(_cell(scene, row, q, found[-1], causes) for q in found)
+            cells = tuple(_cell(scene, row, q, found, causes) for q in found)
             rows.append(ComparedRow(row, cells))
     return rows
 
@@ -117,8 +118,13 @@ def _is_list(row: QuantityRow, found: Iterable[Quantity]) -> bool:
 
 
 def _cell(
-    scene: Scene, row: QuantityRow, q: Quantity, reference: Quantity, causes: Sequence[Cause] | None
+    scene: Scene,
+    row: QuantityRow,
+    q: Quantity,
+    found: Sequence[Quantity],
+    causes: Sequence[Cause] | None,
 ) -> Cell:
+    reference = found[-1]
     (value, bar), (base, base_bar) = _first(q), _first(reference)
     difference = 0.0 if value == base else np.inf
     if base != 0.0:
@@ -131,23 +137,32 @@ def _cell(
         verdict = "reference"
     elif not covered:
         models = MODELS[q.model], MODELS[reference.model]
-        bars = (bar + base_bar) / abs(base) if base != 0.0 else 0.0
-        verdict, why = _judge(scene, row, models, (difference, bars), causes)
+        size = abs(base) or np.inf
+        by_shortcut = (value - _without_shortcut(q, found)) / (np.copysign(size, base))
+        apart = difference, (bar + base_bar) / size, by_shortcut
+        verdict, why = _judge(scene, row, models, apart, causes)
     return Cell(q.model, value, bar, difference, verdict, why)
+
+
+def _without_shortcut(q: Quantity, found: Sequence[Quantity]) -> float:
+    """Return what a model without shortcut makes of the same theory; nan if none was asked."""
+    theory = MODELS[q.model].theory
+    plain = [p for p in found if MODELS[p.model].theory == theory and not MODELS[p.model].shortcut]
+    return _first(plain[0])[0] if plain else float("nan")
 
 
 def _judge(
     scene: Scene,
     row: QuantityRow,
     models: tuple[ModelRow, ModelRow],
-    apart: tuple[float, float],
+    apart: tuple[float, float, float],
     causes: Sequence[Cause] | None,
 ) -> tuple[Verdict, str]:
     """Return the verdict on a difference that the error bars do not cover, and its reason.
 
-    `apart` holds both, the difference and the bars together, as fractions.
+    `apart` holds as fractions the difference, the bars together, and what of it is the shortcut.
     """
-    (difference, bars), (model, reference) = apart, models
+    (difference, bars, by_shortcut), (model, reference) = apart, models
     shortcut = "" if row.static else model.shortcut
     if model.theory == reference.theory:
         if shortcut:
@@ -158,6 +173,8 @@ def _judge(
     if not shares:
         reason = _left_out(scene, model)
         return "model form", f"{reason}; {shortcut}" if shortcut else reason
+    if shortcut and not np.isnan(by_shortcut):
+        shares[shortcut], shortcut = by_shortcut, ""
     together = sum(shares.values())
     left = (1.0 + difference) / (1.0 + together) - 1.0
     named = ", ".join(f"{name} {_points(share)}" for name, share in shares.items())

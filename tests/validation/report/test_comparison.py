@@ -81,6 +81,34 @@ def test_causes_add_up_to_the_difference():
     assert causes[0].share.deflection == pytest.approx(0.02 / 0.9)
 
 
+@pytest.mark.parametrize(
+    ("beside", "verdict", "said"),
+    [
+        # 4 % by the field, 1 % by the shortcut: together all of it
+        ({"tmm": 1.04}, "explained", "static shapes +1.00: together +5.00 %, of +5.00 %"),
+        # the shortcut is worth 0.2 %, which leaves 0.8 % of it
+        ({"tmm": 1.048}, "differs", "static shapes +0.20: together +4.20 %, of +5.00 %"),
+        ({}, "explained", "together +4.00 %, of +5.00 %; the inertia is that of the static shapes"),
+    ],
+)
+def test_a_shortcut_is_measured_by_a_model_without_it(beside, verdict, said):
+    """Of one theory, with and without: its share; unmeasured, 1 % is granted."""
+    scene, _ = load_scene("paper")
+    values = {"lumped": [1.05], "solid": [1.0]} | {m: [v] for m, v in beside.items()}
+    found = [
+        Quantity(
+            "short_circuit_frequencies", m, np.array(v), "Hz", np.zeros(1), "", 0.0,
+            classes=("bending_x",),
+        )
+        for m, v in values.items()
+    ]  # fmt: skip
+    causes = on_a_clamp([rung("TMM", 1.0, 1.04, 1.0, 1.0, 1.0, 1.0), rung("field", *([1.0] * 6))])
+    (row,) = compare(scene, found, LATERAL, causes)
+    assert row.cells[0].model == "lumped"
+    assert row.cells[0].verdict == verdict
+    assert said in row.cells[0].why
+
+
 def compared(scene, causes, models):
     """Return the cells of the values that a bridge follows, by quantity."""
     solution = solve(scene, models)
