@@ -20,7 +20,7 @@ Verdict = Literal["reference", "agrees", "explained", "model form", "differs"]
 
 #: A difference is explained if the causes account for all but this fraction of the value and what
 #: the bars allow: they are told apart on coarser meshes.
-UNEXPLAINED = 3e-3
+UNEXPLAINED = 2e-3
 #: Fraction that a shortcut of a model may be worth beside what the bridge follows, where no model
 #: of the same theory without it was asked for, whose difference measures it.
 _SHORTCUT = 0.01
@@ -51,7 +51,11 @@ class Cause(Protocol):
 
 @dataclass(frozen=True)
 class Cell:
-    """One model's value: number, error bar, difference from the reference, verdict."""
+    """One model's value: number, error bar, difference from the reference, verdict.
+
+    `left` is what measured causes leave of the difference, beyond the bars (a fraction of the
+    value): 0 where the bars cover it, nan where no causes were measured.
+    """
 
     model: str
     value: float
@@ -59,6 +63,7 @@ class Cell:
     difference: float
     verdict: Verdict
     why: str
+    left: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -132,7 +137,7 @@ def _cell(
     covered = abs(value - base) <= bar + base_bar + 1e-12 * abs(base)
     covered |= np.isnan(value) and np.isnan(base)  # neither model has a value
     verdict: Verdict = "agrees"
-    why = ""
+    why, left = "", 0.0
     if q is reference:
         verdict = "reference"
     elif not covered:
@@ -140,8 +145,8 @@ def _cell(
         size = abs(base) or np.inf
         by_shortcut = (value - _without_shortcut(q, found)) / (np.copysign(size, base))
         apart = difference, (bar + base_bar) / size, by_shortcut
-        verdict, why = _judge(scene, row, models, apart, causes)
-    return Cell(q.model, value, bar, difference, verdict, why)
+        verdict, why, left = _judge(scene, row, models, apart, causes)
+    return Cell(q.model, value, bar, difference, verdict, why, left)
 
 
 def _without_shortcut(q: Quantity, found: Sequence[Quantity]) -> float:
@@ -157,8 +162,8 @@ def _judge(
     models: tuple[ModelRow, ModelRow],
     apart: tuple[float, float, float],
     causes: Sequence[Cause] | None,
-) -> tuple[Verdict, str]:
-    """Return the verdict on a difference that the error bars do not cover, and its reason.
+) -> tuple[Verdict, str, float]:
+    """Return the verdict on a difference that error bars do not cover, its reason, what is left.
 
     `apart` holds as fractions the difference, the bars together, and what of it is the shortcut.
     """
@@ -166,13 +171,14 @@ def _judge(
     shortcut = "" if row.static else model.shortcut
     if model.theory == reference.theory:
         if shortcut:
-            return "model form", shortcut
-        agrees = abs(difference) < _SAME_THEORY
-        return ("agrees", "") if agrees else ("differs", f"{_SAME_EQUATIONS}; not understood")
+            return "model form", shortcut, np.nan
+        if abs(difference) < _SAME_THEORY:
+            return "agrees", "", 0.0
+        return "differs", f"{_SAME_EQUATIONS}; not understood", np.nan
     shares = {c.name: c.of[row.name] for c in causes or () if row.name in c.of}
     if not shares:
         reason = _left_out(scene, model)
-        return "model form", f"{reason}; {shortcut}" if shortcut else reason
+        return "model form", f"{reason}; {shortcut}" if shortcut else reason, np.nan
     if shortcut and not np.isnan(by_shortcut):
         shares[shortcut], shortcut = by_shortcut, ""
     together = sum(shares.values())
@@ -181,9 +187,10 @@ def _judge(
     reason = f"{named}: together {_points(together)} %, of {_points(difference)} %"
     if shortcut:
         reason += f"; {shortcut}"
-    if abs(left) > UNEXPLAINED + bars + (_SHORTCUT if shortcut else 0.0):
-        return "differs", f"{reason}; {_points(left)} % unexplained"
-    return "explained", reason
+    beyond = max(abs(left) - bars, 0.0)
+    if beyond > UNEXPLAINED + (_SHORTCUT if shortcut else 0.0):
+        return "differs", f"{reason}; {_points(left)} % unexplained", beyond
+    return "explained", reason, beyond
 
 
 def _left_out(scene: Scene, model: ModelRow) -> str:

@@ -172,8 +172,9 @@ class Study:
 
     @cached_property
     def rungs(self) -> list[Rung] | None:
-        """The bridge from TMM to the solid, for a piezoelectric bimorph on bricks."""
-        if "solid" not in self.scene.models or self.scene.piezo.d31 == 0.0:
+        """The bridge from TMM to the solid, for a piezoelectric bimorph on bricks without rod."""
+        scene = self.scene
+        if "solid" not in scene.models or scene.support.kind == "rod" or scene.piezo.d31 == 0.0:
             return None
         from tactgen.validation.models.bimorph.bridge import bridge
 

@@ -43,6 +43,14 @@ def test_quick_report_has_the_bridge_alone(monkeypatch, few_bricks):
     assert "For someone who designs with the transfer-matrix model" in shown["bridge"]
 
 
+def test_a_clamp_leads_nowhere_near_the_rod():
+    """On the rod no bridge from a clamp is drawn, nor its causes named, whatever solid is asked."""
+    scene, origins = load_scene("bimorph_on_rod", ["models=tmm,solid"])
+    study = Study(scene, origins, lambda _: None, quick=True)
+    assert study.rungs is None
+    assert study.causes is None
+
+
 def test_nothing_to_lead_to():
     """Without a solid the section says so and the others are left out."""
     shown = texts("paper", "models=lumped,tmm", quick=False)
