@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import cache, partial
 
 import numpy as np
@@ -160,24 +161,29 @@ def clamped_plate() -> Box:
     return _block(axes, 200e9, 0.3, 8000.0, Held(Where(z=0.0), ("x", "y", "z")))
 
 
-def _supported_plate() -> Box:
+def _supported_plate(degree: int = 6) -> Box:
     edges = [
         edge
         for at in (0.0, 10.0)
         for edge in (Held(Where(y=at), ("x", "z")), Held(Where(z=at), ("x", "y")))
     ]
-    return plate(2, 6, *edges)
+    return plate(2, degree, *edges)
 
 
 @cache
-def _supported() -> Floats:
-    return natural_frequencies(_supported_plate(), 8)
+def _supported(degree: int = 6) -> Floats:
+    return natural_frequencies(_supported_plate(degree), 8)
 
 
 @cache
-def free_plate() -> Floats:
+def free_plate(degree: int = 6) -> Floats:
     """Return the lowest frequencies (Hz) of the plate without supports."""
-    return natural_frequencies(plate(2, 6), 8, loose=6, near=0.3)
+    return natural_frequencies(plate(2, degree), 8, loose=6, near=0.3)
+
+
+def _by_degree(frequencies: Callable[[int], Floats]) -> Refinement:
+    """Return the first frequency by degrees along the plate."""
+    return Refinement((3, 4, 5, 6), lambda p: (p, float(frequencies(p)[0])), "exponential")
 
 
 @cache
@@ -212,6 +218,7 @@ _PLATES = (
                    _kirchhoff(m, n), "Hz", nth(_supported, at - 1))
             for at, m, n in ((1, 1, 1), (2, 1, 2), (4, 2, 2), (5, 1, 3), (7, 2, 3))
         ],
+        refinement=_by_degree(_supported),
         setup=section(_supported_plate, unit="m", plane=("z", "y")),
     ),
     case(
@@ -229,6 +236,7 @@ _PLATES = (
                 (1.622, 2.360, 2.922, 4.190, 4.190, 7.356, 7.356, 7.668)
             )
         ],
+        refinement=_by_degree(free_plate),
         setup=section(plate, 2, 6, unit="m", plane=("z", "y")),
     ),
     case(

@@ -166,7 +166,7 @@ def ply(along: str) -> Material:
     return Material(np.linalg.inv(compliance), 1.0)
 
 
-def _laminate(slenderness: float) -> Box:
+def _laminate(slenderness: float, degree: int = 7) -> Box:
     """Return half of a 0/90/0 laminate of height 1 under sin(π z/L)."""
     h, length = 1.0, slenderness
 
@@ -178,9 +178,9 @@ def _laminate(slenderness: float) -> Box:
         for i, along in enumerate("zyz")
     )
     return Box(
-        x=stacked((h / 3, h / 3, h / 3), 6),
+        x=stacked((h / 3, h / 3, h / 3), degree - 1),
         y=even(1.0, 1, 1),
-        z=even(0.5 * length, 1, 7),
+        z=even(0.5 * length, 1, degree),
         parts=parts,
         held=(
             Held(Where(), ("y",)),
@@ -191,9 +191,9 @@ def _laminate(slenderness: float) -> Box:
     )
 
 
-def _pagano(slenderness: float) -> float:
+def _pagano(slenderness: float, degree: int = 7) -> float:
     """Return 100 E_T h³ w/(q L⁴) of the middle of the laminate."""
-    box = _laminate(slenderness)
+    box = _laminate(slenderness, degree)
     nodes = box.x.nodes
     at = float(nodes[np.abs(nodes - 0.5).argmin()])
     w = statics(box).mean(Where(x=at, z=0.5 * slenderness), "x").real
@@ -219,6 +219,9 @@ _PAGANO = case(
             (50.0, 0.526975657629369),
         )
     ],
+    refinement=Refinement(
+        (3, 5, 7), lambda p: (p, _pagano(4.0, p)), "exponential in the degree"
+    ),
     setup=section(_laminate, 4.0, unit="h"),
 )  # fmt: skip
 

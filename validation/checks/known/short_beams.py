@@ -14,7 +14,7 @@ from tactgen.tmm.beam.lumped import lumped_model
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.section.section import Section
 from tactgen.tmm.beam.section.tapered import segmented
-from tactgen.validation.checks.case import Answer, Case, case, nth
+from tactgen.validation.checks.case import Answer, Case, Refinement, case, nth
 from tactgen.validation.checks.cases.boxes import (
     Box,
     Component,
@@ -92,13 +92,14 @@ def _deep_beam_peak() -> float:
 
 
 @cache
-def _turned_or_stretched(turned: bool) -> float:
+def _turned_or_stretched(turned: bool, degree: int = 5) -> float:
     """Return the first frequency (Hz) of the beam in torsion or along, by its symmetries."""
     along: tuple[tuple[Component, ...], ...] = (("y", "z"), ("x", "z"), ("x", "y"))
     across: tuple[tuple[Component, ...], ...] = (("x",), ("y",), ("z",))
     on_x, on_y, at_root = along if turned else across
     held = (Held(Where(x=0.0), on_x), Held(Where(y=0.0), on_y), Held(Where(z=0.0), at_root))
-    axes = (even(1.0, 1, 4), even(1.0, 1, 4), even(10.0, 2, 5))
+    side = even(1.0, 1, degree - 1)
+    axes = (side, side, even(10.0, 2, degree))
     material = Material(isotropic_stiffness(200e9, 0.3), 8000.0)
     return float(natural_frequencies(block(axes, material, *held), 1)[0])
 
@@ -119,6 +120,9 @@ CASES: tuple[Case, ...] = (
             Answer("Motion along the beam is at 125.0 Hz.", 125.0, "Hz",
                    partial(_turned_or_stretched, False)),
         ],
+        refinement=Refinement(
+            (2, 3, 4, 5), lambda p: (p, _turned_or_stretched(True, p)), "exponential in the degree"
+        ),
         setup=section(_deep_beam, unit="m"),
     ),
     case(

@@ -12,7 +12,7 @@ import numpy as np
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
-from tactgen.validation.checks.case import Answer, Case, case
+from tactgen.validation.checks.case import Answer, Case, Refinement, case
 from tactgen.validation.checks.cases import manufactured
 from tactgen.validation.checks.cases.boxes import Box, block, even
 from tactgen.validation.checks.cases.cube_cells import EDGE, Cells
@@ -47,6 +47,11 @@ def _rows(
     yield Answer(f"{what} on {2 * coarse} divisions are off by no more than their bound.",
                  (0.0, bound[0]), "1", lambda: error(2 * coarse), 0.0, bound[1],
                  heavy=heavy)  # fmt: skip
+
+
+def _halved(error: Callable[[int], float], *levels: int, order: int) -> Refinement:
+    """Return the errors on so many divisions."""
+    return Refinement(levels, lambda n: (n, error(n)), f"order {order}", of_error=True)
 
 
 # --- the piezoelectric solid -------------------------------------------------------------------
@@ -113,6 +118,7 @@ _SOLIDS = (
                 partial(_bricks, degree, driven), coarse, degree != 3,
             )
         ],
+        refinement=_halved(partial(_bricks, 3, False), 1, 2, 4, order=4),
         setup=section(_cube),
     ),
     case(
@@ -141,6 +147,7 @@ _SOLIDS = (
                 ),
             )
         ],
+        refinement=_halved(partial(_cells, "curved", False), 2, 3, 4, 6, order=3),
         setup=section(_cube),
     ),
     case(
@@ -160,6 +167,7 @@ _SOLIDS = (
                 cells == "curved",
             )
         ],
+        refinement=_halved(partial(manufactured.plate_error, "straight"), 3, 6, 12, 24, order=4),
         setup=section(_cube),
     ),
 )  # fmt: skip
@@ -209,6 +217,7 @@ _BEAMS = case(
         *_rows("Frequencies by beam elements", 10, _mode_error, 12, (1e-8, _TENTH)),
         *_rows("Ports by beam elements", 10, _port_error, 16, (1e-8, _TENTH)),
     ],
+    refinement=_halved(_mode_error, 4, 8, 12, 24, order=10),
     setup=partial(strip, 20.0, (("piezo", 0.21), ("shim", 0.25), ("piezo", 0.21))),
 )  # fmt: skip
 
@@ -250,6 +259,7 @@ _FIELDS = (
                 (_rings_bound(order), "interpolation of its steepest derivative"),
             )
         ],
+        refinement=_halved(partial(rings_error, TEAM20, 4), 2, 4, 8, order=4),
         setup=lambda: rings([cylinder(TEAM20)], unit="m"),
     ),
     case(
@@ -269,6 +279,7 @@ _FIELDS = (
                 potential == "phi",
             )
         ],
+        refinement=_halved(partial(cube_error, "A", "curved"), 1, 2, 3, 4, order=2),
         setup=section(_cube),
     ),
 )  # fmt: skip

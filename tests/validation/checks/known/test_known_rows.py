@@ -52,7 +52,7 @@ def test_refinements_approach_the_answer():
     """The finest level of the cheap refinements is nearer to the reference than the coarsest."""
     for case in CASES:
         found = case.refinement
-        if found is None or case.id not in ("CYL2", "ROD"):
+        if found is None or case.id not in ("CYL2", "ROD", "TE", "BEAMO", "AXIO", "MMSE"):
             continue
         values = [found.solve(level)[1] for level in found.levels]
         if not found.of_error:
