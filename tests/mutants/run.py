@@ -104,8 +104,9 @@ def drawn(
     packages: Iterable[str] = reach.PACKAGES,
     under: Iterable[str] = ("",),
 ) -> list[Mistake]:
-    """Return mistakes: kinds in turn, packages by weight, then any; no two touch one line.
+    """Return mistakes: kinds in turn (the largest for one that is used up), packages by weight.
 
+    No two touch one line.
     Only files whose path begins with one of `under` are taken.
     """
     weights = {package: WEIGHTS[package] for package in packages}
@@ -121,8 +122,9 @@ def drawn(
     found: list[Mistake] = []
     while len(found) < count:
         package = chance.choices(list(weights), list(weights.values()))[0]
-        pool = pools.get((package, kinds[len(found) % len(kinds)])) or pools[package, "term"]
-        mistake = chance.choice(pool)
+        left = [pools[package, kind] for kind in kinds]
+        pool = left[len(found) % len(kinds)] or max(left, key=len)
+        mistake = pool.pop(chance.randrange(len(pool)))
         source = mistake.put((root / mistake.file).read_bytes())
         if is_python(source) and not any(mistake.touches(other) for other in found):
             found.append(mistake)
