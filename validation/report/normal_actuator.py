@@ -187,10 +187,19 @@ class NormalActuator:
         """Why the network's numbers are not the field's, none without a field or a current."""
         if not self.has_field or self.current == 0.0:
             return []
-        from tactgen.validation.models.reluctance.network_causes import network_causes
+        from tactgen.validation.models.reluctance.network_causes import (
+            network_causes,
+            stroke_causes,
+            together,
+        )
 
         self.announce("why the network is not the field")
-        return network_causes(self.device, self.current, self.gap)
+        causes = network_causes(self.device, self.current, self.gap)
+        if self.reference not in self.maps:
+            return causes
+        currents = self.switching[self.reference]
+        of_stroke = stroke_causes(self.device, self.maps[self.reference], currents)
+        return together(causes, of_stroke) if of_stroke else causes
 
     @cached_property
     def bridge(self) -> list[BridgeStep]:

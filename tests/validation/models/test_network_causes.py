@@ -1,19 +1,24 @@
 """Why the network is not the field: what each telling is worth, and how little they leave."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from approved import described
+from scipy.optimize import brentq
 
 from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.reluctance.circuit import FULL, circuit
 from tactgen.tmm.reluctance.flux_ladder import solve
 from tactgen.tmm.reluctance.network import network_samples
+from tactgen.validation.engine.results import Measured
+from tactgen.validation.models.reluctance import network_causes as network_causes_module
 from tactgen.validation.models.reluctance.field_reading import FieldReading
-from tactgen.validation.models.reluctance.network_causes import network_causes
+from tactgen.validation.models.reluctance.network_causes import network_causes, stroke_causes
 from tactgen.validation.models.reluctance.open_circuit import Circuit
+from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.models.reluctance.told_by_field import ToldByField
 
 GAP = 0.2e-3
@@ -53,6 +58,27 @@ def test_flux_outside_is_what_saturation_makes_of_the_shaft(causes):
     assert strong["flux outside"] > 0.1
     assert strong["flux outside"] > 0.9 * sum(strong.values())
     assert 0.0 < weak["flux outside"] < 0.03
+
+
+def test_causes_leave_next_to_nothing_of_switching_currents(monkeypatch):
+    """Network's current for the field's pull, over the field's, less 1; a current that is none."""
+    device, none = Device(), Measured(np.nan, np.nan)
+    stop, current = device.spring.stop_gap, 0.04
+    gaps = SimpleNamespace(pull_in_gap=GAP, drop_out_gap=stop)
+    monkeypatch.setattr(network_causes_module, "switching", lambda *_: gaps)
+    held = Measured(current, 0.0)
+    currents = SwitchingCurrents(none, none, held, held, False, 0.0, 0.3)
+    found = stroke_causes(device, None, currents)
+    pull = solve_point(device, current, stop).force
+
+    def miss(i):
+        return float(network_samples(device, np.array([i]), np.array([stop])).force[0, 0]) - pull
+
+    whole = brentq(miss, 0.5 * current, 1.5 * current) / current - 1.0
+    assert abs(whole) > 1e-2
+    for quantity in ("holding_current", "drop_out_current"):
+        assert sum(shares(found, quantity).values()) == pytest.approx(whole, abs=2e-3)
+    assert "pull_in_current" not in found[0].of
 
 
 def test_foot_and_air_are_worth_less_than_a_percent_and_a_half(causes):

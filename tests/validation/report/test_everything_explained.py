@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.validation.models.comparison import UNEXPLAINED
-from tactgen.validation.report.normal_actuator import needs_map
+from tactgen.validation.report.request import is_of_rest
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 
@@ -15,17 +15,21 @@ SCENES = {
     "j1": (("models=lumped,tmm,beam,solid",), 18),
     "bimorph_on_rod": (("models=lumped,tmm,beam,solid",), 18),
     "generator": ((), 12),
-    "reluctance": ((), 5),
+    "reluctance": ((), 8),
 }
 
 
 @pytest.mark.heavy
 @pytest.mark.parametrize("name", SCENES)
 def test_causes_leave_at_most_a_fifth_of_a_percent(name):
-    """At a point all is explained by measured causes: none in words alone, 0.2 % left at most."""
+    """All is explained by measured causes: none in words alone, and 0.2 % left at most.
+
+    But for where the rod rests, which is not in proportion to the pull: at 130 mA the network draws
+    it down and the field does not, as their pull-in currents say.
+    """
     asked, count = SCENES[name]
     study = Study(*load_scene(name, ["frequency=100Hz", *asked]), lambda _: None, quick=False)
-    rows = [row for row in study.compared if not needs_map(row.quantity)]
+    rows = [row for row in study.compared if not is_of_rest(row.quantity)]
     cells = [cell for row in rows for cell in row.cells[:-1]]
     assert len(cells) == count
     assert {cell.verdict for cell in cells} <= {"explained", "agrees"}

@@ -8,8 +8,9 @@ shares need not add up to the difference: what they leave is the test of them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,10 +18,13 @@ import numpy as np
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import linear
 from tactgen.tmm.reluctance.circuit import FULL, circuit
+from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.reluctance.switching import switching
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout
 from tactgen.validation.models.reluctance.field_reading import FieldReading
 from tactgen.validation.models.reluctance.open_circuit import Answer, Circuit
+from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.models.reluctance.told_by_field import ToldByField
 
 if TYPE_CHECKING:
@@ -28,6 +32,8 @@ if TYPE_CHECKING:
 
 #: Relative permeability that counts as perfect: the field changes by 1e-6 from a tenth of it.
 _PERFECT = 1e7
+#: Share of a current at which the secant method begins beside it, and to which it settles.
+_NEARBY, _SETTLED = 0.99, 1e-6
 #: Order of the field's elements: its force is then right to 1e-4.
 _ORDER = 4
 
@@ -70,20 +76,100 @@ def network_causes(device: Device, current: float, gap: float) -> list[NetworkCa
     size = abs(current)
     steel = FieldReading(device, gap, _field(device, size, gap))
     against = _read(_of_field(steel))
-    before = _read(_of_network(_network(device, size, gap), size))
+
+    def ratios(told: Circuit) -> dict[str, float]:
+        found = _read(_of_network(told, size))
+        return {name: value / against[name] for name, value in found.items()}
+
+    return _causes(device, steel, ratios)
+
+
+def stroke_causes(
+    device: Device, pull: CoenergyMap, currents: SwitchingCurrents
+) -> list[NetworkCause]:
+    """Return why the network's switching currents differ from the field's, whose these are.
+
+    At each, the current is sought at which the network, told so far, pulls as the field does: what
+    the spring bears.  Where the rod is stuck between its stops the gap is the field's: the
+    balance's current is extreme there, so the network's own lies next to it.
+
+    Parameters
+    ----------
+    pull : CoenergyMap
+        The field's.
+    """
+    found: list[NetworkCause] = []
+    for (current, gap), names in _balances(device, pull, currents).items():
+        steel = FieldReading(device, gap, _field(device, current, gap))
+
+        def ratios(
+            told: Circuit, steel: FieldReading = steel, names: list[str] = names
+        ) -> dict[str, float]:
+            return dict.fromkeys(names, _current_for(told, steel.pull) / steel.current)
+
+        causes = _causes(device, steel, ratios)
+        if all(np.isfinite(share) for cause in causes for share in cause.of.values()):
+            found = together(found, causes) if found else causes
+    return found
+
+
+def together(causes: list[NetworkCause], more: list[NetworkCause]) -> list[NetworkCause]:
+    """Return causes with their shares of more quantities."""
+    both = zip(causes, more, strict=True)
+    return [replace(cause, of={**cause.of, **other.of}) for cause, other in both]
+
+
+def _balances(
+    device: Device, pull: CoenergyMap, currents: SwitchingCurrents
+) -> dict[tuple[float, float], list[str]]:
+    """Return the quantities that are the same current (A), balanced at the same gap (m)."""
+    by_map = switching(device, pull)
+    gaps = SimpleNamespace(
+        lift_off=device.gap,
+        pull_in=by_map.pull_in_gap,
+        holding=device.spring.stop_gap,
+        drop_out=by_map.drop_out_gap,
+    )
+    found: dict[tuple[float, float], list[str]] = {}
+    for name, row in QUANTITIES.items():
+        if isinstance(row.read, AnswerReadout) and row.read.need == "magnetic_map":
+            current = row.read.of(currents).value
+            if np.isfinite(current) and current > 0.0:
+                found.setdefault((current, row.read.of(gaps)), []).append(name)
+    return found
+
+
+def _current_for(told: Circuit, pull: float) -> float:
+    """Return the current (A) near the circuit's own at which it pulls so (N), nan for none."""
+    from scipy.optimize import newton
+
+    def missing(current: float) -> float:
+        return replace(told, current=current).solved().force / pull - 1.0
+
+    start = told.current
+    found, how = newton(
+        missing, start, x1=_NEARBY * start, tol=_SETTLED * start, full_output=True, disp=False
+    )
+    return float(found) if how.converged else np.nan
+
+
+def _causes(
+    device: Device, steel: FieldReading, ratios: Callable[[Circuit], dict[str, float]]
+) -> list[NetworkCause]:
+    """Return the causes by what each telling changes of ratios to the field's values."""
+    before = ratios(_network(device, steel.current, steel.gap))
     causes = []
-    for name, meaning, told in _told(device, size, gap, steel):
-        now = _read(_of_network(told, size))
-        share = {key: (before[key] - now[key]) / against[key] for key in now}
+    for name, meaning, told in _told(device, steel):
+        now = ratios(told)
+        share = {key: before[key] - value for key, value in now.items()}
         causes.append(NetworkCause(name, meaning, share))
         before = now
     return causes
 
 
-def _told(
-    device: Device, current: float, gap: float, steel: FieldReading
-) -> Iterator[tuple[str, str, Circuit]]:
+def _told(device: Device, steel: FieldReading) -> Iterator[tuple[str, str, Circuit]]:
     """Yield name and meaning of each cause, and the network told of all causes so far."""
+    current, gap = steel.current, steel.gap
     telling = ToldByField(steel)
     air = ToldByField(FieldReading(device, gap, _field(device, current, gap, perfect=True))).air(
         _network(device, current, gap, perfect=True)
