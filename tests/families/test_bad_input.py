@@ -155,6 +155,7 @@ def test_no_half_a_document(refused, command):
             ["capacitance_free", "is computed by"],
         ),
         (["init", ""], ["--file is empty"]),
+        (["init", "-"], ['--file = "-"', "name one"]),
         (["export", "--step", ""], ["--step is empty"]),
         (["export", "--state-space", " "], ["--state-space is empty"]),
         (["report", "--model", ""], ["--model is empty"]),

@@ -177,12 +177,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _refuse_empty(options: argparse.Namespace) -> None:
-    """Refuse an option without a value, which would be as good as not there."""
+    """Refuse an option without a value, which would be as good as not there, and a file "-"."""
     for name, value in vars(options).items():
         # scenes, measurements and frequencies have words of their own
-        if isinstance(value, str) and not value.strip() and name not in _SPOKEN_OF:
-            option = name.replace("_", "-")
+        if not isinstance(value, str) or name in _SPOKEN_OF:
+            continue
+        option = name.replace("_", "-")
+        if not value.strip():
             raise InputError(f"--{option} is empty; give it a value or leave it out")
+        if value == "-":
+            raise InputError(f'--{option} = "-" is no name of a file; name one')
 
 
 def _command(arguments: Sequence[str] | None) -> str | None:
