@@ -248,7 +248,8 @@ def figure_text(figure):
     """Return what a figure shows: of all axes the words, limits, scales and data."""
     lines = [f"figure {described([t.get_text() for t in figure.texts])}" if figure.texts else ""]
     for axis in figure.axes:
-        lines.append(f"axes {_plain(axis.get_title())!r}")
+        titles = filter(None, map(axis.get_title, ("left", "center", "right")))
+        lines.append(f"axes {_plain(' | '.join(titles))!r}")
         for side, limits in ((axis.xaxis, axis.get_xlim()), (axis.yaxis, axis.get_ylim())):
             label, ticks = side.label.get_text(), [t.get_text() for t in side.get_ticklabels()]
             lines.append(
