@@ -70,7 +70,7 @@ def few_bricks():
     """Return two divisions of the solid, far coarser than any answer needs."""
     from tactgen.geometry.bimorph.brick_family import BrickMeshing
 
-    plain = {"tip": 1.0, "longest": 20.0, "pieces": (2.0, 4.0)}
+    plain = {"tip": 1.0, "longest": 20.0, "pieces": (2.0, 4.0), "richness": 3.0}
     return (
         BrickMeshing((2, 2, 2), smallest=1.0, **plain),
         BrickMeshing((2, 2, 3), smallest=0.5, **plain),

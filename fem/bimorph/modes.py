@@ -44,7 +44,7 @@ def natural_modes(
 ) -> list[SolidMode]:
     """Return the lowest `count` modes of a lossless system, ascending."""
     pairs = eigenpairs(system, ends, count, open_circuit=open_circuit)
-    return [_mode(system, value, vector) for value, vector in zip(*pairs, strict=True)]
+    return [solid_mode(system, value, vector) for value, vector in zip(*pairs, strict=True)]
 
 
 def eigenpairs(
@@ -155,7 +155,8 @@ def _updated(
     return solve
 
 
-def _mode(system: SolidSystem, value: float, vector: Floats) -> SolidMode:
+def solid_mode(system: SolidSystem, value: float, vector: Floats) -> SolidMode:
+    """Return the mode of an eigenpair of :func:`eigenpairs`."""
     nodal = system.nodal_displacement(vector[:, None])[:, :, 0]
     nodal = nodal / np.abs(nodal).max()
     kind, share = classify(system.nodes, system.node_mass, nodal)

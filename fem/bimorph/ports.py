@@ -6,13 +6,19 @@ and tip *forces*; inverting the tip's compliance gives the stiffness of all five
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TypeAlias
+
 import numpy as np
 
-from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.bimorph.system import SolidSystem, Surplus
 from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.tmm.ports.port import BIMORPH
+
+#: The mixed form of D, see :func:`ports_from_blocks`, at one frequency.
+Blocks: TypeAlias = tuple[Numbers, Numbers, Numbers, Numbers]
 
 
 def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
@@ -22,30 +28,68 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
     double, since rounding K − Ω² M alone moves a peak by a millionth of its width.
     """
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
-    wide, plain = (np.clongdouble, complex) if system.lossy else (np.longdouble, float)
-    n = system.inner
-    blocks = []
+    found = []
     for frequency in frequencies:
         omega2 = (2.0 * np.pi * frequency) ** 2
-        factor = _factor(system, omega2)
-        x = np.zeros((system.size, 5), dtype=wide)
-        x[n:, :3] = np.eye(3)
-        last: Floats = np.zeros(5)
-        for _ in range(1 + _REFINEMENTS):
-            missing = _force(system, omega2, x)
-            missing[:, 3:] -= system.tip
-            step = factor.solve(missing[:n].astype(plain))
-            x[:n] -= step
-            size = _norms(step)
-            # the next step is to this one as this one is to the last
-            if (size * size <= _ROUNDING * last * _norms(x[:n])).all():
-                break
-            last = size
-        force = system.stiffness.at_ports(x) - omega2 * system.mass.at_ports(x)
-        seen = system.tip.T @ x
-        blocks.append((force[:, :3], force[:, 3:], seen[:, :3], seen[:, 3:]))
+        found.append(_blocks(system, omega2, _states(system, omega2)))
+    return Multiport(frequencies, _stiffness(found), BIMORPH)
+
+
+def static_multiports(
+    system: SolidSystem, surplus: Surplus
+) -> tuple[Multiport, Multiport, Multiport]:
+    """Return D(0) of a lossless system, and what functions that it lacks make of it.
+
+    Of these those of displacement alone, and those of potential alone.
+    """
+    x = _states(system, 0.0)
+    blocks = _blocks(system, 0.0, x)
+    residuals = -surplus.residuals(x.astype(float))[0]
+    residuals[:, 3:] += surplus.tip
+    moved, charged = surplus.products(residuals)
+    held, through, follows, compliance = blocks
+    richer = [
+        (
+            held - more[:3, :3],
+            through - more[:3, 3:],
+            follows + more[3:, :3],
+            compliance + more[3:, 3:],
+        )
+        for more in (moved, -charged)
+    ]
+    fine, *better = (Multiport(np.zeros(1), _stiffness([of]), BIMORPH) for of in (blocks, *richer))
+    return fine, better[0], better[1]
+
+
+def _states(system: SolidSystem, omega2: float) -> Numbers:
+    """Return y (n + 3, 5) in long double: per unit w_base, ψ_base, U, and tip force and moment."""
+    wide, plain = (np.clongdouble, complex) if system.lossy else (np.longdouble, float)
+    n, factor = system.inner, _factor(system, omega2)
+    x = np.zeros((system.size, 5), dtype=wide)
+    x[n:, :3] = np.eye(3)
+    last: Floats = np.zeros(5)
+    for _ in range(1 + _REFINEMENTS):
+        missing = _force(system, omega2, x)
+        missing[:, 3:] -= system.tip
+        step = factor.solve(missing[:n].astype(plain))
+        x[:n] -= step
+        size = _norms(step)
+        # the next step is to this one as this one is to the last
+        if (size * size <= _ROUNDING * last * _norms(x[:n])).all():
+            break
+        last = size
+    return x
+
+
+def _blocks(system: SolidSystem, omega2: float, x: Numbers) -> Blocks:
+    force = system.stiffness.at_ports(x) - omega2 * system.mass.at_ports(x)
+    seen = system.tip.T @ x
+    return force[:, :3], force[:, 3:], seen[:, :3], seen[:, 3:]
+
+
+def _stiffness(blocks: Sequence[Blocks]) -> Complex:
     stacked = (np.array(part, dtype=complex) for part in zip(*blocks, strict=True))
-    return Multiport(frequencies, ports_from_blocks(*stacked), BIMORPH)
+    return ports_from_blocks(*stacked)
 
 
 def _norms(columns: Numbers) -> Floats:

@@ -40,6 +40,26 @@ class Expanding(Protocol):
         ...
 
 
+class Surplus(Protocol):
+    """Functions (w of them) that a system lacks, to judge what it gives by."""
+
+    @property
+    def tip(self) -> Floats:
+        """What they add to the tip's displacement and rotation (w, 2)."""
+        ...
+
+    def residuals(self, states: Floats) -> tuple[Floats, Floats]:
+        """Return K x and M x (w, k) of states (n, k); at Ω the residual is f − K x + Ω² M x."""
+        ...
+
+    def products(self, residuals: Floats) -> tuple[Floats, Floats]:
+        """Return r_iᵀ K⁻¹ r_j (k, k) of residuals (w, k), K the functions' own stiffness.
+
+        Of displacements, and of potentials, whose K counts as positive.
+        """
+        ...
+
+
 @dataclass(frozen=True)
 class SolidSystem:
     """Assembled solid over y = [free displacements and potentials, w_base, ψ_base, U].

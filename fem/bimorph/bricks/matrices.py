@@ -30,7 +30,7 @@ _PLAIN = 4
 
 
 def brick_matrices(
-    bricks: Bricks, known: dict[str, Material], unit: float
+    bricks: Bricks, known: dict[str, Material], unit: float, tested: Bools | None = None
 ) -> tuple[Sparse, Sparse]:
     """Return stiffness and mass of the whole body by the values on its quarter, held nowhere.
 
@@ -42,6 +42,8 @@ def brick_matrices(
         Material of each region.
     unit : float
         Size of the potential's unit (V).
+    tested : (nx, ny, nz) mask, optional
+        Products of functions whose rows are wanted; by default all that are there.
 
     Returns
     -------
@@ -49,7 +51,9 @@ def brick_matrices(
         Over (u_x, u_y, u_z, φ) of each product of functions, z fastest; columns sorted.  Those
         that no material has are there, with zeros; those that are left out have empty rows.
     """
-    pairs = _Pairs(bricks.products(), *(line_matrices(axis) for axis in bricks.axes))
+    products = bricks.products()
+    lines = (line_matrices(axis) for axis in bricks.axes)
+    pairs = _Pairs(products, products if tested is None else tested, *lines)
     layers: list[_Layer | _RoundLayer] = []
     for slab in bricks.slabs:
         kind = _Layer if np.isinf(slab.radius) else _RoundLayer
@@ -106,10 +110,11 @@ class _Across:
 class _Pairs:
     """All pairs of functions that share a brick, as products of pairs along the axes.
 
-    `there` (nx, ny, nz) says which products of functions there are.
+    `there` (nx, ny, nz) says which products of functions there are, `tested` which have rows.
     """
 
     there: Bools
+    tested: Bools
     x: LineMatrices
     y: LineMatrices
     z: LineMatrices
@@ -118,8 +123,8 @@ class _Pairs:
     def groups(self) -> list[tuple[_Across, list[int]]]:
         """Pairs along x that go with the same pairs over y and z, and those."""
         nx = self.there.shape[0]
-        flat = self.there.reshape(nx, -1)
-        _, kinds = np.unique(flat, axis=0, return_inverse=True)
+        flat, tested = self.there.reshape(nx, -1), self.tested.reshape(nx, -1)
+        _, kinds = np.unique(np.hstack([flat, tested]), axis=0, return_inverse=True)
         kinds = kinds.ravel()
         rows, columns = (
             (getattr(self.y, of)[:, None] * self.there.shape[2] + getattr(self.z, of)).ravel()
@@ -133,7 +138,7 @@ class _Pairs:
         found = []
         for pairs in alike.values():
             i, j = self.x.rows[pairs[0]], self.x.columns[pairs[0]]
-            kept = flat[i][rows] & flat[j][columns]
+            kept = tested[i][rows] & flat[j][columns]
             counts = np.bincount(rows[kept], minlength=flat.shape[1])
             starts = np.cumsum(counts) - counts
             within = np.arange(counts.sum()) - np.repeat(starts, counts)

@@ -50,6 +50,12 @@ class ModalModel:
         Nodal mass, for the share of a class in the energy.
     motion : str
         The motions that the solid can make.
+    surplus : (2, 2 k + 6, 2 k + 6) array, optional
+        Products r_iᵀ K⁻¹ r_j of the residuals that functions the mesh lacks
+        (:class:`fem.bimorph.system.Surplus`) have with K x and with M x of the unknowns, with
+        the charge and with the tip: of displacements, and of potentials.
+    missing : (2 k + 6, 2 k + 6) array, optional
+        Those of them that the modes are moved by.
     """
 
     stiffness: Floats
@@ -60,6 +66,8 @@ class ModalModel:
     motions: Floats
     energy: Floats
     motion: Motion
+    surplus: Floats | None = None
+    missing: Floats | None = None
 
     def modes(self, ends: Ends, count: int, *, open_circuit: bool = False) -> list[BareMode]:
         """Return the lowest `count` modes, ascending, without damping and rigid motions."""
@@ -87,8 +95,19 @@ class ModalModel:
                 self.motions[:, :, free] @ y, float(y @ self.energy[free, free] @ y)
             )
             omega2 = 1.0 / values[i] - shift
+            if self.missing is not None:
+                y = np.concatenate([y, np.zeros(self.tip.size - y.size)])
+                shares = self._residual(y, omega2, load, open_circuit=open_circuit)
+                # of a mode that the mesh does not resolve half is left
+                omega2 -= min(float(shares @ self.missing @ shares), 0.5 * omega2)
             found.append(BareMode(float(np.sqrt(omega2) / (2.0 * np.pi)), kind, self.motion))
         return found
+
+    def _residual(self, y: Floats, omega2: float, load: TipLoad, *, open_circuit: bool) -> Floats:
+        """Return the residual (2 k + 6,) of a mode in terms of :attr:`surplus`."""
+        charge = float(self.charge @ y) / self.capacitance if open_circuit else 0.0
+        moved = (load.stiffness - omega2 * load.mass) * float(self.tip @ y)
+        return np.concatenate([y, -omega2 * y, [charge, moved]])
 
     def highest(self, count: int) -> list[BareMode]:
         """Return modes that are, one by one, as high as any support, load and circuit has them."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from tactgen.fem.bimorph.motions import section_motions
 from tactgen.fem.bimorph.reduction.modal_model import ModalModel
-from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.bimorph.system import SolidSystem, Surplus
 from tactgen.geometry.arrays import Floats, Sparse
 
 #: Held modes that come to rest beside those wanted: a load and an open circuit each lift a mode
@@ -32,10 +32,11 @@ _LOST = 0.1
 _MOST_BLOCKS = 100
 
 
-def modal_model(system: SolidSystem, count: int) -> ModalModel:
+def modal_model(system: SolidSystem, count: int, surplus: Surplus | None = None) -> ModalModel:
     """Reduce a lossless solid to what its lowest `count` modes on any support need.
 
-    Costs one search for modes with the factor of the statics.
+    Costs one search for modes with the factor of the statics; and what functions that the solid
+    lacks make of the modes, if these are given.
     """
     n, factor, mass = system.inner, system.held_factor, system.mass.inner
     follows = -factor.solve(system.stiffness.border[:, :2])
@@ -67,7 +68,19 @@ def modal_model(system: SolidSystem, count: int) -> ModalModel:
         motions=section_motions(system.nodes, system.node_mass, nodal),
         energy=flat.T @ (np.repeat(system.node_mass, 3)[:, None] * flat),
         motion=system.motion,
+        surplus=None if surplus is None else _lacking(surplus, shapes),
     )
+
+
+def _lacking(surplus: Surplus, shapes: Floats) -> Floats:
+    """Return what :class:`ModalModel` keeps of functions that the solid lacks."""
+    size = shapes.shape[1]
+    states = np.zeros((shapes.shape[0] + 1, size + 1))
+    states[:-1, :-1], states[-1, -1] = shapes, 1.0
+    stiffness, mass = surplus.residuals(states)
+    # at 1 V the lacking functions see minus the charge, as all others do
+    each = [stiffness[:, :-1], mass[:, :-1], -stiffness[:, -1:], surplus.tip[:, :1]]
+    return np.stack(surplus.products(np.hstack(each)))
 
 
 class _Basis:

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph import stretching
-from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from tactgen.validation.checks.coverage.result import PROMISED, median_width
 from tactgen.validation.checks.coverage.solid import judged, varied_cases
 from tactgen.validation.engine.refinement import (
@@ -47,7 +46,8 @@ def test_agreement_by_chance_is_not_trusted():
 def test_a_mode_alone_in_its_class_is_not_trusted_either(monkeypatch, own_store):
     """In a stubby bimorph levels 1 and 2 with all products agree by chance about bending in y, ten
     times better than either is right: level 5, converged to 1e-5, gives 63618.9 ± 0.8 Hz."""
-    monkeypatch.setattr(solid, "LEVELS", stretching.LEVELS)
+    all_products = tuple(replace(level, richness=3.0) for level in stretching.LEVELS)
+    monkeypatch.setattr(solid, "LEVELS", all_products)
     settings = ["support.kind=clamped", "bimorph.length=4mm", "mesh.level=2"]
     scene, _ = load_scene("paper", settings)
     (found,) = solve(scene, ("solid",), NAMES[2:]).quantities
@@ -130,25 +130,14 @@ def test_level_2_of_job_j1_is_within_a_thousandth():
 
 
 @pytest.mark.heavy
-def test_error_bars_cover_varied_bimorphs():
-    """The smallest of the varied cases: of its numbers one at most lies outside its bar."""
-    few = [replace(c, all_motions=False, harmonic=False) for c in varied_cases(2026, 12, finer=0)]
-    few.sort(key=lambda c: bimorph_bricks(c.scene().device, LEVELS[1], c.held).used().sum())
-    outcomes = judged(few[0])
-    # the aim is 95 % of many
-    assert sum(not one.within for one in outcomes) <= 1
-    assert median_width(outcomes) < 20.0
-
-
-@pytest.mark.heavy
-@pytest.mark.parametrize("seed", [2026, 11])
+@pytest.mark.parametrize("seed", [11, 12, 13])
 def test_error_bars_cover_nearly_all_varied_bimorphs(seed):
-    """44 cases: at least 95 % of the errors inside, and bars not much wider than errors.
+    """12 cases: at least 95 % of the errors inside, half the bars at most five times the error.
 
-    The assumed gain was chosen on the first seed's cases; the second's are a proof of it.
+    The factors were chosen on other devices, and `tactgen coverage` takes more.
     """
-    cases = varied_cases(seed)
-    assert len(cases) >= 40
+    cases = varied_cases(seed, 12, finer=1)
+    assert {case.level for case in cases} == {2, 3}
     outcomes = [one for case in cases for one in judged(case)]
     assert np.mean([one.within for one in outcomes]) >= PROMISED
-    assert median_width(outcomes) < 20.0
+    assert median_width(outcomes) < 5.0

@@ -110,9 +110,19 @@ class AdaptedPair:
         return self.fine.system, self.coarse.system
 
     @property
+    def lacking(self) -> None:
+        """Nothing: the coarser mesh judges the finer one."""
+        return
+
+    @property
     def static_factor(self) -> float:
         """Error bar of static quantities per difference between the two meshes."""
         return self._factor(self._static, _MOST_GAIN)
+
+    @property
+    def response_factor(self) -> float:
+        """The same of the response."""
+        return self.static_factor
 
     @property
     def mode_factors(self) -> tuple[float, float]:

@@ -8,18 +8,21 @@ many each; only these are solved on the finer mesh.  Classes are solved side by 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.modal_model import BareMode, ModalModel
 from tactgen.fem.solvers.threads import side_by_side
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.store.values import storable
 
 if TYPE_CHECKING:
-    from tactgen.fem.bimorph.system import SolidSystem
+    from tactgen.fem.bimorph.system import SolidSystem, Surplus
 
 #: Classes of motion in which the ports take no part: the same on any support and circuit.
 _OTHERS: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
@@ -43,10 +46,23 @@ class MeshModes:
         The motions that the ports take part in.
     others : dict of str to tuple of BareMode
         The other classes of motion; none of a body taken whole.
+    moved : tuple of dict, optional
+        The same modes, moved by displacements that the mesh lacks, and by potentials.
     """
 
     ports: ModalModel
     others: dict[Motion, tuple[BareMode, ...]]
+    moved: tuple[dict[Motion, tuple[BareMode, ...]], ...] = ()
+
+    @property
+    def judges(self) -> tuple[MeshModes, ...]:
+        """All modes, moved by displacements that the mesh lacks, and by potentials; if known."""
+        if self.ports.surplus is None:
+            return ()
+        return tuple(
+            MeshModes(replace(self.ports, missing=missing), others)
+            for missing, others in zip(self.ports.surplus, self.moved, strict=True)
+        )
 
     def lowest(self, ends: Ends, count: int, *, open_circuit: bool) -> dict[Motion, list[BareMode]]:
         """Return the lowest `count` modes of every class of motion."""
@@ -59,24 +75,40 @@ def coarse_modes(coarse: SolidSystem, count: int) -> MeshModes:
     return _mesh_modes(coarse, dict.fromkeys(_of(coarse), count), count)
 
 
-def fine_modes(fine: SolidSystem, coarse: MeshModes, count: int) -> MeshModes:
-    """Return the same on the finer mesh, of the classes that the coarser one has found low."""
+def fine_modes(
+    fine: SolidSystem,
+    coarse: MeshModes,
+    count: int,
+    lacking: Callable[[Motion], Surplus] | None = None,
+) -> MeshModes:
+    """Return the same on the finer mesh, of the classes that the coarser one has found low.
+
+    With what functions that are `lacking` in each class of motion make of them.
+    """
     stiffest = {coarse.ports.motion: coarse.ports.highest(count), **coarse.others}
-    last = _CLOSE * _reach(_all(stiffest.values()), count)
+    last = _CLOSE * _reach(all_modes(stiffest.values()), count)
     few = {m: sum(mode.frequency <= last for mode in found) for m, found in coarse.others.items()}
-    return _mesh_modes(fine, {motion: wanted for motion, wanted in few.items() if wanted}, count)
+    few = {motion: wanted for motion, wanted in few.items() if wanted}
+    return _mesh_modes(fine, few, count, lacking)
 
 
-def _mesh_modes(system: SolidSystem, others: dict[Motion, int], count: int) -> MeshModes:
+def _mesh_modes(
+    system: SolidSystem,
+    others: dict[Motion, int],
+    count: int,
+    lacking: Callable[[Motion], Surplus] | None = None,
+) -> MeshModes:
     from tactgen.fem.bimorph.reduction.modal_reduction import modal_model
 
-    jobs: list[Callable[[], Any]] = [partial(modal_model, system, count)]
-    jobs += [partial(_other, system, motion, wanted) for motion, wanted in others.items()]
+    surplus = None if lacking is None else lacking(system.motion)
+    jobs: list[Callable[[], Any]] = [partial(modal_model, system, count, surplus)]
+    jobs += [partial(_other, system, motion, wanted, lacking) for motion, wanted in others.items()]
     if max(system.size, system.behind) <= _MOST_TOGETHER:
         ports, *found = side_by_side(lambda job: job(), jobs)
     else:
         ports, *found = (job() for job in jobs)
-    return MeshModes(ports, dict(zip(others, found, strict=True)))
+    plain, *moved = ({m: of[i] for m, of in zip(others, found, strict=True)} for i in range(3))
+    return MeshModes(ports, plain, tuple(moved) if lacking is not None else ())
 
 
 def lowest_modes(
@@ -89,30 +121,52 @@ def lowest_modes(
     enough = count
     below = coarse.lowest(ends, enough, open_circuit=open_circuit)
     # a narrow bimorph bends in y first; the coupling factor needs bending in x
-    while all(m.kind != "bending_x" for m in _all(below.values())) and enough < _MOST_MODES:
+    while all(m.kind != "bending_x" for m in all_modes(below.values())) and enough < _MOST_MODES:
         enough = 2 * enough + 2
         below = coarse.lowest(ends, enough, open_circuit=open_circuit)
-    last = _CLOSE * _reach(_all(below.values()), count)
+    last = _CLOSE * _reach(all_modes(below.values()), count)
     above = fine.lowest(ends, enough, open_circuit=open_circuit)
     few = {m: sum(mode.frequency <= last for mode in found) for m, found in below.items()}
-    found = _all(modes[: few[motion]] for motion, modes in above.items())
+    found = all_modes(modes[: few[motion]] for motion, modes in above.items())
     limit = _reach(found, count)
-    return [m for m in found if m.frequency <= limit], _all(below.values())
+    return [m for m in found if m.frequency <= limit], all_modes(below.values())
 
 
 def _of(system: SolidSystem) -> tuple[Motion, ...]:
     return () if system.related is None else _OTHERS
 
 
-def _other(system: SolidSystem, motion: Motion, count: int) -> tuple[BareMode, ...]:
-    from tactgen.fem.bimorph.modes import natural_modes
+def _other(
+    system: SolidSystem,
+    motion: Motion,
+    count: int,
+    lacking: Callable[[Motion], Surplus] | None,
+) -> list[tuple[BareMode, ...]]:
+    """Return modes of a class of motion; moved by what is lacking of displacement; of potential."""
+    from tactgen.fem.bimorph.modes import eigenpairs, solid_mode
 
     assert system.related is not None
-    found = natural_modes(system.related(motion), Ends(), count)
-    return tuple(BareMode(mode.frequency, mode.kind, motion) for mode in found)
+    body = system.related(motion)
+    values, vectors = eigenpairs(body, Ends(), count)
+    found = [solid_mode(body, *pair) for pair in zip(values, vectors, strict=True)]
+    missing: Floats = np.zeros((3, len(found)))
+    if lacking is not None:
+        surplus, omega2, states = lacking(motion), np.array(values), np.column_stack(vectors)
+        states = np.vstack([states, np.zeros((body.size - len(states), len(values)))])
+        stiffness, mass = surplus.residuals(states)
+        for i, products in enumerate(surplus.products(stiffness - omega2 * mass)):
+            # of a mode that the mesh does not resolve half is left
+            missing[1 + i] = np.minimum(products.diagonal() / omega2, 0.5)
+    return [
+        tuple(
+            BareMode(mode.frequency * float(np.sqrt(1.0 - share)), mode.kind, motion)
+            for mode, share in zip(found, of, strict=True)
+        )
+        for of in missing
+    ]
 
 
-def _all(by_motion: Iterable[Iterable[BareMode]]) -> list[BareMode]:
+def all_modes(by_motion: Iterable[Iterable[BareMode]]) -> list[BareMode]:
     """Return all modes in ascending order."""
     return sorted((m for modes in by_motion for m in modes), key=lambda mode: mode.frequency)
 

@@ -6,11 +6,12 @@ what is between them, so that another length asks for a small system only.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
+from tactgen.fem.bimorph.motions import Motion
 from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
@@ -23,17 +24,18 @@ from tactgen.geometry.device.checks import (
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.refinement import (
-    ASSUMED_GAIN,
-    BRICK_FACTOR,
+    RESPONSE_FACTOR,
     ROD_FACTOR,
     ROD_GAIN,
     SAFETY,
+    SURPLUS_FACTOR,
+    SURPLUS_FACTOR_OF_MODES,
 )
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.bimorph.system import SolidSystem
+    from tactgen.fem.bimorph.system import SolidSystem, Surplus
 
 #: Relative error bar of static deflection, capacitances and first frequencies that each level
 #: stays below on the paper's bimorph and on job J1 (tests/validation/engine/test_refinement.py).
@@ -94,10 +96,24 @@ class BrickPair:
         fine, coarse = (assemble(self.device, mesh, lossy=False) for mesh in self.meshes)
         return fine, coarse
 
+    @cached_property
+    def lacking(self) -> Callable[[Motion], Surplus] | None:
+        """Gives the polynomials of one degree more that the finer bricks lack; not on the rod."""
+        if isinstance(self.meshes[0], BrickParts):
+            return None
+        from tactgen.fem.bimorph.refinement.brick_surplus import BrickSurplus
+
+        return cache(BrickSurplus(self.device, self.meshes[0]).of)
+
     @property
     def static_factor(self) -> float:
-        """Error bar of static quantities per difference between the two meshes."""
-        return ROD_FACTOR if self._on_rod else BRICK_FACTOR
+        """Error bar of static quantities per difference from what judges them."""
+        return ROD_FACTOR if self._on_rod else SURPLUS_FACTOR
+
+    @property
+    def response_factor(self) -> float:
+        """Error bar of the response per difference between the two meshes."""
+        return ROD_FACTOR if self._on_rod else RESPONSE_FACTOR
 
     @property
     def static_share(self) -> float:
@@ -107,7 +123,8 @@ class BrickPair:
     @property
     def mode_factors(self) -> tuple[float, float]:
         """The same of frequencies: of bending in x, and of the other classes of motion."""
-        return self.static_factor, self.static_factor
+        of_all = ROD_FACTOR if self._on_rod else SURPLUS_FACTOR_OF_MODES
+        return of_all, of_all
 
     @property
     def method(self) -> str:
@@ -116,10 +133,15 @@ class BrickPair:
             mesh.values if isinstance(mesh, BrickParts) else system.size
             for mesh, system in zip(self.meshes, self.systems, strict=True)
         )
-        gain = ROD_GAIN if self._on_rod else ASSUMED_GAIN
+        if self._on_rod:
+            return (
+                f"two levels of bricks ({fine} and {coarse} unknowns), the error assumed to fall "
+                f"by {ROD_GAIN:g}, safety factor {SAFETY}"
+            )
         return (
-            f"two levels of bricks ({fine} and {coarse} unknowns), the error assumed to fall by "
-            f"{gain:g}, safety factor {SAFETY}"
+            f"what polynomials of one degree more make of the residual of {fine} unknowns, times "
+            f"{SURPLUS_FACTOR:g}, of frequencies {SURPLUS_FACTOR_OF_MODES:g}; of responses also "
+            f"{RESPONSE_FACTOR:g} times the difference from {coarse} unknowns"
         )
 
     @property

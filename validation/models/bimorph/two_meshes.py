@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections import Counter
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from tactgen.validation.engine.refinement import SAFETY, least_difference
 from tactgen.validation.models.bimorph.at_rest import least_at_rest
 from tactgen.validation.models.bimorph.lowest_modes import (
     MeshModes,
+    all_modes,
     coarse_modes,
     fine_modes,
     lowest_modes,
@@ -30,12 +32,10 @@ from tactgen.validation.models.bimorph.model import BimorphModel
 
 if TYPE_CHECKING:
     from tactgen.fem.bimorph.reduction.modal_model import BareMode, ModalModel
-    from tactgen.fem.bimorph.system import SolidSystem
+    from tactgen.fem.bimorph.system import SolidSystem, Surplus
     from tactgen.geometry.bimorph.brick_parts import BrickParts
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
-
-T = TypeVar("T")
 
 
 class MeshPair(Protocol):
@@ -50,8 +50,16 @@ class MeshPair(Protocol):
         """The lossless systems on them."""
 
     @property
+    def lacking(self) -> Callable[[Motion], Surplus] | None:
+        """What gives functions that the finer mesh lacks, which then judge it at rest."""
+
+    @property
     def static_factor(self) -> float:
-        """Error bar of static quantities per difference between the two meshes."""
+        """Error bar of static quantities per difference from what judges them."""
+
+    @property
+    def response_factor(self) -> float:
+        """Error bar of the response per difference between the two meshes."""
 
     @property
     def static_share(self) -> float:
@@ -74,7 +82,8 @@ class SolidModes:
     Attributes
     ----------
     fine, coarse : MeshModes
-        On the finer and the coarser mesh.
+        On the finer and the coarser mesh.  What functions that the finer one lacks make of its
+        modes judges them, if that is known, else the coarser one does.
     spurious_stiffness, mass : float
         See :class:`fem.bimorph.system.SolidSystem` (N/m); of all nodes (kg).
     static_factor : float
@@ -135,13 +144,22 @@ class TwoMeshModel(BimorphModel):
         """Return the lossless D(0)."""
 
         def work() -> Refined[Multiport]:
-            from tactgen.fem.bimorph.ports import static_multiport
-
-            fine, coarse = (static_multiport(system) for system in self.systems())
-            by_chance = self.mesh_pair.static_factor * least_at_rest(fine, coarse)[0]
-            return self._two_meshes(fine, coarse, self._rounding(fine) + by_chance)
+            pair, (fine, *judges) = self.mesh_pair, self._at_rest()
+            least = sum(float(least_at_rest(fine, judge)[0]) for judge in judges)
+            rounding = self._rounding(fine) + pair.static_share + pair.static_factor * least
+            coarser = tuple((judge, pair.static_factor) for judge in judges)
+            return Refined(fine, coarser, pair.method, rounding)
 
         return self.run("static", work)
+
+    def _at_rest(self) -> tuple[Multiport, ...]:
+        """Return the lossless D(0) on the finer mesh, and what judges it."""
+        from tactgen.fem.bimorph.ports import static_multiport, static_multiports
+
+        lacking, (fine, coarse) = self.mesh_pair.lacking, self.systems()
+        if lacking is not None:
+            return static_multiports(fine, lacking("bending_x"))
+        return static_multiport(fine), static_multiport(coarse)
 
     def ports(self) -> Refined[Multiport]:
         """Return D(Ω) with losses over the scene's frequencies."""
@@ -150,7 +168,7 @@ class TwoMeshModel(BimorphModel):
     def _reduced(self) -> Refined[Multiport]:
         from tactgen.fem.bimorph.reduction.kept_reductions import reduced_solid
 
-        ports = []
+        ports, pair = [], self.mesh_pair
         extra: tuple[tuple[Multiport, float], ...] = ()
         for mesh, system in zip(self.meshes(), self.systems(), strict=True):
             reduced = reduced_solid(
@@ -164,11 +182,16 @@ class TwoMeshModel(BimorphModel):
             if not extra:
                 extra = ((reduced.coarser_multiport(self.frequencies), SAFETY),)
                 at_rest = reduced.multiport(np.zeros(1))
+        if pair.lacking is not None:
+            # about the first resonance the tip moves as at rest, and so does what is missing
+            rest, *judges = (port.stiffness for port in self._at_rest())
+            own = ports[0].stiffness
+            moved = (replace(ports[0], stiffness=own + judge - rest) for judge in judges)
+            extra += tuple((port, pair.static_factor) for port in moved)
         # a peak magnifies what the stiffness is off by Q
-        peak = self.scene.piezo.quality_factor
-        two = self._two_meshes(ports[0], ports[1], peak * self._rounding(at_rest))
-        method = f"{two.method}; plus the last Krylov block of the port reduction"
-        return Refined(two.fine, two.coarser + extra, method, two.rounding)
+        rounding = self.scene.piezo.quality_factor * self._rounding(at_rest) + pair.static_share
+        method = f"{pair.method}; plus the last Krylov block of the port reduction"
+        return Refined(ports[0], ((ports[1], pair.response_factor), *extra), method, rounding)
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes."""
@@ -179,14 +202,18 @@ class TwoMeshModel(BimorphModel):
 
     def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
         modal = self._modal()
-        fine, coarse = self._both(open_circuit=open_circuit)
-        least = _least(fine, coarse)
-        if open_circuit:
-            # the same as of short circuit: what moves both alike says nothing of their coupling
-            least |= _least(*self._both(open_circuit=False))
+        fine, *judges = self._judged(open_circuit=open_circuit)
         # a cantilever's modes have a quarter of the mass; frequencies go as the root
         stiffness = (2.0 * np.pi * fine.frequencies) ** 2 * modal.mass / 4.0
         rounding = 0.5 * modal.spurious_stiffness / stiffness
+        if modal.fine.judges:
+            coarser = tuple((judge, modal.mode_factors[0]) for judge in judges)
+            return Refined(fine, coarser, modal.method, rounding)
+        (coarse,) = judges
+        least = _least(fine, coarse)
+        if open_circuit:
+            # the same as of short circuit: what moves both alike says nothing of their coupling
+            least |= _least(*self._judged(open_circuit=False))
         bending, others = modal.mode_factors
         bends = np.array(fine.classes) == "bending_x"
         stiffer = fine.frequencies.copy()
@@ -204,13 +231,19 @@ class TwoMeshModel(BimorphModel):
         coarser += ((Modes(stiffer, fine.classes), modal.static_factor),)
         return Refined(fine, coarser, modal.method, rounding)
 
-    def _both(self, *, open_circuit: bool) -> tuple[Modes, Modes]:
-        """Return the modes on the finer mesh, and their partners on the coarser."""
-        fine, coarse = (
-            Modes(np.array([m.frequency for m in found]), tuple(m.kind for m in found))
-            for found in self._lowest(open_circuit=open_circuit)
+    def _judged(self, *, open_circuit: bool) -> tuple[Modes, ...]:
+        """Return the modes on the finer mesh, and their partners of those that judge them."""
+        found, coarse = self._lowest(open_circuit=open_circuit)
+        ends, judges = self.scene.ends, self._modal().fine.judges
+        partners = [
+            all_modes(judge.lowest(ends, len(found), open_circuit=open_circuit).values())
+            for judge in judges
+        ]
+        fine, *others = (
+            Modes(np.array([m.frequency for m in of]), tuple(m.kind for m in of))
+            for of in (found, *(partners or [coarse]))
         )
-        return fine, _matched(fine, coarse)
+        return fine, *(_matched(fine, other) for other in others)
 
     def motions(self, *, open_circuit: bool) -> dict[Motion, int]:
         """Return how many of the lowest modes of :meth:`modes` each class of motion has."""
@@ -223,7 +256,7 @@ class TwoMeshModel(BimorphModel):
             pair, systems = self.mesh_pair, self.systems()
             coarse = self.coarse_modes(systems[1])
             return SolidModes(
-                fine_modes(systems[0], coarse, self.scene.modes),
+                fine_modes(systems[0], coarse, self.scene.modes, pair.lacking),
                 coarse,
                 spurious_stiffness=systems[0].spurious_stiffness,
                 mass=float(systems[0].node_mass.sum()),
@@ -253,12 +286,6 @@ class TwoMeshModel(BimorphModel):
         """Return what rounding of the stiffness matrix does to the tip's static compliance."""
         compliance = np.linalg.inv(port.block("w_tip", "psi_tip").stiffness[0])[0, 0]
         return float(abs(compliance) * self.systems()[0].spurious_stiffness)
-
-    def _two_meshes(self, fine: T, coarse: T, rounding: Floats | float) -> Refined[T]:
-        pair = self.mesh_pair
-        return Refined(
-            fine, ((coarse, pair.static_factor),), pair.method, rounding + pair.static_share
-        )
 
 
 def _only(of: Bools, fine: Modes, coarse: Modes) -> Modes:

@@ -1,0 +1,111 @@
+"""What bricks lack, by their residual alone, against bricks of one degree more that are solved."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+from tactgen.fem.bimorph.bricks.matrices import brick_matrices
+from tactgen.fem.bimorph.modes import eigenpairs, natural_modes
+from tactgen.fem.bimorph.ports import static_multiport, static_multiports
+from tactgen.fem.bimorph.reduction.modal_reduction import modal_model
+from tactgen.fem.bimorph.refinement.brick_surplus import BrickSurplus
+from tactgen.fem.bimorph.system import materials
+from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
+from tactgen.geometry.device.parameters import Bimorph, Device
+
+DEVICE = Device(bimorph=Bimorph(length=9e-3, tab_length=1e-3))
+MESHING = BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=8.0, richness=1.5)
+BRICKS = bimorph_bricks(DEVICE, MESHING)
+RICHER = bimorph_bricks(DEVICE, replace(MESHING, degree=(3, 3, 4)))
+
+
+@pytest.fixture(scope="module")
+def surplus():
+    return BrickSurplus(DEVICE, BRICKS)
+
+
+@pytest.fixture(scope="module")
+def both():
+    """The solid on the bricks, and on those of one degree more."""
+    own, richer = (assemble_bricks(DEVICE, b, lossy=False) for b in (BRICKS, RICHER))
+    return own, richer
+
+
+def test_rows_that_are_tested_are_those_of_the_whole_matrix():
+    known = materials(DEVICE, RICHER.regions, DEVICE.piezo.ceramic(), lossy=False)
+    tested = RICHER.products() & (np.arange(RICHER.shape[2]) % 3 == 1)
+    rows = np.repeat(tested.ravel(), 4)
+    for some, every in zip(
+        brick_matrices(RICHER, known, 1.0, tested), brick_matrices(RICHER, known, 1.0), strict=True
+    ):
+        assert abs(some[rows] - every[rows]).max() == 0.0
+        assert some[~rows].nnz == 0 < some.nnz
+
+
+def test_what_is_missing_at_rest_is_most_of_what_one_degree_more_finds(surplus, both):
+    """Compliance, motion per volt, capacitances; on all of D symmetric as D is."""
+    own, richer = both
+    fine, *judges = static_multiports(own, surplus.of("bending_x"))
+    assert (fine.stiffness == static_multiport(own).stiffness).all()
+    known = static_multiport(richer)
+
+    def sizes(port):
+        d = port.stiffness[0].real[2:, 2:]
+        compliance = np.linalg.inv(d[:2, :2])
+        moved = compliance @ d[:2, 2]
+        return np.array([*compliance[np.triu_indices(2)], *moved, d[2, 2]])
+
+    share = sum(sizes(judge) - sizes(fine) for judge in judges) / (sizes(known) - sizes(fine))
+    assert (share > 0.3).all()
+    assert (share < 1.2).all()
+    for judge in judges:
+        d = judge.stiffness[0].real
+        size = np.sqrt(np.abs(np.outer(np.diag(d), np.diag(d))))
+        assert (np.abs(d[:4, :4] - d[:4, :4].T) / size[:4, :4]).max() < 1e-8
+        assert (np.abs(d[4, :4] + d[:4, 4]) / size[4, :4]).max() < 1e-8
+
+
+@pytest.mark.parametrize("open_circuit", [False, True], ids=["short", "open"])
+@pytest.mark.parametrize(
+    "ends",
+    [
+        Ends(),
+        Ends(None, TipLoad(mass=1e-5)),
+        Ends(None, TipLoad(3e3)),
+        Ends(Springs(3e6, 0.24, 1e-4, 1e-12)),
+    ],
+    ids=["clamped", "heavy tip", "sprung tip", "springs"],
+)
+def test_what_modes_miss_is_most_of_what_one_degree_more_finds(surplus, both, ends, open_circuit):
+    own, richer = both
+    small = modal_model(own, 2, surplus.of("bending_x"))
+
+    def squares(modes):
+        return np.array([m.frequency for m in modes]) ** 2
+
+    plain = squares(small.modes(ends, 2, open_circuit=open_circuit))
+    moved, charged = (
+        plain - squares(replace(small, missing=m).modes(ends, 2, open_circuit=open_circuit))
+        for m in small.surplus
+    )
+    assert (charged >= 0.0).all()
+    known = squares(natural_modes(richer, ends, 2, open_circuit=open_circuit))
+    share = (moved - charged) / (plain - known)
+    assert (share > 0.3).all()
+    assert (share < 1.2).all()
+
+
+@pytest.mark.parametrize("motion", ["bending_y", "torsion", "axial"])
+def test_other_classes_of_motion_miss_as_much(surplus, both, motion):
+    own, richer = (system.related(motion) for system in both)
+    (value,), (vector,) = eigenpairs(own, Ends(), 1)
+    lacking = surplus.of(motion)
+    stiffness, mass = lacking.residuals(np.append(vector, np.zeros(3))[:, None])
+    moved, charged = lacking.products(stiffness - value * mass)
+    assert charged[0, 0] >= 0.0
+    missing = (moved - charged)[0, 0]
+    known = eigenpairs(richer, Ends(), 1)[0][0]
+    assert 0.3 * (value - known) < missing < 1.2 * (value - known)
