@@ -6,6 +6,7 @@ import math
 from functools import cache
 
 import pytest
+from approved import described
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.transfer.precision import error_bound
@@ -36,6 +37,13 @@ def found():
 
 def row(found, family):
     return next(r for r in found.rows if r.family == family)
+
+
+def test_what_every_family_asks(found, approved):
+    """Names, what is varied, how many points; what was refused."""
+    told = [f"{r.family} | {r.what} | {r.points} | {r.verdict} | {r.refusals}" for r in found.rows]
+    told += [f"{m.title} {described(m.frequencies)} {described(m.lengths)}" for m in found.maps]
+    approved("\n".join(told))
 
 
 @pytest.mark.parametrize(

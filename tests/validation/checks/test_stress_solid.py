@@ -23,11 +23,12 @@ def quick(family):
 
 
 @pytest.mark.parametrize("family", EXACT, ids=lambda f: f.__name__)
-def test_exact_families_hold(family):
+def test_exact_families_hold(family, approved_line):
     """Scaling laws, patch tests and the slender limit, far beyond the device."""
     row = quick(family)
     assert row.verdict in ("holds", "holds or says why not"), (row.worst, row.refusals)
     assert row.points > 0
+    approved_line(f"{row.family} | {row.what} | {row.points} | {row.verdict} | {row.refusals}")
 
 
 def test_too_slender_is_refused_and_not_wrong():

@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from approved import kept_figures, page_text
+from approved import described, kept_figures, page_text
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.coenergy.files import read_map
@@ -186,7 +186,7 @@ def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
     check_words(words(html), there, ("snaps down",))
 
 
-def test_steps_of_the_bridge_add_up(at_a_point):
+def test_steps_of_the_bridge_add_up(at_a_point, approved):
     """From nothing to the reference: the steps' sum is zero, each one named and explained."""
     bridge = at_a_point.bridge
     assert bridge[-1].name == "the field"
@@ -195,6 +195,7 @@ def test_steps_of_the_bridge_add_up(at_a_point):
         assert sum(step.step[key] for step in bridge) == pytest.approx(0.0, abs=1e-12)
         ratio = bridge[0].value[key] / bridge[-1].value[key]
         assert bridge[0].left[key] == pytest.approx(ratio - 1.0, rel=1e-12)
+    approved(described(bridge))
 
 
 def test_network_is_held_against_the_field(at_a_point):

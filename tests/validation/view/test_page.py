@@ -88,7 +88,8 @@ def test_all_that_a_page_knows(data, text, approved):
     for result in data["results"]:
         kept = {key: value for key, value in result.items() if key not in _BULK}
         states = [{k: v for k, v in s.items() if k != "arrays"} for s in result["states"]]
-        approved(described(kept | {"states": states}), result["model"])
+        sizes = {key: result[key] and result[key]["count"] for key in _BULK if key in result}
+        approved(described(kept | {"states": states, "sizes": sizes}), result["model"])
 
 
 def test_a_travelling_part_is_in_the_page(data):

@@ -14,14 +14,23 @@ from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import load_scene
 
 
+def told(row):
+    """Return what a family asks, and the bars of its worst answer where they are no rounding."""
+    bound = f"{row.worst.bound:.2e}" if row.worst.bound > 1e-8 else "rounding"
+    return (
+        f"{row.family} | {row.what} | {row.points} | {row.worst.where} ± {bound} | {row.refusals}"
+    )
+
+
 @pytest.mark.parametrize(
     "family", [lateral._LENGTH, lateral._SUPPORT, lateral._MASS], ids=lambda s: s.family
 )
-def test_lumped_and_exact_spans_agree(family):
+def test_lumped_and_exact_spans_agree(family, approved_line):
     """From a micrometre to ten metres, from jelly to rock, from nothing to a kilogram."""
     row = lateral._LUMPED.row(family, True)
     assert row.verdict != "fails", row
     assert row.points > 3
+    approved_line(told(row))
 
 
 def test_beam_elements_are_right_or_say_how_many_they_would_need():
@@ -52,11 +61,12 @@ def test_slow_motion_is_the_derivative_of_rest():
 
 
 @pytest.mark.parametrize("family", [holding.HELD[2], holding.HELD[4]], ids=lambda s: s.family)
-def test_the_rod_in_its_bore_and_under_a_finger(family):
+def test_the_rod_in_its_bore_and_under_a_finger(family, approved_line):
     """Answers that two models share, or a sentence; at both ends of the range."""
     row = machine._PAIR.row(family, True)
     assert row.verdict != "fails", row
     assert row.points + len(row.refusals) > 3
+    approved_line(told(row))
 
 
 def quantity(values, bars):
