@@ -121,6 +121,14 @@ def test_the_network(approved):
     )  # fmt: skip
 
 
+def test_the_networks_map_reaches_as_far_as_the_device_opens():
+    """It is made for the device's own gap, not for the paper's."""
+    wide = Device(gap=0.3e-3)
+    low, high = network_pull(wide).gap_limits
+    assert low < wide.spring.stop_gap
+    assert high > wide.gap
+
+
 def test_the_machine_about_its_places(approved):
     """Where the rod rests, and what holds, guides and moves it there."""
     device = Device(bimorph=Bimorph(tab_length=0.9e-3))

@@ -272,3 +272,13 @@ def test_the_irons_tensor_is_its_slope_along_and_its_reluctivity_across(size):
     field = TEAM20.field_strength(size) * along[None, None]
     (((back,),),) = (iron_law.permeability_tensor(iron, field),)
     np.testing.assert_allclose(back @ tensor, np.eye(3), atol=1e-9)
+
+
+@pytest.mark.parametrize("curve", [TEAM20, None], ids=["iron", "air"])
+def test_energy_and_co_energy_are_b_times_h(curve):
+    """∫ H dB + ∫ B dH = H B, with B and H of the same law, in iron as in air."""
+    iron = [] if curve is None else [(np.array([True]), curve)]
+    field = np.array([[[3.0, -4.0, 0.0], [3e3, 0.0, 4e3]]])
+    flux = iron_law.flux_from_field(iron, field)
+    both = iron_law.energy_density(iron, flux) + iron_law.coenergy_density(iron, field)
+    np.testing.assert_allclose(both, (flux * field).sum(axis=-1), rtol=1e-10)

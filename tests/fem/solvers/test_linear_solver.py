@@ -213,6 +213,19 @@ def test_an_ordering_is_found_once_and_changes_no_bit(monkeypatch):
     assert len(orders) == 2
 
 
+@needs_mkl
+def test_rows_of_the_same_lengths_have_an_ordering_of_their_own(monkeypatch):
+    """A chain and a star: the columns tell them apart."""
+    orders = OrderedDict()
+    monkeypatch.setattr(pardiso, "_ORDERS", orders)
+    chain = np.eye(9) + 0.1 * np.eye(9, k=1)
+    star = np.eye(9)
+    star[:-1, -1] = 0.1
+    for upper in (chain, star):
+        factorise(sparse.csr_matrix(upper + np.triu(upper, 1).T))
+    assert len(orders) == 2
+
+
 @both
 def test_said_to_be_definite_but_is_not(solver):
     """The answer is right all the same, and the negative pivots tell."""

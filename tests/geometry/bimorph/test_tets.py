@@ -377,3 +377,18 @@ def test_the_rule_over_triangles_is_exact_to_its_degree():
         for b in range(6 - a):
             exact = factorial(a) * factorial(b) / factorial(a + b + 2)
             assert quadratic._RADON_WEIGHTS @ (x**a * y**b) == pytest.approx(exact, rel=1e-14)
+
+
+def test_lengths_grow_from_the_root_on_both_sides():
+    """The finest all along it, from there a share of the distance more, up to the longest (mm)."""
+    surface = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 10.0]])
+    longest, field = tets._edge_lengths(surface, (3.0, 5.0), GRADED, None)
+    inside = (field.points[:, :2] >= 0.0).all(axis=1) & (field.points[:, :2] <= 1.0).all(axis=1)
+    z = field.points[inside, 2]
+    distance = np.maximum(np.maximum(3.0 - z, z - 5.0), 0.0)
+    assert longest == pytest.approx(0.8)
+    within = (z >= 0.0) & (z <= 10.0)
+    wanted = np.minimum(0.8, 0.2 + 0.3 * distance)
+    np.testing.assert_allclose(field.lengths[inside][within], wanted[within], rtol=1e-12)
+    assert (distance[within] == 0.0).any()
+    assert (wanted[within] < 0.8).sum() > (distance[within] == 0.0).sum()

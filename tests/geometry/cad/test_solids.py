@@ -5,8 +5,10 @@ import struct
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
+from tactgen.geometry.cad.display import display_assembly
 from tactgen.geometry.cad.solids import (
     build_solids,
     export_glb,
@@ -15,7 +17,8 @@ from tactgen.geometry.cad.solids import (
     thinnest_feature,
 )
 from tactgen.geometry.device.layout import closed_form_volumes
-from tactgen.geometry.device.parameters import Bimorph, Coil, Device, Glue, Rod, Sleeve
+from tactgen.geometry.device.parameters import Bimorph, Coil, Device, Display, Glue, Rod, Sleeve
+from tactgen.geometry.display.layout import display_parts
 from tactgen.geometry.errors import InputError
 
 GENERATOR = Device(bimorph=Bimorph(tab_length=0.4e-3))
@@ -208,3 +211,12 @@ def test_import_does_not_load_the_cad_kernel():
     modules = "sys, tactgen.geometry.cad.solids, tactgen.geometry.bimorph.tets"
     code = f"import {modules}; sys.exit('cadquery' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_display_has_every_part_at_its_places():
+    """The assembly places them where the list of parts does (mm)."""
+    device, display = Device(), Display(rows=1, columns=2)
+    found = [child.loc.toTuple()[0] for child in display_assembly(device, display).children]
+    wanted = [place for part in display_parts(device, display) for place in part.places]
+    np.testing.assert_allclose(found, wanted, atol=1e-9)
+    assert np.ptp(found, axis=0).min() > 1.0
