@@ -7,12 +7,19 @@ import numpy as np
 import pytest
 from approved import described
 
+from tactgen.fem.bimorph.ports import direct_multiport
+from tactgen.fem.bimorph.solid import assemble
 from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.device.parameters import Piezo
 from tactgen.tmm.beam.section.laminate import laminate_section
+from tactgen.tmm.beam.section.section import section
 from tactgen.tmm.beam.section.shear_correction import energy_shear_correction
+from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.ports.multiport import respond
+from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.models.bimorph.bridge import bridge, solid_values
-from tactgen.validation.models.bimorph.bridge.assumptions import Assumptions
+from tactgen.validation.models.bimorph.bridge.assumptions import Assumptions, solid_cases
 from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
 from tactgen.validation.models.bimorph.bridge.end_effect import end_effect
 from tactgen.validation.models.bimorph.bridge.rung import Values
@@ -22,6 +29,7 @@ from tactgen.validation.models.bimorph.bridge.solid_values import (
     solve_solid,
     solve_static,
 )
+from tactgen.validation.models.bimorph.bridge.swept import swept_bridge
 from tactgen.validation.models.bimorph.bridge.width import width_study
 from tactgen.validation.scene.scene import load_scene
 
@@ -185,6 +193,33 @@ def test_bridge_of_the_sprung_bimorph_is_that_of_its_own_solid():
     assert found[0].first_frequency == pytest.approx(445.91, abs=0.01)
     own = solve_solid(SolidCase(scene, level=0))
     assert found[-1].values == pytest.approx(own.values, rel=1e-9)
+
+
+@pytest.mark.usefixtures("few")
+def test_swept_bridge_leads_from_the_beam_to_the_solid_at_every_frequency():
+    """Driven under the finger, at rest and past the first mode: both ends are the models' own."""
+    scene = load_scene("paper")[0]
+    frequencies = np.array([10.0, 1000.0])
+    steps = swept_bridge(scene, frequencies, lambda _: None, level=0)
+    assert [step.name for step in steps[2:]] == [name for name, _ in solid_cases(scene, 0)]
+    beam = attach(transfer_matrix.chain(lossy_row(scene), frequencies), scene.ends)
+    solid = assemble(scene.device, SolidCase(scene, level=0).bricks(), lossy=True)
+    for step, port in (
+        (steps[0], beam),
+        (steps[-1], attach(direct_multiport(solid, frequencies), scene.ends)),
+    ):
+        tip = np.abs(respond(port, {"voltage": 1.0}).motion["w_tip"])
+        np.testing.assert_allclose(step.motion, tip, rtol=1e-9)
+    whole = steps[0].motion / steps[-1].motion - 1.0
+    np.testing.assert_allclose(sum(step.share for step in steps), whole, rtol=1e-9)
+    # past the mode under the finger the same steps are worth twice as much
+    assert abs(whole[1]) > 1.5 * abs(whole[0]) > 0.05
+
+
+def lossy_row(scene):
+    """Return the bimorph's one piece of beam, with its losses."""
+    (piece,) = beam_pieces(scene.device, scene.support)
+    return [(section(piece, scene.device, scene.beam, lossy=True), piece.length)]
 
 
 def test_shim_alone_lowers_the_frequency():

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.bimorph.bridge.swept import swept_bridge
 from tactgen.validation.models.comparison import UNEXPLAINED
 from tactgen.validation.report.request import is_of_rest
 from tactgen.validation.report.study import Study
@@ -17,6 +19,19 @@ SCENES = {
     "generator": ((), 12),
     "reluctance": ((), 8),
 }
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize("name", ["paper", "prototype", "j1"])
+def test_steps_leave_a_tenth_of_a_percent_of_the_driven_tip(name):
+    """From rest to 1 kHz, near resonance and minimum: transfer matrices against the solid."""
+    frequencies = [10.0, 100.0, 500.0, 1000.0]
+    asked = ["models=tmm,solid", "quantities=tip_displacement"]
+    scene, _ = load_scene(name, ["frequency=10Hz,100Hz,500Hz,1000Hz", *asked])
+    solution = solve(scene)
+    beam, solid = (np.abs(solution.get("tip_displacement", m).value) for m in ("tmm", "solid"))
+    steps = swept_bridge(scene, np.array(frequencies), lambda _: None)
+    assert np.abs(beam / solid - 1.0 - sum(step.share for step in steps)).max() < 1e-3
 
 
 @pytest.mark.heavy

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.joint_compliance import SupportCompliance, SupportStudy
     from tactgen.validation.scene.scene import Scene
 
+#: Frequencies at which the driven tip is followed.
+_FREQUENCIES = 5
 #: The material beside the scene's own: one whose whole tensor is published, or the paper's.
 _OTHER = {"M1876": "PZT-5H"}
 
@@ -38,7 +40,23 @@ def bridge_section(study: Study) -> Context:
     return {
         "bridge": found,
         "widths": [] if study.quick else _widths(study),
+        "swept": None if study.quick else _swept(study),
         "replaced": replaced_constants(study.scene),
+    }
+
+
+def _swept(study: Study) -> dict[str, Any]:
+    """Return the bridge of the driven tip at some of the scene's frequencies."""
+    from tactgen.validation.models.bimorph.bridge.swept import swept_bridge
+
+    scene = study.scene
+    few = np.unique(np.linspace(0, len(scene.frequency) - 1, _FREQUENCIES).astype(int))
+    frequencies = np.asarray(scene.frequency)[few]
+    steps = swept_bridge(scene, frequencies, study.announce)
+    return {
+        "frequencies": frequencies,
+        "steps": steps[1:],
+        "together": steps[0].motion / steps[-1].motion - 1.0,
     }
 
 

@@ -7,7 +7,7 @@ has far from its ends; what neither explains is the work of the ends, see :mod:`
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -133,24 +133,13 @@ def bridge(
     A set of constants that no material could have is passed over, its change made with the
     next.
     """
-    consistent = _with_energy_shear(scene)
+    consistent = with_energy_shear(scene)
     rungs = _beam_rungs(scene, consistent)
     theory, own = (beam_values(consistent),) * 2
-    passed: list[_Change] = []
-    for change in _CHANGES:
-        passed.append(change)
-        ceramic = change.gives_up.ceramic(scene.piezo.ceramic())
-        if not _admissible(ceramic):
-            continue
-        announce(f"bridge: {change.name}")
-        case = SolidCase(
-            change.gives_up.scene(consistent),
-            ceramic,
-            uniform_field=not change.gives_up.varying_field,
-            level=level,
-        )
+    for passed, case in _cases(consistent, level):
+        announce(f"bridge: {passed[-1].name}")
         found = solve_solid(case)
-        laminate = change.gives_up.laminate(consistent)
+        laminate = passed[-1].gives_up.laminate(consistent)
         predicted = beam_values(consistent, laminate) if laminate else _unknown()
         far = beam_values(consistent, far_section(case, found.static)) if sections else _unknown()
         rungs.append(
@@ -164,8 +153,32 @@ def bridge(
                 section=far.step_from(own),
             )
         )
-        theory, own, passed = predicted, far, []
+        theory, own = predicted, far
     return rungs
+
+
+def solid_cases(scene: Scene, level: int) -> list[tuple[str, SolidCase]]:
+    """Return name and case of each solid on the way, in the order of :func:`bridge`."""
+    return [
+        (" and ".join(change.name for change in passed), case)
+        for passed, case in _cases(with_energy_shear(scene), level)
+    ]
+
+
+def _cases(consistent: Scene, level: int) -> Iterator[tuple[list[_Change], SolidCase]]:
+    """Yield the changes of each step, more than one where a set could not exist, and its solid."""
+    passed: list[_Change] = []
+    for change in _CHANGES:
+        passed.append(change)
+        gives_up = change.gives_up
+        ceramic = gives_up.ceramic(consistent.piezo.ceramic())
+        if _admissible(ceramic):
+            uniform = not gives_up.varying_field
+            case = SolidCase(
+                gives_up.scene(consistent), ceramic, uniform_field=uniform, level=level
+            )
+            yield passed, case
+            passed = []
 
 
 def _beam_rungs(scene: Scene, consistent: Scene) -> list[Rung]:
@@ -190,7 +203,8 @@ def _beam_rungs(scene: Scene, consistent: Scene) -> list[Rung]:
     return [start, shear]
 
 
-def _with_energy_shear(scene: Scene) -> Scene:
+def with_energy_shear(scene: Scene) -> Scene:
+    """Return the scene with the shear correction of the layers' shear energy."""
     factor = energy_shear_correction(scene.device)
     return scene.model_copy(
         update={"beam": scene.beam.model_copy(update={"shear_correction": factor})}
