@@ -190,12 +190,13 @@ def test_no_wiring_reconciles_model_and_paper(study):
         assert wide.model[wiring, "loaded"][1] > wide.paper.voltages[1]
 
 
-def test_section_of_a_free_scene_uses_the_finger():
+def test_section_of_a_free_scene_uses_the_finger(approved):
     """The prototype has no load: loaded then means the finger."""
     scene, _ = load_scene("prototype")
     found = section(scene, lambda _: None)
     assert found["loads"]["loaded"] == "under the finger"
     assert found["plot"].startswith("<svg")
+    approved("\n".join(found["findings"]))
     assert all("nan" not in sentence for sentence in found["findings"])
 
 
