@@ -10,11 +10,16 @@ _PREFIX = {
     -15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G",
 }  # fmt: skip
 
+#: Units of checks that are no SI units or counts: 42 thousandths of an inch are no minutes.
+_PLAIN = frozenset({"in", "psi", "bars", "folds", "peaks"})
+
 
 def engineering(value: float, unit: str, digits: int = 5) -> str:
     """Return a value with an SI prefix, e.g. ``49.56 µm``; plain for pure numbers."""
     if unit in ("", "1"):
         return f"{value:.{digits}g}"
+    if unit in _PLAIN:
+        return f"{value:.{digits}g} {unit}"
     if value == 0.0 or not math.isfinite(value):
         return f"{value:g} {unit}"
     shown = float(f"{value:.{digits - 1}e}")  # what rounds up to 1000 has the next prefix

@@ -231,6 +231,7 @@ def test_numbers_for_people():
     """Engineering prefixes, digits that the bar allows, rounding bars as powers of ten."""
     assert engineering(4.955e-5, "m") == "49.55 µm"
     assert engineering(0.0, "m") == "0 m"
+    assert engineering(0.042667, "in") == "0.042667 in"  # and not 42.667 min
     assert engineering(9.9996e-7, "m", 3) == "1 µm"  # and not 1e+03 nm
     assert engineering(4.96e-4, "N m", 2) == "500 µN m"  # and not 5e+02 µN m
     assert engineering(5e12, "Pa", 2) == "5e+03 GPa"  # no prefix goes further

@@ -10,13 +10,14 @@ from tactgen.validation.checks.stress.faults.commands import (
     LIGHT,
     Command,
     Ended,
+    before_us,
     half_written,
 )
 from tactgen.validation.checks.stress.result import answered
 from tactgen.validation.command_line.cli import commands
 
 #: Commands that neither write nor compute.
-IDLE = {"cache", "completion", "scenes"}
+IDLE = {"completion", "scenes"}
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +95,16 @@ def test_what_counts_as_wrong(trials, tmp_path, monkeypatch, done, wrong):
     (around.out / "a.json").write_text("{", encoding="utf-8")
     if not wrong:
         assert trials.judge(command, around, done, (0, 2)) == "half-written: a.json"
+
+
+@pytest.mark.parametrize(
+    ("where", "before"), [("frozen importlib._bootstrap", True), ("tactgen/__main__.py", False)]
+)
+def test_python_interrupted_as_it_starts_is_not_us(where, before):
+    """A command of a tenth of a second is met there one time in some."""
+    words = f'Traceback (most recent call last):\n  File "{where}"\nKeyboardInterrupt\n'
+    assert before_us(Ended(1, "", words)) == before
+    assert not before_us(Ended(130, "", words))
 
 
 def test_the_book_shows_what_was_found(own_store, tmp_path):

@@ -135,6 +135,7 @@ HEAVY = (
         ("sensitivity", "prototype", "--model", "lumped", "--quantity", "static_tip_displacement",
          "--key", "bimorph.length", "--json"),
     ),
+    Command("cache", ("cache", "--clear", "--json")),
     Command("bill", ("bill", "display", "--json")),
     Command("plan", ("plan", "prototype", "--json")),
     Command("bench", ("bench", "--only", "tmm", "--quick", "--out", "{out}/b")),
@@ -211,6 +212,11 @@ def finish(process: subprocess.Popen[str], *, after: float | None = None, end: i
         if after is None:
             return Ended(124, out or "", "endless")
     return Ended(process.returncode, out or "", err or "")
+
+
+def before_us(done: Ended) -> bool:
+    """Return whether Ctrl-C met Python while it was loading itself: its words then, not ours."""
+    return done.code == 1 and "KeyboardInterrupt" in done.err and "tactgen" not in done.err
 
 
 def _signal(process: subprocess.Popen[str], number: int) -> None:

@@ -30,6 +30,7 @@ from tactgen.validation.checks.stress.faults.commands import (
     Ended,
     Surroundings,
     answer,
+    before_us,
     begin,
     finish,
     half_written,
@@ -154,6 +155,8 @@ def _ended_by(trials: Trials, times: int, number: int, name: str, codes: Sequenc
         around = trials.place()
         moment = trials.chance.random() * trials.seconds[command.name]
         done = finish(begin(command, around), after=moment, end=number)
+        if before_us(done):
+            done = Ended(-number, "", "")
         wrong = trials.judge(command, around, done, codes)
         _add(family, f"{command.name} after {moment:.2f} s", wrong)
     what = f"{times} runs of {len(trials.commands)} commands, at random moments"
