@@ -31,7 +31,7 @@ from tactgen.validation.scene.scene import Scene
 
 #: The model that is solved where the rod rests, and its ladder's cells there: twice the map's, as
 #: slopes in saturated steel converge unevenly where dB/dH changes from cell to cell.
-_NETWORK, _CELLS = "network", 2 * CELLS
+_NETWORK, CELLS_AT_REST = "network", 2 * CELLS
 #: Safety factor on what the observed order of the ladders tells: more than where one slope is
 #: judged, since errors of several may cancel in one of the ladders.  With 1.5, 9 of 240 impedances
 #: of random machines' coils lay outside.
@@ -173,10 +173,10 @@ def judged_by_network(scene: Scene, pull: CoenergyMap) -> JudgedRod:
     """
     place = _rest(scene, pull)
     fine, half, quarter = (
-        rod_by_network(scene, DirectPull(scene.device, _CELLS // n, pull.gap_limits), place)
+        rod_by_network(scene, DirectPull(scene.device, CELLS_AT_REST // n, pull.gap_limits), place)
         for n in (1, 2, 4)
     )
-    method = f"observed order of the network solved there in {_CELLS} cells, half, a quarter"
+    method = f"observed order of the network solved there in {CELLS_AT_REST} cells, half, a quarter"
     return JudgedRod(fine, method, ladders=(half, quarter))
 
 
@@ -205,7 +205,7 @@ def judged_by_map(scene: Scene, pull: CoenergyMap) -> JudgedRod:
 def rod_of(scene: Scene, pull: CoenergyMap) -> Linearised:
     """Return the rod of :func:`machine_of` alone, which costs a third; refusals as there."""
     if scene.map_model == _NETWORK:
-        exact = DirectPull(scene.device, _CELLS, pull.gap_limits)
+        exact = DirectPull(scene.device, CELLS_AT_REST, pull.gap_limits)
         return rod_by_network(scene, exact, _rest(scene, pull))
     return rod_about(scene, pull)
 

@@ -370,9 +370,11 @@ def test_slow_motion_is_held_against_an_extrapolated_difference(monkeypatch, off
     scene = SimpleNamespace(coil=SimpleNamespace(current=0.06))
     slope = 50.0 * np.cos(50.0 * 0.06)
 
-    def difference(scene, current, step):
+    def difference(scene, forces, step):
+        current = scene.coil.current
         return (np.sin(50.0 * (current + step)) - np.sin(50.0 * (current - step))) / (2.0 * step)
 
+    monkeypatch.setattr(machine, "_network_forces", lambda scene: None)
     monkeypatch.setattr(machine, "_slope", difference)
     found = SimpleNamespace(get=lambda *_: quantity([slope * (1.0 + off)], 0.0))
     monkeypatch.setattr(machine, "solve", lambda *_: found)
@@ -385,30 +387,16 @@ def test_slow_motion_is_held_against_an_extrapolated_difference(monkeypatch, off
     assert point.bound == pytest.approx(wide + 1e-6, rel=0.02)
 
 
-def test_a_slope_is_the_difference_of_two_places_of_rest():
-    """The current is moved both ways, and nothing else."""
+def test_a_slope_is_the_difference_of_two_places_of_rest(monkeypatch):
+    """By the forces that are given, near where the rod rests; the current is moved both ways."""
 
-    @dataclass
-    class Model:
-        current: float
-        history: str = "falling"
+    def settled(forces, current, near):
+        assert (forces, near) == ("forces", "rest")
+        return SimpleNamespace(lift=current**2)
 
-        def model_copy(self, update):
-            return Model(**({"current": self.current, "history": self.history} | update))
-
-    class Scene:
-        def __init__(self, coil):
-            self.coil = coil
-
-        def model_copy(self, update):
-            return Scene(**update)
-
-        @property
-        def rest(self):
-            assert self.coil.history == "falling"
-            return [SimpleNamespace(lift=self.coil.current**2)]
-
-    assert machine._slope(Scene(Model(3.0)), 3.0, 0.1) == pytest.approx(6.0)
+    monkeypatch.setattr(machine, "settled_place", settled)
+    scene = SimpleNamespace(coil=SimpleNamespace(current=3.0), rest=("rest", None))
+    assert machine._slope(scene, "forces", 0.1) == pytest.approx(6.0)
 
 
 @pytest.mark.parametrize(("off", "verdict"), [(1.5e-3, "holds"), (3e-3, "fails")])

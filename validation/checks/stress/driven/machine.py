@@ -9,6 +9,8 @@ import numpy as np
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.network_pull import network_pull
+from tactgen.tmm.generator.positions import AxialForces, axial_forces, settled_place
+from tactgen.tmm.reluctance.direct_pull import DirectPull
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.driven.holding import CIRCUIT_PAIR, DRIVEN, HELD
@@ -16,6 +18,7 @@ from tactgen.validation.checks.stress.driven.motion import motion_rows
 from tactgen.validation.checks.stress.driven.sweep import Pair, Sweep, decades, driven
 from tactgen.validation.checks.stress.result import Row, Stress, answered
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.generator.judged_rod import CELLS_AT_REST
 from tactgen.validation.scene.scene import Scene
 
 _STATEMENT = (
@@ -82,8 +85,8 @@ def slow_row(quick: bool) -> Row:
     def add(family: Family, where: str, scene: Scene) -> None:
         slow = solve(scene, ("tmm",), ("axial_tip_per_current",))
         moved = complex(slow.get("axial_tip_per_current", "tmm").value[0])
-        current = scene.coil.current
-        wide, near = (_slope(scene, current, share * current) for share in (2e-3, 1e-3))
+        current, at_rest = scene.coil.current, _network_forces(scene)
+        wide, near = (_slope(scene, at_rest, share * current) for share in (2e-3, 1e-3))
         slope = near + (near - wide) / 3.0
         bar = abs(near - wide) + 1e-6 * abs(slope)
         family.compare(where, abs(moved), abs(slope), bar)
@@ -102,14 +105,20 @@ def slow_row(quick: bool) -> Row:
     return driven(f"machine: {sweep.family}", sweep, "generator", add, quick)
 
 
-def _slope(scene: Scene, current: float, step: float) -> float:
-    """Return the central difference of the place of rest (m/A), the pull that of the same map."""
+def _network_forces(scene: Scene) -> AxialForces:
+    """Return what acts on the rod, the pull by the network that small motions are read off."""
+    exact = DirectPull(scene.device, CELLS_AT_REST, scene.pull.gap_limits)
+    return axial_forces(scene.device, exact, scene.load.normal_force)
+
+
+def _slope(scene: Scene, forces: AxialForces, step: float) -> float:
+    """Return the central difference of the place of rest over the current (m/A)."""
+    assert scene.rest is not None, "the generator stands on its contact"
     places = []
-    for at in (current - step, current + step):
-        coil = scene.coil.model_copy(update={"current": at})
-        rest = scene.model_copy(update={"coil": coil}).rest
-        assert rest is not None, "the generator stands on its contact"
-        places.append(rest[0].lift)
+    for at in (scene.coil.current - step, scene.coil.current + step):
+        place = settled_place(forces, at, scene.rest[0])
+        assert place is not None, "near where the map has it"
+        places.append(place.lift)
     return (places[1] - places[0]) / (2.0 * step)
 
 
