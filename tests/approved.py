@@ -27,6 +27,9 @@ NEAR = 1e-6
 TINY, TINY_PART = 1e-13, 1e-9
 #: Differences shown when a test fails.
 SHOWN = 6
+#: What is smaller than this part of the largest of its row is compared like that part: components
+#: that are left of cancellation have fewer digits.
+SMALL = 1e-2
 #: A row of more numbers than this is written as its size, some of its numbers and their mean.
 LONG = 8
 
@@ -121,17 +124,29 @@ def _alike(old, new):
     if pieces[::2] != others[::2]:
         return False
     last = 0.0
-    for at in range(1, len(pieces), 2):
+    for at, row in zip(range(1, len(pieces), 2), _largest_of_rows(pieces), strict=True):
         a, b = float(pieces[at]), float(others[at])
         largest, below = max(a, b), TINY
         if "±" in pieces[at - 1]:
             below = max(TINY, TINY_PART * last)
         if _OF_ROUNDING.fullmatch(pieces[at]) or pieces[at + 1].startswith((" %", " relative")):
             below = 10.0 * TINY_PART
-        if largest >= below and abs(a - b) > NEAR * largest:
+        if largest >= below and abs(a - b) > NEAR * max(largest, SMALL * row):
             return False
         last = a
     return True
+
+
+def _largest_of_rows(pieces):
+    """Return for each number of a line the largest of the row in brackets that it stands in."""
+    found, row, inside = [], [0.0], False
+    for before, number in zip(pieces[::2], pieces[1::2], strict=False):
+        if "[" in before or "]" in before:
+            row, inside = [0.0], before.rfind("[") > before.rfind("]")
+        if inside:
+            row.append(float(number))
+        found.append(row)  # it grows to its end
+    return [max(row) for row in found]
 
 
 def _around(old, new):

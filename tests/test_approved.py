@@ -35,6 +35,14 @@ def test_words_are_exact_and_numbers_near(old, new, count):
     assert len(differences(OLD, OLD.replace(old, new))) == count
 
 
+def test_small_numbers_of_a_row_have_fewer_digits():
+    """Beside 4000 a thousandth may differ by 4e-5 (1e-6 of a hundredth of it), alone it may not."""
+    assert differences("a [1, 0.001, 4000] 2", "a [1, 0.00103, 4000] 2") == []
+    assert differences("a [1, 0.001, 4000] 2", "a [1, 0.00105, 4000] 2")
+    assert differences("a [4000] 0.001", "a [4000] 0.00103")
+    assert differences("a 1, 4000, 0.001", "a 1, 4000, 0.00103")
+
+
 def test_a_value_is_told_to_its_leaves():
     """Fields, keys, arrays, complex numbers; long rows by some of their numbers and their mean."""
 
