@@ -40,6 +40,9 @@ class Refined(Generic[T]):
         How the error bar comes about, for the reader.
     rounding : float or (n,) array
         Relative rounding error beyond that of the port equations; of modes, one for each.
+    least : float
+        Relative error bar that the coarser results are trusted with at least: they may agree by
+        chance.  Only of what is read off ports at 0 Hz.
     rounds_apart : bool
         Whether the coarser results tell rounding, too, of whatever is read off them.
     """
@@ -49,6 +52,7 @@ class Refined(Generic[T]):
     method: str
     rounding: Floats | float = 0.0
     rounds_apart: bool = False
+    least: float = 0.0
 
 
 @storable

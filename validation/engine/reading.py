@@ -88,9 +88,11 @@ def _judge(
 ) -> Judged:
     """Apply `of` to the fine and the coarser results; the bars add, rounding being of `size`."""
     value = np.asarray(of(refined.fine))
-    bar = size(value) * (rounding + refined.rounding)
+    apart = np.zeros(value.shape)
     for coarser, factor in refined.coarser:
-        bar = bar + factor * np.abs(value - np.asarray(of(coarser)))
+        apart = apart + factor * np.abs(value - np.asarray(of(coarser)))
+    apart = np.maximum(apart, refined.least * size(value))
+    bar = apart + size(value) * (rounding + refined.rounding)
     return Judged(value, np.asarray(bar, dtype=float), refined.method)
 
 

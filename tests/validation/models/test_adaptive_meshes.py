@@ -356,11 +356,11 @@ def test_bars_of_the_generator_cover_finer_meshes():
         assert abs(value - closer) <= bar + own, name
 
 
-def test_classes_that_are_no_goal_count_as_on_meshes_refined_alike():
-    """Eight times the unknowns are half the size; as many unknowns are no gain at all."""
-    fine, coarse = solved_with(80_000, 1e-4), solved_with(10_000, 1e-2)
+def test_classes_that_are_no_goal_count_by_unknowns():
+    """3.375 times as many are two thirds of the size, at order two; as many are no gain at all."""
+    fine, coarse = solved_with(33_750, 1e-4), solved_with(10_000, 1e-2)
     bending, others = AdaptedPair(fine, coarse).mode_factors
-    assert bending < others == two_mesh_factor(2.0)
+    assert bending < others == pytest.approx(two_mesh_factor(1.5, 2.0), rel=1e-12)
     assert np.isfinite(AdaptedPair(coarse, coarse).mode_factors).all()
 
 

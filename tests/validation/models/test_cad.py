@@ -92,8 +92,8 @@ def test_what_a_mesh_does_not_know_is_refused_in_one_sentence(name, override, mo
 
 
 def test_coupling_factor_counts_with_what_static_numbers_count_with(both):
-    """What a voltage moves can be off alike on both meshes: the estimate's share is in its bar."""
-    known = both.stages._results["cad.modal"]
+    """What a voltage moves can be off alike on both meshes: then the estimate's share counts."""
+    known = replace(both.stages._results["cad.modal"], static_factor=0.0)
     assert known.static_share > 0.0
     plan = make_plan(both.scene, ("cad",), ("coupling_factor",))
     found = []
@@ -110,6 +110,27 @@ def test_coupling_factor_counts_with_what_static_numbers_count_with(both):
         known.static_share * k, rel=known.static_share
     )
     assert opened.rounding[0] >= known.static_share * k**2 / (1.0 - k**2)
+
+
+def test_of_two_signs_of_one_error_the_larger_counts(both):
+    """Static numbers and the open circuit: the meshes' difference, or the estimate's share."""
+    static, modal = (both.stages._results[f"cad.{name}"] for name in ("static", "modal"))
+    names = ("static_tip_displacement", "coupling_factor")
+    plan = make_plan(both.scene, ("cad",), names)
+    bars = []
+    for share in (0.0, 1e-9, 0.05, 0.1):
+        stages = Stages(plan.keys)
+        stages._results["cad.static"] = replace(static, least=share, rounding=0.0)
+        stages._results["cad.modal"] = replace(modal, static_share=share)
+        model = make_model("cad", both.scene, stages)
+        bars.append(
+            [float(abs(q.uncertainty / q.value)) for q in (evaluate(n, model) for n in names)]
+        )
+    none, little, some, twice = np.array(bars)
+    assert little == pytest.approx(none, rel=1e-12)
+    # what is left of the bar beside the share is rounding
+    assert [some[0], twice[0]] == pytest.approx([0.05, 0.1], rel=1e-6)
+    assert none[1] < some[1] < twice[1]
 
 
 def test_what_a_mode_counts_with_at_least_is_no_coupling(both):
@@ -134,7 +155,7 @@ def test_an_open_circuit_counts_with_the_charge_by_its_own_share_alone(both):
     bars = []
     for factor in (0.0, 12.5):
         stages = Stages(plan.keys)
-        stages._results["cad.modal"] = replace(known, static_factor=factor)
+        stages._results["cad.modal"] = replace(known, static_factor=factor, static_share=0.0)
         model = make_model("cad", both.scene, stages)
         found = evaluate("open_circuit_frequencies", model)
         bars.append((found.uncertainty[0] / found.value[0], evaluate("coupling_factor", model)))

@@ -63,7 +63,7 @@ class MeshPair(Protocol):
 
     @property
     def static_share(self) -> float:
-        """Relative error that static quantities and the response count with besides."""
+        """Relative error that static quantities count with at least, and the response besides."""
 
     @property
     def mode_factors(self) -> tuple[float, float]:
@@ -89,7 +89,7 @@ class SolidModes:
     static_factor : float
         Error bar of static quantities per difference between the two meshes.
     static_share : float
-        Relative error that static quantities count with besides.
+        Relative error that static quantities count with at least.
     mode_factors : (float, float)
         The same of frequencies, see :class:`MeshPair`.
     method : str
@@ -146,9 +146,9 @@ class TwoMeshModel(BimorphModel):
         def work() -> Refined[Multiport]:
             pair, (fine, *judges) = self.mesh_pair, self._at_rest()
             least = sum(float(least_at_rest(fine, judge)[0]) for judge in judges)
-            rounding = self._rounding(fine) + pair.static_share + pair.static_factor * least
+            rounding = self._rounding(fine) + pair.static_factor * least
             coarser = tuple((judge, pair.static_factor) for judge in judges)
-            return Refined(fine, coarser, pair.method, rounding)
+            return Refined(fine, coarser, pair.method, rounding, least=pair.static_share)
 
         return self.run("static", work)
 
@@ -220,8 +220,10 @@ class TwoMeshModel(BimorphModel):
         if open_circuit:
             # the charge is a static goal: what it adds is judged as one, and that alone
             added, less = modal.stiffened(self.scene.ends, int(bends.sum()))
-            stiffer[bends] *= np.sqrt((1.0 + less) / (1.0 + added))
-            rounding[bends] += modal.static_share * added
+            softer = np.sqrt((1.0 + less) / (1.0 + added))
+            stiffer[bends] *= softer
+            apart = modal.static_factor * np.abs(1.0 - softer)
+            rounding[bends] += np.maximum(modal.static_share * added - apart, 0.0)
         parts = ((bends, bending), (~bends, others))
         coarser = tuple(
             (_only(of, fine, other), factor)
