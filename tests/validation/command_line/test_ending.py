@@ -9,8 +9,10 @@ import pytest
 
 from tactgen.validation.command_line import ending
 
+#: Who runs the tests may ignore signals (nohup, a job in the background); children inherit that.
 ENDED = """
 import os, signal, sys
+signal.signal(signal.Signals[sys.argv[2]], signal.SIG_DFL)
 from tactgen.validation.export import files
 from tactgen.validation.command_line.cli import main
 
@@ -87,6 +89,7 @@ def test_nothing_is_said_before_the_program_has_begun():
     """Ctrl-C while the command line itself is loaded: the signal's own end, no traceback."""
     script = (
         "import os, signal, sys, tactgen.__main__ as program\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "class Finder:\n"
         "    def find_spec(self, *_): os.kill(os.getpid(), signal.SIGINT)\n"
         "sys.meta_path.insert(0, Finder())\n"
