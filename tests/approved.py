@@ -10,7 +10,7 @@ import dataclasses
 import html
 import numbers
 import re
-from difflib import SequenceMatcher
+from difflib import SequenceMatcher, unified_diff
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
@@ -48,11 +48,12 @@ def approved(request):
     """Return a function that compares a text with the approved one of this test."""
     name = re.sub(r"[^\w.=-]+", "-", request.node.name).strip("-")
 
-    def compare(text, part=""):
+    def compare(text, part="", *, exactly=False):
         file = FOLDER / request.path.stem / f"{name}{part and '.' + part}.txt"
+        judge = by_letter if exactly else differences
         if request.config.getoption("--approve"):
-            approve(file, text)
-        elif found := differences(file.read_text("utf-8") if file.exists() else "", lean(text)):
+            approve(file, text, judge)
+        elif found := judge(file.read_text("utf-8") if file.exists() else "", lean(text)):
             told = [f"{file.name}: not what was approved", *found[:SHOWN]]
             told.append(f"{len(found)} lines; {_how(request)}")
             pytest.fail("\n".join(told), pytrace=False)
@@ -74,7 +75,8 @@ def approved_line(request):
         known = dict(line.split(": ", 1) for line in lines)
         if request.config.getoption("--approve"):
             known[name] = text if differences(known.get(name, ""), text) else known[name]
-            approve(file, "\n".join(f"{key}: {known[key]}" for key in sorted(known)))
+            whole = "\n".join(f"{key}: {known[key]}" for key in sorted(known))
+            approve(file, whole, differences)
         elif found := differences(known.get(name, ""), text):
             told = f"{file.name}, {name}: not what was approved"
             pytest.fail("\n".join([told, *found, _how(request)]), pytrace=False)
@@ -87,9 +89,9 @@ def _how(request):
     return f"if all are meant: make approve TESTS={test}"
 
 
-def approve(file, text):
+def approve(file, text, judge):
     """Write a text as the approved one, where it is another."""
-    if not file.exists() or differences(file.read_text("utf-8"), lean(text)):
+    if not file.exists() or judge(file.read_text("utf-8"), lean(text)):
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(lean(text), encoding="utf-8")
 
@@ -97,6 +99,12 @@ def approve(file, text):
 def lean(text):
     """Return a text without empty lines and blanks at the ends of lines."""
     return "\n".join(line.rstrip() for line in text.splitlines() if line.strip()) + "\n"
+
+
+def by_letter(before, after):
+    """Return the lines in which two texts differ at all."""
+    changed = unified_diff(before.splitlines(), after.splitlines(), lineterm="", n=0)
+    return [f"  {line[:200]}" for line in changed if not line.startswith(("---", "+++", "@@"))]
 
 
 def differences(before, after):
@@ -322,7 +330,8 @@ _SILENT = {"style", "script", "metadata"}
 #: What is another on another day or machine: dates, times, versions.
 _PASSING = re.compile(
     r"\b\d{4}-\d{2}-\d{2}\b|(?<![\w.])\d[\d.]*(?:e-\d\d)? s\b|(?<=\| )\d+\.\d{3}(?= \|)"
-    r"|on \w+ \w+, Python [\d.]+, by .*|code [0-9a-f]{12}\b.*|commit [0-9a-f]{7}(?:-dirty)?"
+    r"|on \w+ \w+, Python [\d.]+, by .*|code [0-9a-f]{12}\b.*"
+    r"|commit (?:[0-9a-f]{7}(?:-dirty)?|installed without its repository)"
     r"|libraries numpy .*"
 )
 

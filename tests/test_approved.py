@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from approved import FOLDER, approve, described, differences, figure_text, page_text
+from approved import FOLDER, approve, by_letter, described, differences, figure_text, page_text
 
 OLD = "f1 = 440.1234 Hz, 3 rows\nSV-1 passes\nx = 12.3 ± 4.0e-12 mm, 2e-11 %"
 
@@ -89,8 +89,14 @@ def test_what_says_the_same_is_not_written_again(tmp_path):
     """Rounding makes no diff to review; another number does."""
     file = tmp_path / "a" / "b.txt"
     for text, kept in (("x 1.0  \n\n", "x 1.0"), ("x 1.0000001", "x 1.0"), ("x 2", "x 2")):
-        approve(file, text)
+        approve(file, text, differences)
         assert file.read_text("utf-8") == f"{kept}\n"
+
+
+def test_by_letter_no_digit_is_rounding():
+    """Constants of the packages: a threshold of 1e-12 is no nought."""
+    assert by_letter("a = 1e-12\nb = 1\n", "a = 2e-12\nb = 1\n") == ["  -a = 1e-12", "  +a = 2e-12"]
+    assert not by_letter("a = 1\n", "a = 1\n")
 
 
 def test_another_output_fails_and_says_how_to_approve_it(request):

@@ -11,7 +11,7 @@ from reach import PACKAGES
 READERS = (
     "tests/validation/checks/test_tolerances.py", "tests/validation/command_line/test_options.py",
     "tests/test_house.py", "tests/geometry/test_files.py",
-    "tests/validation/catalogue/test_names.py",
+    "tests/validation/catalogue/test_names.py", "tests/test_constants.py",
 )  # fmt: skip
 #: Processor time (s), as measured while noting, that the tests on one mistake may take:
 #: those of its own room, which are run alone first, and all.

@@ -36,7 +36,7 @@ def test_the_loop_by_both_ways(tmp_path, capsys):
      (["--current", "0:-1mA:5"], "0 A or more"), (["--current", "90mA:10mA:5"], "does not rise"),
      (["--current", "0:9A:5"], "ends at"), (["--model", "tmm"], 'model "tmm" is unknown'),
      (["--plot", "x.png"], "must end in .svg"), (["--csv", "x.txt"], "must end in .csv"),
-     (["--plot", "nowhere/x.svg"], "nowhere")],
+     (["--plot", "nowhere/x.svg"], "its folder does not exist")],
 )  # fmt: skip
 def test_refused_in_one_sentence(tmp_path, monkeypatch, capsys, arguments, said):
     """Exit code 2, and nothing written."""

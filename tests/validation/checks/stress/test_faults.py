@@ -38,11 +38,12 @@ def test_ended_at_some_moment(trials, family):
     assert row.verdict == "holds", row.worst
 
 
-def test_no_room_is_one_sentence(trials):
-    """Files that cannot grow: refused, nothing left."""
-    row = faults.no_room(trials)
+@pytest.mark.parametrize(("family", "count"), [(faults.no_room, 2), (faults.read_only, 1)])
+def test_no_room_is_one_sentence(trials, family, count):
+    """Files that cannot grow, folders that take none: refused, nothing left."""
+    row = family(trials)
     assert row.verdict == "holds or says why not", row.worst
-    assert len(row.refusals) == 2
+    assert len(row.refusals) == count
     assert all("cannot be written" in words for words in row.refusals)
 
 

@@ -50,6 +50,34 @@ def test_the_largest_change_beyond_the_bars_is_shown():
     assert found.beyond == 0
 
 
+@pytest.mark.parametrize(
+    ("frequencies", "along", "abscissae", "curves"),
+    [
+        (("",), "length", [1.0, 2.0], ("rough 7", "fine 7")),
+        (("10", "50"), "frequency (Hz)", [10.0, 50.0],
+         ("rough 1 7", "rough 2 7", "fine 1 7", "fine 2 7")),
+    ],
+)  # fmt: skip
+def test_curves_run_along_the_first_axis_of_numbers(
+    monkeypatch, frequencies, along, abscissae, curves
+):
+    """Words before it and numbers after it tell the curves apart; over frequency all values do."""
+    drawn = []
+    monkeypatch.setattr(page, "svg", drawn.append)
+    values = [("rough", "1", "7"), ("rough", "2", "7"), ("fine", "1", "7"), ("fine", "2", "7")]
+    points = [tuple(zip(("mesh", "length", "width"), value, strict=True)) for value in values]
+    held = {
+        Key(point, "force", "tmm", frequency, ""): Number(n + 1.0, 0.0, "N")
+        for n, point in enumerate(points)
+        for frequency in frequencies
+    }
+    page._curves((Side("a", {}, held, {}, SCENE, ()), Side("b", {}, held, {}, SCENE, ())))
+    (axis,) = drawn[0].axes
+    assert axis.get_xlabel() == along
+    assert [line.get_label() for line in axis.lines[::2]] == [f"A tmm {which}" for which in curves]
+    assert axis.lines[0].get_xdata().tolist() == abscissae
+
+
 def compared(capsys, *arguments):
     code = main(["compare", *map(str, arguments)])
     captured = capsys.readouterr()

@@ -120,15 +120,11 @@ def _ampere(part: str, text: str) -> float:
 
 
 def _check_files(options: argparse.Namespace) -> None:
-    for option, path in (("plot", options.plot), ("csv", options.csv)):
-        suffix = ".svg" if option == "plot" else ".csv"
-        if path and not path.endswith(suffix):
-            raise InputError(f'--{option} "{path}" must end in {suffix}; name the file so')
-        if path and not Path(path).parent.is_dir():
-            raise InputError(
-                f'--{option} "{path}" cannot be written (its folder does not exist); choose '
-                "another place"
-            )
+    from tactgen.validation.export.targets import check_place
+
+    for option, path, suffix in (("plot", options.plot, ".svg"), ("csv", options.csv, ".csv")):
+        if path:
+            check_place(f"--{option}", Path(path), (suffix,))
 
 
 def _write(options: argparse.Namespace, loops: list[RodLoop], current: float) -> None:

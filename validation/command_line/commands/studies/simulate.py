@@ -191,6 +191,8 @@ def _write(options: argparse.Namespace, found: Simulation, announce: Callable[[s
 
 def _check_files(options: argparse.Namespace) -> None:
     """Refuse what would fail only after the run."""
+    from tactgen.validation.export.targets import check_place
+
     for option, path, suffix in (
         ("out", options.out, ".nc"),
         ("plot", options.plot, ".svg"),
@@ -198,13 +200,8 @@ def _check_files(options: argparse.Namespace) -> None:
         ("mp4", options.mp4, ".mp4"),
         ("fields", options.fields, ".pvd"),
     ):
-        if path and not path.endswith(suffix):
-            raise InputError(f"--{option} {path} must end in {suffix}; name the file so")
-        if path and not Path(path).parent.is_dir():
-            raise InputError(
-                f"--{option} {path} cannot be written (its folder does not exist); choose another "
-                "place"
-            )
+        if path:
+            check_place(f"--{option}", Path(path), (suffix,))
     if options.mp4:
         from tactgen.validation.view.films import check_ffmpeg
 

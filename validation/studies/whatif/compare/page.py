@@ -102,39 +102,38 @@ def _along(sides: tuple[Side, ...]) -> str:
     for key in sides[0].numbers:
         if key.frequency:
             return "frequency (Hz)"
-        for name, value in key.point:
-            if _is_number(value):
-                return name
+        numeric = _numeric(key)
+        if numeric is not None:
+            return key.point[numeric][0]
     return ""
 
 
 def _abscissa(key: Key) -> float | None:
     if key.frequency:
         return float(key.frequency)
-    for _, value in key.point:
-        try:
-            return float(value)
-        except ValueError:
-            continue
-    return None
+    numeric = _numeric(key)
+    return None if numeric is None else float(key.point[numeric][1])
 
 
 def _curve(key: Key) -> tuple[str, ...]:
     """Return what is the same along a curve: model, index, and all axes but the abscissa."""
     rest = list(key.point)
-    if not key.frequency:
-        numeric = next(n for n, (_, value) in enumerate(rest) if _is_number(value))
+    numeric = None if key.frequency else _numeric(key)
+    if numeric is not None:
         del rest[numeric]
     index = (f"no. {key.number}",) if key.number else ()
     return (key.model, *index, *(value for _, value in rest))
 
 
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+def _numeric(key: Key) -> int | None:
+    """Return which axis of a point is the first whose value is a number."""
+    for axis, (_, value) in enumerate(key.point):
+        try:
+            float(value)
+        except ValueError:
+            continue
+        return axis
+    return None
 
 
 def _devices(

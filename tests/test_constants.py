@@ -1,0 +1,77 @@
+"""A changed constant is a changed decision: the numbers that steer the packages are approved.
+
+Thresholds, steps and how fine, how often or where to start are seldom seen in an answer, because
+error bars cover them.  So the list of all is kept, and its diff is where one is seen to move.
+"""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+#: Where numbers are places and sizes of what is drawn.
+DRAWN = (
+    "validation/view", "validation/report/figures", "validation/book", "validation/checks/setup",
+)  # fmt: skip
+#: A longer table is written by its rows.
+LONG = 120
+
+
+class _Unworded(ast.NodeTransformer):
+    """Leaves words out of what a constant is made of: pages and tables hold them."""
+
+    def visit_Constant(self, node: ast.Constant) -> ast.Constant:
+        return ast.Constant("") if isinstance(node.value, str) else node
+
+    def visit_JoinedStr(self, node: ast.JoinedStr) -> ast.Constant:
+        return ast.Constant("")
+
+
+def constants(tree: ast.AST, within: str = "") -> Iterator[str]:
+    """Yield what holds a number below a module or class: constants, fields, defaults."""
+    for node in ast.iter_child_nodes(tree):
+        match node:
+            case ast.ClassDef(name=name):
+                yield from constants(node, f"{within}{name}.")
+            case ast.FunctionDef(name=name, args=given):
+                names = [a.arg for a in (*given.posonlyargs, *given.args)]
+                last = names[len(names) - len(given.defaults) :]
+                named = [*zip(last, given.defaults, strict=True)]
+                named += zip((a.arg for a in given.kwonlyargs), given.kw_defaults, strict=True)
+                for argument, default in named:
+                    yield from _with_a_number(f"{within}{name}({argument})", default)
+            case ast.Assign(targets=[target], value=value):
+                yield from _with_a_number(within + ast.unparse(target), value)
+            case ast.AnnAssign(target=target, value=value):
+                yield from _with_a_number(within + ast.unparse(target), value)
+
+
+def _with_a_number(name: str, value: ast.expr | None) -> Iterator[str]:
+    if value is not None and any(map(_is_number, ast.walk(value))):
+        plain = _Unworded().visit(value)
+        whole = ast.unparse(plain)
+        rows = getattr(plain, "elts", [])
+        if len(whole) > LONG and rows:
+            yield f"{name} ="
+            yield from (f"  {ast.unparse(row)}" for row in rows)
+        else:
+            yield f"{name} = {whole}"
+
+
+def _is_number(node: ast.AST) -> bool:
+    number = isinstance(node, ast.Constant) and isinstance(node.value, int | float | complex)
+    return number or isinstance(node, ast.BinOp | ast.UnaryOp | ast.Compare)
+
+
+@pytest.mark.parametrize("package", ["geometry", "tmm", "fem", "validation"])
+def test_no_constant_moves_unseen(package, approved):
+    """Approve one that is meant, with its reason in the commit."""
+    lines = []
+    for path in sorted((ROOT / package).rglob("*.py")):
+        file = path.relative_to(ROOT).as_posix()
+        found = constants(ast.parse(path.read_bytes()))
+        if not file.startswith(DRAWN) and (held := list(found)):
+            lines += [file, *(f"  {one}" for one in held)]
+    approved("\n".join(lines), exactly=True)
