@@ -91,6 +91,18 @@ def test_a_short_piece_takes_no_elements_from_a_long_one():
     assert np.bincount(row_mesh(pieces, bimorph, 2)[1])[-1] == 2
 
 
+def test_elements_are_shared_out_by_bending_waves():
+    """On the rod: each piece's share goes as its length over the root of its thickness."""
+    device = Device(bimorph=Bimorph(tab_length=2e-3, shim_thickness=0.2e-3))
+    pieces = [each for each in beam_pieces(device, Support(kind="rod")) if each.section != "bond"]
+    b = device.bimorph
+    thick = {"shim": b.shim_thickness, "bimorph": b.shim_thickness + 2.0 * b.piezo_thickness}
+    waves = np.array([p.length / np.sqrt(thick.get(p.section, 2.0 * p.radius)) for p in pieces])
+    counts = np.bincount(row_mesh(pieces, b, 10**4)[1])
+    assert {p.section for p in pieces} == {"cylinder", "shim", "bimorph"}
+    np.testing.assert_array_equal(counts, np.ceil(10**4 * waves / waves.sum()))
+
+
 @pytest.mark.parametrize("length", [2e-3, 200e-3])
 def test_other_units_change_nothing_but_rounding(length):
     """The same ports and modes, and not to the last digit: what differs shows rounding.
