@@ -121,7 +121,7 @@ def _at_ports(
 
     if isinstance(readout, PortMatrix):
         return _judge(
-            refined, lambda port: wired(port).stiffness, rounding[:, None, None], _balanced_size
+            refined, lambda port: wired(port).stiffness, rounding[:, None, None], balanced_size
         )
 
     def of(port: Multiport) -> Array:
@@ -131,7 +131,7 @@ def _at_ports(
     return _judge(refined, of, rounding[0] if static else rounding)
 
 
-def _balanced_size(matrix: Array) -> Array:
+def balanced_size(matrix: Array) -> Array:
     """Return √|D_ii D_jj| (n, p, p), so that entries that should be 0 have a bar too."""
     own = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)))
     return np.asarray(np.maximum(np.abs(matrix), own[:, :, None] * own[:, None, :]))

@@ -10,14 +10,15 @@ from approved import described
 from tactgen.fem.bimorph.ports import direct_multiport
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
-from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.device.parameters import Piezo
 from tactgen.tmm.beam.section.laminate import laminate_section
-from tactgen.tmm.beam.section.section import section
 from tactgen.tmm.beam.section.shear_correction import energy_shear_correction
-from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.tmm.ports.multiport import respond
 from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
+from tactgen.validation.engine.model import Refined
+from tactgen.validation.engine.reading import read
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph.bridge import bridge, solid_values
 from tactgen.validation.models.bimorph.bridge.assumptions import Assumptions, solid_cases
 from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
@@ -29,8 +30,10 @@ from tactgen.validation.models.bimorph.bridge.solid_values import (
     solve_solid,
     solve_static,
 )
-from tactgen.validation.models.bimorph.bridge.swept import swept_bridge
+from tactgen.validation.models.bimorph.bridge.stepped import SteppedSolid, bridged, stepped
 from tactgen.validation.models.bimorph.bridge.width import width_study
+from tactgen.validation.models.display.crosstalk import crosstalk
+from tactgen.validation.report.request import prepared
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -196,30 +199,53 @@ def test_bridge_of_the_sprung_bimorph_is_that_of_its_own_solid():
 
 
 @pytest.mark.usefixtures("few")
-def test_swept_bridge_leads_from_the_beam_to_the_solid_at_every_frequency():
+def test_every_quantity_is_led_from_the_beam_to_the_solid():
     """Driven under the finger, at rest and past the first mode: both ends are the models' own."""
-    scene = load_scene("paper")[0]
-    frequencies = np.array([10.0, 1000.0])
-    steps = swept_bridge(scene, frequencies, lambda _: None, level=0)
-    assert [step.name for step in steps[2:]] == [name for name, _ in solid_cases(scene, 0)]
-    beam = attach(transfer_matrix.chain(lossy_row(scene), frequencies), scene.ends)
-    solid = assemble(scene.device, SolidCase(scene, level=0).bricks(), lossy=True)
-    for step, port in (
-        (steps[0], beam),
-        (steps[-1], attach(direct_multiport(solid, frequencies), scene.ends)),
-    ):
-        tip = np.abs(respond(port, {"voltage": 1.0}).motion["w_tip"])
-        np.testing.assert_allclose(step.motion, tip, rtol=1e-9)
-    whole = steps[0].motion / steps[-1].motion - 1.0
-    np.testing.assert_allclose(sum(step.share for step in steps), whole, rtol=1e-9)
+    scene = load_scene("paper", ["frequency=10,1000", "models=tmm,solid"])[0]
+    quantities = bridged(prepared(scene, quick=False))
+    assert {"blocked_force", "load_power", "dynamic_stiffness"} <= set(quantities)
+    beam, own = solve(scene, ("tmm",), quantities), SteppedSolid(scene, SolidCase(scene, level=0))
+    found = {one.row.name: one for one in stepped(scene, quantities, lambda _: None, level=0)}
+    for name, one in found.items():
+        assert one.steps[2:] == tuple(step for step, _ in solid_cases(scene, 0))
+        solid = read(one.row.at_threshold(DISPLAY_THRESHOLD), own)
+        count = one.values.shape[1]
+        for at, value in ((0, beam.get(name, "tmm").value), (-1, solid.value)):
+            np.testing.assert_allclose(one.values[at], np.abs(value)[:count], rtol=1e-9)
+        apart = (one.values[0] - one.values[-1]) / one.size
+        np.testing.assert_allclose(one.together, apart, rtol=1e-9)
     # past the mode under the finger the same steps are worth twice as much
-    assert abs(whole[1]) > 1.5 * abs(whole[0]) > 0.05
+    tip, power = found["tip_displacement"], found["load_power"]
+    assert abs(tip.together[1]) > 1.5 * abs(tip.together[0]) > 0.05
+    assert tip.goes_with(found["tip_velocity"])
+    assert not tip.goes_with(power)
+    np.testing.assert_allclose(1.0 + power.together, (1.0 + tip.together) ** 2, rtol=1e-9)
+    rungs = bridge(scene, lambda _: None, level=0, sections=False)
+    for name, value in (
+        ("short_circuit_frequencies", "first_frequency"),
+        ("open_circuit_frequencies", "open_frequency"),
+    ):
+        first = [getattr(rung.values, value) for rung in rungs]
+        np.testing.assert_allclose(found[name].values[:, 0], first, rtol=1e-9)
+    system = assemble(scene.device, own.case.bricks(), lossy=True)
+    port = attach(direct_multiport(system, np.array(scene.frequency)), scene.ends)
+    moved = scene.drive.voltage * np.abs(respond(port, {"voltage": 1.0}).motion["w_tip"])
+    np.testing.assert_allclose(tip.values[-1], moved, rtol=1e-9)
 
 
-def lossy_row(scene):
-    """Return the bimorph's one piece of beam, with its losses."""
-    (piece,) = beam_pieces(scene.device, scene.support)
-    return [(section(piece, scene.device, scene.beam, lossy=True), piece.length)]
+@pytest.mark.usefixtures("few")
+def test_crosstalk_is_led_through_the_ports_of_every_step():
+    """Of two units side by side: the beam's crosstalk first, that of the solid's ports last."""
+    two = ("display.rows=1", "display.columns=2")
+    scene = load_scene("display", ["frequency=100,785", "models=tmm,solid", *two])[0]
+    assert "crosstalk_beside" in bridged(scene)
+    (found,) = stepped(scene, ["crosstalk_beside"], lambda _: None, level=0)
+    beam = solve(scene, ("tmm",), ["crosstalk_beside"]).get("crosstalk_beside", "tmm")
+    solid = assemble(scene.device, SolidCase(scene, level=0).bricks(), lossy=True)
+    ports = Refined(direct_multiport(solid, np.array(scene.frequency)), (), "")
+    last = crosstalk(scene, ports).beside()
+    np.testing.assert_allclose(found.values[[0, -1]], np.abs([beam.value, last.value]), rtol=1e-9)
+    assert (found.together != 0.0).all()
 
 
 def test_shim_alone_lowers_the_frequency():

@@ -6,8 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Piezo
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.ports.readout import ModalReadout
+from tactgen.validation.catalogue.bimorph import DYNAMIC_STIFFNESS
 from tactgen.validation.report.figures.bimorph import bridge_plot, support_plot
 from tactgen.validation.report.sections.section import Context
 from tactgen.validation.report.study import Study
@@ -15,11 +18,12 @@ from tactgen.validation.report.study import Study
 if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge import Rung
     from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
+    from tactgen.validation.models.bimorph.bridge.stepped import Stepped
     from tactgen.validation.models.bimorph.bridge.width import WidthPoint
     from tactgen.validation.models.bimorph.joint_compliance import SupportCompliance, SupportStudy
     from tactgen.validation.scene.scene import Scene
 
-#: Frequencies at which the driven tip is followed.
+#: Frequencies at which responses are followed.
 _FREQUENCIES = 5
 #: The material beside the scene's own: one whose whole tensor is published, or the paper's.
 _OTHER = {"M1876": "PZT-5H"}
@@ -40,23 +44,43 @@ def bridge_section(study: Study) -> Context:
     return {
         "bridge": found,
         "widths": [] if study.quick else _widths(study),
-        "swept": None if study.quick else _swept(study),
+        "stepped": None if study.quick else _stepped(study),
         "replaced": replaced_constants(study.scene),
     }
 
 
-def _swept(study: Study) -> dict[str, Any]:
-    """Return the bridge of the driven tip at some of the scene's frequencies."""
-    from tactgen.validation.models.bimorph.bridge.swept import swept_bridge
+def _stepped(study: Study) -> dict[str, Any]:
+    """Return the bridge of bending modes, and of responses at some of the scene's frequencies.
 
-    scene = study.scene
-    few = np.unique(np.linspace(0, len(scene.frequency) - 1, _FREQUENCIES).astype(int))
-    frequencies = np.asarray(scene.frequency)[few]
-    steps = swept_bridge(scene, frequencies, study.announce)
+    The port matrix is left out: all that is shown is read off it.
+    """
+    from tactgen.validation.models.bimorph.bridge.stepped import bridged, stepped
+
+    every = np.asarray(study.scene.frequency)
+    few = every[np.unique(np.linspace(0, every.size - 1, _FREQUENCIES).astype(int))]
+    scene = study.scene.model_copy(update={"frequency": tuple(few.tolist())})
+    names = [name for name in bridged(scene) if name != DYNAMIC_STIFFNESS.name]
+    groups: list[list[Stepped]] = []
+    for found in stepped(scene, names, study.announce):
+        together = next((group for group in groups if found.goes_with(group[0])), None)
+        if together is None:
+            groups.append([found])
+        else:
+            together.append(found)
     return {
-        "frequencies": frequencies,
-        "steps": steps[1:],
-        "together": steps[0].motion / steps[-1].motion - 1.0,
+        "steps": groups[0][0].steps[1:],
+        "rows": [row for group in groups if (row := _row(group, few))["lines"]],
+    }
+
+
+def _row(group: list[Stepped], frequencies: Floats) -> dict[str, Any]:
+    """Return names of quantities in proportion, and their shares where they have a value."""
+    one = group[0]
+    at = one.values[-1] if isinstance(one.row.read, ModalReadout) else frequencies
+    lines = zip(at, one.shares.T, one.together, strict=True)
+    return {
+        "names": [found.row.name.replace("_", " ") for found in group],
+        "lines": [line for line in lines if np.isfinite(line[2])],
     }
 
 

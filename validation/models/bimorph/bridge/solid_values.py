@@ -15,6 +15,7 @@ import numpy as np
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.ports import static_multiport
 from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.bimorph.system import SolidSystem
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks, Held
@@ -58,6 +59,16 @@ class SolidCase:
         """Return what it is solved on."""
         return self.mesh or bimorph_bricks(self.scene.device, LEVELS[self.level], self.held)
 
+    def system(self, *, lossy: bool) -> SolidSystem:
+        """Return it assembled."""
+        return assemble(
+            self.scene.device,
+            self.bricks(),
+            lossy=lossy,
+            ceramic=self.ceramic,
+            uniform_field=self.uniform_field,
+        )
+
     def shortened(self, share: float) -> SolidCase:
         """Return the same with the ceramic's length times `share`."""
         bimorph = self.scene.bimorph
@@ -76,13 +87,7 @@ class SolvedSolid:
 def solve_solid(case: SolidCase) -> SolvedSolid:
     """Solve a solid: statics and the first bending modes from one factorisation."""
     scene = case.scene
-    system = assemble(
-        scene.device,
-        case.bricks(),
-        lossy=False,
-        ceramic=case.ceramic,
-        uniform_field=case.uniform_field,
-    )
+    system = case.system(lossy=False)
     static = static_multiport(system)
     # a whole body also bends the other way, twists and stretches
     count = 1 if system.motion == "bending_x" else 4
@@ -125,15 +130,7 @@ def far_section(case: SolidCase, longer: Multiport) -> Section:
 
 def solve_static(case: SolidCase) -> Multiport:
     """Return D(0) of a solid."""
-    return static_multiport(
-        assemble(
-            case.scene.device,
-            case.bricks(),
-            lossy=False,
-            ceramic=case.ceramic,
-            uniform_field=case.uniform_field,
-        )
-    )
+    return static_multiport(case.system(lossy=False))
 
 
 def _per_volt(static: Multiport) -> tuple[float, float]:
