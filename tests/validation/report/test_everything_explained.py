@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.bimorph.bridge.stepped import bridged, stepped
+from tactgen.validation.models.bimorph.stepped import bridged, stepped
 from tactgen.validation.models.comparison import UNEXPLAINED
 from tactgen.validation.report.request import is_of_rest, prepared
 from tactgen.validation.report.study import Study

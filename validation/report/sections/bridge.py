@@ -18,7 +18,7 @@ from tactgen.validation.report.study import Study
 if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge import Rung
     from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
-    from tactgen.validation.models.bimorph.bridge.stepped import Stepped
+    from tactgen.validation.models.bimorph.stepped import Stepped
     from tactgen.validation.models.bimorph.bridge.width import WidthPoint
     from tactgen.validation.models.bimorph.joint_compliance import SupportCompliance, SupportStudy
     from tactgen.validation.scene.scene import Scene
@@ -54,7 +54,7 @@ def _stepped(study: Study) -> dict[str, Any]:
 
     The port matrix is left out: all that is shown is read off it.
     """
-    from tactgen.validation.models.bimorph.bridge.stepped import bridged, stepped
+    from tactgen.validation.models.bimorph.stepped import bridged, stepped
 
     every = np.asarray(study.scene.frequency)
     few = every[np.unique(np.linspace(0, every.size - 1, _FREQUENCIES).astype(int))]
