@@ -30,8 +30,8 @@ from tactgen.validation.models.bimorph.bridge.solid_values import (
     solve_solid,
     solve_static,
 )
-from tactgen.validation.models.bimorph.stepped import SteppedSolid, bridged, stepped
 from tactgen.validation.models.bimorph.bridge.width import width_study
+from tactgen.validation.models.bimorph.stepped import SteppedSolid, bridged, stepped
 from tactgen.validation.models.display.crosstalk import crosstalk
 from tactgen.validation.report.request import prepared
 from tactgen.validation.scene.scene import load_scene

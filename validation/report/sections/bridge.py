@@ -18,9 +18,9 @@ from tactgen.validation.report.study import Study
 if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge import Rung
     from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
-    from tactgen.validation.models.bimorph.stepped import Stepped
     from tactgen.validation.models.bimorph.bridge.width import WidthPoint
     from tactgen.validation.models.bimorph.joint_compliance import SupportCompliance, SupportStudy
+    from tactgen.validation.models.bimorph.stepped import Stepped
     from tactgen.validation.scene.scene import Scene
 
 #: Frequencies at which responses are followed.
