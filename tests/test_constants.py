@@ -1,7 +1,8 @@
-"""A changed constant is a changed decision: the numbers that steer the packages are approved.
+"""A changed constant is a changed decision: what steers the packages is approved.
 
 Thresholds, steps and how fine, how often or where to start are seldom seen in an answer, because
-error bars cover them.  So the list of all is kept, and its diff is where one is seen to move.
+error bars cover them; nor is a name that a list of keys or of modules lacks, until something old
+is taken out of the store.  So the list of all is kept, and its diff is where one is seen to move.
 """
 
 import ast
@@ -30,7 +31,7 @@ class _Unworded(ast.NodeTransformer):
 
 
 def constants(tree: ast.AST, within: str = "") -> Iterator[str]:
-    """Yield what holds a number below a module or class: constants, fields, defaults."""
+    """Yield what holds numbers or names below a module or class: constants, fields, defaults."""
     for node in ast.iter_child_nodes(tree):
         match node:
             case ast.ClassDef(name=name):
@@ -41,23 +42,33 @@ def constants(tree: ast.AST, within: str = "") -> Iterator[str]:
                 named = [*zip(last, given.defaults, strict=True)]
                 named += zip((a.arg for a in given.kwonlyargs), given.kw_defaults, strict=True)
                 for argument, default in named:
-                    yield from _with_a_number(f"{within}{name}({argument})", default)
+                    yield from _told(f"{within}{name}({argument})", default)
             case ast.Assign(targets=[target], value=value):
-                yield from _with_a_number(within + ast.unparse(target), value)
+                yield from _told(within + ast.unparse(target), value)
             case ast.AnnAssign(target=target, value=value):
-                yield from _with_a_number(within + ast.unparse(target), value)
+                yield from _told(within + ast.unparse(target), value)
 
 
-def _with_a_number(name: str, value: ast.expr | None) -> Iterator[str]:
-    if value is not None and any(map(_is_number, ast.walk(value))):
+def _told(name: str, value: ast.expr | None) -> Iterator[str]:
+    if value is None or name == "__all__":
+        return
+    rows = value.elts if isinstance(value, ast.Tuple | ast.Set | ast.List) else []
+    if rows and all(map(_is_name, rows)):
+        yield f"{name} = {ast.unparse(value)}"
+    elif any(map(_is_number, ast.walk(value))):
         plain = _Unworded().visit(value)
         whole = ast.unparse(plain)
-        rows = getattr(plain, "elts", [])
         if len(whole) > LONG and rows:
             yield f"{name} ="
-            yield from (f"  {ast.unparse(row)}" for row in rows)
+            yield from (f"  {ast.unparse(row)}" for row in plain.elts)
         else:
             yield f"{name} = {whole}"
+
+
+def _is_name(node: ast.expr) -> bool:
+    return isinstance(node, ast.Starred | ast.Constant) and isinstance(
+        getattr(node, "value", None), str | ast.Name
+    )
 
 
 def _is_number(node: ast.AST) -> bool:

@@ -83,8 +83,8 @@ class _Parser(argparse.ArgumentParser):
 
     def _print_message(self, message: str, file: SupportsWrite[str] | None = None) -> None:
         """Write help; argparse's own takes no notice of a full disk."""
-        if message:
-            (file or sys.stdout).write(message)
+        if message and file is not None:
+            file.write(message)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse, and refuse what is left over here: above, nobody knows whose it was."""

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tactgen.tmm.harmonic_balance.newton import NoConvergence
 from tactgen.tmm.harmonic_balance.response import steady_orbit
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.amplitude import backbone
@@ -63,3 +64,39 @@ def test_the_largest_peak_is_listed_first(monkeypatch):
     head = SimpleNamespace(oscillator=None, response=lambda orbit: answered)
     found = backbone.response_curve(head, 1.0, (10.0, 100.0))
     assert [peak.velocity for peak in found.peaks] == [3.0, 2.0, 1.0]
+
+
+@pytest.mark.parametrize("orbits", [1, 6, 7, 8, 20])
+def test_stability_is_found_from_few_counts(monkeypatch, orbits):
+    """Wherever a branch turns unstable: ends and strides are counted, and one gap."""
+    stride = backbone._STRIDE
+    for turn in range(orbits + 1):
+        asked = []
+
+        def count(_, orbit, turn=turn, asked=asked):
+            asked.append(orbit)
+            return 0 if orbit < turn else 1
+
+        monkeypatch.setattr(backbone, "unstable_exponents", count)
+        branch = SimpleNamespace(orbits=range(orbits))
+        found = backbone._stable(SimpleNamespace(oscillator=None), branch)
+        assert found.tolist() == [i < turn for i in range(orbits)]
+        assert len(asked) <= -(-orbits // stride) + 1 + stride - 1
+
+
+def test_a_peak_is_judged_on_a_finer_branch(monkeypatch):
+    """A tenth of what was missing, twice the harmonics; without that branch there is no bar."""
+    asked = []
+
+    def refined(_, __, resolution):
+        asked.append(resolution)
+        raise NoConvergence
+
+    monkeypatch.setattr(backbone, "resolved", refined)
+    steps = [SimpleNamespace(orbit=n, course=None) for n in range(9)]
+    at = SimpleNamespace(after=5, orbit=SimpleNamespace(harmonics=7))
+    head = SimpleNamespace(oscillator=None)
+    assert backbone._judge(head, SimpleNamespace(steps=steps), at) is None
+    (fine,) = asked
+    assert fine.missing == pytest.approx(0.1 * RESOLUTION.missing)
+    assert (fine.least, fine.most) == (14, 2 * RESOLUTION.most)

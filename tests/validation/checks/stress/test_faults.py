@@ -1,6 +1,9 @@
 """Commands under bad circumstances: a few by default, all of them and more often when heavy."""
 
+import random
+
 import pytest
+from approved import described
 from scipy.io import netcdf_file
 
 from tactgen.validation.book.book import write_book
@@ -45,6 +48,29 @@ def test_no_room_is_one_sentence(trials, family, count):
     assert row.verdict == "holds or says why not", row.worst
     assert len(row.refusals) == count
     assert all("cannot be written" in words for words in row.refusals)
+
+
+@pytest.mark.parametrize("code", [0, 2, 1])
+def test_all_circumstances_are_tried(trials, monkeypatch, approved, code):
+    """Each family: how often a command is begun, with what, and what is said of how it ended."""
+    seen = []
+
+    def begun(command, around, **streams):
+        seen.append((command.name, around.limit, around.variables, around.store, [*streams]))
+
+    ended = Ended(code, "", "tactgen: no room\n" if code == 2 else "")
+    monkeypatch.setattr(faults, "begin", begun)
+    monkeypatch.setattr(faults, "finish", lambda *_, **__: ended)
+    monkeypatch.setattr(trials, "compared", lambda *_: "")
+    monkeypatch.setattr(trials, "chance", random.Random(1))
+    monkeypatch.setattr(trials, "seconds", {LIGHT[0].name: 1.0})
+    found = []
+    for family in faults._families(quick=True):
+        seen.clear()
+        row = family(trials)
+        tries = [(*said[:3], str(said[3]).startswith("/proc"), said[4]) for said in seen]
+        found += [row, *dict.fromkeys(map(str, tries)), len(tries)]
+    approved(described(found))
 
 
 @pytest.mark.parametrize(

@@ -35,6 +35,8 @@ from tactgen.validation.studies.transient.waveforms import AMPERES, VOLTS, parse
         ("-5 mV constant", Constant(-5e-3)),
         ("10 V sine 200 Hz", Sine(10.0, 200.0)),
         ("10V sine 0.2 kHz phase 90 deg delay 1 ms", Sine(10.0, 200.0, math.pi / 2, 1e-3)),
+        ("1 V square 100 Hz", Square(1.0, 100.0, 0.0, 0.5, 0.0)),
+        ("5 V step", Step(5.0, 0.0, math.inf)),
         ("1 V square 100 Hz low -1 V duty 0.25", Square(1.0, 100.0, -1.0, 0.25)),
         ("5 V step at 1 ms until 3 ms", Step(5.0, 1e-3, 3e-3)),
         ("1 V chirp 10 Hz to 1 kHz in 20 ms", Chirp(1.0, 10.0, 1000.0, 20e-3)),
@@ -79,11 +81,12 @@ def test_samples_are_read_from_a_file(tmp_path):
         ("missing.csv", "cannot be read"),
     ],
 )
-def test_what_cannot_be_read_gets_one_sentence(text, words):
+def test_what_cannot_be_read_gets_one_sentence(text, words, approved_line):
     with pytest.raises(InputError, match=words) as refused:
         parsed(text, "--voltage", (VOLTS,))
     assert "\n" not in str(refused.value)
     assert str(refused.value).startswith("--voltage ")
+    approved_line(str(refused.value))
 
 
 @pytest.mark.parametrize(

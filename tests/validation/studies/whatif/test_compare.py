@@ -45,7 +45,7 @@ def test_the_largest_change_beyond_the_bars_is_shown():
     assert (found.key.number, found.beyond, found.count, found.only) == ("sharp", 1, 2, (1, 0))
     nothing = Number(complex("nan"), float("nan"), "F")
     (found,) = answer_differences(side("a", x=nothing), side("b", x=sharp[0]))
-    assert found.beyond == 1
+    assert (found.beyond, found.relative) == (1, 0.0)
     (found,) = answer_differences(side("a", x=nothing), side("b", x=nothing))
     assert found.beyond == 0
 

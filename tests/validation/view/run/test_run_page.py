@@ -88,7 +88,7 @@ def test_the_page_asks_for_nothing_and_escapes_names(approved):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--run", "nowhere.nc"], "cannot be read"),
+        (["--run", "nowhere.nc"], "cannot be read (No such file or directory)"),
         (["--run", "nowhere.nc", "--model", "tmm"], "without --model"),
         (["--run", "nowhere.nc", "--set", "load.kind=none"], "without --set"),
         (["--run", "nowhere.nc", "--out", "film.gif"], "must end in .html"),
