@@ -38,6 +38,7 @@ def _models(study: Study) -> Context:
         "models": ranked(study.solution.models_of("bimorph")),
         "methods": methods,
         "unexplained": UNEXPLAINED,
+        "stepped": bool(study.rungs) and not study.quick,
         "tet": gallery.beside(study),
     }
 
