@@ -104,8 +104,9 @@ def test_linear():
     b = np.array([0.0, 1e-9, 0.7, 40.0])
     assert curve.field_strength(b) == pytest.approx(b / (500.0 * MU0), rel=ROUNDING)
     assert curve.energy_density(b) == pytest.approx(b**2 / (1000.0 * MU0), rel=ROUNDING)
-    with pytest.raises(InputError, match="at least 1"):
-        linear(0.5)
+    for none in (0.5, np.inf, np.nan):
+        with pytest.raises(InputError, match="at least 1"):
+            linear(none)
 
 
 def test_a_file_gives_the_curve_it_holds(tmp_path):

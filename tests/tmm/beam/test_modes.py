@@ -9,7 +9,7 @@ import pytest
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
-from tactgen.tmm.beam.modes import _roots, bending_frequencies, natural_frequencies
+from tactgen.tmm.beam.modes import _descent, _roots, bending_frequencies, natural_frequencies
 from tactgen.tmm.beam.printed_formulas import matrix_a
 from tactgen.tmm.beam.section.section import Joint, Section, section
 from tactgen.tmm.beam.transfer import transfer_matrix as tmm
@@ -325,3 +325,9 @@ def test_a_mode_next_to_no_frequency_at_all_is_refused():
     points = np.array([1.0])
     with pytest.raises(ArithmeticError, match="not found in 200 trials"):
         _roots(AtRest(), np.array([0]), points, *AtRest().count(points))
+
+
+def test_an_angle_does_not_jump_where_rounding_leaves_the_lower_half_plane():
+    """0 to π through the lower half plane, and a little beyond at either end."""
+    angle = np.array([-1e-9, 0.0, 1e-9, 1.0, 3.0, np.pi - 1e-9, np.pi, np.pi + 1e-9])
+    np.testing.assert_allclose(_descent(np.exp(-1j * angle)), angle, rtol=0, atol=1e-15)
