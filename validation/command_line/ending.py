@@ -22,9 +22,17 @@ _AGAIN = 0.01
 _LOADERS = {ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__}
 
 
+class ToldToEnd(KeyboardInterrupt):
+    """A signal's number.
+
+    KeyboardInterrupt itself, passing code made of text, as dataclasses are, leaves a mark by which
+    ``python -m`` ends as if by Ctrl-C, whatever answered it.
+    """
+
+
 @contextlib.contextmanager
 def unwound_when_told_to_end() -> Iterator[None]:
-    """Raise KeyboardInterrupt with the signal's number where the work is when a signal arrives.
+    """Raise :class:`ToldToEnd` where the work is when a signal arrives.
 
     What is ignored already stays so.  After the signal any error counts as the end: libraries
     that call back make errors of their own of it.
@@ -40,7 +48,7 @@ def unwound_when_told_to_end() -> Iterator[None]:
         if _loading(frame):
             signal.setitimer(_TIMER, _AGAIN)
         else:
-            raise KeyboardInterrupt(told)
+            raise ToldToEnd(told)
 
     heard = [number for number in _SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
     before = {number: signal.signal(number, end) for number in (*heard, _LOOK)}
@@ -48,7 +56,7 @@ def unwound_when_told_to_end() -> Iterator[None]:
         yield
     except Exception as error:
         if told:
-            raise KeyboardInterrupt(told) from error
+            raise ToldToEnd(told) from error
         raise
     finally:
         signal.setitimer(_TIMER, 0.0)

@@ -209,6 +209,19 @@ def test_command_writes_tables_and_plots(made_up_stress, tmp_path, capsys):
     assert (tmp_path / "out" / "stress-tmm-map-1.svg").read_text().startswith("<svg")
 
 
+def test_files_are_there_where_nobody_reads(made_up_stress, tmp_path, monkeypatch):
+    """Who closes the pipe still has the tables."""
+    made_up_stress([synthetic(1e-13)])
+
+    def shut(*_):
+        raise BrokenPipeError
+
+    monkeypatch.setattr("builtins.print", shut)
+    with pytest.raises(BrokenPipeError):
+        command.run(options(only=["tmm"], out=str(tmp_path)))
+    assert list(tmp_path.glob("*.csv"))
+
+
 def test_command_quotes_refusals(monkeypatch, tmp_path, capsys):
     """Each sentence once, with how often it was said; the file has them too."""
     rows = (answered("family", "what", [synthetic(1e-13)], ["come nearer", "come nearer"]),)

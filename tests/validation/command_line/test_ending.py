@@ -20,6 +20,8 @@ def half(scene, drafts, announce):
     for draft in drafts.values():
         draft.write_text("half")
     try:
+        if sys.argv[3] == "in text":
+            exec("os.kill(os.getpid(), signal.Signals[sys.argv[2]])")
         os.kill(os.getpid(), signal.Signals[sys.argv[2]])
     except BaseException:
         if sys.argv[3] == "swallowed":
@@ -36,17 +38,20 @@ sys.exit(main(["export", "reluctance", "--set", "models=network", "--map", sys.a
     [
         ("SIGTERM", "raised", 143, "told to end"),
         ("SIGTERM", "swallowed", 143, "told to end"),
+        ("SIGTERM", "in text", 143, "told to end"),
         ("SIGINT", "swallowed", 130, "interrupted"),
         ("SIGHUP", "raised", 129, "told to end"),
     ],
 )
-def test_told_to_end_leaves_nothing_behind(tmp_path, name, how, code, words):
+def test_told_to_end_leaves_nothing_behind(tmp_path, tmp_path_factory, name, how, code, words):
     """A signal amid writing: the usual exit code, one sentence, no draft in the folder.
 
     Also where a library makes an error of its own of the signal.
     """
-    command = [sys.executable, "-c", ENDED, str(tmp_path / "map.nc"), name, how]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    program = tmp_path_factory.mktemp("program")
+    (program / "told.py").write_text(ENDED)
+    command = [sys.executable, "-m", "told", str(tmp_path / "map.nc"), name, how]
+    done = subprocess.run(command, cwd=program, capture_output=True, text=True, check=False)
     assert done.returncode == code
     assert done.stderr.endswith(f"tactgen: {words}; nothing half-written was kept\n")
     assert not list(tmp_path.iterdir())

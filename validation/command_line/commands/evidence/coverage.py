@@ -49,13 +49,14 @@ def run(options: argparse.Namespace) -> int:
     say(f"note: seed {seed}; a run that was stopped goes on with --seed {seed}")
     with announcer() as announce:
         parts = run_parts(names, devices, seed, announce)
+    # files come first: nobody may be there to read what is printed
+    files = write(parts, options.out) if options.out is not None else ()
     if options.json:
         rows = {part.name: part.rows for part in parts}
         print_json({"seed": seed, "rows": rows, "answers": parts})
     else:
         print(table(parts))
-    if options.out is not None:
-        name_files(write(parts, options.out))
+    name_files(files)
     return int(not all(part.holds for part in parts))
 
 

@@ -44,7 +44,10 @@ def run_and_show(
     write: Callable[[list[Part], Path], Sequence[Path]],
     verdicts: Callable[[list[Part]], dict[str, Any]],
 ) -> list[Part]:
-    """Run the chosen parts, print them as tables or as JSON, write files; return the parts."""
+    """Run the chosen parts, write files, print tables or JSON, name the files; return the parts.
+
+    Files come first: nobody may be there to read what is printed.
+    """
     from tactgen.geometry.files import writable_folder
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.scene.wording import choices
@@ -53,10 +56,10 @@ def run_and_show(
     out = writable_folder(Path(options.out)) if options.out is not None else None
     with announcer() as announce:
         parts = run_parts(names, options.quick, announce)
+    files = write(parts, out) if out is not None else ()
     if options.json:
         print_json({"parts": parts, **verdicts(parts)})
     else:
         show(parts)
-    if out is not None:
-        name_files(write(parts, out))
+    name_files(files)
     return parts
