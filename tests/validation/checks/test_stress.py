@@ -1,8 +1,10 @@
 """The stress run: what it finds, how it judges, and what its command writes."""
 
 import argparse
+import io
 import json
 import math
+import sys
 from functools import cache
 
 import pytest
@@ -213,10 +215,11 @@ def test_files_are_there_where_nobody_reads(made_up_stress, tmp_path, monkeypatc
     """Who closes the pipe still has the tables."""
     made_up_stress([synthetic(1e-13)])
 
-    def shut(*_):
-        raise BrokenPipeError
+    class Shut(io.StringIO):
+        def write(self, _):
+            raise BrokenPipeError
 
-    monkeypatch.setattr("builtins.print", shut)
+    monkeypatch.setattr(sys, "stdout", Shut())
     with pytest.raises(BrokenPipeError):
         command.run(options(only=["tmm"], out=str(tmp_path)))
     assert list(tmp_path.glob("*.csv"))
