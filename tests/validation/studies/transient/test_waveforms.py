@@ -96,6 +96,7 @@ def test_what_cannot_be_read_gets_one_sentence(text, words, approved_line):
         ("time (s), voltage (kg)\n0, 1\n", "not a voltage"),
         ("time (s), voltage (V)\n0, one\n", "line 2 does not hold two numbers"),
         ("time (s), voltage (V)\n1, 0\n0, 0\n", "sort the rows"),
+        ("time (s), voltage (V)\n0, 0\n2, 0\n3, 0\n1, 0\n", "line 5: time = 1 s is negative"),
         ("time (s), voltage (V)\n-1, 0\n", "sort the rows"),
         ("time (s), voltage (V)\n", "no rows"),
     ],
