@@ -10,7 +10,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.reluctance import iron as iron_law
 from tactgen.fem.reluctance.axisymmetric.field import solve_field, truncation_error
 from tactgen.fem.reluctance.axisymmetric.force import (
     eggshell_force,
@@ -258,27 +257,3 @@ def test_energy_beyond_the_wall_is_that_of_the_moments(current):
     assert truncation_error(solution) == pytest.approx(
         MU0 * moment**2 / (4.0 * np.pi * 0.06**3), rel=1e-4
     )
-
-
-@pytest.mark.parametrize("size", [1e-9, 1e-3, 0.3, 2.6])
-def test_the_irons_tensor_is_its_slope_along_and_its_reluctivity_across(size):
-    """In a faint field as in a strong one; and dB/dH is the inverse of dH/dB."""
-    along = np.array([2.0, -1.0, 2.0]) / 3.0
-    across = np.array([1.0, 2.0, 0.0]) / np.sqrt(5.0)
-    iron = [(np.array([True]), TEAM20)]
-    (((tensor,),),) = (iron_law.reluctivity_tensor(iron, size * along[None, None]),)
-    for direction, value in ((along, TEAM20.slope(size)), (across, TEAM20.reluctivity(size))):
-        np.testing.assert_allclose(tensor @ direction / value, direction, atol=1e-12)
-    field = TEAM20.field_strength(size) * along[None, None]
-    (((back,),),) = (iron_law.permeability_tensor(iron, field),)
-    np.testing.assert_allclose(back @ tensor, np.eye(3), atol=1e-9)
-
-
-@pytest.mark.parametrize("curve", [TEAM20, None], ids=["iron", "air"])
-def test_energy_and_co_energy_are_b_times_h(curve):
-    """∫ H dB + ∫ B dH = H B, with B and H of the same law, in iron as in air."""
-    iron = [] if curve is None else [(np.array([True]), curve)]
-    field = np.array([[[3.0, -4.0, 0.0], [3e3, 0.0, 4e3]]])
-    flux = iron_law.flux_from_field(iron, field)
-    both = iron_law.energy_density(iron, flux) + iron_law.coenergy_density(iron, field)
-    np.testing.assert_allclose(both, (flux * field).sum(axis=-1), rtol=1e-10)

@@ -15,7 +15,7 @@ def fields(axes):
     """Return B (T) from next to nothing to beyond the table, in six cells of eight points."""
     directions = CHANCE.normal(size=(6, 8, axes))
     directions /= iron.size_of(directions)[..., None]
-    return directions * np.geomspace(2e-3, 3.0, 8)[:, None]
+    return directions * np.geomspace(1e-9, 3.0, 8)[:, None]
 
 
 def derivative(of, at):
