@@ -1,5 +1,7 @@
 """Values of a family of the solid against single answers, and what the family refuses."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from approved import described
@@ -16,7 +18,7 @@ from tactgen.validation.engine.refinement import BRICK_FACTOR
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import solid_family
-from tactgen.validation.models.bimorph.family.many import for_many
+from tactgen.validation.models.bimorph.family.many import _points, for_many
 from tactgen.validation.models.bimorph.family.values import family_values
 from tactgen.validation.scene.scene import load_scene
 
@@ -188,3 +190,14 @@ def test_all_that_members_say(family, approved):
     said = {name: (v.value, v.bar, v.classes) for name, v in found.items()}
     counts = (family.counts(2), solid_family.needed(family.coarse, scene(), 2), family.ranges)
     approved(described([said, counts, family.method]))
+
+
+def test_more_ranges_are_looked_at_in_more_points():
+    """So many for each, all inside; the same seed draws the same."""
+    ranges = {"bimorph.length": (1.0, 2.0), "shim.density": (3.0, 4.0)}
+    family = SimpleNamespace(ranges=ranges)
+    found = _points(family, 5, 1)
+    for key, (low, high) in ranges.items():
+        assert found[key].shape == (10,)
+        assert low <= found[key].min() < found[key].max() <= high
+        assert np.array_equal(found[key], _points(family, 5, 1)[key])
