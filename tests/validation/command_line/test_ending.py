@@ -80,6 +80,27 @@ def test_a_module_is_loaded_to_its_end(monkeypatch):
     assert [signal.getsignal(number) for number in (signal.SIGTERM, ending._LOOK)] == before
 
 
+def test_an_error_that_a_library_makes_of_the_signal_is_the_end():
+    """And one without a signal is what it is."""
+
+    def unwound(told):
+        with ending.unwound_when_told_to_end():
+            try:
+                if told:
+                    signal.raise_signal(signal.SIGTERM)
+            finally:
+                raise ImportError("initialization failed")
+
+    before = signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    try:
+        with pytest.raises(ending.ToldToEnd):
+            unwound(told=True)
+        with pytest.raises(ImportError):
+            unwound(told=False)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
 def test_what_is_ignored_stays_ignored():
     """A job in the background of a script does not hear the terminal's Ctrl-C."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
