@@ -30,6 +30,7 @@ from tactgen.validation.engine.derivatives import (
 from tactgen.validation.engine.refinement import BRICK_FACTOR
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.models.bimorph.family.solid_family import (
+    FAMILY_BARS,
     MOTIONS,
     SolidFamily,
     is_family_key,
@@ -110,7 +111,7 @@ def _tangents(
     scene: Scene, quantities: Sequence[str], announce: Callable[[str], None]
 ) -> tuple[SolidFamily, SolidFamily]:
     """Return the neighbourhoods of the finer and of the coarser level, each beside itself."""
-    level = level_for(scene)
+    level = level_for(scene, FAMILY_BARS)
     modal, frequencies = reading(scene, quantities)
 
     def built(meshing: BrickMeshing, modes: Mapping[Motion, int]) -> SolidFamily:

@@ -35,6 +35,9 @@ from tactgen.validation.scene.scene import Scene
 _SHARE = 0.02
 #: A mode of the coarser level this close above the last one wanted may come below it.
 _CLOSE = 1.03
+#: Relative error bar that each level of :data:`geometry.bimorph.stretching.LEVELS` stays below on
+#: the paper's bimorph and on job J1, judged by the next coarser one.
+FAMILY_BARS = (1e-1, 3e-3, 8e-4, 2.5e-4, 6e-5)
 #: Classes of motion, that with ports first.
 MOTIONS: tuple[Motion, ...] = ("bending_x", "bending_y", "torsion", "axial")
 #: As what families are kept.
@@ -190,8 +193,9 @@ class _Entry:
             rest[group].pop(name)
         modal, frequencies = reading(scene, quantities)
         return cls(
-            wanted, rest, level_for(scene), scene.modes, _SHARE * scene.accuracy, modal, frequencies
-        )
+            wanted, rest, level_for(scene, FAMILY_BARS), scene.modes, _SHARE * scene.accuracy,
+            modal, frequencies,
+        )  # fmt: skip
 
     @property
     def inputs(self) -> tuple[object, ...]:
