@@ -212,7 +212,7 @@ def _conditions(reference: Reference, absent: list[str]) -> str:
     sentences = f"""
 J1: clamped PZT-5H bimorph, deflection, capacitance and four natural frequencies; J2: its damped
 sweep, 200 frequencies from 10 Hz to 20 kHz.
-Reference (SI; relative bars as the solid model gives them, from two levels of bricks):
+Reference (SI; relative bars as the solid model gives them):
 {bars}; sweep ± {reference.sweep_bar:.0e}. Errors of J1 include the reference's bar.
 Its distance from what four codes agree on, deflection to f4 (their bar): {published}.
 J2's error is the largest of all frequencies, relative to the deflection at the same frequency, so

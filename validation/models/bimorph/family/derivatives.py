@@ -4,7 +4,7 @@ On stretched bricks K and M are sums of fixed matrices times products of lengths
 so that their derivatives are as exact as they are.  The bimorph is reduced to what it says itself
 (:func:`fem.bimorph.reduction.parametric.family.tangent_family`), once for all keys; the small
 system has the large one's derivatives, which are differences of its values, smooth to rounding.
-The bar is that of single answers: the difference of two levels of bricks with its factor.
+The bar is that of families: the difference of two levels of bricks with its factor.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The model solid for many bimorphs of one family: values with bars from two reduced families.
 
 A family on the level of bricks that the scene's accuracy asks for, and one on the next coarser
-level.  The bar of a value is what the two levels differ by, as of a single answer, and what the
-bases may miss on both.
+level.  The bar of a value is what the two levels differ by, with an assumed gain and a safety
+factor, and what the bases may miss on both.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.readout import ModalReadout
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.costs import record
+from tactgen.validation.engine.refinement import ASSUMED_GAIN, SAFETY
 from tactgen.validation.models.bimorph.solid import SolidModel, level_for
 from tactgen.validation.scene.scene import Scene
 
@@ -71,9 +72,9 @@ class SolidFamily:
     def method(self) -> str:
         """How the error bars come about, for the reader."""
         return (
-            f"two levels of bricks ({self.fine.unknowns} and {self.coarse.unknowns} unknowns), as "
-            f"of a single answer, and the residual's bound of two reduced bases made of "
-            f"{self.fine.asked} and {self.coarse.asked} bimorphs"
+            f"two levels of bricks ({self.fine.unknowns} and {self.coarse.unknowns} unknowns), the "
+            f"error assumed to fall by {ASSUMED_GAIN:g}, safety factor {SAFETY}, and the residual's "
+            f"bound of two reduced bases made of {self.fine.asked} and {self.coarse.asked} bimorphs"
         )
 
     def counts(self, modes: int) -> dict[Motion, int]:
