@@ -97,13 +97,13 @@ J1 = {
 
 
 def test_bricks_bar():
-    """Job J1 is smooth and slender: the error falls by 4 from level to level where 1.6 is assumed.
+    """What polynomials of one degree more show of J1's error times its factor: half is taken.
 
-    So it takes a quarter of the bar; the assumption is for clamped and stubby bimorphs.
+    Of varied bimorphs a fifth is taken in the middle; three times as narrow it would not hold.
     """
     found = solved("solid", tuple(J1), "mesh.level=2", scene="j1")
     worst = [np.max(np.abs(q.value - J1[q.name]) / q.uncertainty) for q in found]
-    assert 0.1 < max(worst) < 0.5
+    assert 0.4 < max(worst) < 1.0
 
 
 @cache
