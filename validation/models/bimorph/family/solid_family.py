@@ -73,8 +73,9 @@ class SolidFamily:
         """How the error bars come about, for the reader."""
         return (
             f"two levels of bricks ({self.fine.unknowns} and {self.coarse.unknowns} unknowns), the "
-            f"error assumed to fall by {ASSUMED_GAIN:g}, safety factor {SAFETY}, and the residual's "
-            f"bound of two reduced bases made of {self.fine.asked} and {self.coarse.asked} bimorphs"
+            f"error assumed to fall by {ASSUMED_GAIN:g}, safety factor {SAFETY}, and the "
+            "residual's bound of two reduced bases made of "
+            f"{self.fine.asked} and {self.coarse.asked} bimorphs"
         )
 
     def counts(self, modes: int) -> dict[Motion, int]:
