@@ -95,7 +95,7 @@ class Mesher:
         assert self._folder is not None
         folder = Path(self._folder.name)
         source, target = folder / "surface.npz", folder / "tets.npz"
-        np.savez(source, **arrays)
+        np.savez(source, allow_pickle=False, **arrays)
         try:
             self._process.stdin.write(f"{source}\n{target}\n".encode())
             self._process.stdin.flush()
