@@ -7,10 +7,10 @@ PACKAGES := geometry fem tmm validation
 # as the command line does for itself: small products gain nothing from more threads
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help setup report report-quick docs test test-heavy approve lint format lock clean
+.PHONY: help setup report report-quick docs test test-heavy test-elsewhere test-witnesses approve lint format lock clean
 
 help: ## show this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-13s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-14s %s\n", $$1, $$2}' Makefile
 
 setup: $(READY) ## prepare .venv and the system libraries (the other targets do so by themselves)
 
@@ -39,8 +39,28 @@ test: $(READY) ## run the tests, less the heavy ones
 test-heavy: $(READY) ## run the heavy tests
 	$(BIN)/pytest -m heavy
 
+test-elsewhere: $(READY) ## run the tests as processors with fewer instructions would
+	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python tests/elsewhere.py --numprocesses auto \
+		--dist loadfile --no-loadscope-reorder
+
+PEERS := .venv-peers
+ASKED = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]\
+["optional-dependencies"]["peers"], sep="\n")
+
+# an environment of their own: SfePy asks for an older mpmath than the lock has, and a C compiler
+$(PEERS)/.ready: $(READY) pyproject.toml
+	$(BIN)/uv venv --quiet --clear --python $(BIN)/python $(PEERS)
+	$(BIN)/python -c '$(ASKED)' > $(PEERS)/asked.txt
+	$(BIN)/uv pip install --quiet --python $(PEERS)/bin/python --requirement $(PEERS)/asked.txt
+	touch $@
+
+test-witnesses: $(PEERS)/.ready ## let public programs solve random devices beside this one
+	TACTGEN_PEERS=$(CURDIR)/$(PEERS)/bin/python $(BIN)/pytest -m heavy -s tests/witnesses \
+		tests/validation/bench/test_witnesses.py
+
 approve: $(READY) ## write approved outputs anew, of TESTS=… or all; read the diff before you commit
 	$(BIN)/pytest --approve $(TESTS)
+	$(BIN)/python tests/elsewhere.py --loosen $(TESTS)
 
 lint: $(READY) ## check style, types and layering
 	$(BIN)/ruff check

@@ -22,6 +22,19 @@ from tactgen.geometry.errors import InputError
 _MOST_TEXT = 20_000_000
 
 
+class NotWritten(InputError):
+    """A file that cannot be written, in one sentence; `reason` is why, in a few words of it."""
+
+    def __init__(
+        self,
+        path: str | Path,
+        reason: str,
+        remedy: str = "make room there or choose another folder",
+    ) -> None:
+        super().__init__(f"{path} cannot be written ({reason}); {remedy}")
+        self.reason = reason
+
+
 def read_text(path: str | Path) -> str:
     """Return a text file's content, UTF-8 with or without a byte order mark.
 
@@ -72,23 +85,21 @@ def written_whole(path: str | Path) -> Iterator[Path]:
 
     Raises
     ------
-    InputError
-        If the folder does not exist or cannot be written, or the name is that of a folder,
-        pipe or device.
+    NotWritten
+        If the folder does not exist, is full or cannot be written, or the name is that of a
+        folder, pipe or device.
     """
     path = Path(path)
     obstacle = special(path)
     if obstacle:
-        raise InputError(f"{path} cannot be written ({obstacle}); choose another name")
+        raise NotWritten(path, obstacle, "choose another name")
     _sweep_drafts(path.parent)
     try:
         prefix = f"{_own_prefix()}{os.getpid()}-"
         handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=prefix, dir=path.parent)
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(
-            f"{path} cannot be written ({reason.lower()}); choose a folder that exists and is yours"
-        ) from error
+        reason = (error.strerror or str(error)).lower()
+        raise NotWritten(path, reason, "choose a folder that exists and is yours") from error
     os.close(handle)
     temporary = Path(name)
     try:
@@ -98,8 +109,8 @@ def written_whole(path: str | Path) -> Iterator[Path]:
         temporary.replace(path)
         _bring_to_disk(path.parent)
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"{path} cannot be written ({reason.lower()}); choose another") from error
+        reason = (error.strerror or str(error)).lower()
+        raise NotWritten(path, reason) from error
     finally:
         temporary.unlink(missing_ok=True)
 

@@ -7,6 +7,9 @@ from collections.abc import Iterable
 
 #: Longest name (characters) for which the nearest known one is looked for.
 _LONGEST = 100
+#: How alike (1: the same) a whole name is, a last part that stands for one, and either of a name
+#: that is written otherwise: a short part alone says less.
+_LIKE, _LIKE_LAST, _LIKE_WRITTEN = 0.5, 0.8, 0.6
 #: Names that are suggested at most.
 _SHOWN = 3
 
@@ -25,13 +28,14 @@ def nearest(name: str, known: Iterable[str]) -> str:
     if len(name) > _LONGEST:  # no slip of the pen; comparing takes its square in time
         return ""
     close = (
-        ("." not in name and _of_ending(name, known, cutoff=0.8))
-        or difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-        or _of_ending(name.rsplit(".", 1)[-1], known, cutoff=0.6)
+        ("." not in name and _of_ending(name, known, cutoff=_LIKE_LAST))
+        or difflib.get_close_matches(name, known, n=1, cutoff=_LIKE)
+        or _of_ending(name.rsplit(".", 1)[-1], known, cutoff=_LIKE_WRITTEN)
     )
     if not close:
         plain = {folded(k): k for k in known}
-        close = [plain[f] for f in difflib.get_close_matches(folded(name), plain, n=1, cutoff=0.6)]
+        alike = difflib.get_close_matches(folded(name), plain, n=1, cutoff=_LIKE_WRITTEN)
+        close = [plain[f] for f in alike]
     if not close:
         return ""
     shown = ", ".join(f'"{k}"' for k in close[:_SHOWN])

@@ -1,62 +1,52 @@
 """Approved outputs: what a cheap run says as a whole, kept as text once somebody has read it.
 
 A test hands the fixture `approved` a text; it is compared with the file of the test's name in
-``tests/data/approved/``: words exactly, numbers to `NEAR`.  ``make approve`` writes the files
-anew; their diff is what is reviewed.  An approved output pins what is said.  It is no reason for a
-number: references and tolerances are stated elsewhere.
+``tests/data/approved/``, as `alike` says.  ``make approve`` writes the files anew, and marks what
+another processor says otherwise; their diff is what is reviewed.  An approved output pins what is
+said.  It is no reason for a number: references and tolerances are stated elsewhere.
 """
 
 import dataclasses
 import html
 import numbers
 import re
-from difflib import SequenceMatcher, unified_diff
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from alike import TINY_PART, by_letter, differences, loosened, with_marks
 
 FOLDER = Path(__file__).parent / "data" / "approved"
-#: Numbers count as the same that differ by this part: seven digits are written, closed forms and
-#: small systems come out alike to 1e-9 with other libraries, and what iterates ends at 1e-8.
-NEAR = 1e-6
-#: Rounding: numbers below this (SI units), bars of less than this part of their number, or said to
-#: be this part of it; in a row of numbers what is below this part of the largest.
-TINY, TINY_PART = 1e-13, 1e-9
 #: Differences shown when a test fails.
 SHOWN = 6
-#: What is smaller than this part of the largest of its row is compared like that part: components
-#: that are left of cancellation have fewer digits.
-SMALL = 1e-2
 #: A row of more numbers than this is written as its size, some of its numbers and their mean.
 LONG = 8
 
-#: A number of one digit that small: a size of rounding.
-_OF_ROUNDING = re.compile(r"\de-\d\d")
-_NUMBER = re.compile(r"((?<![A-Za-z_\d.])\d+(?:\.\d+)?(?:e[-+]?\d+)?)")
-
 
 def pytest_addoption(parser):
-    """Add the option that writes approved outputs anew."""
+    """Add the options that write approved outputs anew."""
     parser.addoption("--approve", action="store_true", help="write approved outputs anew")
+    parser.addoption(
+        "--loosen", action="store_true", help="mark numbers of approved outputs that differ"
+    )
 
 
 @pytest.fixture
 def approved(request):
-    """Return a function that compares a text with the approved one of this test."""
+    """Return a function that compares a text with the approved one of this test, if it is light."""
     name = re.sub(r"[^\w.=-]+", "-", request.node.name).strip("-")
 
     def compare(text, part="", *, exactly=False):
+        if _is_heavy(request):
+            return
         file = FOLDER / request.path.stem / f"{name}{part and '.' + part}.txt"
-        judge = by_letter if exactly else differences
-        if request.config.getoption("--approve"):
-            approve(file, text, judge)
-        elif found := judge(file.read_text("utf-8") if file.exists() else "", lean(text)):
-            told = [f"{file.name}: not what was approved", *found[:SHOWN]]
-            told.append(f"{len(found)} lines; {_how(request)}")
-            pytest.fail("\n".join(told), pytrace=False)
+        before = file.read_text("utf-8") if file.exists() else ""
+        kept = _kept(request, before, lean(text), by_letter if exactly else differences)
+        _write(file, before, kept)
+        if found := (by_letter if exactly else differences)(kept, lean(text)):
+            _fail(request, file.name, found)
 
     return compare
 
@@ -68,100 +58,51 @@ def approved_line(request):
     file = FOLDER / request.path.stem / f"{test}.txt"
 
     def compare(text):
-        if request.node.get_closest_marker("heavy") is not None:
+        if _is_heavy(request):
             return
         name = request.node.callspec.id
-        lines = file.read_text("utf-8").splitlines() if file.exists() else []
-        known = dict(line.split(": ", 1) for line in lines)
-        if request.config.getoption("--approve"):
-            known[name] = text if differences(known.get(name, ""), text) else known[name]
-            whole = "\n".join(f"{key}: {known[key]}" for key in sorted(known))
-            approve(file, whole, differences)
-        elif found := differences(known.get(name, ""), text):
-            told = f"{file.name}, {name}: not what was approved"
-            pytest.fail("\n".join([told, *found, _how(request)]), pytrace=False)
+        before = file.read_text("utf-8") if file.exists() else ""
+        known = dict(line.split(": ", 1) for line in before.splitlines())
+        known[name] = _kept(request, known.get(name, ""), text, differences).rstrip("\n")
+        _write(file, before, "".join(f"{key}: {known[key]}\n" for key in sorted(known)))
+        if found := differences(known[name], text):
+            _fail(request, f"{file.name}, {name}", found)
 
     return compare
 
 
-def _how(request):
-    test = request.path.relative_to(request.config.rootpath)
-    return f"if all are meant: make approve TESTS={test}"
+def _is_heavy(request):
+    return request.node.get_closest_marker("heavy") is not None
 
 
-def approve(file, text, judge):
-    """Write a text as the approved one, where it is another."""
-    if not file.exists() or judge(file.read_text("utf-8"), lean(text)):
+def _kept(request, before, after, judge):
+    """Return what is approved from now on, given what was and what a test says."""
+    if judge(before, after):
+        if request.config.getoption("--approve"):
+            return after if judge is by_letter else with_marks(before, after)
+        if request.config.getoption("--loosen") and judge is differences:
+            return loosened(before, after) or before
+    return before
+
+
+def _write(file, before, kept):
+    """Write an approved text, where it is another."""
+    if kept != before:
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(lean(text), encoding="utf-8")
+        file.write_text(kept, encoding="utf-8")
+
+
+def _fail(request, name, found):
+    """Fail with some of the lines that differ, and how they are approved."""
+    test = request.path.relative_to(request.config.rootpath)
+    told = [f"{name}: not what was approved", *found[:SHOWN]]
+    told.append(f"{len(found)} lines; if all are meant: make approve TESTS={test}")
+    pytest.fail("\n".join(told), pytrace=False)
 
 
 def lean(text):
     """Return a text without empty lines and blanks at the ends of lines."""
     return "\n".join(line.rstrip() for line in text.splitlines() if line.strip()) + "\n"
-
-
-def by_letter(before, after):
-    """Return the lines in which two texts differ at all."""
-    changed = unified_diff(before.splitlines(), after.splitlines(), lineterm="", n=0)
-    return [f"  {line[:200]}" for line in changed if not line.startswith(("---", "+++", "@@"))]
-
-
-def differences(before, after):
-    """Return what differs between two texts, by lines: words exactly, numbers to `NEAR`."""
-    old, new = before.splitlines(), after.splitlines()
-    if len(old) == len(new) and all(map(_alike, old, new)):
-        return []
-    found = []
-    words = [[_NUMBER.sub("#", line) for line in lines] for lines in (old, new)]
-    for kind, a, b, c, d in SequenceMatcher(None, *words, autojunk=False).get_opcodes():
-        for o, n in zip(old[a:b], new[c:d], strict=False) if kind == "equal" else ():
-            if not _alike(o, n):
-                found.append(_around(o, n))
-        if kind != "equal":
-            found += [f"  - {line[:200]}" for line in old[a:b]]
-            found += [f"  + {line[:200]}" for line in new[c:d]]
-    return found
-
-
-def _alike(old, new):
-    """Return whether two lines say the same."""
-    if old == new:
-        return True
-    pieces, others = _NUMBER.split(old), _NUMBER.split(new)
-    if pieces[::2] != others[::2]:
-        return False
-    last = 0.0
-    for at, row in zip(range(1, len(pieces), 2), _largest_of_rows(pieces), strict=True):
-        a, b = float(pieces[at]), float(others[at])
-        largest, below = max(a, b), TINY
-        if "±" in pieces[at - 1]:
-            below = max(TINY, TINY_PART * last)
-        if _OF_ROUNDING.fullmatch(pieces[at]) or pieces[at + 1].startswith((" %", " relative")):
-            below = 10.0 * TINY_PART
-        if largest >= below and abs(a - b) > NEAR * max(largest, SMALL * row):
-            return False
-        last = a
-    return True
-
-
-def _largest_of_rows(pieces):
-    """Return for each number of a line the largest of the row in brackets that it stands in."""
-    found, row, inside = [], [0.0], False
-    for before, number in zip(pieces[::2], pieces[1::2], strict=False):
-        if "[" in before or "]" in before:
-            row, inside = [0.0], before.rfind("[") > before.rfind("]")
-        if inside:
-            row.append(float(number))
-        found.append(row)  # it grows to its end
-    return [max(row) for row in found]
-
-
-def _around(old, new):
-    """Return both lines from a little before the first place where they differ."""
-    at = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), 0)
-    begin = max(0, at - 60)
-    return f"  - …{old[begin : at + 60]}\n  + …{new[begin : at + 60]}"
 
 
 def described(value, name="", indent=0):

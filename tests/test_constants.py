@@ -31,7 +31,7 @@ class _Unworded(ast.NodeTransformer):
 
 
 def constants(tree: ast.AST, within: str = "") -> Iterator[str]:
-    """Yield what holds numbers or names below a module or class: constants, fields, defaults."""
+    """Yield what holds numbers or lists below a module or class: constants, fields, defaults."""
     for node in ast.iter_child_nodes(tree):
         match node:
             case ast.ClassDef(name=name):
@@ -55,7 +55,7 @@ def _told(name: str, value: ast.expr | None) -> Iterator[str]:
     rows = value.elts if isinstance(value, ast.Tuple | ast.Set | ast.List) else []
     if rows and all(map(_is_name, rows)):
         yield f"{name} = {ast.unparse(value)}"
-    elif any(map(_is_number, ast.walk(value))):
+    elif not _is_type(value) and any(_is_number(n) or _is_list(n) for n in ast.walk(value)):
         plain = _Unworded().visit(value)
         whole = ast.unparse(plain)
         if len(whole) > LONG and rows:
@@ -69,6 +69,17 @@ def _is_name(node: ast.expr) -> bool:
     return isinstance(node, ast.Starred | ast.Constant) and isinstance(
         getattr(node, "value", None), str | ast.Name
     )
+
+
+def _is_type(node: ast.AST) -> bool:
+    named = isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name)
+    return named and node.value.id in ("Literal", "tuple", "dict", "list")
+
+
+def _is_list(node: ast.AST) -> bool:
+    """Return whether a node has so many entries that one may be lacking unseen."""
+    entries = node.keys if isinstance(node, ast.Dict) else getattr(node, "elts", ())
+    return len(entries) > 2 and isinstance(node, ast.Dict | ast.Tuple | ast.List | ast.Set)
 
 
 def _is_number(node: ast.AST) -> bool:

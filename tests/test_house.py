@@ -47,7 +47,7 @@ GATHERERS = {
     "geometry/store/sources.py", "geometry/store/store.py", "validation/engine/stages.py",
     "fem/bimorph/reduction/parametric/builder.py", "validation/export/animated_gltf.py",
     "validation/studies/whatif/search/points.py", "validation/view/page/shown.py",
-    "validation/bench/bimorph/peers/job.py",
+    "validation/bench/bimorph/peers/job.py", "validation/checks/cases/fineness.py",
 }  # fmt: skip
 
 

@@ -7,7 +7,7 @@ Weak form, for all (v, φ):  ∫ EI ψ' φ' + GA (w' + ψ)(v' + φ) − Ω² (m 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -36,8 +36,8 @@ class BeamMatrices:
     """Assembled beam, all (n, n) or (n,): dofs of w and ψ, then the scalar capacitance.
 
     `ports` are the dofs of w and ψ at the base, then at the tip; `stations` (k, 3) the height (m)
-    of every node between elements and its dofs of w and ψ, from base to tip; `unit` (N, C) is
-    what forces and charges are counted in.
+    of every node between elements and its dofs of w and ψ, from base to tip.  Forces and charges
+    are counted in 1/`unit` (N, C).
     """
 
     stiffness: Complex
@@ -47,14 +47,6 @@ class BeamMatrices:
     ports: Ints
     stations: list[tuple[float, int, int]]
     unit: float = 1.0
-
-
-def in_unit(matrices: BeamMatrices, unit: float) -> BeamMatrices:
-    """Return the same, forces and charges in another unit (N, C): but for rounding nothing else."""
-    return replace(
-        matrices, unit=unit, stiffness=unit * matrices.stiffness, mass=unit * matrices.mass,
-        coupling=unit * matrices.coupling, capacitance=unit * matrices.capacitance,
-    )  # fmt: skip
 
 
 def multiport(
@@ -98,15 +90,17 @@ def elements_for(device: Device, highest: float) -> int:
     modulus = 1.0 / (piezo.s11 * piezo.density)
     omega = 2.0 * math.pi * highest
     bending = math.sqrt(omega / math.sqrt(modulus) * math.sqrt(12.0))
+    pieces = beam_pieces(device, Support())
     radians = sum(
         piece.length * max(bending / math.sqrt(thinnest(piece, bimorph)), omega / slowest)
-        for piece in beam_pieces(device, Support())
+        for piece in pieces
     )
     if not radians <= MOST_ELEMENTS:
         raise InputError(
             f"frequency = {highest:g} Hz makes waves so short that the model beam would need "
-            f"{radians:.0f} elements along {1e3 * bimorph.length:g} mm, and it takes "
-            f"{MOST_ELEMENTS}; ask for lower frequencies, or take the model tmm, which is exact"
+            f"{radians:.0f} elements along {1e3 * sum(p.length for p in pieces):g} mm of bimorph "
+            f"and tab, and it takes {MOST_ELEMENTS}; ask for lower frequencies, or take the model "
+            "tmm, which is exact"
         )
     return int(2 * max(4, math.ceil(radians / 2.0)))
 
@@ -119,6 +113,7 @@ def assemble(
     elements: int,
     lossy: bool,
     halvings: int = 0,
+    unit: float = 1.0,
 ) -> BeamMatrices:
     """Assemble the row of beams, `elements` shared out by waves, rounded up in each piece.
 
@@ -126,6 +121,9 @@ def assemble(
     ----------
     halvings : int
         How many times all elements are halved then.
+    unit : float
+        How many units of force and charge make a newton and a coulomb.  It goes in before the
+        elements are summed: another one changes nothing but how every sum is rounded.
     """
     from skfem import Basis, ElementLinePp, LinearForm, asm
 
@@ -134,7 +132,7 @@ def assemble(
     mesh, piece_of, joints = row_mesh(pieces, device.bimorph, elements, halvings)
     w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
     shares = _shares(w_space, piece_of)
-    constants = np.concatenate(
+    constants = unit * np.concatenate(
         [
             section_constants(
                 piece, device, beam, shares[piece_of == k].ravel(), lossy=lossy
@@ -148,7 +146,8 @@ def assemble(
     for node, depth in joints:
         dofs = w_space.nodal_dofs[0][[node, node + 1]]
         ports = np.ix_(*2 * [[*dofs, *(dofs + w_space.N)]])
-        spring = bonded_tab(device, beam, depth, _TAB_ELEMENTS * 2**halvings, lossy=lossy)
+        number = _TAB_ELEMENTS * 2**halvings
+        spring = bonded_tab(device, beam, depth, number, lossy=lossy, unit=unit)
         stiffness[ports] += np.kron(spring, [[1.0, -1.0], [-1.0, 1.0]])
 
     @LinearForm(dtype=complex)  # type: ignore[untyped-decorator]
@@ -161,6 +160,7 @@ def assemble(
         mass=asm(_inertial(*constants[2:4].real), basis).toarray(),
         coupling=asm(moment_per_voltage, basis),
         capacitance=complex(np.sum(constants[5] * w_space.dx)),
+        unit=unit,
         ports=np.array([ends[0], ends[0] + w_space.N, ends[1], ends[1] + w_space.N]),
         stations=[
             (float(z), int(dof), int(dof) + int(w_space.N))
@@ -200,7 +200,13 @@ def _inertial(m: Any, rho_i: Any) -> Any:
 
 
 def bonded_tab(
-    device: Device, beam: Beam, depth: float, elements: int = _TAB_ELEMENTS, *, lossy: bool = False
+    device: Device,
+    beam: Beam,
+    depth: float,
+    elements: int = _TAB_ELEMENTS,
+    *,
+    lossy: bool = False,
+    unit: float = 1.0,
 ) -> Numbers:
     """Return the stiffness (2, 2) of the tab in the slot at the slot's edge, to the head.
 
@@ -214,7 +220,7 @@ def bonded_tab(
     glue, bimorph = device.glue, device.bimorph
     half, b, t = 0.5 * bimorph.shim_thickness, bimorph.width, glue.thickness
     nu = glue.poisson_ratio
-    modulus = lossy_modulus(glue.youngs_modulus, glue.loss_factor, lossy=lossy)
+    modulus = unit * lossy_modulus(glue.youngs_modulus, glue.loss_factor, lossy=lossy)
     lame = modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
     shear = modulus / (2.0 * (1.0 + nu))
     squeezed = lame + 2.0 * shear
@@ -222,7 +228,7 @@ def bonded_tab(
     turned = sum(weight * x**2 for x, weight in gauss(-half, half))
     lateral = 2.0 * (b * squeezed + across * shear) / t
     rotational = 2.0 * (b * shear * half**2 + turned * shear) / t
-    tab = section_constants(Piece("shim", depth), device, beam, np.zeros(1), lossy=lossy)[:2]
+    tab = unit * section_constants(Piece("shim", depth), device, beam, np.zeros(1), lossy=lossy)[:2]
     mesh = MeshLine(np.linspace(0.0, depth, elements + 1))
     space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
     # what holds the tab along its length has the form of an inertia

@@ -42,11 +42,7 @@ def static_multiports(
 
     Of these those of displacement alone, and those of potential alone.
     """
-    x = _states(system, 0.0)
-    blocks = _blocks(system, 0.0, x)
-    residuals = -surplus.residuals(x.astype(float))[0]
-    residuals[:, 3:] += surplus.tip
-    moved, charged = surplus.products(residuals)
+    blocks, moved, charged = _judged(system, surplus)
     held, through, follows, compliance = blocks
     richer = [
         (
@@ -59,6 +55,30 @@ def static_multiports(
     ]
     fine, *better = (Multiport(np.zeros(1), _stiffness([of]), BIMORPH) for of in (blocks, *richer))
     return fine, better[0], better[1]
+
+
+def judged_at_rest(system: SolidSystem, surplus: Surplus) -> tuple[Floats, Floats]:
+    """Return what a volt, a tip force and a tip moment do, and what lacking functions add.
+
+    Returns
+    -------
+    work : (3,) array
+        Charge per volt, tip motion per force and moment (SI), of a lossless system at rest.
+    gained : (2, 3, 3) array
+        What any of them does to any by displacements that the system lacks, and what by
+        potentials, which is of the other sign.
+    """
+    (held, _, _, compliance), *gained = _judged(system, surplus)
+    work = np.array([-held[2, 2], *np.diagonal(compliance)], dtype=float)
+    return work, np.array([of[2:, 2:] for of in gained])
+
+
+def _judged(system: SolidSystem, surplus: Surplus) -> tuple[Blocks, Floats, Floats]:
+    """Return the mixed form at rest, and what lacking functions add (5, 5)."""
+    x = _states(system, 0.0)
+    residuals = -surplus.residuals(x.astype(float))[0]
+    residuals[:, 3:] += surplus.tip
+    return _blocks(system, 0.0, x), *surplus.products(residuals)
 
 
 def _states(system: SolidSystem, omega2: float) -> Numbers:

@@ -27,6 +27,8 @@ _MAX_STEPS = 60
 #: A step is long enough when this fraction of the initial slope is left.
 _SLOPE_LEFT = 0.1
 _MAX_TRIALS = 30
+#: A trial by interpolation stays so far from the ends of its bracket, as a share of it.
+_WITHIN = 0.1
 #: Relative rounding of an energy, the sum over all quadrature points.
 _ROUNDING = 1e-12
 #: Factors are kept as long as each step with them leaves no more than this: a new Hessian and its
@@ -224,7 +226,7 @@ def _stepped(
             slope_high *= 1.0 if high_moved else 0.5
             low, slope_low = length, slope_there
         high_moved = over
-        fraction = np.clip(slope_low / (slope_low - slope_high), 0.1, 0.9)
+        fraction = np.clip(slope_low / (slope_low - slope_high), _WITHIN, 1.0 - _WITHIN)
         length = low + (high - low) * float(fraction)
     there = x + length * direction
     return there, energy.gradient(there), length

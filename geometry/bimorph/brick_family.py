@@ -18,6 +18,9 @@ from tactgen.geometry.device.parameters import Bimorph, Device
 
 #: Ratio of neighbouring intervals towards a side edge.
 _GROWTH = 4.0
+#: What is left in the middle is one interval if it is no more than so many of the next: none is
+#: then much narrower than its neighbour.
+_LAST = 1.5
 #: Longest brick across the width, in thicknesses of the bimorph, or this share of half the
 #: width if that is more: in a thin plate what is far from the edges varies with the width.
 _WIDEST = 3.0
@@ -145,7 +148,7 @@ def _across(bimorph: Bimorph, meshing: BrickMeshing) -> Floats:
     if meshing.side == 0.0:
         return np.linspace(0.0, half_width, int(np.ceil(half_width / widest)) + 1)
     steps = [meshing.side * min(_grain(bimorph), _SIDE_SHARE * half_width)]
-    while (rest := half_width - sum(steps)) > 1.5 * (step := min(_GROWTH * steps[-1], widest)):
+    while (rest := half_width - sum(steps)) > _LAST * (step := min(_GROWTH * steps[-1], widest)):
         steps.append(step)
     steps.append(rest)
     return np.concatenate([[0.0], np.cumsum(steps[::-1])[:-1], [half_width]])

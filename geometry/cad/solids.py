@@ -23,7 +23,7 @@ from tactgen.geometry.device.layout import (
 )
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.files import written_whole
+from tactgen.geometry.files import NotWritten, written_whole
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -209,7 +209,7 @@ def write_step(assembly: cq.Assembly, path: str | Path) -> None:
 
     with written_whole(path) as temporary:
         if not exportAssembly(assembly, str(temporary)):
-            raise InputError(f"the CAD kernel could not write {path}; choose another place")
+            raise NotWritten(path, "the CAD kernel does not say why")
 
 
 def export_glb(solids: dict[str, cq.Solid], path: str | Path, deflection: float = 2e-3) -> None:
@@ -253,7 +253,7 @@ def write_glb(assembly: cq.Assembly, path: str | Path, deflection: float = 2e-3)
         frame.SetInputCoordinateSystem(RWMesh_CoordinateSystem.RWMesh_CoordinateSystem_Zup)
         no_comments = TColStd_IndexedDataMapOfStringString()
         if not writer.Perform(document, no_comments, Message_ProgressRange()):
-            raise InputError(f"the CAD kernel could not write {path}; choose another place")
+            raise NotWritten(path, "the CAD kernel does not say why")
 
 
 def _assembly(solids: dict[str, cq.Solid]) -> cq.Assembly:

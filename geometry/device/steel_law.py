@@ -22,6 +22,9 @@ MU0 = 1.25663706212e-6
 #: A table whose last step still rises this many times as fast as what comes after it ends
 #: before the steel is saturated.
 _EARLY = 2.0
+#: Steps of Newton's method, of which bisection alone would need 53, and the relative change after
+#: which nothing but rounding is left.
+_MOST_STEPS, _SETTLED = 100, 4.0 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
@@ -131,14 +134,14 @@ class MagnetisationCurve:
         i = np.searchsorted(self.field[1:-1], inside, side="right")
         low, high = self.flux_density[i], self.flux_density[i + 1]
         b = np.interp(inside, self.field, self.flux_density)
-        for _ in range(100):  # bisection alone would need 53
+        for _ in range(_MOST_STEPS):
             miss = self.field_strength(b) - inside
             low, high = np.where(miss < 0.0, b, low), np.where(miss < 0.0, high, b)
             slope = self.slope(b)
             step = b - miss / np.where(slope > 0.0, slope, np.inf)
             within = (step >= low) & (step <= high)
             new = np.where(miss == 0.0, b, np.where(within, step, 0.5 * (low + high)))
-            settled = np.all(np.abs(new - b) <= 4.0 * np.finfo(float).eps * b)
+            settled = np.all(np.abs(new - b) <= _SETTLED * b)
             b = new
             if settled:
                 break

@@ -17,9 +17,10 @@ import numpy as np
 from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve
 from tactgen.geometry.names import folded
 
-#: Points of a curve's table, and how far it goes beyond the slowest term's scale.
+#: Points of a curve's table, where it begins below the fastest term's scale, and how far it goes
+#: beyond the slowest one's.
 _POINTS = 80
-_BEYOND = 7.0
+_BELOW, _BEYOND = 0.02, 7.0
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class SoftMagnet:
     def curve(self) -> MagnetisationCurve:
         """Return the curve as a table, dense enough to be read to 1e-4 between its points."""
         scales = [limit / slope for slope, limit in self.terms]
-        applied = np.geomspace(0.02 * min(scales), _BEYOND * max(scales), _POINTS)
+        applied = np.geomspace(_BELOW * min(scales), _BEYOND * max(scales), _POINTS)
         applied = np.concatenate([[0.0], applied])  # µ0 H, T
         b = applied + sum(limit * np.tanh(applied * slope / limit) for slope, limit in self.terms)
         return MagnetisationCurve(b, applied / MU0, name=self.name)

@@ -18,6 +18,9 @@ from tactgen.geometry.meshing.mesh import Mesh
 #: Names of the six outer sides, in the order of axis and end.
 SIDES = ("x_low", "x_high", "y_low", "y_high", "z_low", "z_high")
 
+#: Points by which the sizes along an axis are summed: of the interval it is 1e-6.
+_SAMPLES = 2001
+
 #: Corners (opposite to 0, 1, 2, 3) of a tetrahedron's faces.
 _FACES = ([1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2])
 
@@ -106,7 +109,7 @@ def _divided(length: float, first: float, last: float, growth: float) -> Floats:
     The size wanted at distance s from one end is size + growth s; the number of intervals
     is the integral of its inverse, and the planes divide that integral evenly.
     """
-    s = np.linspace(0.0, length, 2001)
+    s = np.linspace(0.0, length, _SAMPLES)
     size = np.minimum(first + growth * s, last + growth * (length - s))
     count = np.concatenate([[0.0], np.cumsum(0.5 * (1.0 / size[1:] + 1.0 / size[:-1]))]) * s[1]
     number = max(1, round(float(count[-1])))

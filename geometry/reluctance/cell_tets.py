@@ -28,6 +28,8 @@ from tactgen.geometry.reluctance.tets import REGIONS
 
 #: Eighths of a square.
 COPIES = 8
+#: Power by which the layers lie denser towards the middle of a wall, where the next unit is near.
+_DENSER = 1.5
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ def cell_mesh(device: Device, gap: float, pitch: float, cell: Cell) -> Mesh:
     labels[-1, 1:-1] = np.where(
         labels[-1, 1:-1] == REGIONS.index("far"), REGIONS.index("air"), labels[-1, 1:-1]
     )
-    shares = np.linspace(0.0, 1.0, cell.layers + 1) ** 1.5
+    shares = np.linspace(0.0, 1.0, cell.layers + 1) ** _DENSER
     mesh = swept_tetrahedra(grid.r, grid.z, 0.25 * np.pi * shares, labels, REGIONS)
     return replace(mesh, points=_squared(mesh.points, outer, wall))
 

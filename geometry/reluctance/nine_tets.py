@@ -30,8 +30,8 @@ _OCTANTS = {"middle": (0,), "beside": (0, 1, 2, 3), "diagonal": (0, 5, 6, 7)}
 _OUTERMOST = (("beside", 0), ("diagonal", 0), ("diagonal", 7))
 #: Distance (m) up to which points of neighbouring cells are the same.
 _SAME_POINT = 1e-12
-#: Size of the first cells beyond the outermost wall, in pitches.
-_FIRST = 0.25
+#: Distance of the outermost walls from the middle, and size of the first cells beyond, in pitches.
+_WALL, _FIRST = 1.5, 0.25
 
 
 def part_of(unit: str, part: str) -> str:
@@ -95,7 +95,7 @@ def _drawn_out(
     nodes halfway between two.  The cells of a prism go up from corners of lower number to those of
     higher, so that neighbours cut their common side alike.
     """
-    marks, sizes = np.array([1.5 * pitch, OUTER_RADIUS]), np.array([_FIRST * pitch, np.inf])
+    marks, sizes = np.array([_WALL * pitch, OUTER_RADIUS]), np.array([_FIRST * pitch, np.inf])
     steps = graded_lines(marks, sizes / cell.refinement, 1.0 / cell.refinement) / marks[0]
     layers = 2 * steps.size - 1
     scales = np.interp(np.arange(layers), 2 * np.arange(steps.size), steps)

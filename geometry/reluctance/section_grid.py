@@ -25,6 +25,11 @@ WINDING = 0.5
 GROWTH = 1.0
 #: Cells at the lowest and highest edge: at most this part of the way to the outer wall.
 _TO_WALL = 0.1
+#: Samples from an edge to the middle between two, by which cells are counted, and the first as a
+#: power of ten of the distance: far below any cell.
+_SAMPLES, _FIRST = 300, -8.0
+#: Part of a cell that is left out rather than made one more: it saves lines at no visible loss.
+_SPARED = 0.3
 #: A fitted grid is good until a cell is this much wider or higher than where it was graded.
 _STRETCH = 2.5
 #: Edges (m) that are this close are the same; where two that were apart meet, so much is left
@@ -195,7 +200,7 @@ def graded_lines(marks: Floats, sizes: Floats, growth: float) -> Floats:
         Greatest increase of the size per length.
     """
     # fine samples towards both ends of an interval, where 1/h is steep
-    ramp = np.concatenate([[0.0], np.logspace(-8.0, np.log10(0.5), 300)])
+    ramp = np.concatenate([[0.0], np.logspace(_FIRST, np.log10(0.5), _SAMPLES)])
     samples = np.unique(np.concatenate([ramp, 1.0 - ramp]))
     lines = [marks[:1]]
     for start, end in pairwise(marks):
@@ -203,8 +208,7 @@ def graded_lines(marks: Floats, sizes: Floats, growth: float) -> Floats:
         middle = 0.5 * (x[1:] + x[:-1])
         size = np.min(sizes + growth * np.abs(middle[:, None] - marks), axis=1)
         cells = np.concatenate([[0.0], np.cumsum(np.diff(x) / size)])
-        # rounding 1.3 cells to 1 saves lines at no visible loss
-        count = max(1, int(np.ceil(cells[-1] - 0.3)))
+        count = max(1, int(np.ceil(cells[-1] - _SPARED)))
         inner = np.interp(np.arange(1, count) * cells[-1] / count, cells, x)
         lines.append(np.append(inner, end))
     return np.concatenate(lines)

@@ -50,6 +50,9 @@ _RATIO = 1.5
 #: the iron's edges as a share of the distance from the other part, but not below a share of
 #: the narrower of the two.
 _IN_GAP, _IN_CLEARANCE, _AT_EDGE, _FINEST = 0.3, 1.5, 0.15, 0.4
+#: How far the sizing's grid is fine: beyond the widest part and below the sleeve, as a share of it,
+#: above the head, as one of gap and head; and its steps there, per gap.
+_ACROSS, _DOWN, _UP, _PER_GAP = 1.1, 1.05, 1.5, 4.0
 #: Distance (m) up to which a corner counts as on an outer wall.
 _ON_WALL = 1e-9
 
@@ -185,9 +188,9 @@ def _sizing(device: Device, meshing: ActuatorMeshing, points: Floats, margin: fl
     """Return target edge lengths (mm) on a grid that is fine around the iron."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     sleeve, rod = device.sleeve, device.rod
-    widest = 1.1 * max(sleeve.outer_radius, rod.head_radius) * MM
-    ends = -1.05 * sleeve.length * MM, 1.5 * (device.gap + rod.head_thickness) * MM
-    step = device.gap * MM / 4.0
+    widest = _ACROSS * max(sleeve.outer_radius, rod.head_radius) * MM
+    ends = -_DOWN * sleeve.length * MM, _UP * (device.gap + rod.head_thickness) * MM
+    step = device.gap * MM / _PER_GAP
     x, y, z = (
         _axis(low[i], first, last, high[i], step)
         for i, (first, last) in enumerate([(0.0, widest), (0.0, widest), ends])

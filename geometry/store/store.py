@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import NotWritten
 from tactgen.geometry.store.claim import claimed, sweep_claims
 from tactgen.geometry.store.entry import SUFFIX, Damaged, read_entry, sealed, write_entry
 from tactgen.geometry.store.sources import source_digest
@@ -222,10 +223,13 @@ def _keep(path: Path, content: bytes) -> None:
         _make_room(limit, len(content), path)
         write_entry(path, content)
     except (OSError, InputError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
+        if isinstance(error, NotWritten):
+            reason = error.reason
+        else:
+            reason = getattr(error, "strerror", None) or str(error)
         _say_once(
             f"results are not kept for the next run ({reason}); set TACTGEN_CACHE to a folder that "
-            "can be written",
+            "can be written and has room",
             about="keep",
         )
 

@@ -80,6 +80,7 @@ def test_no_other_commands_option_is_meant(refused):
     """What may have been meant is an option of this command, not the same word of another."""
     assert "did you mean" not in refused("scenes", "--accuracy", "2e-5")
     assert "did you mean" not in refused("scenes", "--quantity", "capacitance_free")
+    assert "did you mean" not in refused("sensitivity", "--samples", "9")
 
 
 @pytest.mark.parametrize(

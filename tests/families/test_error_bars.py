@@ -132,6 +132,15 @@ def test_axisymmetric_bars_on_a_coarse_grid():
         assert 1.0 / 3.0 < max(share[name] for share in found) <= 1.0, name
 
 
+def test_axisymmetric_force_bar_at_a_gap_narrower_than_any_cell():
+    """2 µm: the order alone must resolve the corners, and its change is less than what is left.
+
+    The force is that of order 6 on twice the lines, where orders 5 and 6 are 1.2e-4 apart.
+    """
+    point = solve_point(DEVICE, 0.13, 2e-6, order=3, refinement=0.5)
+    assert 0.8 < abs(point.force - 1.43934) / point.errors.force <= 1.0
+
+
 def test_axisymmetric_bars_where_the_air_ends_early():
     """5 mm of air instead of 60, in saturation: truncation is most of the error and of the bar.
 

@@ -23,6 +23,27 @@ def test_a_second_model_bears_out_any_answer():
     assert min(row.points for row in rows) > 10
 
 
+def test_what_is_drawn(approved):
+    """Machines and bimorphs, up to six keys beside their sizes, one to three frequencies."""
+    drawn = [at_random.draw(np.random.default_rng([7, number])) for number in range(40)]
+    approved("\n".join(f"{name} {'; '.join(overrides)}" for name, overrides in drawn))
+    assert {name for name, _ in drawn} == {"generator", "prototype"}
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_a_run_is_told_with_its_statement(monkeypatch, quick):
+    """So many scenes, anew each time; how long one may take is said."""
+    asked = []
+    monkeypatch.setattr(at_random, "random_rows", lambda *given: asked.append(given) or ("row",))
+    found = [at_random.run(quick, print) for _ in range(2)]
+    count = at_random._QUICK if quick else at_random._SCENES
+    assert [(n, say) for _, n, say in asked] == 2 * [(count, print)]
+    assert asked[0][0] != asked[1][0] >= 0
+    assert (found[0].part, found[0].rows, found[0].maps) == ("random", ("row",), ())
+    assert "not within 20 s of processor time" in found[0].statement
+    assert 0.0 <= found[0].seconds < 10.0
+
+
 @pytest.mark.heavy
 def test_a_second_model_bears_out_two_thousand_answers():
     """The same of many more."""

@@ -10,7 +10,7 @@ from tactgen.fem.bimorph.ports import static_multiport
 from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
 from tactgen.fem.bimorph.reduction.state_space import state_space
 from tactgen.fem.bimorph.solid import assemble
-from tactgen.fem.bimorph.states import driven_state
+from tactgen.fem.bimorph.states import driven_state, mode_states
 from tactgen.fem.reluctance.axisymmetric.actuator import solve_map
 from tactgen.fem.reluctance.three_d.actuator import solve_solid
 from tactgen.geometry.bimorph.brick_family import bimorph_bricks
@@ -68,6 +68,12 @@ def test_the_solid_on_few_bricks(name, approved, few_bricks):
     if on_rod:
         modes = natural_modes(system, Ends(), 4)
         said["modes"] = [(m.frequency, m.kind, m.share) for m in modes]
+        # a mode has no sign, and with the circuit open no charge
+        said["states"] = [
+            (state.frequency, state.kind, abs(state.tip), opened or abs(state.charge))
+            for opened in (False, True)
+            for state in mode_states(system, SPRUNG, 2, open_circuit=opened)
+        ]
     else:
         reduced = reduce_to_ports(system, np.array([0.0, 2e4]), tolerance=1e-4)
         state = driven_state(system, SPRUNG, 900.0, 3.0)

@@ -12,7 +12,9 @@ import pytest
 
 from tactgen import geometry
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.files import written_whole
+from tactgen.geometry.files import read_text, written_whole
+from tactgen.geometry.store.claim import claimed, sweep_claims
+from tactgen.geometry.store.entry import read_entry, sealed, write_entry
 
 PRODUCT = Path(geometry.__file__).parents[1]
 
@@ -36,6 +38,27 @@ def test_the_old_file_stays_until_the_new_one_is_whole(tmp_path):
         assert target.read_text(encoding="utf-8") == "old"
     assert target.read_text(encoding="utf-8") == "new"
     assert list(tmp_path.iterdir()) == [target]
+
+
+def test_nothing_stays_open(tmp_path):
+    """Of files, entries and claims: a study makes more than may be open at once."""
+
+    def use():
+        with written_whole(tmp_path / "a.csv") as draft:
+            draft.write_text("1", encoding="utf-8")
+        assert read_text(tmp_path / "a.csv") == "1"
+        with pytest.raises(OSError, match="a folder"):
+            read_text(tmp_path)
+        write_entry(tmp_path / "one.kept", sealed("one", 1))
+        read_entry(tmp_path / "one.kept")
+        (tmp_path / "left.claim").touch()
+        with claimed(tmp_path / "held.claim", print):
+            sweep_claims(tmp_path, ".claim")
+
+    use()  # what stays open once may
+    before = sorted(Path("/dev/fd").iterdir())
+    use()
+    assert sorted(Path("/dev/fd").iterdir()) == before
 
 
 def test_a_folder_that_is_not_there_is_refused(tmp_path):

@@ -15,6 +15,9 @@ from tactgen.geometry.device.groups.display import Scatter, Skin
 from tactgen.geometry.device.groups.operation import Beam, Drive, Limits, Load, Threshold
 from tactgen.geometry.device.layout import closed_form_volumes, layout, moving_rings, total_height
 from tactgen.geometry.device.parameters import Bimorph, Device, Display, Sleeve, Support
+from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.device.shim_library import SHIMS
+from tactgen.geometry.device.steel_library import SOFT_MAGNETS
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.display.bill import bill_of_parts, total_mass
 from tactgen.geometry.display.clearances import clearances, footprint
@@ -184,9 +187,21 @@ def test_every_parameter(approved):
                 if isinstance(unit := getattr(held, "func", None), Unit)
             ]
             said[f"{group}.{name}"] = " | ".join(
-                str(v) for v in (field.default, extra.get("spread"), extra.get("own"), *limits)
+                str(v)
+                for v in (
+                    field.default,
+                    field.description,
+                    extra.get("spread"),
+                    extra.get("own"),
+                    *limits,
+                )
             )
     approved(described(said))
+
+
+def test_every_material(approved):
+    """All that the libraries say of ceramics, shims and steels."""
+    approved(described(dict(LIBRARY) | dict(SHIMS) | dict(SOFT_MAGNETS)))
 
 
 def test_units_as_they_come_out_of_the_shop(approved):

@@ -38,6 +38,9 @@ Row: TypeAlias = Sequence[Element]
 _EPS = float(np.finfo(float).eps)
 #: Largest |λ| of an element; held at both ends a beam first vibrates above λ = 3.
 _LONGEST_WAVE = 1.5
+#: Points to a mode of the first look, how much further two more lie where that was not far enough,
+#: and how far a count may be from a whole number.
+_TO_A_MODE, _FURTHER, _WHOLE = 4, (2.0, 4.0), 0.1
 #: Size of X below which S keeps its eigenvalues near those of an element without length.
 _SMALL = 0.5
 #: Compliance, or angle θ, taken for none: those of an infinite stiffness but for rounding.
@@ -88,13 +91,14 @@ def natural_frequencies(
     first = ends.rigid_motions
     wanted = np.arange(first, first + count)
     attached = _Attached(row, ends, open_circuit=open_circuit)
-    # grows like (n + 1/2)²; four points to a mode
+    # frequencies grow like (n + 1/2)²
     highest = _first_guess(row) * (wanted[-1] + 1.5) ** 2
-    shares = (np.arange(1, 4 * wanted[-1] + 5) / (4 * wanted[-1] + 4)) ** 2
+    looks = _TO_A_MODE * (wanted[-1] + 1)
+    shares = (np.arange(1, looks + 1) / looks) ** 2
     points = highest * shares
     counts, angles = attached.count(points)
     while counts[-1] <= wanted[-1]:
-        more = points[-1] * np.array([2.0, 4.0])
+        more = points[-1] * np.array(_FURTHER)
         found = attached.count(more)
         points = np.append(points, more)
         counts = np.append(counts, found[0])
@@ -211,7 +215,7 @@ class _Attached:
         angles = np.arctan2(g.real, -g.imag)
         turns = (turned - (np.copysign(0.5 * np.pi, angles) - angles).sum(axis=1)) / np.pi
         counts = np.rint(turns)
-        if not (np.abs(turns - counts) < 0.1).all():
+        if not (np.abs(turns - counts) < _WHOLE).all():
             raise ArithmeticError("the natural frequencies of this row cannot be counted")
         return counts.astype(int), np.asarray(angles)
 

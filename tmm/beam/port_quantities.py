@@ -29,6 +29,13 @@ def evaluate(actuator: Actuator, read: Readout, values: Values, frequencies: Flo
 #: Relative step of the difference quotient in Newton's method for natural frequencies, and
 #: the last step taken: the quotient and Newton's own convergence leave 1e-6 of it.
 _STEP, _LAST = 1e-6, 1e-6
+#: Steps of that method, and the largest, relative: a first guess is within a factor of two.
+_MOST_STEPS, _LONGEST_STEP = 30, 0.3
+#: Eigenvalues at rest below this, of a matrix with ones on its diagonal, belong to rigid motions.
+_RIGID = 1e-9
+#: Frequencies of a round of the search for a peak, how far they lie to either side of the middle
+#: in the first (relative), and by how much each further one is narrower: two intervals are left.
+_TRIALS, _REACH, _NARROWER = 17, 0.1, 8.0
 
 
 def first_frequency(
@@ -54,16 +61,16 @@ def first_frequency(
     scale = 1.0 / np.sqrt(np.abs(np.diag(at_rest)))
     weights = scale[:, None] * scale
     # below: rigid motions, and the electrical port, whose capacitance counts as negative
-    mode = int((np.linalg.eigvalsh(at_rest * weights) < 1e-9).sum())
+    mode = int((np.linalg.eigvalsh(at_rest * weights) < _RIGID).sum())
     found = np.asarray(start, dtype=float)
-    for _ in range(30):
+    for _ in range(_MOST_STEPS):
         here = reduced(found, values) * weights
         there = reduced(found * (1.0 + _STEP), values) * weights
         shape = np.linalg.eigh(here)[1][:, :, mode]
         value, slope = (
             np.einsum("ni,nij,nj->n", shape, m, shape) for m in (here, (there - here) / _STEP)
         )
-        step = np.clip(-value / slope, -0.3, 0.3)
+        step = np.clip(-value / slope, -_LONGEST_STEP, _LONGEST_STEP)
         found = found * (1.0 + step)
         if np.abs(step).max() < _LAST:
             return np.asarray(found)
@@ -76,21 +83,21 @@ def resonance_peak(
     """Return frequency (Hz) and height of the first peak of what is read, both (n,).
 
     For a free tip, whose peak lies close to the first short-circuit frequency `start` (n,).
-    Each round narrows a grid of 17 frequencies eightfold around its highest.
+    Each round narrows a grid of frequencies around its highest.
     """
-    offsets = np.linspace(-1.0, 1.0, 17)
-    centre, reach = np.asarray(start, dtype=float), 0.1
+    offsets = np.linspace(-1.0, 1.0, _TRIALS)
+    centre, reach = np.asarray(start, dtype=float), _REACH
     count = centre.size
-    spread = {key: np.repeat(np.broadcast_to(v, count), 17) for key, v in values.items()}
+    spread = {key: np.repeat(np.broadcast_to(v, count), _TRIALS) for key, v in values.items()}
     for _ in range(rounds):
         trials = centre[:, None] * (1.0 + reach * offsets)
         size = np.abs(evaluate(actuator, read, spread, trials.ravel()))
-        level = np.log(size.reshape(count, 17))
-        best = np.clip(level.argmax(axis=1), 1, 15)
+        level = np.log(size.reshape(count, _TRIALS))
+        best = np.clip(level.argmax(axis=1), 1, _TRIALS - 2)
         rows = np.arange(count)
         left, middle, right = (level[rows, best + i] for i in (-1, 0, 1))
         # a parabola through the highest three
         shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
         centre = trials[rows, best] + shift * (trials[:, 1] - trials[:, 0])
-        reach /= 8.0
+        reach /= _NARROWER
     return centre, np.abs(evaluate(actuator, read, values, centre))

@@ -28,8 +28,13 @@ Parameter = Literal["omega", "level"]
 
 #: First, longest and shortest step, in lengths of which the whole range is 1.
 _FIRST, _LONGEST, _SHORTEST = 5e-3, 0.03, 1e-7
-#: Newton steps of a correction.
-_STEPS = 10
+#: Newton steps of a correction; how many are as they should be, how many fewer or more double or
+#: halve the next step, and the least that is left of a step.
+_STEPS, _USUAL, _TO_DOUBLE, _LEAST = 10, 4, 3, 0.3
+#: Growth of the motion up to which the sizes it is measured in stay.
+_GROWN = 1.2
+#: Share of what may be missing below which harmonics are given up, to this share of them.
+_PLENTY, _KEPT = 1e-3, 0.75
 #: A step is repeated with half its length when the tangent turned by more than this (cosine).
 _TURN = 0.9
 
@@ -174,7 +179,8 @@ def follow(
         if not low <= value <= high:
             steps.append(_at_end(oscillator, step, after, low if value < low else high))
             break
-        length = float(np.clip(length * 2.0 ** ((4 - count) / 3), 0.3 * length, _LONGEST))
+        eased = length * 2.0 ** ((_USUAL - count) / _TO_DOUBLE)
+        length = float(np.clip(eased, _LEAST * length, _LONGEST))
         missing = max(missing, left)
         step = _rescaled(oscillator, after)
         steps.append(step)
@@ -191,7 +197,7 @@ def _sizes(oscillator: Oscillator, orbit: Orbit) -> Floats:
 def _rescaled(oscillator: Oscillator, step: Step) -> Step:
     """Return the point in sizes that have grown with the motion."""
     scales = np.maximum(step.course.scales, _sizes(oscillator, step.orbit))
-    if (scales <= 1.2 * step.course.scales).all():
+    if (scales <= _GROWN * step.course.scales).all():
         return step
     course = replace(step.course, scales=scales)
     weights = (c.weights(step.orbit.harmonics) for c in (step.course, course))
@@ -259,8 +265,8 @@ def _advance_resolved(
         step = with_harmonics(step, resolution.more(after.orbit.harmonics))
         after, _ = _advance(oscillator, step, length)
         left = missing_motion(oscillator, after.orbit)
-    fewer = after.orbit.harmonics * 3 // 4
-    if left < 1e-3 * resolution.missing and fewer >= resolution.least:
+    fewer = int(_KEPT * after.orbit.harmonics)
+    if left < _PLENTY * resolution.missing and fewer >= resolution.least:
         after = with_harmonics(after, fewer)
     return after, count, left
 

@@ -31,6 +31,10 @@ _ROUNDING = 64.0 * float(np.finfo(float).eps)
 
 #: Steps that Newton's method may take; a dozen is usual, a hundred is a fault.
 _STEPS = 100
+#: Times that a step is halved at most: by then it is below rounding.
+_HALVINGS = 60
+#: Flux density (T) at which the iron's reluctivity makes the first guess.
+_GUESSED = 1.0
 
 
 @dataclass(frozen=True)
@@ -126,10 +130,10 @@ def solve(ladder: Ladder, currents: Floats) -> LadderSolution:
 
 
 def _first_guess(ladder: Ladder, drive: Floats) -> Floats:
-    """Return the fluxes with the iron's reluctivity as it is at 1 T."""
+    """Return the fluxes with the iron's reluctivity as it is at one flux density."""
     diagonal, beside = _rungs(ladder, drive.shape)
     if ladder.curve is not None:
-        reluctivity = float(ladder.curve.field_strength(np.array(1.0)))
+        reluctivity = float(ladder.curve.field_strength(np.array(_GUESSED)))
         diagonal = diagonal + _to_cells(ladder, reluctivity * ladder.length / ladder.area)
     return _tridiagonal(diagonal, beside, drive)
 
@@ -138,7 +142,7 @@ def _descend(ladder: Ladder, flux: Floats, step: Floats, drive: Floats, moving: 
     """Take Newton's step at the points still `moving`, each halved until its energy falls."""
     energy, rounding = _energy(ladder, flux, drive)
     factor = np.where(moving, 1.0, 0.0)
-    for _ in range(60):  # by then the step is below rounding
+    for _ in range(_HALVINGS):
         trial, _ = _energy(ladder, flux + factor[..., None] * step, drive)
         rising = trial > energy + rounding
         if not rising.any():

@@ -37,6 +37,10 @@ _BEYOND_GAP = 1.25
 _STEP, _ROUNDING = math.sqrt(2.0), 1e-9
 #: What the steps are counted from (A, m).
 _MA, _UM = 1e-3, 1e-6
+#: Power by which currents lie denser towards 0.
+_DENSER = 1.5
+#: Flux density (T) to which the pole is taken where no spring says how hard to pull.
+_UNSPRUNG = 0.1
 #: Largest ratio of neighbouring currents above those of the switching range.
 _RATIO = 1.6
 #: Shares of a reference current among which the network's balance is looked for.
@@ -76,7 +80,7 @@ def map_grid(
         needed, most = _rounded(needed, _MA, math.ceil), _rounded(most, _MA, math.ceil)
         least = _rounded(least, _UM, math.floor)
         largest = _rounded(_BEYOND_GAP * device.gap, _UM, math.ceil)
-    inner = needed * np.linspace(0.0, 1.0, currents) ** 1.5
+    inner = needed * np.linspace(0.0, 1.0, currents) ** _DENSER
     ratio = most / needed
     more = math.ceil(math.log(ratio) / math.log(_RATIO)) if ratio > 1.0 else 0
     outer = needed * ratio ** (np.arange(1, more + 1) / max(more, 1))
@@ -110,8 +114,8 @@ def _switching_range(device: Device) -> float:
     gaps = between_stops(device, _POSITIONS)
     against = spring_force(device, gaps)
     area = pole_area(device)
-    if not against.any():  # no spring: what takes the pole to 0.1 T
-        against = np.full_like(gaps, 0.1**2 * area / (2.0 * MU0))
+    if not against.any():  # no spring
+        against = np.full_like(gaps, _UNSPRUNG**2 * area / (2.0 * MU0))
     # the one-gap formula, exact where only the gap counts
     reference = float(np.max(gaps * np.sqrt(2.0 * against / (MU0 * area))) / device.coil.turns)
     tried = reference * _SHARES

@@ -5,20 +5,20 @@ from __future__ import annotations
 import datetime as dt
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 from tactgen.geometry.files import write_text
-from tactgen.validation.book.figures import convergence, scattered
+from tactgen.validation.book.convergence import Convergence, converged
+from tactgen.validation.book.figures import scattered
 from tactgen.validation.book.orders import DIVISIONS, KINDS
 from tactgen.validation.book.sketch import sketched
 from tactgen.validation.book.statistics import Scatter, scatter
 from tactgen.validation.book.unanswered import UNANSWERED
-from tactgen.validation.checks.case import Case, Refinement
+from tactgen.validation.checks.case import Case
 from tactgen.validation.checks.stress.faults.run import kept_rows
-from tactgen.validation.checks.verification import Verified, remembered
+from tactgen.validation.checks.verification import VERDICTS, Verified
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.view.templates import page_templates
 
@@ -47,8 +47,8 @@ class Page:
     group: str
     case: Case
     rows: tuple[Verified, ...]
-    convergence: str = ""
-    sketch: str = ""
+    convergence: Convergence
+    sketch: str
 
     @property
     def file(self) -> str:
@@ -59,9 +59,7 @@ class Page:
     def verdict(self) -> str:
         """The worst verdict of its rows."""
         verdicts = {row.verdict for row in self.rows}
-        return next(
-            v for v in ("fail", "explained", "calibrated", "pass", "skipped") if v in verdicts
-        )
+        return next(v for v in ("fail", "explained", "pass", "skipped") if v in verdicts)
 
 
 def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], None]) -> Path:
@@ -86,7 +84,7 @@ def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], No
         "kinds": KINDS,
         "divisions": DIVISIONS,
         "page_of": {row.check.id: page for page in pages for row in page.rows},
-        "counts": {v: sum(r.verdict == v for r in rows) for v in _VERDICTS},
+        "counts": {v: sum(r.verdict == v for r in rows) for v in VERDICTS},
     }
     render = _environment()
     for page in pages:
@@ -95,37 +93,10 @@ def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], No
     return write_text(out / "index.html", render("index.html", **common))
 
 
-_VERDICTS = ("pass", "explained", "calibrated", "fail", "skipped")
-
-
 def _page(rows: tuple[Verified, ...], announce: Callable[[str], None]) -> Page:
     group, case = rows[0].group, rows[0].case
-    if case.refinement is None:
-        return Page(group, case, rows, sketch=sketched(case))
     announce(f"convergence of {case.id}")
-    sizes, errors = _refined(group, case, case.refinement, rows[0].check.reference)
-    tolerance = 0.0 if case.refinement.of_error else rows[0].check.tolerance
-    return Page(group, case, rows, convergence(sizes, errors, tolerance), sketched(case))
-
-
-def _refined(
-    group: str, case: Case, refinement: Refinement, reference: float | tuple[float, float]
-) -> tuple[list[int], list[float]]:
-    """Return unknowns and relative errors of all levels."""
-
-    def part(which: int, level: int) -> float:
-        return float(refinement.solve(level)[which])
-
-    sizes, errors = [], []
-    for level in refinement.levels:
-        size, value = (
-            remembered(group, kind, f"{case.id} {level}", partial(part, which, level))[0]
-            for which, kind in enumerate(("size", "level"))
-        )
-        sizes.append(int(size) or level)
-        known = not refinement.of_error and not isinstance(reference, tuple)
-        errors.append(value / reference - 1.0 if known else value)  # type: ignore[operator]
-    return sizes, errors
+    return Page(group, case, rows, converged(rows), sketched(case))
 
 
 def _scatters(rows: Sequence[Verified]) -> dict[str, Scatter]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,17 +12,37 @@ from tactgen.validation.view.figures import BLUE, DARK, GREY, ORANGE, new_figure
 
 #: Errors below this are rounding, and drawn here.
 _ROUNDING = 1e-16
+#: Lines of errors, and of changes from level to level.
+_STYLES = (("o-", BLUE), ("s--", GREY))
 
 
-def convergence(sizes: Sequence[int], errors: Sequence[float], tolerance: float) -> str:
-    """Return the relative error over the number of unknowns, with the row's tolerance."""
+class Curve(NamedTuple):
+    """Relative errors or changes over sizes."""
+
+    name: str
+    sizes: Sequence[int]
+    errors: Sequence[float]
+
+
+def convergence(curves: Sequence[Curve], measure: str, tolerance: float) -> str:
+    """Return relative errors over a measure of fineness, with the row's tolerance."""
     figure, axis = panels(6.4, 3.4)
-    axis.loglog(sizes, np.maximum(np.abs(errors), _ROUNDING), "o-", color=BLUE)
+    for curve, (mark, color) in zip(curves, _STYLES[: len(curves)], strict=True):
+        axis.plot(
+            curve.sizes, np.maximum(np.abs(curve.errors), _ROUNDING), mark, color=color,
+            label=curve.name,
+        )  # fmt: skip
+    axis.set_yscale("log")
     if tolerance > 0.0:
-        axis.axhline(tolerance, color=ORANGE, linestyle="--", linewidth=1.0)
-        axis.annotate("tolerance", (sizes[0], tolerance), color=ORANGE, va="bottom", fontsize=9)
-    axis.set_xlabel("level" if max(sizes) < 20 else "unknowns")
-    axis.set_ylabel("relative error")
+        axis.axhline(tolerance, color=ORANGE, linestyle=":", linewidth=1.0, label="tolerance")
+    sizes = sorted({size for curve in curves for size in curve.sizes})
+    if sizes[0] > 0:
+        axis.set_xscale("log")
+    axis.set_xticks(sizes, [f"{size:,}".replace(",", " ") for size in sizes])
+    axis.minorticks_off()
+    axis.set_xlabel(measure)
+    axis.set_ylabel("relative")
+    axis.legend(fontsize=8, labelcolor=DARK)
     return svg(figure)
 
 

@@ -120,8 +120,10 @@ def _arrow(axis: Any, mark: Mark) -> None:
     """Draw a force whose arrow ends at the point, its words at the tail."""
     turn = np.deg2rad(mark.direction)
     tail = (-_ARROW * np.cos(turn), -_ARROW * np.sin(turn))
+    # words beside the tail of an arrow that lies, and not under it
+    side = "center" if abs(np.cos(turn)) < 0.5 else "right" if np.cos(turn) > 0.0 else "left"
     axis.annotate(
-        mark.text, mark.at, tail, textcoords="offset points", fontsize=8, ha="center", va="center",
+        mark.text, mark.at, tail, textcoords="offset points", fontsize=8, ha=side, va="center",
         arrowprops={"arrowstyle": "-|>", "color": ORANGE, "shrinkA": 0.0, "shrinkB": 0.0},
         annotation_clip=False,
     )  # fmt: skip

@@ -29,11 +29,6 @@ UNANSWERED: tuple[Unanswered, ...] = (
         "fields are read off the model solid's own bimorph only",
     ),
     Unanswered(
-        "NAFEMS FV32: tapered membrane",
-        "the models' bodies in three dimensions are bars, boxes and rods, none of them a wedge; "
-        "tapered beams are the cases VM34, VM148, WEDGE and BREADTH",
-    ),
-    Unanswered(
         "ANSYS VM174: large deflection of a bimetal strip",
         "all models of the bimorph are linear; small deflections are the cases VM35 and VM144",
     ),

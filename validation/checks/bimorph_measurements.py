@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.tmm.ports.terminations import finger_spring_damper
+from tactgen.validation.checks.cases.fineness import cached, level
+from tactgen.validation.engine.results import Measured
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.scene.scene import Scene, load_scene
 
@@ -20,7 +21,7 @@ def _scene(name: str, *overrides: str) -> Scene:
     return load_scene(name, overrides)[0]
 
 
-@cache
+@cached
 def _solved(name: str, models: str, quantities: str, *overrides: str) -> Solution:
     return solve(_scene(name, *overrides), models.split(","), quantities.split(","))
 
@@ -29,7 +30,18 @@ def _value(name: str, model: str, quantity: str, *overrides: str) -> NDArray[Any
     return _solved(name, model, quantity, *overrides).get(quantity, model).value
 
 
-@cache
+def _first(name: str, model: str, quantity: str, *overrides: str) -> Measured:
+    """Return a number, or the first of a list, with the model's own bar."""
+    return _number(_solved(name, model, quantity, *overrides), model, quantity)
+
+
+def _number(found: Solution, model: str, quantity: str, number: int = 0) -> Measured:
+    q = found.get(quantity, model)
+    value, bar = (float(np.ravel(array)[number]) for array in (q.value, q.uncertainty))
+    return Measured(value, bar)
+
+
+@cached
 def _prototype_peak() -> tuple[float, float]:
     """Locate the velocity peak by repeated narrowing around the largest of a sweep."""
     low, high = 600.0, 1000.0
@@ -60,24 +72,24 @@ def prototype_peak_velocity() -> float:
 _CLAMPED = ("support.kind=clamped", "load.kind=none", "drive.voltage=1V")
 
 
-def clamped_short_circuit() -> float:
+def clamped_short_circuit() -> Measured:
     """First short-circuit frequency of the clamped paper bimorph by TMM (Hz)."""
-    return float(_value("paper", "tmm", "short_circuit_frequencies", *_CLAMPED)[0])
+    return _first("paper", "tmm", "short_circuit_frequencies", *_CLAMPED)
 
 
-def clamped_open_circuit() -> float:
+def clamped_open_circuit() -> Measured:
     """First open-circuit frequency (Hz)."""
-    return float(_value("paper", "tmm", "open_circuit_frequencies", *_CLAMPED)[0])
+    return _first("paper", "tmm", "open_circuit_frequencies", *_CLAMPED)
 
 
-def clamped_static() -> float:
+def clamped_static() -> Measured:
     """Return the static tip displacement at 1 V (m)."""
-    return float(_value("paper", "tmm", "static_tip_displacement", *_CLAMPED))
+    return _first("paper", "tmm", "static_tip_displacement", *_CLAMPED)
 
 
-def beam_first_frequency() -> float:
+def beam_first_frequency() -> Measured:
     """First short-circuit frequency by beam elements (Hz)."""
-    return float(_value("paper", "beam", "short_circuit_frequencies", *_CLAMPED)[0])
+    return _first("paper", "beam", "short_circuit_frequencies", *_CLAMPED)
 
 
 def finger_stiffness_maximum() -> float:
@@ -95,29 +107,30 @@ def finger_damping_start() -> float:
     return float(finger_spring_damper(np.array([10.0]))[1][0])
 
 
-def j1_default_deflection() -> float:
+def j1_default_deflection() -> Measured:
     """Return the static tip displacement of job J1 on the default mesh (m)."""
-    return float(_value("j1", "solid", "static_tip_displacement"))
+    return _first("j1", "solid", "static_tip_displacement")
 
 
-def j1_default_first_frequency() -> float:
+def j1_default_first_frequency() -> Measured:
     """First frequency of job J1 on the default mesh (Hz)."""
-    return float(_value("j1", "solid", "short_circuit_frequencies")[0])
+    return _first("j1", "solid", "short_circuit_frequencies")
 
 
 def _j1_fine() -> Solution:
     quantities = "static_tip_displacement,short_circuit_frequencies"
-    return _solved("j1", "solid", quantities, "mesh.level=4")
+    # bricks begin at level 2
+    return _solved("j1", "solid", quantities, f"mesh.level={level(4, least=2)}")
 
 
-def j1_fine_deflection() -> float:
+def j1_fine_deflection() -> Measured:
     """Return the static tip displacement of job J1 on the fine mesh (m)."""
-    return float(_j1_fine().get("static_tip_displacement", "solid").value)
+    return _number(_j1_fine(), "solid", "static_tip_displacement")
 
 
-def j1_fine_frequency(number: int) -> float:
+def j1_fine_frequency(number: int) -> Measured:
     """Natural frequency `number` (from 0) of job J1 on the fine mesh (Hz)."""
-    return float(_j1_fine().get("short_circuit_frequencies", "solid").value[number])
+    return _number(_j1_fine(), "solid", "short_circuit_frequencies", number)
 
 
 def j1_cad_against_bricks() -> float:
@@ -148,12 +161,13 @@ def lumped_over_tmm_frequency() -> float:
     return float(lumped / tmm)
 
 
-@cache
+@cached
 def _clamped_bridge() -> list[Rung]:
     """Rungs of the paper's bimorph on a rigid clamp, where f1 is the bimorph's own."""
     from tactgen.validation.models.bimorph.bridge import bridge
 
-    return bridge(_scene("paper", "support.kind=clamped"), lambda _: None, sections=False)
+    scene = _scene("paper", "support.kind=clamped")
+    return bridge(scene, lambda _: None, level=level(1, least=0), sections=False)
 
 
 def beam_like_solid_over_tmm(quantity: str) -> float:
@@ -168,11 +182,11 @@ def field_variation(quantity: str) -> float:
     return float((1.0 + getattr(rung.step, quantity)) / (1.0 + getattr(rung.predicted, quantity)))
 
 
-@cache
+@cached
 def _ends_rest() -> Steps:
     from tactgen.validation.models.bimorph.bridge.end_effect import end_effect
 
-    return end_effect(_scene("paper")).rest
+    return end_effect(_scene("paper"), level=level(1, least=0)).rest
 
 
 def bridge_rest(quantity: str) -> float:

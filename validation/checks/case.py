@@ -19,24 +19,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Refinement:
-    """How the answer of a case's first row is approached.
+    """The divisions by which a case shows an order, where its rows are errors themselves.
 
     Attributes
     ----------
     levels : tuple of int
-        From coarse to fine.
-    solve : callable
-        Gives number of unknowns and the value of the first row at a level.
+        Intervals along an edge, from coarse to fine.
+    error : callable
+        Gives the relative error on so many.
     order : str
-        What theory expects of the error, in words.
-    of_error : bool
-        Whether `solve` gives the relative error itself.
+        What theory expects of it, in words.
     """
 
     levels: tuple[int, ...]
-    solve: Callable[[int], tuple[int, float]]
+    error: Callable[[int], float]
     order: str
-    of_error: bool = False
 
 
 @dataclass(frozen=True)
@@ -54,7 +51,7 @@ class Case:
     rows : tuple of Check
         What must hold.
     refinement : Refinement, optional
-        How the first row's value converges.
+        What is shown in place of the rows' own coarser levels (`checks/cases/fineness.py`).
     setup : callable, optional
         Gives a drawing of what is solved; a case without one is about formulas alone.
     """

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 
 from tactgen.fem.reluctance.three_d.array import array_forces
@@ -18,6 +16,7 @@ from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.catalogue.bimorph import SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.catalogue.display import CROSSTALK_LARGEST
+from tactgen.validation.checks.cases.fineness import cached
 from tactgen.validation.checks.row import Check
 from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
@@ -38,7 +37,7 @@ def _scene(*overrides: str) -> Scene:
     return load_scene("display", ["frequency=10,100,430,1000", *overrides])[0]
 
 
-@cache
+@cached
 def _array() -> Multiport:
     scene = _scene("display.rows=2", "display.columns=3")
     return display_ports(scene, _bimorph(scene))
@@ -96,7 +95,7 @@ def _far_apart() -> float:
     return (losses[0] / losses[1]) / (over[0] / over[1])
 
 
-@cache
+@cached
 def _nine() -> dict[str, NineForces]:
     """Return the pulls of nine units: one driven, all, those beside reversed, the middle one."""
     states = {"alone": (1, 0, 0), "all": (1, 1, 1), "beside": (1, -1, 1), "middle": (-1, 1, 1)}
@@ -118,7 +117,7 @@ def _reversal(unit: str, reversed_one: str) -> float:
     return _mean(getattr(nine["all"], unit)) - _mean(getattr(nine[reversed_one], unit))
 
 
-@cache
+@cached
 def _all_four() -> float:
     """Return what a unit of an endless array loses where all nearest neighbours reverse (N)."""
     found = array_forces(_scene().device, _CURRENT, _GAP, _PITCH)
@@ -238,6 +237,6 @@ DISPLAY_CHECKS: tuple[Check, ...] = (
         "FIT-2", "validation", "The heights of all parts add up to the paper's.",
         45e-3, "m", _PAPER, 1e-3, "two printed digits, sums of sizes that are printed to 0.05 mm",
         _height, scene="display",
-        calibrated="the plates' thicknesses, which the paper does not give, make up the sum",
+        fitted="the plates' thicknesses, which the paper does not give, make up the sum",
     ),
 )  # fmt: skip

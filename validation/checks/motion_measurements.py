@@ -14,6 +14,7 @@ from tactgen.tmm.generator.transient.march import simulate_steps
 from tactgen.tmm.generator.transient.system import Coil, Element, System
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square, Step
 from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
+from tactgen.validation.checks.cases.fineness import steps
 
 if TYPE_CHECKING:
     from tactgen.validation.models.generator.phases import Phase
@@ -49,7 +50,7 @@ def _one_mass(mass: float, element: Element) -> System:
 def vm156_period() -> float:
     """Return four times the first quarter of the swing (s), from 1600 steps."""
     system = _one_mass(2588e-6, Element("spring", CubicSpring(2.0, 4.0), _ONE))
-    run = simulate_steps(system, Sources(), 0.04, 1600, position=_ONE)
+    run = simulate_steps(system, Sources(), 0.04, steps(1600), position=_ONE)
     x = run.position[:, 0]
     k = int(np.flatnonzero(x < 0.0)[0])
     near = slice(k - 2, k + 2)
@@ -62,7 +63,7 @@ def vm207_current() -> float:
     coil = Coil(_Inductor(0.01274), 0.0 * _ONE, 1.0, 5.991, "voltage")
     zero = 0.0 * _ONE
     system = System(_UNIT, 0.0 * _UNIT, _UNIT, zero, zero, 0.0, (), (), coil)
-    run = simulate_steps(system, Sources(coil=Step(12.0)), 0.01, 500)
+    run = simulate_steps(system, Sources(coil=Step(12.0)), 0.01, steps(500))
     return float(run.current[-1])
 
 
@@ -70,7 +71,9 @@ def rough_bounce() -> float:
     """Return the speed (m/s) at which a mass leaves rough surfaces that it met at 0.3 m/s."""
     law = RoughPoint(0.1, 3e-7)
     system = _one_mass(3e-4, Element("stop", law, -_ONE))
-    run = simulate_steps(system, Sources(), 8e-5, 2000, position=1e-5 * _ONE, velocity=-0.3 * _ONE)
+    run = simulate_steps(
+        system, Sources(), 8e-5, steps(2000), position=1e-5 * _ONE, velocity=-0.3 * _ONE
+    )
     return float(run.velocity[-1, 0])
 
 

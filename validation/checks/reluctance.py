@@ -256,7 +256,7 @@ _VALIDATION: tuple[Check, ...] = (
         "At 130 mA and the 0.2 mm gap the pull is the 110 mN of the spring.",
         0.110, "N", "paper section 5.1", 0.5e-3 / 110e-3, "the last printed digit",
         m.paper_force, scene="reluctance",
-        calibrated="the paper gives neither turns nor iron, and 560 turns were chosen to give this "
+        fitted="the paper gives neither turns nor iron, and 560 turns were chosen to give this "
         "force",
     ),
     Check(
@@ -295,7 +295,7 @@ _VALIDATION: tuple[Check, ...] = (
         "end.",
         41e-3, "m", "paper section 5.1", 0.5 / 41.0, "the last printed digit",
         m.generator_height, scene="reluctance",
-        calibrated="the sleeve was given the length that is left",
+        fitted="the sleeve was given the length that is left",
     ),
 )  # fmt: skip
 

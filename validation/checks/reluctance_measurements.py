@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from typing import Literal
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
+from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.layout import total_height
 from tactgen.geometry.device.parameters import Device, Limits, Steel
@@ -20,14 +20,17 @@ from tactgen.tmm.reluctance.coil_heat import largest_rms_current
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import spring_force
+from tactgen.validation.checks.cases.fineness import cached, degree, intervals, size
 from tactgen.validation.checks.cases.magnetics import (
     coaxial_coils,
     collared_actuator,
     infinite_solenoid,
     square_law,
 )
+from tactgen.validation.checks.cases.magnetics.actuator_field import field_point
 from tactgen.validation.checks.cases.magnetics.long_conductors import conductors
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential, ball_error
+from tactgen.validation.engine.results import Measured
 from tactgen.validation.models.generator.judged_rod import rod_of
 from tactgen.validation.scene.scene import load_scene
 
@@ -104,7 +107,7 @@ def ladder_energy() -> float:
     return square_law.CURRENT * linkage - ladder_coenergy()
 
 
-@cache
+@cached
 def _square_law_map() -> CoenergyMap:
     return square_law.by_map()
 
@@ -121,20 +124,19 @@ def map_energy() -> float:
 
 def ball_mean(potential: str) -> float:
     """Mean flux density in the ball over the exact one, three intervals along each edge."""
-    return 1.0 + ball_error(_potential(potential), 3)[0]
+    return 1.0 + ball_error(_potential(potential), intervals(3, least=1))[0]
 
 
 def conductor_force(potential: str) -> float:
     """Force per length between the long strips by the stress in the air (N/m)."""
-    return conductors(_potential(potential), 0.7)[0]
+    return conductors(_potential(potential), size(0.7))[0]
 
 
-@cache
 def _point(state: int) -> FieldPoint:
-    return solve_point(Device(), *STATES[state])
+    return field_point(Device(), *STATES[state])
 
 
-@cache
+@cached
 def _network(state: int) -> Samples:
     current, gap = STATES[state]
     return network_samples(Device(), np.array([current]), np.array([gap]))
@@ -146,7 +148,7 @@ def routes_ratio(state: int) -> float:
     Stress needs the field itself and errs by 0.1 % on an answer's grid, where virtual work, which
     needs the energy, errs by 0.005 %.
     """
-    found = solve_point(Device(), *STATES[state], refinement=1.25)
+    found = field_point(Device(), *STATES[state], refinement=1.25)
     return found.force_eggshell / found.force
 
 
@@ -154,37 +156,46 @@ def difference_quotient_ratio(state: int) -> float:
     """−ΔW'/Δg between two separately meshed gaps, over the force by virtual work."""
     current, gap = STATES[state]
     step = gap / 40.0
-    wide, narrow = (solve_point(Device(), current, gap + s).coenergy for s in (step, -step))
+    wide, narrow = (field_point(Device(), current, gap + s).coenergy for s in (step, -step))
     return (narrow - wide) / (2.0 * step) / _point(state).force
 
 
-def network_over_field_force(state: int) -> float:
+def network_over_field_force(state: int) -> Measured:
     """Force of the network over the field's."""
-    return float(_network(state).force[0, 0]) / _point(state).force
+    found = _point(state)
+    return _over(float(_network(state).force[0, 0]), found.force, found.errors.force)
 
 
-def network_over_field_straight_iron() -> float:
+def _over(value: float, field: float, bar: float) -> Measured:
+    """Return a value over that of a field with its bar, of which the quotient has the share."""
+    return Measured(value / field, abs(value / field * bar / field))
+
+
+def network_over_field_straight_iron() -> Measured:
     """Return the same at the paper's point with straight iron, µr = 1000."""
     device = Device(steel=Steel(curve="linear", relative_permeability=1000.0))
     current, gap = STATES[0]
     network = network_samples(device, np.array([current]), np.array([gap]))
-    return float(network.force[0, 0]) / solve_point(device, current, gap).force
+    found = field_point(device, current, gap)
+    return _over(float(network.force[0, 0]), found.force, found.errors.force)
 
 
-def network_over_field_linkage(state: int) -> float:
+def network_over_field_linkage(state: int) -> Measured:
     """Flux linkage of the network over the field's."""
-    return float(_network(state).flux_linkage[0, 0]) / _point(state).flux_linkage
+    found, linkage = _point(state), float(_network(state).flux_linkage[0, 0])
+    return _over(linkage, found.flux_linkage, found.errors.flux_linkage)
 
 
-def collared_force(current: float) -> float:
+def collared_force(current: float) -> Measured:
     """Pull of the actuator with a collar (N)."""
-    return collared_actuator.field(current).force
-
-
-def collared_linkage(current: float) -> float:
-    """Flux linkage per turn of the same (Wb)."""
     found = collared_actuator.field(current)
-    return float(found.flux_linkage / collared_actuator.COLLARED.coil.turns)
+    return Measured(found.force, found.errors.force)
+
+
+def collared_linkage(current: float) -> Measured:
+    """Flux linkage per turn of the same (Wb)."""
+    found, turns = collared_actuator.field(current), collared_actuator.COLLARED.coil.turns
+    return Measured(found.flux_linkage / turns, found.errors.flux_linkage / turns)
 
 
 def largest_held_current() -> float:
@@ -197,22 +208,25 @@ def generator_height() -> float:
     return total_height(load_scene("bimorph_on_rod")[0].device)
 
 
-def paper_force() -> float:
+def paper_force() -> Measured:
     """Pull of the reconstructed device at 130 mA and 0.2 mm by the axisymmetric field (N)."""
-    return _point(0).force
+    found = _point(0)
+    return Measured(found.force, found.errors.force)
 
 
-def spring_over_pull_held() -> float:
+def spring_over_pull_held() -> Measured:
     """Force of the spring over the pull with 50 mA at the lower stop."""
     device = Device()
     gap = device.spring.stop_gap
-    return float(spring_force(device, gap)) / solve_point(device, 50e-3, gap).force
+    found = field_point(device, 50e-3, gap)
+    return _over(float(spring_force(device, gap)), found.force, found.errors.force)
 
 
-def spring_over_pull_at_upper_stop() -> float:
+def spring_over_pull_at_upper_stop() -> Measured:
     """Force of the spring over the pull with 120 mA at the upper stop."""
     device = Device()
-    return float(spring_force(device, device.gap)) / solve_point(device, 120e-3).force
+    found = field_point(device, 120e-3)
+    return _over(float(spring_force(device, device.gap)), found.force, found.errors.force)
 
 
 def _loop(model: Callable[[Floats, Floats], Samples], panels: int) -> float:
@@ -235,7 +249,7 @@ def field_map_loop_work() -> float:
     """Return the same of the map made from the axisymmetric field."""
     device = Device()
     currents, gaps = map_grid(device, 8, 8)
-    rows = solve_map(device, gaps.tolist(), currents.tolist(), order=3)
+    rows = solve_map(device, gaps.tolist(), currents.tolist(), order=degree(3))
     linkage, force = (
         np.array([[getattr(point, name) for point in row] for row in rows]).T
         for name in ("flux_linkage", "force")
@@ -247,7 +261,7 @@ def field_map_loop_work() -> float:
 Number = Literal["rocking stiffness", "pull per current", "inductance"]
 
 
-@cache
+@cached
 def _rod(model: str, history: str) -> Linearised:
     held = ("coil.current=50mA", f"coil.history={history}", f"models=tmm,{model}")
     scene, _ = load_scene("generator", held)

@@ -2,7 +2,7 @@
 
 Tiers are never mixed.  The test suite, the report and the documentation read the same rows.  A
 row that is known not to agree says why; it is shown, not hidden, and not counted as passed.  Nor
-is one that agrees because something was chosen so that it does.
+is one that agrees because something was fitted to its reference: it is explained as well.
 """
 
 from __future__ import annotations
@@ -12,8 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
+from tactgen.validation.engine.results import Measured
+
 Tier = Literal["code verification", "solution verification", "cross-model", "validation"]
-Status = Literal["pass", "fail", "differs, explained", "calibrated"]
+Status = Literal["pass", "fail", "explained"]
 
 
 @dataclass(frozen=True)
@@ -31,13 +33,13 @@ class Check:
     reason : str
         Why the tolerance is what it is.
     measure : callable
-        Computes the value.
+        Computes the value, with its error bar where the model that it asks states one.
     explained : str
         Why the row is known to differ; empty where it must pass.
     known : float
         The deviation that the explanation was written for; another one fails.
-    calibrated : str
-        What was chosen so that the row agrees; it then confirms nothing and is no pass.
+    fitted : str
+        What was fitted to the reference; agreement then confirms nothing and is no pass.
     heavy : bool
         Whether it takes more than a few seconds.
     scene : str
@@ -52,12 +54,19 @@ class Check:
     source: str
     tolerance: float
     reason: str
-    measure: Callable[[], float]
+    measure: Callable[[], float | Measured]
     explained: str = ""
     known: float = 0.0
-    calibrated: str = ""
+    fitted: str = ""
     heavy: bool = False
     scene: str = ""
+
+    @property
+    def explanation(self) -> str:
+        """Why agreement or disagreement says nothing about the models; empty where it does."""
+        if self.fitted:
+            return f"fitted to this reference, so it is no test: {self.fitted}"
+        return self.explained
 
 
 @dataclass(frozen=True)
@@ -77,18 +86,23 @@ _STILL, _STILL_SHARE = 0.02, 0.2
 
 def run_check(check: Check) -> Outcome:
     """Measure one row."""
-    return judged(check, float(check.measure()))
+    return judged(check, value_of(check.measure()))
+
+
+def value_of(measured: float | Measured) -> float:
+    """Return a measured value without its bar."""
+    return float(measured.value if isinstance(measured, Measured) else measured)
 
 
 def judged(check: Check, measured: float) -> Outcome:
     """Return what a measured value says about a row."""
     deviation = _deviation(measured, check.reference)
     if abs(deviation) <= check.tolerance:
-        status: Status = "calibrated" if check.calibrated else "pass"
+        status: Status = "explained" if check.fitted else "pass"
     else:
         near = min(_STILL, _STILL_SHARE * abs(check.known))
         still = check.explained and abs(deviation - check.known) <= near
-        status = "differs, explained" if still else "fail"
+        status = "explained" if still else "fail"
     return Outcome(check, measured, deviation, status)
 
 

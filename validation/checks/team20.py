@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from functools import cache, partial
+from functools import partial
 
 from tactgen.geometry.reluctance.team20 import MEASURED_FLUX_DENSITY, MEASURED_FORCE
+from tactgen.validation.checks.cases.fineness import cached, size
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential
 from tactgen.validation.checks.cases.magnetics.team20 import (
     FluxDensities,
@@ -18,13 +19,13 @@ _FORCE_TABLE = "TEAM problem 20, table 6 of COMPEL 14 (1995) 57"
 _FLUX_TABLE = "TEAM problem 20, table 4 of COMPEL 14 (1995) 57"
 
 
-@cache
+@cached
 def _states(potential: str) -> dict[float, tuple[PoleForce, FluxDensities]]:
     from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
     from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
 
     of: Potential = VectorPotential if potential == "A" else ScalarPotential
-    states = pole_states(of, 1.0, tuple(MEASURED_FORCE))
+    states = pole_states(of, size(1.0), tuple(MEASURED_FORCE))
     return {force.current: (force, flux_densities(field)) for force, field in states}
 
 

@@ -1,24 +1,31 @@
 """The suite's own checks run as one job: rows with a verdict, for people and for programs.
 
 What a row measures is kept in the store by the code that measures it, so a second run does only
-what changed; a failure is never served, but measured anew.
+what changed; a failure is never served, but measured anew.  Its error bar is that of the model, or
+where that states none, by how much the value changes on the next coarser division.
 """
 
 from __future__ import annotations
 
 import importlib
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
+from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept, recalled
+from tactgen.geometry.store.values import storable
 from tactgen.validation.checks.case import Case
+from tactgen.validation.checks.cases.fineness import Kind, on_level
 from tactgen.validation.checks.problems import PROBLEMS, Problem
-from tactgen.validation.checks.row import Check, Outcome, judged
+from tactgen.validation.checks.row import Check, Outcome, judged, value_of
+from tactgen.validation.engine.results import Measured
 
-Verdict = Literal["pass", "fail", "explained", "calibrated", "skipped"]
+Verdict = Literal["pass", "explained", "fail", "skipped"]
+#: All verdicts, in the order in which they are counted.
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 #: How much is run: the first row of each case, all that are light, or the heavy ones as well.
 Extent = Literal["quick", "light", "heavy"]
 
@@ -49,23 +56,86 @@ GROUPS: dict[str, tuple[str, str]] = {
 }
 
 
+@storable
+@dataclass(frozen=True)
+class Division:
+    """What a row measures on one level of fineness (:mod:`validation.checks.cases.fineness`).
+
+    Attributes
+    ----------
+    below : int
+        How many levels coarser than the case's own; below 0 finer.
+    value, bar : float
+        In the row's unit; `bar` is the model's own, nan where it states none.
+    kinds : tuple of tuple of str
+        How it is divided; empty where nothing is.
+    new : bool
+        Whether it differs from the next level towards the case's own.
+    count : int
+        The most unknowns, or steps; 0 where they were not counted.
+    seconds : float
+        How long it took.
+    """
+
+    below: int
+    value: float
+    bar: float
+    kinds: tuple[tuple[str, ...], ...]
+    new: bool
+    count: int
+    seconds: float
+
+    @property
+    def kind(self) -> Kind | None:
+        """How it is divided; of several ways the first by name."""
+        return Kind(*self.kinds[0]) if self.kinds else None
+
+    @property
+    def words(self) -> str:
+        """What is different from the next level towards the case's own."""
+        assert self.kind is not None
+        return self.kind.coarser if self.below > 0 else self.kind.finer
+
+
+@dataclass(frozen=True)
+class Bar:
+    """An error bar in the row's unit, and what it is judged by."""
+
+    size: float
+    judged_by: str
+
+
 @dataclass(frozen=True)
 class Verified:
-    """A row with what came out; `outcome` and `seconds` are None where it was skipped."""
+    """A row with what came out; `outcome` and `found` are None where it was skipped."""
 
     group: str
     case: Case
     check: Check
-    outcome: Outcome | None
-    seconds: float | None
+    outcome: Outcome | None = None
+    found: Division | None = None
+    bar: Bar | None = None
+
+    @property
+    def seconds(self) -> float | None:
+        """How long it took."""
+        return None if self.found is None else self.found.seconds
+
+    @property
+    def covered_by(self) -> Literal["", "bar", "bar and tolerance"]:
+        """What covers the deviation; nothing where the row has no bar."""
+        if self.outcome is None or self.bar is None:
+            return ""
+        nearest = _nearest(self.outcome)
+        beyond = abs(self.outcome.measured - nearest) - self.bar.size
+        if beyond <= 0.0:
+            return "bar"
+        return "bar and tolerance" if beyond <= self.check.tolerance * abs(nearest) else ""
 
     @property
     def verdict(self) -> Verdict:
         """The verdict in one word."""
-        if self.outcome is None:
-            return "skipped"
-        explained = self.outcome.status == "differs, explained"
-        return "explained" if explained else self.outcome.status  # type: ignore[return-value]
+        return "skipped" if self.outcome is None else self.outcome.status
 
     @property
     def test(self) -> str:
@@ -86,13 +156,15 @@ class Verified:
             "unit": check.unit,
             "measured": None if found is None else found.measured,
             "reference": check.reference,
+            "bar": None if self.bar is None else self.bar.size,
+            "bar_judged_by": None if self.bar is None else self.bar.judged_by,
+            "covered_by": None if self.bar is None else self.covered_by,
             "deviation": None if found is None else found.deviation,
             "source": check.source,
             "tolerance": check.tolerance,
             "reason": check.reason,
             "verdict": self.verdict,
-            "explained": check.explained,
-            "calibrated": check.calibrated,
+            "explained": check.explanation,
             "seconds": self.seconds,
             "test": self.test,
         }
@@ -135,15 +207,70 @@ def verify(
             for check in case.rows:
                 wanted = check is case.rows[0] if extent == "quick" else True
                 if not wanted or (check.heavy and extent != "heavy"):
-                    found.append(Verified(group, case, check, None, None))
+                    found.append(Verified(group, case, check))
                     continue
                 announce(f"check {check.id}")
-                measured, seconds = remembered(
-                    group, "row", check.id, check.measure,
-                    serves=partial(_holds, check),
-                )  # fmt: skip
-                found.append(Verified(group, case, check, judged(check, measured), seconds))
+                measured = division(group, case, check)
+                outcome, bar = judged(check, measured.value), _bar(group, case, check, measured)
+                found.append(Verified(group, case, check, outcome, measured, bar))
     return found
+
+
+def _bar(group: str, case: Case, check: Check, measured: Division) -> Bar | None:
+    """Return a row's bar; None where nothing is divided, and of a row that is an error itself."""
+    if math.isfinite(measured.bar):
+        return Bar(measured.bar, "the model's own")
+    if measured.kind is None or case.refinement is not None:
+        return None
+    other = next_division(group, case, check)
+    if other is None:
+        return None
+    return Bar(abs(measured.value - other.value), f"the change with {other.words}")
+
+
+def next_division(group: str, case: Case, check: Check) -> Division | None:
+    """Return what a row measures on the next coarser level.
+
+    Where there is none, as of linear functions that contain the answer, on the next finer one.
+    """
+    for below in (1, -1):
+        found = division(group, case, check, below)
+        if found.new:
+            return found
+    return None
+
+
+def division(group: str, case: Case, check: Check, below: int = 0) -> Division:
+    """Return what a row measures so many levels coarser, from the store if the code is the same.
+
+    A level that its model refuses as too coarse is none.
+    """
+
+    def work() -> Division:
+        started = time.perf_counter()
+        with on_level(below) as run:
+            try:
+                measured = check.measure()
+            except InputError:
+                if below == 0:
+                    raise
+                return Division(below, math.nan, math.nan, (), False, 0, 0.0)
+        bar = measured.bar if isinstance(measured, Measured) else math.nan
+        kinds = tuple(sorted(tuple(kind) for kind in run.kinds))
+        seconds = time.perf_counter() - started
+        return Division(below, value_of(measured), bar, kinds, run.new, run.count, seconds)
+
+    return kept(
+        *_entry(group, "row", f"{check.id} {below}" if below else check.id), work,
+        serves=lambda found: below > 0 or _holds(check, found.value),
+    )  # fmt: skip
+
+
+def _nearest(outcome: Outcome) -> float:
+    """Return the reference, or of a range the point nearest to what was measured."""
+    reference = outcome.check.reference
+    ends = reference if isinstance(reference, tuple) else (reference, reference)
+    return min(max(outcome.measured, ends[0]), ends[1])
 
 
 def recalled_rows(groups: Sequence[str]) -> list[Verified]:
@@ -152,12 +279,9 @@ def recalled_rows(groups: Sequence[str]) -> list[Verified]:
     for group in groups:
         for case in group_cases(group):
             for check in case.rows:
-                kept_row: tuple[float, float] | None = recalled(*_entry(group, "row", check.id))
-                outcome, seconds = None, None
-                if kept_row is not None:
-                    measured, seconds = kept_row
-                    outcome = judged(check, measured)
-                found.append(Verified(group, case, check, outcome, seconds))
+                held: Division | None = recalled(*_entry(group, "row", check.id))
+                outcome = None if held is None else judged(check, held.value)
+                found.append(Verified(group, case, check, outcome, held))
     return found
 
 
@@ -165,25 +289,9 @@ def _holds(check: Check, measured: float) -> bool:
     return judged(check, measured).status != "fail"
 
 
-def remembered(
-    group: str,
-    kind: str,
-    name: str,
-    measure: Callable[[], float],
-    *,
-    serves: Callable[[float], bool] = lambda _: True,
-) -> tuple[float, float]:
-    """Return a measured value and the seconds that it took, from the store if the code is the same.
-
-    `name` must tell it from all others of its kind.
-    """
-
-    def work() -> tuple[float, float]:
-        started = time.perf_counter()
-        return float(measure()), time.perf_counter() - started
-
-    value, seconds = kept(*_entry(group, kind, name), work, serves=lambda both: serves(both[0]))
-    return value, seconds
+def remembered(group: str, name: str, error: Callable[[], float]) -> float:
+    """Return an error of a case's own refinement, from the store if the code is the same."""
+    return kept(*_entry(group, "level", name), error)
 
 
 def _entry(group: str, kind: str, name: str) -> tuple[str, tuple[str, str], tuple[str, ...]]:

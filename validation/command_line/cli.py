@@ -107,11 +107,15 @@ class _Parser(argparse.ArgumentParser):
         unknown = re.search(r"unrecognized arguments: --([a-z0-9._-]+)", message)
         if not unknown:
             return ""
-        options = [option for action in self._actions for option in action.option_strings]
+        options = [
+            option[2:] for action in self._actions for option in action.option_strings
+            if option.startswith("--")
+        ]  # fmt: skip
         key = unknown[1].replace("-", "_")
-        if "--set" in options and _is_scene_key(key):
+        if "set" in options and _is_scene_key(key):
             return f' (did you mean "--set {key}=…"?)'
-        return nearest(f"--{unknown[1]}", options)
+        # their dashes would make all of them alike
+        return nearest(unknown[1], options).replace('"', '"--', 1)
 
 
 class _Version(argparse.Action):

@@ -171,10 +171,9 @@ def _animations(buffer: _Buffer, states: list[State]) -> list[dict[str, Any]]:
 
 
 def _packed(content: dict[str, Any], data: bytes) -> bytes:
-    """Return a binary glTF: header, JSON padded with blanks, data padded with zeros."""
+    """Return a binary glTF: header, JSON padded with blanks, data in numbers of four bytes."""
     text = json.dumps(content, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
-    data += b"\0" * (-len(data) % 4)
     chunks = struct.pack("<II", len(text), 0x4E4F534A) + text
     chunks += struct.pack("<II", len(data), 0x004E4942) + data
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks

@@ -192,14 +192,18 @@ class NormalActuator:
             stroke_causes,
             together,
         )
+        from tactgen.validation.models.reluctance.rest_causes import rest_causes
 
         self.announce("why the network is not the field")
         causes = network_causes(self.device, self.current, self.gap)
         if self.reference not in self.maps:
             return causes
-        currents = self.switching[self.reference]
-        of_stroke = stroke_causes(self.device, self.maps[self.reference], currents)
-        return together(causes, of_stroke) if of_stroke else causes
+        pull, currents = self.maps[self.reference], self.switching[self.reference]
+        field = self._mapped_models[self.reference]
+        of_rest = rest_causes(field) if field.will_run("rest") else []
+        for more in (stroke_causes(self.device, pull, currents), of_rest):
+            causes = together(causes, more) if more else causes
+        return causes
 
     @cached_property
     def bridge(self) -> list[BridgeStep]:

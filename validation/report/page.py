@@ -18,7 +18,7 @@ from tactgen.validation.models.bimorph.beam_theory_error import Band, expected_d
 from tactgen.validation.models.comparison import ComparedRow
 from tactgen.validation.report.provenance.record import FILE, read_record, recorded
 from tactgen.validation.report.provenance.seal import seal, unseal
-from tactgen.validation.report.request import check_report, prepared
+from tactgen.validation.report.request import check_report, is_of_rest, prepared
 from tactgen.validation.report.second_process import ahead
 from tactgen.validation.report.sections.contents import (
     APPENDIX,
@@ -172,6 +172,7 @@ def summary(study: Study) -> dict[str, Any]:
             "lateral": _spread(study.comparison if study.lateral else []),
             "normal": _spread(study.normal.comparison if study.normal else []),
         },
+        "rests": any(is_of_rest(row.quantity) for row in study.compared),
         "asked_for": {
             "models": study.scene.models,
             "quantities": len({q.name for q in study.solution.quantities}),
@@ -180,6 +181,7 @@ def summary(study: Study) -> dict[str, Any]:
         "tipped": moment if moment and moment["largest"] > moment["tipping"] else None,
         "known": [u for u in uncertain if u.target.quantity.headline],
         "invariants": study.invariants,
+        "unlike": sum(o.status == "explained" and not o.check.fitted for o in study.outcomes),
         "failed": sum(o.status == "fail" for o in study.outcomes),
         "parameters": study.parameters,
         "bridge": study.rungs,
@@ -194,7 +196,7 @@ def summary(study: Study) -> dict[str, Any]:
 def _statuses(study: Study) -> list[tuple[str, int]]:
     """Return how many of the scene's checks ended in each way, the best first."""
     found = [outcome.status for outcome in study.outcomes]
-    order = ("pass", "calibrated", "differs, explained")
+    order = ("pass", "explained")
     return [(status, found.count(status)) for status in order if status in found]
 
 
@@ -207,11 +209,14 @@ def _left_out(study: Study) -> list[tuple[str, Band]]:
 
 
 def _spread(rows: Sequence[ComparedRow]) -> dict[str, float]:
-    """Return the widest error bar and the largest difference between models, as fractions."""
+    """Return the widest error bar and the largest difference between models, as fractions.
+
+    The difference of places of rest is none of size: of two stops models may take either.
+    """
     cells = [cell for row in rows for cell in row.cells if math.isfinite(cell.value)]
+    sized = [cell for row in rows if not is_of_rest(row.quantity) for cell in row.cells]
+    apart = [abs(c.difference) for c in sized if math.isfinite(c.value)]
     return {
         "widest": max((c.uncertainty / abs(c.value) for c in cells if c.value), default=0.0),
-        "farthest": max(
-            (abs(c.difference) for c in cells if c.difference == c.difference), default=0.0
-        ),
+        "farthest": max((size for size in apart if not math.isnan(size)), default=0.0),
     }

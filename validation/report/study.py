@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
     from tactgen.validation.models.bimorph.bridge import Rung
+    from tactgen.validation.models.bimorph.bridge.assumptions import SolidStep
     from tactgen.validation.models.bimorph.bridge.causes import Cause
     from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
     from tactgen.validation.report.second_process import Ahead
@@ -179,12 +180,17 @@ class Study:
         from tactgen.validation.models.bimorph.bridge import bridge
 
         def here() -> list[Rung]:
-            # coarse bricks move the shares by 0.1 % of the value at most
-            return bridge(
-                self.scene, self.announce, level=0 if self.quick else 1, sections=not self.quick
-            )
+            return bridge(self.scene, self.announce, self.solids, sections=not self.quick)
 
         return list(self.alone("rungs", here))
+
+    @cached_property
+    def solids(self) -> list[SolidStep]:
+        """The solids of that bridge, each assembled once for all that is asked of it."""
+        from tactgen.validation.models.bimorph.bridge.assumptions import solid_steps
+
+        # coarse bricks move the shares by 0.1 % of the value at most
+        return solid_steps(self.scene, level=0 if self.quick else None)
 
     @cached_property
     def parameter_uncertainty(self) -> list[Uncertainty]:

@@ -12,6 +12,10 @@ from tactgen.tmm.ports.terminations import attach
 
 #: Frequencies of the search grid; a peak is as wide as 1/Q, and Q is below some hundreds.
 _GRID = 2000
+#: Where the grid begins: at this share of the highest frequency, and at so many Hz, at least.
+_BOTTOM, _LOWEST = 1e-3, 1e-3
+#: Relative distance below which two of its frequencies are one.
+_SAME = 1e-6
 #: Steps of the golden section, each shrinking a bracket to 0.618: of 1.4e-2 of its frequency, the
 #: widest of the grid, 4e-7 are left, a thousandth of the width of a peak.
 _STEPS = 22
@@ -38,13 +42,13 @@ def extremes(model: PortModel, low: float, high: float, ends: tuple[Ends, ...]) 
 
     Bracketed on a grid, linear and logarithmic, then refined by golden section.
     """
-    bottom = max(low, 1e-3 * high, 1e-3)
+    bottom = max(low, _BOTTOM * high, _LOWEST)
     if high <= bottom:
         return np.zeros(0)
     both = np.geomspace(bottom, high, _GRID // 2), np.linspace(bottom, high, _GRID // 2)
     grid = np.union1d(*both)
     # of points that all but coincide, only rounding tells the higher one
-    grid = grid[np.append(np.diff(grid) > 1e-6 * grid[:-1], True)]
+    grid = grid[np.append(np.diff(grid) > _SAME * grid[:-1], True)]
     port = model.multiport(grid)
     found: list[Floats] = [np.zeros(0)]
     for end in ends:

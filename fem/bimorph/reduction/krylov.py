@@ -9,33 +9,27 @@ error at the ports is the square of that of the field (r being the residual, it 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactgen.fem.bimorph.bordered import PORTS
 from tactgen.fem.bimorph.reduction.extremes import extremes, motions, standard_ends
-from tactgen.fem.bimorph.reduction.port_model import PortModel, undamped_modes
-from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.bimorph.reduction.missing import missing_products, richer_multiports
+from tactgen.fem.bimorph.reduction.port_model import PortModel
+from tactgen.fem.bimorph.reduction.projection import project
+from tactgen.fem.bimorph.system import SolidSystem, Surplus
 from tactgen.fem.solvers.linear_solver import Factor, factorise
-from tactgen.fem.solvers.sparse_rows import wide_product
-from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Sparse
+from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
-
-Wide = NDArray[Any]
 
 #: Blocks of the Krylov basis that the first shift begins with, and that any shift has at most.
 _FIRST_BLOCKS, _BLOCKS = 3, 5
 #: Most shifts, each a complex factorisation.
 _MOST_SHIFTS = 6
-#: A unit vector of which less than this is new is rounding of the factorisation; what is lost
-#: counts by its square at the ports.
-_NOISE = 1e-8
-
-#: Deformations softer than this part of the stiffest one are projected in long double.
-_SOFT = 1e-3
+#: The first shift lies at this share of the highest frequency, but the first and any no lower than
+#: so many Hz: a lower one would tell no more.
+_FIRST_AT, _LOWEST_FIRST, _LOWEST = 0.7, 500.0, 20.0
 
 
 @storable
@@ -56,6 +50,9 @@ class ReducedSolid:
         Largest estimate over the frequencies it was checked at, peaks and dips included.
     unknowns : int
         Number of unknowns of the solid.
+    missing : (2, 2 k + 8, 2 k + 8) array, optional
+        What functions that the solid lacks have in products, if these were given
+        (:func:`fem.bimorph.reduction.missing.missing_products`).
     """
 
     fine: PortModel
@@ -63,6 +60,7 @@ class ReducedSolid:
     range: tuple[float, float]
     error: float
     unknowns: int
+    missing: Floats | None = None
 
     def multiport(self, frequencies: Floats) -> Multiport:
         """Return D(Ω) (n, 5, 5)."""
@@ -71,6 +69,11 @@ class ReducedSolid:
     def coarser_multiport(self, frequencies: Floats) -> Multiport:
         """Return D(Ω) of the coarser basis, for the error estimate."""
         return self.coarse.multiport(frequencies)
+
+    def richer_multiports(self, frequencies: Floats) -> tuple[Multiport, Multiport]:
+        """Return D(Ω) with displacements that the solid lacks; with potentials that it lacks."""
+        assert self.missing is not None
+        return richer_multiports(self.fine, self.missing, frequencies)
 
     def error_estimate(self, frequencies: Floats) -> Floats:
         """Return the estimated relative error (n,), the larger of two.
@@ -99,7 +102,11 @@ def port_error(port: Multiport, other: Multiport) -> Floats:
 
 
 def reduce_to_ports(
-    system: SolidSystem, frequencies: Floats, *, tolerance: float = 1e-6
+    system: SolidSystem,
+    frequencies: Floats,
+    *,
+    tolerance: float = 1e-6,
+    surplus: Surplus | None = None,
 ) -> ReducedSolid:
     """Project a solid on a rational Krylov basis that serves a range of frequencies.
 
@@ -114,6 +121,8 @@ def reduce_to_ports(
         frequencies and, with losses, at every peak and dip between the lowest and highest.
         Shifts are added at the worst frequency until it holds or six are used; what was
         reached stays available as the estimate.
+    surplus : Surplus, optional
+        Functions that the solid lacks, to judge it by.
 
     Notes
     -----
@@ -123,10 +132,11 @@ def reduce_to_ports(
     """
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     bounds = float(frequencies.min()), float(frequencies.max())
-    chains = [_Chain(system, max(0.7 * bounds[1], 500.0), _FIRST_BLOCKS)]
+    chains = [_Chain(system, max(_FIRST_AT * bounds[1], _LOWEST_FIRST), _FIRST_BLOCKS)]
     while True:
-        fine, coarse = _project(system, [chain.blocks for chain in chains])
-        reduced = ReducedSolid(fine, coarse, bounds, np.inf, system.size)
+        found = project(system, [chain.blocks for chain in chains])
+        fine = found.fine
+        reduced = ReducedSolid(fine, found.coarse, bounds, np.inf, system.size)
         checked = frequencies
         if np.any(fine.stiffness.imag):
             ends = standard_ends(fine)
@@ -135,9 +145,10 @@ def reduce_to_ports(
         worst = int(np.argmax(estimate))
         full = len(chains[-1].blocks) == _BLOCKS
         if estimate[worst] <= tolerance or (full and len(chains) == _MOST_SHIFTS):
-            return replace(reduced, error=float(estimate[worst]))
+            missing = None if surplus is None else missing_products(found.states, surplus)
+            return replace(reduced, error=float(estimate[worst]), missing=missing)
         if full:
-            chains.append(_Chain(system, max(float(checked[worst]), 20.0), _BLOCKS))
+            chains.append(_Chain(system, max(float(checked[worst]), _LOWEST), _BLOCKS))
         else:
             chains[-1].lengthen(_BLOCKS)
 
@@ -177,125 +188,3 @@ def _orthogonal(block: Complex, earlier: list[Complex]) -> Complex:
         for other in earlier:
             block = block - other @ (other.conj().T @ block)
     return np.asarray(np.linalg.qr(block)[0])
-
-
-def _project(system: SolidSystem, chains: list[list[Complex]]) -> tuple[PortModel, PortModel]:
-    """Project on the real and imaginary parts of all blocks; then without each chain's last."""
-    moves = system.mass.inner.diagonal() > 0.0
-    blocks = [block for chain in chains for block in chain[:-1]]
-    last = [chain[-1] for chain in chains]
-    u, few_u = _basis(blocks, last, moves)
-    p, few_p = _basis(blocks, last, ~moves)
-    k, s = u.shape[1], u.shape[1] + PORTS
-    stiffness, border = system.stiffness.inner, system.stiffness.border
-    # apart, since a complex matrix would make the real vectors complex
-    parts = [stiffness.real, stiffness.imag] if np.iscomplexobj(stiffness.data) else [stiffness]
-    both = np.hstack([u, p])
-    inner = _narrow(both, parts, both)
-    softness, turn = np.linalg.eigh(_condensed(inner, p.shape[1]).real.astype(float))
-    u = u @ turn
-    whole = np.zeros((s + p.shape[1], s + p.shape[1]), dtype=np.clongdouble)
-    whole[:k, :k], whole[:k, s:] = turn.T @ inner[:k, :k] @ turn, turn.T @ inner[:k, k:]
-    whole[s:, s:] = inner[k:, k:]
-    soft = int((softness < _SOFT * softness[-1]).sum())
-    exact = _wide(u[:, :soft], parts, np.hstack([u, p]))
-    whole[:soft, :k], whole[:soft, s:] = exact[:, :k], exact[:, k:]
-    whole[:k, k:s] = u.T @ border.astype(np.clongdouble)
-    whole[k:s, s:], whole[k:s, k:s] = border.T @ p, system.stiffness.corner
-    whole = np.triu(whole) + np.triu(whole, 1).T
-    mass = np.zeros((s, s))
-    mass[:k, :k], mass[:k, k:] = u.T @ (system.mass.inner @ u), u.T @ system.mass.border
-    mass[k:, k:] = system.mass.corner
-    mass = np.triu(mass) + np.triu(mass, 1).T
-    tip = np.zeros((s, 2))
-    tip[:k] = u.T @ system.tip[:-PORTS]
-
-    def kept(of_u: int, of_p: int) -> PortModel:
-        # what the first vectors span, in terms of the turned ones
-        basis = np.eye(s)[:, k - of_u :]
-        basis[:k, :of_u] = turn[:of_u].T
-        change = np.zeros((whole.shape[0], s - k + of_u + of_p))
-        change[:s, : basis.shape[1]] = basis
-        change[s : s + of_p, basis.shape[1] :] = np.eye(of_p)
-        stiffness = _condensed(change.T @ whole @ change, of_p)
-        return _graded(stiffness, basis.T @ mass @ basis, basis.T @ tip)
-
-    return kept(k, p.shape[1]), kept(few_u, few_p)
-
-
-def _narrow(left: Floats, parts: list[Sparse], right: Floats) -> Wide:
-    """Return leftᵀ matrix right of a matrix given by its real and, if any, imaginary part."""
-    products = [left.T @ (part @ right) for part in parts]
-    return np.asarray(products[0] + 1j * products[1] if len(products) == 2 else products[0])
-
-
-def _wide(left: Floats, parts: list[Sparse], right: Floats) -> Wide:
-    """Return the same of a symmetric matrix, the real part in long double.
-
-    A bimorph bends ten million times more easily than its elements stretch, so the energy of
-    bending is what is left of large terms; a peak magnifies what is lost by Q once more.
-    """
-    real = wide_product(parts[0], left).T @ right.astype(np.longdouble)
-    if len(parts) == 1:
-        return np.asarray(real)
-    return np.asarray(real + 1j * ((parts[1] @ left).T @ right))
-
-
-def _condensed(matrix: Wide, last: int) -> Wide:
-    """Eliminate the `last` unknowns (potentials, which have no mass)."""
-    if not last:
-        return matrix
-    a, b, c = matrix[:-last, :-last], matrix[:-last, -last:], matrix[-last:, -last:]
-    inverse = np.linalg.inv(c.astype(complex))
-    x = inverse @ b.T
-    x = x + inverse @ (b.T - c @ x)
-    return np.asarray(a - b @ x)
-
-
-def _graded(stiffness: Wide, mass: Floats, tip: Floats) -> PortModel:
-    """Change to unknowns in which nothing cancels, and round to double.
-
-    The inner ones become undamped modes; those of the base take the static deformation along
-    (Craig, Bampton), else their stiffness would be what is left of one layer of elements.
-    """
-    k = stiffness.shape[0] - 3
-    change = np.eye(k + 3)
-    modes, _ = undamped_modes(stiffness[:k, :k].real.astype(float), mass[:k, :k])
-    change[:k, :k] = modes
-    base = slice(k, k + 2)
-    change[:k, base] = -modes @ (modes.T @ stiffness[:k, base].real.astype(float))
-    small = (change.T @ stiffness @ change).astype(complex)
-    return PortModel(0.5 * (small + small.T), change.T @ mass @ change, change.T @ tip)
-
-
-def _basis(blocks: list[Complex], last: list[Complex], chosen: Bools) -> tuple[Floats, int]:
-    """Return a real orthonormal basis of the chosen rows of all blocks, zero in the others.
-
-    Also how many of its vectors precede those of `last`.
-    """
-    basis: Floats = np.zeros((np.count_nonzero(chosen), 0))
-    for block in blocks:
-        basis = _extended(basis, block[chosen])
-    before = basis.shape[1]
-    for block in last:
-        basis = _extended(basis, block[chosen])
-    spread = np.zeros((chosen.size, basis.shape[1]))
-    spread[chosen] = basis
-    return spread, before
-
-
-def _extended(basis: Floats, block: Complex) -> Floats:
-    """Extend a real orthonormal basis by the real and imaginary parts of a block."""
-    new = np.hstack([block.real, block.imag])
-    new = new / np.maximum(np.linalg.norm(new, axis=0), 1e-300)
-    for _ in range(2):  # twice is enough (Kahan, Parlett)
-        new = new - basis @ (basis.T @ new)
-    q, r, _ = _pivoted_qr(new)
-    kept = np.abs(np.diag(r)) > _NOISE
-    return np.hstack([basis, q[:, kept]])
-
-
-def _pivoted_qr(matrix: Floats) -> tuple[Floats, Floats, Ints]:
-    from scipy.linalg import qr
-
-    return qr(matrix, mode="economic", pivoting=True)  # type: ignore[no-any-return]

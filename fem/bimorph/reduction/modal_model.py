@@ -43,7 +43,7 @@ class ModalModel:
     tip, charge : (k + 2,) array
         Mean tip displacement (m) and charge (C) from the unknowns.
     capacitance : float
-        Charge per voltage, all else held (F).
+        Charge per voltage where nothing moves (F).
     motions : (6, slices, k + 2) array
         Motions of sections, see :func:`fem.bimorph.motions.section_motions`.
     energy : (k + 2, k + 2) array

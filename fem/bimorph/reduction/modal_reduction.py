@@ -3,6 +3,11 @@
 The basis is what base motion, tip and charge load, and K⁻¹ M of it again and again, with a random
 load for modes that these do not reach.  So it holds the lowest held modes and the series in
 Ω² K⁻¹ M of (K − Ω² M)⁻¹ f, which converges fast below the modes left out.
+
+Potentials have no mass, and their part of K is negative.  Where they follow the displacements, K
+is that of a definite problem, whose frequencies a basis gives from above.  So the charge acts
+through the forces that its potentials make, and what it does to potentials by themselves is a
+capacitance; its whole answer in the basis let frequencies appear that no body has.
 """
 
 from __future__ import annotations
@@ -14,7 +19,8 @@ import numpy as np
 from tactgen.fem.bimorph.motions import section_motions
 from tactgen.fem.bimorph.reduction.modal_model import ModalModel
 from tactgen.fem.bimorph.system import SolidSystem, Surplus
-from tactgen.geometry.arrays import Floats, Sparse
+from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.geometry.arrays import Floats, Numbers, Sparse
 
 #: Held modes that come to rest beside those wanted: a load and an open circuit each lift a mode
 #: past one other at most, springs of the base none.
@@ -42,8 +48,9 @@ def modal_model(system: SolidSystem, count: int, surplus: Surplus | None = None)
     follows = -factor.solve(system.stiffness.border[:, :2])
     carried = mass @ follows + system.mass.border[:, :2]
     tip, charge = system.tip[:, 0], -system.stiffness.border[:, 2]
+    field, forces = _alone(system, charge)
     rest = mass @ np.random.default_rng(0).standard_normal(n)
-    loads = np.column_stack([carried, tip[:n], charge, rest])
+    loads = np.column_stack([carried, tip[:n], forces, rest])
     basis = _Basis(factor.solve, mass, loads)
     basis.grow_to_rest(count + _MORE)
     size = basis.size
@@ -64,19 +71,37 @@ def modal_model(system: SolidSystem, count: int, surplus: Surplus | None = None)
         mass=0.5 * (whole + whole.T),
         tip=shapes.T @ tip[: n + 2],
         charge=shapes.T @ np.concatenate([charge, -system.stiffness.corner[:2, 2]]),
-        capacitance=-float(system.stiffness.corner[2, 2]),
+        capacitance=float(charge @ field - system.stiffness.corner[2, 2]),
         motions=section_motions(system.nodes, system.node_mass, nodal),
         energy=flat.T @ (np.repeat(system.node_mass, 3)[:, None] * flat),
         motion=system.motion,
-        surplus=None if surplus is None else _lacking(surplus, shapes),
+        surplus=None if surplus is None else _lacking(surplus, shapes, field),
     )
 
 
-def _lacking(surplus: Surplus, shapes: Floats) -> Floats:
+def _alone(system: SolidSystem, charge: Numbers) -> tuple[Floats, Floats]:
+    """Return the potentials (n,) of 1 V where nothing moves, and the forces (n,) that they make.
+
+    `charge` (n,) is what 1 V acts with on displacements and on potentials.
+    """
+    free = system.mass.inner.diagonal() == 0.0
+    field = np.zeros(system.inner)
+    if free.any():
+        order = system.elimination
+        if order is not None:
+            order = (np.cumsum(free) - 1)[order[free[order]]]
+        field[free] = factorise(-system.held[free][:, free], order=order).solve(-charge[free])
+    forces = charge - system.held @ field
+    forces[free] = 0.0
+    return field, forces
+
+
+def _lacking(surplus: Surplus, shapes: Floats, field: Floats) -> Floats:
     """Return what :class:`ModalModel` keeps of functions that the solid lacks."""
     size = shapes.shape[1]
     states = np.zeros((shapes.shape[0] + 1, size + 1))
     states[:-1, :-1], states[-1, -1] = shapes, 1.0
+    states[: field.size, -1] = field
     stiffness, mass = surplus.residuals(states)
     # at 1 V the lacking functions see minus the charge, as all others do
     each = [stiffness[:, :-1], mass[:, :-1], -stiffness[:, -1:], surplus.tip[:, :1]]

@@ -56,6 +56,22 @@ class PortModel:
         follows = -through.transpose(0, 2, 1)
         return Multiport(f, ports_from_blocks(held, through, follows, g[:, 3:, 3:]), BIMORPH)
 
+    def states(self, frequencies: Floats) -> Complex:
+        """Return the unknowns (n, k + 3, 5) per unit w_base, ψ_base, U, and tip force and moment.
+
+        Base and electrode are held and the tip is free where it is not said otherwise.
+        """
+        f = np.atleast_1d(np.asarray(frequencies, dtype=float))
+        p = self._poles
+        o2 = (2.0 * np.pi * f)[:, None, None] ** 2
+        found = np.zeros((f.size, self.stiffness.shape[0], 5), dtype=complex)
+        inner, driven = found[:, :-3], p.shapes * (o2 / (1.0 - o2 * p.mu))
+        inner[:] = p.at_rest + driven @ p.loads
+        inner[:, :, :3] *= o2
+        inner[:, :, :3] -= p.follows
+        found[:, -3:, :3] = np.eye(3)
+        return found
+
     @cached_property
     def _poles(self) -> _Poles:
         k = self.stiffness.shape[0] - 3
@@ -75,12 +91,20 @@ class PortModel:
             static=self.stiffness[k:, k:] - pull.T @ follows,
             inertia=self.mass[k:, k:] - drag.T @ follows - follows.T @ moved,
             carried=follows.T @ loads[:, 3:] - self.tip[k:],
+            shapes=modes @ (p * s) @ y,
+            loads=right,
+            at_rest=np.asarray(modes @ p @ loads, dtype=complex),
+            follows=modes @ follows,
         )
 
 
 @dataclass(frozen=True)
 class _Poles:
-    """D(Ω) as sums: `products` (k, 25) belong to the poles `mu`; the rest is constant."""
+    """D(Ω) as sums: `products` (k, 25) belong to the poles `mu`; the rest is constant.
+
+    The inner unknowns alike: `shapes` (k, k) belong to the poles under `loads` (k, 5), `at_rest`
+    (k, 5) is constant, and they follow base and voltage by `follows` (k, 3).
+    """
 
     mu: Complex
     products: Complex
@@ -88,6 +112,10 @@ class _Poles:
     static: Complex
     inertia: Complex
     carried: Complex
+    shapes: Complex
+    loads: Complex
+    at_rest: Complex
+    follows: Complex
 
 
 def undamped_modes(stiffness: Floats, mass: Floats) -> tuple[Floats, Floats]:

@@ -216,7 +216,12 @@ def test_import_does_not_load_the_cad_kernel():
 def test_a_display_has_every_part_at_its_places():
     """The assembly places them where the list of parts does (mm)."""
     device, display = Device(), Display(rows=1, columns=2)
-    found = [child.loc.toTuple()[0] for child in display_assembly(device, display).children]
+    children = display_assembly(device, display).children
+    found = [child.loc.toTuple()[0] for child in children]
     wanted = [place for part in display_parts(device, display) for place in part.places]
     np.testing.assert_allclose(found, wanted, atol=1e-9)
     assert np.ptp(found, axis=0).min() > 1.0
+    # what every unit has is named after it; what the display has once or elsewhere is counted
+    names = [child.name for child in children]
+    assert {"rod_r1c1", "rod_r1c2"} <= set(names)
+    assert len(set(names)) == len(names)

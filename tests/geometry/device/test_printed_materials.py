@@ -44,9 +44,12 @@ def test_pzt_5a_is_the_printed_table():
     assert (ceramic.density, ceramic.quality_factor) == (7750.0, 75.0)
 
 
-#: Makers' tables: s11, s12, s13, s33, s44, s66 (1e-12 m²/N), d31, d33, d15 (1e-12 m/V), relative
-#: permittivities 11 and 33 at constant stress, density (kg/m³).
+#: Makers' tables, of the hard ceramics Jaffe's and that of Navy type III: s11, s12, s13, s33, s44,
+#: s66 (1e-12 m²/N), d31, d33, d15 (1e-12 m/V), relative permittivities 11 and 33 at constant
+#: stress, density (kg/m³).
 TABLES = {
+    "PZT-4": ((12.3, -4.05, -5.31, 15.5, 39.0, 32.7), (-123, 289, 496), (1475, 1300), 7500),
+    "PZT-8": ((11.5, -3.7, -4.8, 13.5, 31.9, 30.4), (-97, 225, 330), (1290, 1000), 7600),
     "Pz26": ((13.0, -4.35, -7.05, 19.6, 33.2, 34.7), (-128, 328, 327), (1190, 1300), 7700),
     "Pz27": ((17.0, -6.60, -8.61, 23.2, 43.5, 47.1), (-170, 425, 506), (1800, 1800), 7700),
     "Pz29": ((17.0, -5.78, -8.79, 22.9, 54.1, 45.6), (-243, 574, 724), (2440, 2870), 7450),

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import mpmath as mp
 import numpy as np
 import pytest
 
@@ -11,9 +10,9 @@ from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam.modes import _descent, _roots, bending_frequencies, natural_frequencies
 from tactgen.tmm.beam.printed_formulas import matrix_a
-from tactgen.tmm.beam.section.section import Joint, Section, section
+from tactgen.tmm.beam.section.section import Section, section
 from tactgen.tmm.beam.transfer import transfer_matrix as tmm
-from tactgen.validation.checks.cases import reference_beam
+from tactgen.validation.checks.cases.reference_modes import offset
 
 CLAMPED = Ends()
 UNHELD = Springs(0.0, 0.0)
@@ -186,46 +185,6 @@ def test_row_of_unequal_pieces_against_its_ports():
         d = tmm.chain(pieces, got * (1 + shift)).stiffness[:, 2:4, 2:4].real
         sides.append(np.sign(np.linalg.det(d)))
     assert (sides[0] == -sides[1]).all()
-
-
-def end_condition(row, ends, frequency, *, open_circuit):
-    """Return the frequency determinant to 60 digits; states [w, ψ, M, F, q, U]."""
-    omega = 2 * mp.pi * frequency
-    state = mp.zeros(6, 3)
-    state[5, 2] = 1
-    if ends.base is None:
-        state[2, 0] = state[3, 1] = 1
-    else:
-        state[0, 0] = state[1, 1] = 1
-        state[3, 0] = mp.mpf(ends.base.lateral_stiffness)
-        state[2, 1] = ends.base.rotational_stiffness - omega**2 * mp.mpf(
-            ends.base.rotational_inertia
-        )
-    for element, length in row:
-        if isinstance(element, Joint):
-            transfer = mp.eye(6)
-            for i, j in np.ndindex(2, 2):
-                transfer[i, 3 - j] += mp.mpf(float(element.compliance[i, j]))
-        else:
-            transfer = reference_beam.transfer(reference_beam.constants(element), length, omega)
-        state = transfer * state
-    tip = ends.tip.stiffness - omega**2 * mp.mpf(ends.tip.mass)
-    unknowns = 3 if open_circuit else 2
-    rows = ([state[k, j] for j in range(unknowns)] for k in (2, 4))
-    force = [state[3, j] + tip * state[0, j] for j in range(unknowns)]
-    moment, charge = rows
-    return mp.re(mp.det(mp.matrix([moment, force, charge][:unknowns])))
-
-
-def offset(row, ends, frequency, *, open_circuit):
-    """Return how far (relative) the frequency lies from the root, by one secant to 60 digits."""
-    step = mp.mpf("1e-9")
-    with mp.workdps(60):
-        low, high = (
-            end_condition(row, ends, mp.mpf(frequency) * (1 + s), open_circuit=open_circuit)
-            for s in (-step, step)
-        )
-        return float(step * (high + low) / (high - low))
 
 
 THIN = 1e-6

@@ -142,3 +142,13 @@ def test_both_stops_act_on_one_head():
         )
     with pytest.raises(InputError, match="no stroke"):
         stops_of(Device(gap=20e-6, spring=Spring(stop_gap=20e-6)))
+
+
+def test_what_is_apart_bears_nothing_at_its_lowest_point():
+    """A tilt brings one edge nearer: e^-92 of the reference load there, whichever way it tilts."""
+    law = RoughContact(R, U0)
+    tilt = 10.0 * U0 / R  # the edge is ten decay lengths nearer than the middle
+    for sign in (-1.0, 1.0):
+        assert law.is_apart(-103.0 * U0, sign * tilt)
+        assert not law.is_apart(-101.0 * U0, sign * tilt)
+    assert float(law.load(-103.0 * U0, tilt)) < 1e-40 * law.reference_load

@@ -39,8 +39,8 @@ def witnessed(peer, scene):
     ]
 
 
-#: Bimorphs; each costs a witness half a minute.
-_COUNT = 4
+#: Bimorphs: each costs NGSolve half a minute, SfePy with SuperLU some minutes.
+_COUNT = {"NGSolve": 4, "SfePy": 2}
 
 
 @pytest.mark.heavy
@@ -52,11 +52,16 @@ def test_fresh_bimorphs(peer):
     seed = secrets.randbits(32)
     print(f"seed {seed}")
     rng = np.random.default_rng(seed)
-    for _ in range(_COUNT):
+    for _ in range(_COUNT[peer]):
         drawn = [o for o in drawn_bimorph(rng) if not o.startswith(("support", "frequency"))]
         clamped = ["support.kind=clamped", "load.kind=none", f"modes={jobs.MODES}", "accuracy=3e-3"]
         scene, _ = load_scene("paper", [*drawn, *clamped])
         own = {q.name: q for q in solve(scene, ["solid"], QUANTITIES).quantities}
         for name, (value, bar) in zip(QUANTITIES, witnessed(peer, scene), strict=True):
-            apart = np.abs(np.atleast_1d(own[name].value) - value)
-            assert (apart <= own[name].uncertainty + bar).all(), (name, drawn)
+            apart, ours = np.abs(np.atleast_1d(own[name].value) - value), own[name].uncertainty
+            shares = (
+                np.stack(np.broadcast_arrays(apart, ours, bar), axis=-1) / np.abs(value)[:, None]
+            )
+            for difference, one, other in shares:
+                print(f"{name}: {difference:.1e} of {one:.1e} and {other:.1e}")
+            assert (apart <= ours + bar).all(), (name, drawn)

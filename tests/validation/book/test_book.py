@@ -3,28 +3,31 @@
 import math
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from approved import page_text
 
-from tactgen.validation.book.book import SUBJECTS
+from tactgen.validation.book.book import SUBJECTS, Page
+from tactgen.validation.book.convergence import Convergence
 from tactgen.validation.book.orders import DIVISIONS, KINDS
 from tactgen.validation.book.statistics import scatter
 from tactgen.validation.checks import verification
-from tactgen.validation.checks.known import beams, laminates
+from tactgen.validation.checks.known import beams, elastic
 from tactgen.validation.checks.problems import PROBLEMS
 from tactgen.validation.checks.row import judged
 from tactgen.validation.checks.verification import GROUPS, Verified, verify
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.origin import this_origin
 
-FEW = tuple(case for case in beams.CASES if case.id in ("VM34", "SMITS"))
-LAMINATE = tuple(case for case in laminates.CASES if case.id == "CYL1")
+FEW = tuple(case for case in beams.CASES if case.id in ("SMITS", "VM148"))
+STRIP = tuple(case for case in elastic.CASES if case.id == "R0031")
 
 
 @pytest.fixture
 def few(monkeypatch):
     monkeypatch.setattr(beams, "CASES", FEW)
-    monkeypatch.setattr(laminates, "CASES", LAMINATE)
+    monkeypatch.setattr(elastic, "CASES", STRIP)
 
 
 def test_every_group_has_a_subject():
@@ -46,11 +49,11 @@ def test_every_case_says_its_problem():
 
 def test_book_is_complete(few, tmp_path, capsys, undrawn, approved):
     """A page a case; each row with source, tolerance and reason; no broken link, no address."""
-    assert main(["verify", "--only", "beams", "--only", "laminates", "--out", str(tmp_path)]) == 0
+    assert main(["verify", "--only", "beams", "--only", "elastic", "--out", str(tmp_path)]) == 0
     assert capsys.readouterr().err.endswith(f"{tmp_path / 'index.html'}\n")
     pages = {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()}
     assert set(pages) == {
-        "index.html", "matrix.html", "beams-vm34.html", "beams-smits.html", "laminates-cyl1.html",
+        "index.html", "matrix.html", "beams-vm148.html", "beams-smits.html", "elastic-r0031.html",
     }  # fmt: skip
     for html in pages.values():
         assert not re.search(r"(?:src|href)=\"(?:http|//)", html)
@@ -59,13 +62,18 @@ def test_book_is_complete(few, tmp_path, capsys, undrawn, approved):
             assert not target[1] or f'id="{target[1]}"' in pages[target[0]]
     smits = pages["beams-smits.html"]
     assert smits.count("<svg") == 1  # what is solved
-    for row in FEW[-1].rows:
+    for row in FEW[0].rows:
         assert row.id in smits
         assert row.requirement in smits.replace("&#39;", "'")
         assert row.id in pages["matrix.html"]
     assert "test_known_rows.py::test_row[SMITS-1]" in pages["matrix.html"]
-    assert pages["laminates-cyl1.html"].count("<svg") == 2  # what is solved, and convergence
-    assert f"Of {sum(len(case.rows) for case in FEW)} numbers" in pages["index.html"]
+    assert pages["elastic-r0031.html"].count("<svg") == 2  # what is solved, and convergence
+    numbers = sum(len(case.rows) for case in FEW)
+    assert f'beams</a></td><td class="n">{numbers}</td>' in pages["index.html"]
+    origin = this_origin()
+    libraries = [f"{name} {version}" for name, version in origin.libraries.items()]
+    made_by = (origin.program, origin.version, origin.commit, origin.python, origin.machine)
+    assert [part for part in (*made_by, *libraries) if part not in pages["index.html"]] == []
     for name, html in pages.items():
         approved(page_text(html), name.removesuffix(".html"))
 
@@ -105,7 +113,7 @@ def test_the_grid_of_orders_has_every_row_of_an_order_and_no_empty_square():
 def test_quick_takes_the_first_row_of_each_case(few):
     """The others are skipped, and say so."""
     found = verify(("beams",), extent="quick", announce=lambda _: None)
-    assert [row.check.id for row in found if row.verdict != "skipped"] == ["VM34-1", "SMITS-1"]
+    assert [row.check.id for row in found if row.verdict != "skipped"] == ["SMITS-1", "VM148-1"]
     assert sum(row.verdict == "skipped" for row in found) == len(found) - len(FEW)
 
 
@@ -125,4 +133,13 @@ def test_bias_and_scatter():
 
 def test_modules_of_groups_are_there():
     """Each group names a module and a tuple of rows or cases in it."""
-    assert all(verification.group_rows(group) for group in ("beams", "laminates"))
+    assert all(verification.group_rows(group) for group in ("beams", "elastic"))
+
+
+def test_the_worst_of_its_rows_is_a_pages_verdict():
+    """What fails before what is explained, that before what passes, and last what was skipped."""
+    order = ("fail", "explained", "pass", "skipped")
+    assert set(order) == set(verification.VERDICTS)
+    for number, worst in enumerate(order):
+        rows = tuple(SimpleNamespace(verdict=verdict) for verdict in order[number:])
+        assert Page("beams", FEW[0], rows[::-1], Convergence("", ""), "").verdict == worst

@@ -10,7 +10,7 @@ from tactgen.validation.checks import bimorph_measurements as bimorph
 from tactgen.validation.checks import motion_measurements as motion
 from tactgen.validation.checks import team20
 from tactgen.validation.checks.cases.magnetics import scaled_actuator
-from tactgen.validation.checks.known import coils, elastic, iron, short_beams
+from tactgen.validation.checks.known import iron, short_beams
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.models.generator import phases as run_phases
 from tactgen.validation.models.generator.phases import Phase
@@ -162,18 +162,8 @@ def test_the_peak_of_one_mode_is_found_from_three_points(monkeypatch):
 
 def test_a_stretched_ball_has_the_factor_of_its_shape():
     """A third where it is not stretched; Osborn's on a mesh that errs by percents."""
-    points, third = iron._found_factor(1.0, 2)
-    assert third == pytest.approx(1.0 / 3.0, rel=0.02)
+    assert iron._factor(1.0, 2) == pytest.approx(1.0 / 3.0, rel=0.02)
     assert iron._factor(2.0, 2) == pytest.approx(0.173564, rel=0.05)
-    assert points > 100
-
-
-def test_sizes_beside_refinements_grow_as_their_degrees_let_them(monkeypatch):
-    """Of the cube three motions at each node; of the coil's section about the order's square."""
-    monkeypatch.setattr(elastic, "_cube", lambda degree: np.array([1.5, 2.0]))
-    assert elastic._cube_size(3) == (192, 1.5)
-    two, four = coils._unknowns(2), coils._unknowns(4)
-    assert 3.3 < four / two < 4.1
 
 
 def test_two_models_of_a_job_are_apart_by_so_many_of_both_bars(monkeypatch):

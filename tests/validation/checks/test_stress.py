@@ -4,15 +4,18 @@ import argparse
 import io
 import json
 import math
+import re
 import sys
 from functools import cache
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
-from approved import described
+from approved import described, in_text, page_text
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.transfer.precision import error_bound
-from tactgen.validation.checks.stress import beam, magnetics, output
+from tactgen.validation.checks.stress import beam, beam_modes, magnetics, output, result
 from tactgen.validation.checks.stress.beam_point import CONDITION_LIMIT
 from tactgen.validation.checks.stress.result import (
     WANTED,
@@ -25,8 +28,8 @@ from tactgen.validation.command_line.commands.evidence import stress as command
 
 
 @pytest.fixture(scope="module")
-def found():
-    """Return the quick run of the transfer-matrix model's part, on a few of its points.
+def found_points(every_point):
+    """Return the quick run of the transfer-matrix model's part, on a few of its points, and those.
 
     Over the same ranges; the heavy tests have its own grids.
     """
@@ -34,18 +37,53 @@ def found():
         patch.setattr(beam, "_QUICK", (7, 2))
         patch.setattr(beam, "_NEAR_CUT_OFF", (0.0, 1e-14))
         patch.setattr(beam, "_QUALITIES", (1.0, 1e9))
-        return beam.run(True, lambda _: None)
+        points = every_point(patch)
+        return beam.run(True, lambda _: None), points
+
+
+@pytest.fixture(scope="module")
+def found(found_points):
+    return found_points[0]
 
 
 def row(found, family):
     return next(r for r in found.rows if r.family == family)
 
 
-def test_what_every_family_asks(found, approved):
-    """Names, what is varied, how many points; what was refused."""
+def test_what_every_family_asks(found_points, approved):
+    """Names, what is varied, every point with what it may err by; what was refused."""
+    found, points = found_points
     told = [f"{r.family} | {r.what} | {r.points} | {r.verdict} | {r.refusals}" for r in found.rows]
     told += [f"{m.title} {described(m.frequencies)} {described(m.lengths)}" for m in found.maps]
-    approved("\n".join(told))
+    approved("\n".join([*told, *points]))
+
+
+def test_what_the_whole_run_asks(monkeypatch, approved):
+    """Its grids, and the beams and ends at them, without solving any."""
+    asked, told = [], []
+
+    def noted(section, length, frequency, ends, where):
+        asked.append((section.EI, length, frequency, ends.base is not None))
+        return Point(where, 0.0, math.nan, 1e-12, math.nan)
+
+    def over(points):
+        parts = zip(*(point.where.split(", ") for point in points), strict=True)
+        told.extend([f"{len(points)} points", *(" ".join(dict.fromkeys(part)) for part in parts)])
+        told.extend(described(np.unique(column)) for column in zip(*asked, strict=True))
+        asked.clear()
+        return 0.0
+
+    modes = SimpleNamespace(frequencies=np.ones(3), rounding=np.full(3, 1e-9))
+    monkeypatch.setattr(result, "_over", over)
+    monkeypatch.setattr(beam, "point", noted)
+    monkeypatch.setattr(beam, "entry_error", lambda *_: 0.0)
+    monkeypatch.setattr(beam.reference, "dynamic_stiffness", lambda *_: None)
+    monkeypatch.setattr(beam_modes, "natural_frequencies", lambda *_, **__: modes)
+    monkeypatch.setattr(beam_modes, "offset", lambda *_: 0.0)
+    monkeypatch.setattr(beam, "_constants", lambda _: judged("constants", "", [synthetic(0.0)]))
+    said = []
+    found = beam.run(False, said.append)
+    approved("\n".join([*said, found.statement, *(r.what for r in found.rows), *told]))
 
 
 @pytest.mark.parametrize(
@@ -140,15 +178,37 @@ def test_verdicts_of_answers(points, refusals, verdict):
     assert answered("family", "what", points, refusals).verdict == verdict
 
 
+@pytest.mark.parametrize(
+    ("shares", "verdict"),
+    [((2.9,), "holds"), ((1.1, 1.1), "fails"), ((3.1,), "fails"), ((math.nan,), "fails")],
+)
+def test_bars_that_promise_a_share_are_held_to_it(shares, verdict):
+    """One of 20 answers may be beyond its bar, but not two, nor one by three bars."""
+    shares = (*shares, *(20 - len(shares)) * (0.5,))
+    points = [Point("somewhere", 1e-9 * share, math.nan, 1e-9, math.nan) for share in shares]
+    row = answered("family", "what", points, promised=0.95)
+    assert (row.verdict, row.beyond) == (verdict, sum(not share <= 1.0 for share in shares))
+    assert answered("family", "what", points).verdict == "fails"
+
+
 def test_worst_is_one_that_failed():
     """A large error within its bound does not hide a made_up_stress one beyond its own."""
     allowed = Point("far", 0.5, math.nan, 1.0, math.nan)
     assert answered("family", "what", [allowed, synthetic(1e-3)]).worst.where == "somewhere"
 
 
-@cache
-def quick(name):
-    return magnetics._FAMILIES[name](True)
+@pytest.fixture(scope="module")
+def quick(every_point):
+    """Return a function that gives a family's rows in a quick run, and all its points."""
+
+    @cache
+    def asked(name):
+        with pytest.MonkeyPatch.context() as patch:
+            points = every_point(patch, least=0.0)
+            rows = magnetics._FAMILIES[name](True)
+            return (rows if isinstance(rows, list) else [rows]), points
+
+    return asked
 
 
 @pytest.mark.parametrize(
@@ -163,21 +223,22 @@ def quick(name):
         pytest.param("3D ball", marks=pytest.mark.heavy),
     ],
 )
-def test_magnetic_families(name):
-    """The normal actuator's models converge, or say why not."""
-    rows = quick(name)
-    for row in rows if isinstance(rows, list) else [rows]:
+def test_magnetic_families(name, quick, approved):
+    """The normal actuator's models converge, or say why not; every point with what it may err."""
+    rows, points = quick(name)
+    for row in rows:
         assert row.verdict != "fails", row
         if name in ("network", "no answer exists"):
             assert row.refusals
+    told = (f"{r.family} | {r.what} | {[*dict.fromkeys(r.refusals)]}" for r in rows)
+    approved("\n".join([*told, *points]))
 
 
-def test_nothing_impossible_is_answered(approved):
+def test_nothing_impossible_is_answered(quick):
     """Each of them ends in a sentence of its own."""
-    row = quick("no answer exists")
+    (row,), _ = quick("no answer exists")
     assert row.points == 0
     assert len(set(row.refusals)) == len(row.refusals) == 12
-    approved("\n".join(row.refusals))
 
 
 @pytest.mark.heavy
@@ -194,7 +255,7 @@ def options(**changes):
     )
 
 
-def test_command_writes_tables_and_plots(made_up_stress, tmp_path, capsys):
+def test_command_writes_tables_and_plots(made_up_stress, tmp_path, capsys, approved):
     """With --out come CSV files and SVG plots; the table goes to stdout."""
     made_up_stress([synthetic(1e-13)])
     assert command.run(options(only=["tmm"], out=str(tmp_path / "out"))) == 0
@@ -209,6 +270,8 @@ def test_command_writes_tables_and_plots(made_up_stress, tmp_path, capsys):
         "stress.csv",
     ]
     assert (tmp_path / "out" / "stress-tmm-map-1.svg").read_text().startswith("<svg")
+    tables = ((tmp_path / "out" / name).read_text(encoding="utf-8") for name in names[::3])
+    approved("\n".join([re.sub(r" \(\d+ s\)", "", out), *tables]))
 
 
 def test_files_are_there_where_nobody_reads(made_up_stress, tmp_path, monkeypatch):
@@ -256,15 +319,17 @@ def test_unknown_part_is_refused():
         command.run(options(only=["tmn"]))
 
 
-def test_section_for_the_report(made_up_stress):
+def test_section_for_the_report(made_up_stress, monkeypatch, approved):
     """The report's fragment renders with plots inside."""
     from tactgen.validation.report.page import templates
 
+    in_text(monkeypatch)
     made_up_stress([synthetic(1e-13), synthetic(1e-9, 1e9)])
     context = output.section(True, lambda _: None)
     text = templates().get_template("stress.html").render(context)
     assert text.count("<svg") == 2
     assert "holds up to the condition limit" in text
+    approved(page_text(text))
 
 
 def test_accuracy_is_promised_up_to_the_condition_that_takes_it():

@@ -80,6 +80,25 @@ def test_a_module_is_loaded_to_its_end(monkeypatch):
     assert [signal.getsignal(number) for number in (signal.SIGTERM, ending._LOOK)] == before
 
 
+def test_no_second_look_is_taken_once_all_is_done(monkeypatch):
+    """Work that ends while a module is loaded leaves no timer, which would end the process."""
+
+    def initialised():
+        signal.raise_signal(signal.SIGTERM)
+
+    monkeypatch.setattr(ending, "_LOADERS", {initialised.__code__})
+    monkeypatch.setattr(ending, "_AGAIN", 100.0)
+    before = signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    try:
+        with ending.unwound_when_told_to_end():
+            initialised()
+            assert signal.getitimer(ending._TIMER)[0] > 0.0
+        assert signal.getitimer(ending._TIMER) == (0.0, 0.0)
+    finally:
+        signal.setitimer(ending._TIMER, 0.0)
+        signal.signal(signal.SIGTERM, before)
+
+
 def test_an_error_that_a_library_makes_of_the_signal_is_the_end():
     """And one without a signal is what it is."""
 

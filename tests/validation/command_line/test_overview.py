@@ -7,12 +7,13 @@ import subprocess
 import numpy as np
 import pytest
 
+from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.command_line.cli import main
+from tactgen.validation.command_line.cli import commands, main
 from tactgen.validation.command_line.overview import print_overview
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.files import built_in_scenes
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.scene import load_scene, scene_keys
 
 PREFIXES = {"p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3}
 
@@ -148,3 +149,17 @@ def test_a_shell_completes(capsys):
         ask += 'printf "%s\\n" "${COMPREPLY[@]}"'
         done = subprocess.run(["bash", "-c", ask], capture_output=True, text=True, check=True)
         assert set(done.stdout.split()) >= expected, done.stderr
+
+
+def test_completion_knows_every_word(capsys):
+    """Options of each command, scenes where one is taken; models, quantities, keys, commands."""
+    _, script, _ = run(capsys, "completion")
+    words = dict(re.findall(r'^ +(\S+)\) +(?:case|words="([^"]*)")', script, re.MULTILINE))
+    for name, parser in commands().items():
+        options = {option for action in parser._actions for option in action.option_strings}
+        scenes = built_in_scenes() if any(a.dest == "scene" for a in parser._actions) else ()
+        assert set(words[name].split()) == {*options, *scenes}
+    assert words["--model"].split() == [*MODELS, "all"]
+    assert words["--quantity"].split() == [*QUANTITIES, "all"]
+    assert words["--set|--key|--vary"].split() == [f"{key}=" for key in scene_keys()]
+    assert re.search(r'-eq 1 \] && words="(.*)"', script)[1].split() == list(commands())

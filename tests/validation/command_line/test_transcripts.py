@@ -9,12 +9,15 @@ import html
 import json
 import re
 import shlex
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
+from alike import TINY
 from approved import described, in_text, page_text
 
+from tactgen.validation.command_line import progress
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine import costs
 
@@ -65,9 +68,29 @@ def told_alike(own_store, monkeypatch):
     in_text(monkeypatch)
 
 
+@pytest.fixture
+def announced(monkeypatch):
+    """Return a list to which what a command says of its progress is added, as it is said."""
+    found, announcer = [], progress.announcer
+
+    @contextmanager
+    def noted(*given):
+        with announcer(*given) as announce:
+            yield lambda text: found.append(text) or announce(text)
+
+    monkeypatch.setattr(progress, "announcer", noted)
+    return found
+
+
+def without_times(text):
+    """Return words of progress without the time that is left, and without a search's own steps."""
+    text = re.sub(r"^\d+ points tried", "… points tried", re.sub(r", about .* left", "", text))
+    return re.sub(r"[\d.]+", "…", text) if text.endswith(("%", "harmonics")) else text
+
+
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.usefixtures("told_alike")
-def test_said(case, approved, capsys, tmp_path, monkeypatch):
+def test_said(case, announced, approved, capsys, tmp_path, monkeypatch):
     folder = tmp_path / "here"
     folder.mkdir()
     monkeypatch.chdir(folder)
@@ -82,8 +105,10 @@ def test_said(case, approved, capsys, tmp_path, monkeypatch):
     for path in sorted(folder.rglob("*")):
         if path.is_file() and path.name not in given:
             said += [f"file {path.relative_to(folder)}", _READERS[path.suffix](path)]
+    if announced:
+        approved("\n".join(dict.fromkeys(map(without_times, announced))), "announced")
     text = "\n".join(said).replace(str(folder), "HERE")
-    approved(re.sub(r"\b[0-9a-f]{16}\b", "a key", text))
+    approved(re.sub(r"(?<![\w.])[0-9a-f]{16}\b", "a key", text))
 
 
 def as_said(text):
@@ -122,8 +147,9 @@ def table_text(path):
 
 
 def short(cell):
+    """Return a cell with seven digits; noughts, which are rounding, are one word."""
     try:
-        return f"{float(cell):.7g}"
+        return f"{float(cell) if abs(float(cell)) > TINY else 0.0:.7g}"
     except ValueError:
         return cell
 

@@ -2,6 +2,8 @@
 
 import json
 import struct
+from dataclasses import replace
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -12,7 +14,7 @@ from approved import described
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.surface import surface_of
 from tactgen.validation.export.animated_gltf import drawn_scale, write_animated_glb
-from tactgen.validation.export.fields import STEPS, write_fields
+from tactgen.validation.export.fields import STEPS, moving_state, write_fields
 from tactgen.validation.export.files import export
 from tactgen.validation.fields.gather import Request, gather
 from tactgen.validation.models.bimorph import solid
@@ -52,6 +54,18 @@ def test_every_field_comes_back(result, tmp_path, suffix, approved):
         assert read == pytest.approx(result.state("static").fields["potential"])
     sizes = {name: np.abs(grid[name]) for name in grid.array_names}
     approved(described([sizes, dict(grid.field_data.items())]))
+
+
+def test_a_file_that_hdf_cannot_write_is_said(result, tmp_path, monkeypatch):
+    from vtkmodules import vtkIOHDF
+
+    failing = SimpleNamespace(
+        SetInputData=str, SetFileName=str, SetCompressionLevel=str, Write=lambda: 0
+    )
+    monkeypatch.setattr(vtkIOHDF, "vtkHDFWriter", lambda: failing)
+    with pytest.raises(InputError, match=r"f\.vtkhdf cannot be written .the hdf library"):
+        write_fields(tmp_path / "f.vtkhdf", result)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_period_is_a_series_of_steps(result, tmp_path):
@@ -114,3 +128,10 @@ def test_export_writes_both_or_none(tmp_path):
         export(scene, {"fields": tmp_path / "f.txt"}, lambda _: None)
     export(scene, files, lambda _: None)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["f.glb", "f.vtu"]
+
+
+def test_what_moves_is_the_first_driven_state_else_the_first(result):
+    """Of modes alone the first."""
+    assert moving_state(result).kind == "harmonic"
+    modes = tuple(state for state in result.states if state.kind == "mode")
+    assert moving_state(replace(result, states=modes)) is modes[0]

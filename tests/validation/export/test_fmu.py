@@ -136,6 +136,17 @@ def test_it_refuses_what_is_no_number(machine, tmp_path):
     assert slave.step(0.0, -1.0) != 0
 
 
+def test_a_compiler_that_fails_is_quoted(machine, tmp_path, monkeypatch):
+    """In one sentence, and nothing is written."""
+    compiler = tmp_path / "cc"
+    compiler.write_text(f"#!/bin/sh\necho no such flag {300 * 'x'} >&2\nexit 1\n", encoding="utf-8")
+    compiler.chmod(0o755)
+    monkeypatch.setattr(shutil, "which", lambda _: str(compiler))
+    with pytest.raises(InputError, match=r"cc fails \(no such flag x{187}\); mend it, or take it"):
+        write_fmu(tmp_path / "x.fmu", machine, "paper")
+    assert list(tmp_path.iterdir()) == [compiler]
+
+
 def test_without_a_compiler_the_sources_are_there(machine, tmp_path, monkeypatch, approved):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     path = tmp_path / "generator.fmu"

@@ -3,30 +3,83 @@
 import html
 
 import pytest
+from approved import page_text
+from unpainted import as_text, unpainted
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.export import view as export_view
 from tactgen.validation.export.inline_view import show
-from tactgen.validation.export.view import Look, harmonic_frequencies, view
+from tactgen.validation.export.view import Look, _models, harmonic_frequencies, view
+from tactgen.validation.fields import lengths
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.view import browser
+from tactgen.validation.view import browser, films
 
 QUICK = ["j1", "--set", "models=tmm", "--set", "modes=2"]
 
 
-def test_page_and_still_are_written(tmp_path, capsys):
-    """Their paths on stdout; the page has the state that was asked for."""
-    page, png = tmp_path / "v.html", tmp_path / "v.png"
-    arguments = ["view", *QUICK, "--frequency", "500", "--out", str(page), "--png", str(png)]
+@pytest.fixture
+def unsaved(monkeypatch):
+    """Return what pictures are told to draw; of films, what they were given stands there too."""
+    kept = unpainted(monkeypatch)
+
+    def saved(path, images, shown, repeats):
+        kept.append(
+            f"film {path.name}: {len(images)} pictures of {images[0].size}, {shown}, {repeats}"
+        )
+        path.write_bytes(b"film")
+
+    monkeypatch.setattr(films, "_FRAMES", 3)
+    monkeypatch.setattr(films, "save_film", saved)
+    monkeypatch.setattr(films.shutil, "which", lambda _: "ffmpeg")
+    return kept
+
+
+def in_words(kept):
+    """Return the size of each picture and what is written into it, once."""
+    lines = as_text(kept).splitlines()
+    return dict.fromkeys(line for line in lines if line.startswith(("stage", "text", "film")))
+
+
+def test_all_that_is_written(tmp_path, capsys, unsaved, approved):
+    """Their paths on stdout; state and colour that were asked for, the page's own stills."""
+    files = {kind: tmp_path / f"v.{kind}" for kind in ("png", "gif", "mp4")}
+    options = [text for kind, path in files.items() for text in (f"--{kind}", str(path))]
+    page = tmp_path / "v.html"
+    arguments = ["view", *QUICK, "--frequency", "500", "--out", str(page), *options]
     assert main([*arguments, "--state", "500 Hz", "--field", "u_x"]) == 0
-    assert capsys.readouterr().out.split() == [str(page), str(png)]
+    assert capsys.readouterr().out.split() == [str(page), *map(str, files.values())]
     text = page.read_text(encoding="utf-8")
     assert '"name":"500 Hz"' in text
-    assert "transfer matrix" in text
-    assert png.read_bytes().startswith(b"\x89PNG")
+    assert files["png"].read_bytes().startswith(b"\x89PNG")
+    approved("\n".join([page_text(text), *in_words(unsaved)]))
 
 
-def test_a_notebook_holds_the_page():
+def test_what_a_look_takes(tmp_path, unsaved, approved):
+    """Nothing asked: the first state by part, driven states at the first mode and half of it."""
+    said = []
+    files = {"out": tmp_path / "v.html", "png": tmp_path / "v.png"}
+    scene, _ = load_scene("j1", ["models=tmm,beam", "modes=1"])
+    assert view(scene, Look(), files, said.append) == list(files.values())
+    approved("\n".join([*said, page_text(files["out"].read_text("utf-8")), *in_words(unsaved)]))
+
+
+def test_a_slider_of_the_length_moves_the_bimorph_alone(tmp_path, monkeypatch):
+    """Else the rod below it is there too, as a rigid body; the range is each model's own."""
+    contact, _ = load_scene("generator", ["models=tmm", "modes=1", "quantities=tip_displacement"])
+    written, ends = [], (18e-3, 22e-3)
+    monkeypatch.setattr(lengths, "length_range", lambda _, name, *given: (name, given[0]))
+    monkeypatch.setattr(export_view, "write_page", lambda *given: written.append(given))
+    for look in (Look(lengths=ends, frequencies=()), Look(frequencies=())):
+        view(contact, look, {"out": tmp_path / "v.html"}, str)
+    (_, (moved,), _, ranges), (_, (stood,), _, none) = written
+    assert ranges == [("tmm", ends)]
+    assert none == []
+    assert {"rod", "coil"}.isdisjoint(moved.mesh.regions)
+    assert {"rod", "coil"} < set(stood.mesh.regions)
+
+
+def test_a_notebook_holds_the_page(unsaved):
     """In a frame that asks for no other file."""
     scene, _ = load_scene("j1", ["modes=2"])
     shown = show(scene, ["tmm"], [500.0])
@@ -34,6 +87,7 @@ def test_a_notebook_holds_the_page():
     assert '"name":"500 Hz"' in shown.page
     assert html.unescape(frame.partition('srcdoc="')[2].partition('"')[0]) == shown.page
     assert ' src="' not in frame
+    assert "height:720px" in frame
 
 
 @pytest.mark.parametrize(
@@ -83,3 +137,17 @@ def test_a_browser_that_is_not_there_is_said(monkeypatch):
     monkeypatch.setattr(browser.shutil, "which", lambda _: None)
     with pytest.raises(InputError, match=r"--pdf needs a Chromium .* install one"):
         browser.need_browser("--pdf")
+
+
+@pytest.mark.parametrize(
+    ("models", "shown"),
+    [
+        ("lumped,tmm,solid,cad", ("solid", "tmm")), ("cad,tmm", ("cad", "tmm")),
+        ("beam,solid", ("solid",)), ("lumped,beam,tmm", ("tmm",)), ("lumped,beam", ("beam",)),
+        ("lumped", ("lumped",)), ("network,axisymmetric", ("axisymmetric",)),
+        ("tmm,axisymmetric", ("tmm",)),
+    ],
+)  # fmt: skip
+def test_the_fastest_solid_is_shown_with_transfer_matrices_beside_it(models, shown):
+    """As far as the scene asks for them; else a row of beams, else the field."""
+    assert _models(load_scene("paper", [f"models={models}"])[0]) == shown

@@ -12,7 +12,13 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.fields.brick_fields import BrickSampler
-from tactgen.validation.fields.gather import Request, default_models, gather, gather_from
+from tactgen.validation.fields.gather import (
+    Request,
+    _coupling,
+    default_models,
+    gather,
+    gather_from,
+)
 from tactgen.validation.fields.result import FIELDS, at_phase, von_mises
 from tactgen.validation.fields.solid import SolidFields, points_of_regions
 from tactgen.validation.fields.tet_fields import TetSampler
@@ -198,6 +204,21 @@ def test_series_wiring_halves_charge_and_voltage_of_a_layer():
         both.append(result.state("static"))
     assert both[1].charge == pytest.approx(0.25 * both[0].charge)
     assert both[1].tip == pytest.approx(0.5 * both[0].tip)
+
+
+def test_a_mode_couples_with_its_partner_among_the_bending_ones():
+    """Whichever of both circuits has the higher frequency; none without a partner."""
+
+    def listed(values, classes):
+        return SimpleNamespace(value=np.array(values), classes=classes)
+
+    both = {
+        "short": listed([3.0, 4.0, 6.0, 9.0], ("bending_x", "torsion", "bending_x", "bending_x")),
+        "open": listed([1.0, 5.0, 4.8], ("bending_y", "bending_x", "bending_x")),
+    }
+    found = [[_coupling(both, c, n) for n in range(len(both[c].value))] for c in ("short", "open")]
+    nan = pytest.approx(np.nan, nan_ok=True)
+    assert found == [[0.8, nan, pytest.approx(0.6), nan], [nan, 0.8, pytest.approx(0.6)]]
 
 
 def test_von_mises_and_phase():

@@ -13,7 +13,7 @@ from tactgen.validation.models.bimorph.beam_theory_error import (
     expected_differences,
     stubby_warning,
 )
-from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
+from tactgen.validation.models.bimorph.beam_values import beam_values
 from tactgen.validation.models.bimorph.bridge.causes import BRIDGED
 from tactgen.validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid
 from tactgen.validation.scene.scene import load_scene

@@ -5,16 +5,18 @@ import pytest
 from approved import described
 
 from tactgen.tmm.beam.transfer import transfer_matrix
-from tactgen.validation.models.bimorph.bridge import causes, generator
-from tactgen.validation.models.bimorph.bridge.beam_values import (
+from tactgen.validation.models.bimorph.beam_values import (
+    Steps,
+    Values,
     beam_row,
     beam_values,
     values_of_row,
 )
+from tactgen.validation.models.bimorph.bridge import causes, generator
 from tactgen.validation.models.bimorph.bridge.causes import in_the_rod, total
 from tactgen.validation.models.bimorph.bridge.end_effect import EndEffect
 from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
-from tactgen.validation.models.bimorph.bridge.rung import Rung, Steps, Values
+from tactgen.validation.models.bimorph.bridge.rung import Rung
 from tactgen.validation.models.bimorph.bridge.solid_values import SolvedSolid
 from tactgen.validation.scene.scene import load_scene
 

@@ -215,3 +215,20 @@ def test_error_bars_cover_nearly_all_varied_bimorphs():
     outcomes = [o for case in cad_cases(77) for o in judged(case)]
     assert np.mean([one.within for one in outcomes]) >= PROMISED
     assert median_width(outcomes) < 20.0
+
+
+@pytest.mark.parametrize(
+    ("model", "override"),
+    [
+        ("solid", "bimorph.width_profile=0 mm: 2 mm, 14 mm: 1 mm"),
+        ("cad", "bimorph.glue_thickness=20 um"),
+    ],
+)
+def test_meshes_for_pictures_are_refused_as_answers_are(model, override):
+    """In the words of the model that would solve on them."""
+    scene, _ = load_scene("prototype", [f"models={model}", override])
+    with pytest.raises(InputError) as refused:
+        make_plan(scene, (model,), ("capacitance_free",))
+    with pytest.raises(InputError) as shown:
+        mesh_pair(scene)
+    assert str(shown.value) == str(refused.value)

@@ -10,7 +10,10 @@ import pytest
 from tactgen.fem.reluctance.three_d import array, nine
 from tactgen.fem.reluctance.three_d.nine import NineForces
 from tactgen.validation.checks import display
+from tactgen.validation.engine.model import make_model
+from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.display import field
+from tactgen.validation.models.reluctance import field as field_model
 from tactgen.validation.scene.scene import load_scene
 
 #: Pull per square of current, of the unit's own and of one neighbour's beside and on the diagonal.
@@ -105,6 +108,21 @@ def test_the_field_of_an_array_is_the_mean_of_both_potentials(monkeypatch):
     assert per.bar == pytest.approx(0.02 * abs(per.value))
 
 
+@pytest.mark.parametrize("wider", [0, 1])
+def test_both_polarities_have_the_share_of_the_one_whose_potentials_are_farther_apart(
+    monkeypatch, wider
+):
+    """Whichever it is; the difference has the larger of what its own potentials say and that."""
+    pairs = [(1.02, 0.98), (0.33, 0.27)][:: -1 if wider else 1]
+    found = SimpleNamespace(same=pairs[0], alternating=pairs[1])
+    monkeypatch.setattr(array, "array_forces", lambda *_: found)
+    monkeypatch.setattr(nine, "nine_forces", nine_forces)
+    told = field.by_field(load_scene("display")[0])
+    assert told.same.bar == pytest.approx(0.1 * told.same.value)
+    assert told.alternating.bar == pytest.approx(0.1 * told.alternating.value)
+    assert told.difference.bar == pytest.approx(0.1 * 0.7)
+
+
 def test_potentials_farther_apart_than_what_is_out_of_balance_are_the_bar():
     one = field._of_nine((1.0, 1.4), (0.02, -0.06), 4)
     assert (one.value, one.bar) == (pytest.approx(1.2), pytest.approx(0.2))
@@ -120,3 +138,19 @@ def test_what_a_new_process_knows_to_read():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "NeighbourField" in done.stdout.split()
+
+
+@pytest.mark.parametrize("model", ["network", "magnetic3d"])
+def test_a_model_of_the_display_says_what_neighbours_do(monkeypatch, model):
+    """By the field or by the network; one that knows one actuator has nothing to say."""
+    way = "by_network" if model == "network" else "by_field"
+    monkeypatch.setattr(field_model, "by_field", lambda scene: ("by_field", scene))
+    monkeypatch.setattr(field, "by_network", lambda scene: ("by_network", scene))
+    scene = load_scene("display")[0]
+
+    def made(name):
+        return make_model(name, scene, Stages({f"{name}.neighbours": ""}, keeps=False))
+
+    assert made(model).answer("neighbours") == (way, scene)
+    with pytest.raises(NotImplementedError, match="axisymmetric knows one actuator"):
+        made("axisymmetric").answer("neighbours")

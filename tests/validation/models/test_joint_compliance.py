@@ -1,5 +1,7 @@
 """What holds the bimorph: the support's compliance from solids, against beams and limits."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from approved import described
@@ -7,8 +9,9 @@ from approved import described
 from tactgen.geometry.bimorph.rod_bricks import RodMeshing
 from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.tmm.ports.multiport import Multiport
+from tactgen.validation.models.bimorph import joint_compliance
+from tactgen.validation.models.bimorph.beam_values import beam_row, beam_values
 from tactgen.validation.models.bimorph.bridge import generator
-from tactgen.validation.models.bimorph.bridge.beam_values import beam_row, beam_values
 from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
 from tactgen.validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid
 from tactgen.validation.models.bimorph.joint_compliance import (
@@ -90,6 +93,20 @@ def test_length_of_the_ceramic_does_not_matter():
     # differences of compliances hundreds of times larger
     assert through.rotational_stiffness == pytest.approx(root.rotational_stiffness, rel=2e-3)
     assert through.centre == pytest.approx(root.centre, rel=5e-3)
+
+
+def test_a_study_has_a_joint_where_the_solids_of_a_generator_are(monkeypatch):
+    """Of the bricks' tabs, and of the solids' compliance the whole; without them no free tab."""
+    plain, asked = scene(), []
+    monkeypatch.setattr(joint_compliance, "tab_by_bricks", lambda *given: asked.append(given) or ())
+    monkeypatch.setattr(joint_compliance, "joint_by_solids", lambda chain: {"whole": chain.name})
+    alone = support_study(plain, print)
+    assert asked == [(plain, joint_compliance.TAB_LENGTHS, print)]
+    assert (alone.scene, alone.joint) == (plain, None)
+    assert alone.lengths.tolist() == list(joint_compliance.TAB_LENGTHS)
+    assert np.isnan(alone.free_tab)
+    found = support_study(plain, print, SimpleNamespace(free_tab=2e-3, name="joint"))
+    assert (found.joint, found.free_tab) == ("joint", 2e-3)
 
 
 def test_tab_for_a_stiffness(tabs, approved):

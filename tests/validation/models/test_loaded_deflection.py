@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from approved import described
 
+from tactgen.fem.bimorph.reduction import kept_reductions
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.multiport import respond
 from tactgen.tmm.ports.terminations import attach
@@ -17,6 +18,7 @@ from tactgen.validation.models.amplitude.deflection import (
     voltage_for,
 )
 from tactgen.validation.models.amplitude.held_head import STATES, held_head
+from tactgen.validation.models.bimorph import meshes
 from tactgen.validation.models.five_port import five_port
 from tactgen.validation.scene.scene import load_scene
 
@@ -99,3 +101,25 @@ def test_extremes_of_a_loaded_deflection(monkeypatch, extreme, size):
 
     monkeypatch.setattr(amplitude_measurements, "_loaded", loaded)
     assert amplitude_measurements.extreme_deflection("held", extreme, "pad") == size
+
+
+@pytest.mark.parametrize("model", ["solid", "cad"])
+def test_ports_of_a_solid_know_no_support_and_reach_its_harmonics(monkeypatch, model):
+    """Reduced for what is asked and five times as much, to a thousandth of the accuracy."""
+    asked = []
+
+    def pair(scene):
+        asked.append((scene.support.kind, scene.models))
+        return SimpleNamespace(meshes=("fine", "coarse"))
+
+    def reduced(device, mesh, reach, *, tolerance):
+        asked.append((mesh, reach.tolist(), tolerance))
+        return SimpleNamespace(multiport=lambda frequencies: 2.0 * frequencies)
+
+    monkeypatch.setattr(meshes, "mesh_pair", pair)
+    monkeypatch.setattr(kept_reductions, "reduced_solid", reduced)
+    scene, _ = load_scene("paper", ["frequency=20,300", "accuracy=0.02"])
+    assert five_port(scene, model)(np.ones(2)).tolist() == [2.0, 2.0]
+    assert asked == [("clamped", (model,)), ("fine", [0.0, 1500.0], pytest.approx(2e-5))]
+    with pytest.raises(InputError, match='"network" has no ports; use one of tmm, lumped, beam'):
+        five_port(scene, "network")

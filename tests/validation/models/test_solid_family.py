@@ -1,5 +1,6 @@
 """Values of a family of the solid against single answers, and what the family refuses."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,10 +15,10 @@ from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.stretching import LEVELS, dividing, stretched
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.refinement import BRICK_FACTOR
+from tactgen.validation.checks.coverage import solid as coverage
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.bimorph.family import solid_family
+from tactgen.validation.models.bimorph.family import solid_family, surplus
 from tactgen.validation.models.bimorph.family.many import _points, for_many
 from tactgen.validation.models.bimorph.family.values import family_values
 from tactgen.validation.scene.scene import load_scene
@@ -32,6 +33,7 @@ QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
     BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
 )
+FINER = BrickMeshing((4, 4, 4), smallest=0.2, tip=0.5, pieces=(4.0, 6.0), richness=1.25)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -74,15 +76,33 @@ def test_values_agree_with_single_answers(family):
     assert max(apart.values()) <= 1.0, apart
 
 
-def test_statics_of_two_levels_are_not_trusted_to_agree_by_chance(family):
-    """Each counts with a tenth of what the levels differ by in any of them."""
-    at, names = {"bimorph.length": np.array([14.7e-3])}, QUANTITIES[3:]
-    coarse = solid_family.SolidFamily(family.coarse, family.coarse)
-    fine, other = (family_values(scene(), of, at, names) for of in (family, coarse))
-    apart = {n: abs(other[n].value[0] / fine[n].value[0] - 1.0) for n in names}
-    for name in names:
-        bar = fine[name].bar[0] / abs(fine[name].value[0])
-        assert bar >= BRICK_FACTOR * (apart[name] + 0.1 * max(apart.values())), name
+def test_bars_are_those_of_single_answers_of_the_same_bricks(family):
+    """At a point between those that were judged, as if it had been judged.
+
+    To a tenth: what divides a single bimorph is not quite what divides a range.
+    """
+    at = {"bimorph.length": np.array([13.1e-3])}
+    own = scene("bimorph.length=13.1 mm")
+    single = surplus.family_surplus(own.device, {}, QUICK[1], family.counts(2))
+    exact = replace(family, surplus=single)
+    found, right = (family_values(scene(), each, at, QUANTITIES) for each in (family, exact))
+    for name in QUANTITIES:
+        judged, known = (of[name].bar - of[name].basis for of in (found, right))
+        assert judged == pytest.approx(known, rel=0.1), name
+
+
+def test_bars_are_a_few_errors_wide(family, monkeypatch):
+    """All errors of five quantities are covered; bars three times as wide, or narrow, are seen."""
+    monkeypatch.setattr(coverage.Case, "reference", FINER)
+    case = coverage.Case((*SCENE, "bimorph.length=14.7 mm"))
+    found = family_values(scene(), family, {"bimorph.length": np.array([14.7e-3])}, QUANTITIES)
+    known, widths = coverage.reference(case, ()), []
+    for name in (*QUANTITIES[:1], *QUANTITIES[2:]):
+        kind = "bending_x" if name == QUANTITIES[0] else ""
+        value, bar = (np.ravel(of)[0] for of in (found[name].value, found[name].bar))
+        widths.append(bar / abs(value - known[name, kind][0]))
+    assert min(widths) > 1.0
+    assert np.median(widths) < 7.0
 
 
 def test_responses_agree_with_single_answers_below_and_at_resonance():

@@ -6,6 +6,7 @@ import pytest
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.bimorph.beam_values import Values
 from tactgen.validation.models.bimorph.bridge import Rung, bridge
 from tactgen.validation.models.bimorph.bridge.causes import (
     BRIDGED,
@@ -14,7 +15,6 @@ from tactgen.validation.models.bimorph.bridge.causes import (
     total,
 )
 from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
-from tactgen.validation.models.bimorph.bridge.rung import Values
 from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import load_scene
 

@@ -41,7 +41,12 @@ def made_of_beams(monkeypatch):
     monkeypatch.setattr(joint_compliance, "support_study", lambda *_: study)
     monkeypatch.setattr(joint_compliance, "joint_by_solids", lambda chain: {"whole": JOINT})
     by_beam = SupportCompliance(0.5 * JOINT.matrix)
-    monkeypatch.setattr(joint_compliance, "joint_by_beam", lambda chain, modulus, *, rod: by_beam)
+    by_modulus = dict.fromkeys(((None, m, True) for m in joint_compliance.GLUE_MODULI), by_beam)
+    monkeypatch.setattr(
+        joint_compliance,
+        "joint_by_beam",
+        lambda chain, modulus, *, rod: by_modulus[chain, modulus, rod],
+    )
     drawn = []
     monkeypatch.setattr(bridge, "support_plot", lambda *given: drawn.append(given) or "plot")
     found = bridge._support(SimpleNamespace(scene=scene, announce=lambda _: None), None)

@@ -3,6 +3,7 @@
 import json
 import re
 import subprocess
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -138,6 +139,32 @@ def test_no_number_is_not_a_number(record):
     moved = replace(back, value=back.value + np.array([0.0, 1e-9]))
     assert again.compared([back], [moved])[0].verdict == "differs"
     assert "NaN" not in files.record_text(record)
+
+
+@pytest.mark.parametrize(
+    ("then", "now", "verdict", "difference", "over_bars"),
+    [
+        (([1.0, 2.0], [0.0, 0.0]), ([1.0, 2.0], [0.0, 0.0]), "identical", 0.0, 0.0),
+        (([1.0, 2.0], [0.0, 0.1]), ([1.0, 2.05], [0.0, 0.0]), "within bars", 0.025, 0.5),
+        (([1.0, 2.0], [0.0, 0.1]), ([1.005, 2.0], [0.0, 9.0]), "differs", 0.0025, np.inf),
+        (([1.0, -2.0], [0.1, 0.1]), ([1.0, -2.2], [0.0, 0.05]), "differs", 0.1, 4.0 / 3.0),
+        (([0.0, 0.0], [0.0, 1.0]), ([0.0, 0.5], [0.0, 0.0]), "within bars", 0.5, 0.5),
+        (([np.nan, 2.0], [0.0, 0.5]), ([np.nan, 2.5], [0.0, 0.0]), "within bars", 0.25, 1.0),
+        (([1.0, 2.0], [0.0, 0.1]), ([1.0, 2.0, 3.0], [0.0, 0.1, 0.0]), "differs", np.nan, np.inf),
+    ],
+)
+def test_a_difference_is_judged_by_both_bars(then, now, verdict, difference, over_bars):
+    """A number without a bar may not differ at all; each number is judged by its own."""
+    before, after = (
+        Quantity("x", "tmm", np.array(value), "m", np.array(bar), "", 0.0)
+        for value, bar in (then, now)
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        (found,) = again.compared([before], [after])
+    assert found.verdict == verdict
+    expected = pytest.approx([difference, over_bars], nan_ok=True)
+    assert [found.difference, found.over_bars] == expected
 
 
 @pytest.mark.parametrize("name", [PAGE, files.FILE, CRATE])

@@ -140,8 +140,9 @@ def test_network_alone(tmp_path):
     check_words(
         words(html),
         ("stays at the upper stop until", "the preload was set to it",
-         "The turns were chosen so that", "That this number comes out right"),
-        ("floats", "this scene sets another", "this scene has another"),
+         "The turns were chosen so that", "the network's pull is another number"),
+        ("floats", "That this number comes out right",
+         "this scene sets another", "this scene has another"),
     )  # fmt: skip
 
 

@@ -296,6 +296,22 @@ def test_another_device_is_asked_its_own_question():
     assert length_section._own_question(short)[1][0].lengths[0] == pytest.approx(15e-3)
 
 
+def test_every_aim_is_asked_in_both_wirings(monkeypatch):
+    """Titles, what is sought, and the device with that wiring; the paper's own question."""
+    monkeypatch.setattr(length_section, "design", lambda scene, aim: (scene.bimorph.wiring, aim))
+    asked, aims = length_section._papers_question(load_scene("prototype")[0])
+    assert (asked.load.kind, asked.drive.voltage) == ("finger", 50.0)
+    assert [aim.kind for aim in aims] == [*length_section._SOUGHT, "margin"]
+    found = length_section._cases(asked, aims)
+    assert found == [
+        (wiring, length_section._SOUGHT[aim.kind], (wiring, aim))
+        for wiring in ("parallel", "series")
+        for aim in aims
+    ]
+    bare, _ = load_scene("prototype", ["bimorph.bare_above=11mm"])
+    assert len(length_section._papers_question(bare)[1]) == len(length_section._SOUGHT)
+
+
 @pytest.mark.parametrize(
     ("overrides", "said"),
     [

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from approved import described
 from PIL import Image
+from unpainted import unpainted
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.view import films
-from tactgen.validation.view.films import check_film, write_film
+from tactgen.validation.view.films import check_film, save_film, write_film
 from tactgen.validation.view.shading import SHADES, drawn_size, enlargement, shades_of, words_of
 from tactgen.validation.view.stills import Picture, still
 
@@ -47,24 +48,49 @@ def test_words_of_every_state_in_every_colour(seen, approved):
     approved(described(told))
 
 
-def test_a_still_has_words_a_bar_and_a_ruler(seen):
-    """Above, below and to the right of the device there is ink, also without a shade."""
-    result = seen[1]
-    for shade in (SHADES[0], None):
-        image = pixels(still(result, result.state("static"), Picture(**SMALL, shade=shade)))
-        dark = (image < 200).any(axis=2)
-        assert dark[:40, :150].any()
-        assert dark[150:, :150].any()
-        assert dark[165:, 220:].any()
-
-
 def test_a_film_is_one_period(seen, tmp_path, monkeypatch):
+    """Pictures at even phases from 0, shown without end; what of it goes to ffmpeg."""
+    unpainted(monkeypatch)
+    shown, own = [], films.frames
+    monkeypatch.setattr(films, "frames", lambda *given: shown.append(given) or own(*given))
     monkeypatch.setattr(films, "_FRAMES", 4)
-    path = tmp_path / "mode.gif"
-    write_film(path, seen[1], seen[1].states[0], Picture(**SMALL))
+    path, said = tmp_path / "mode.gif", []
+    write_film(path, seen[1], seen[1].states[0], Picture(**SMALL), said.append)
+    assert shown[0][3] == pytest.approx([0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi])
+    assert said == [f"picture {k} of 4" for k in (1, 2, 3, 4)]
     with Image.open(path) as film:
         assert film.n_frames == 4
-        assert film.info["loop"] == 0
+        assert (film.info["loop"], film.info["duration"]) == (0, 80)
+    with pytest.raises(InputError, match='"static" does not move'):
+        write_film(path, seen[1], seen[1].state("static"), Picture(**SMALL))
+
+
+def test_what_ffmpeg_is_given(tmp_path, monkeypatch):
+    """All pictures as often as they are repeated, size and rate; its last word where it fails."""
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    program = folder / "ffmpeg"
+
+    def does(*lines):
+        program.write_text("\n".join(["#!/bin/sh", *lines, ""]), encoding="utf-8")
+        program.chmod(0o755)
+
+    monkeypatch.setenv("PATH", f"{folder}:/usr/bin:/bin")
+    path, images = tmp_path / "a.mp4", [Image.new("RGB", (4, 2), (k, 0, 0)) for k in range(2)]
+    does('for last; do :; done; cat > "$last"', f'printf "%s\\n" "$@" > {tmp_path}/given')
+    save_film(path, images, 40, 3)
+    assert path.read_bytes() == b"".join(image.tobytes() for image in images) * 3
+    given = (tmp_path / "given").read_text(encoding="utf-8").split()
+    assert " ".join(given[:-1]) == (
+        "-loglevel error -y -f rawvideo -pix_fmt rgb24 -s 4x2 -r 25 -i - -pix_fmt yuv420p "
+        "-movflags +faststart -fflags +bitexact"
+    )
+    path.unlink()
+    for words, told in (("some\\nlast word", "last word"), ("", "no reason")):
+        does("cat > /dev/null", f'printf "{words}" >&2', "exit 1")
+        with pytest.raises(InputError, match=rf"a\.mp4 was not made: ffmpeg says: {told}; write"):
+            save_film(path, images, 40)
+    assert not path.exists()
 
 
 def test_films_that_cannot_be_made_are_refused(seen, tmp_path, monkeypatch):

@@ -38,6 +38,12 @@ from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 _POINTS = 16
 #: How far beyond its stops the rod may be pressed, in decay lengths: e²⁵ of the reference load.
 _BEYOND = 25.0
+#: And the least gap that the map is read at, as a share of its lowest.
+_LEAST_GAP = 0.1
+#: A deflection (m) below which it is none that steps must follow.
+_STILL = 1e-9
+#: Rounds in which contact and spring come to rest.
+_ROUNDS = 20
 #: How much more closely a step follows the head's tilt than the motion that it gives the tip.
 _TURNED = 3.0
 
@@ -136,7 +142,7 @@ def machine(
     beyond = _BEYOND * max(stops.upper.decay_length, stops.lower.decay_length)
     lateral, axial = np.eye(n)[1], np.eye(n)[0]
     static = drive_scale * float(modes.tip[2:] @ (modes.coupling / modes.omega**2))
-    bent = max(abs(static), 1e-9)
+    bent = max(abs(static), _STILL)
     system = System(
         mass=mass,
         damping=damping,
@@ -154,7 +160,7 @@ def machine(
             source=source,
             width=0.5 * device.gap,
             largest_current=pull.current_limit,
-            gaps=(max(low - beyond, 0.1 * low), high),
+            gaps=(max(low - beyond, _LEAST_GAP * low), high),
         ),
         outputs={
             "rod_lift": Output(axial, "m", stops.stroke, "lift of the rod, 0 on top"),
@@ -169,7 +175,7 @@ def machine(
     rest = np.zeros(n)
     force = spring.preload
     # N(u) = preload − k u: the contact gives way by decay lengths, so the spring hardly changes
-    for _ in range(20):
+    for _ in range(_ROUNDS):
         rest[0] = float(stops.upper.approach(force))
         force = spring.preload - spring.stiffness * rest[0]
     return Machine(system, rest, modes)

@@ -25,8 +25,8 @@ from tactgen.tmm.generator.transient.step import Stepper
 from tactgen.tmm.generator.transient.system import System
 from tactgen.tmm.generator.transient.waveform import Sources, between_breaks
 
-#: Longest step as a share of the fastest waveform's period.
-_PER_PERIOD = 1.0 / 64.0
+#: Longest step as a share of the fastest waveform's period, and of the whole time.
+_PER_PERIOD, _PER_RUN = 1.0 / 64.0, 0.01
 #: Local tolerance of the first round over the accuracy asked for.
 _LOCAL = 0.01
 #: Rounds of all passes, the share of the accuracy that the next round aims at, and the most by
@@ -111,7 +111,7 @@ def simulate(
         *_at_start(system, sources, until),
     )
     fastest = min(sources.bimorph.shortest, sources.coil.shortest)
-    longest = min(longest, _PER_PERIOD * fastest, 0.01 * until)
+    longest = min(longest, _PER_PERIOD * fastest, _PER_RUN * until)
     if until > MOST_STEPS * longest:
         raise InputError(
             f"{until:g} s of a waveform that changes within {fastest:g} s need more than "

@@ -31,6 +31,9 @@ _FEWEST = 6
 #: What an inductance counts beside a flux linkage: it is the rougher function of the two.
 _INDUCTANCE_WEIGHT = 0.1
 
+#: Smallest and largest g0 of the surface's ln(g + g0), as shares of the range of gaps.
+_LEAST_OFFSET, _MOST_OFFSET = 0.05, 20.0
+
 #: Smallest coefficient, relative to the largest: inductance stays positive.
 _LEAST = 1e-9
 
@@ -141,7 +144,7 @@ def _gap_offset(samples: Samples) -> float:
     low, high = samples.gap[[0, -1]]
     span = high - low
     offset = (high * last - low * first) / (first - last) if first > last else np.inf
-    return float(np.clip(offset, 0.05 * span, 20.0 * span))
+    return float(np.clip(offset, _LEAST_OFFSET * span, _MOST_OFFSET * span))
 
 
 def _breaks(points: Floats, spans: int) -> Floats:

@@ -10,7 +10,7 @@ free, given, or one of a group that moves together (an electrode that floats).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, TypeAlias
@@ -24,6 +24,7 @@ from tactgen.fem.elements.line_basis import line_matrices
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Bools, Floats, Numbers, Sparse
 from tactgen.geometry.bimorph.bricks import Axis, Bricks, Slab
+from tactgen.validation.checks.cases import fineness
 
 #: A value, or a function of the coordinates (x, y, z) in metres.
 Profile: TypeAlias = float | Callable[[Floats, Floats, Floats], Floats]
@@ -35,14 +36,19 @@ _QUARTERS = 4.0
 _DENSE = 300
 
 
+def graded(breaks: Sequence[float] | Floats, degree: int) -> Axis:
+    """Return an axis with these break points; its degree is that of the level that is solved."""
+    return Axis(np.asarray(breaks, dtype=float), fineness.degree(degree))
+
+
 def even(length: float, intervals: int, degree: int) -> Axis:
     """Return an axis of equal intervals from 0."""
-    return Axis(np.linspace(0.0, length, intervals + 1), degree)
+    return graded(np.linspace(0.0, length, intervals + 1), degree)
 
 
 def stacked(thicknesses: tuple[float, ...], degree: int) -> Axis:
     """Return an axis with one interval for each layer, from 0."""
-    return Axis(np.concatenate([[0.0], np.cumsum(thicknesses)]), degree)
+    return graded(np.concatenate([[0.0], np.cumsum(thicknesses)]), degree)
 
 
 @dataclass(frozen=True)
@@ -247,6 +253,7 @@ def harmonic(box: Box, frequency: float) -> State:
     dynamic = (stiffness - (2.0 * np.pi * frequency) ** 2 * mass).tocsr()
     t, given = box._constraints
     inner = (t.T @ dynamic @ t).tocsr()
+    fineness.counted(inner.shape[0])
     right = t.T @ (box._loads - dynamic @ given)
     solved = t @ factorise(inner).solve(np.asarray(right)) + given
     forces = dynamic @ solved - box._loads
@@ -261,7 +268,7 @@ def natural_frequencies(box: Box, count: int, *, loose: int = 0, near: float = 0
     Inverse Lanczos with a factor of K + (2π near)² M: `near` (Hz) must be above 0 where the body
     can move rigidly.
     """
-    if box.reduced()[0].shape[0] <= _DENSE:
+    if fineness.counted(box.reduced()[0].shape[0]) <= _DENSE:
         return _dense_frequencies(box, count, loose)
     shift = (2.0 * np.pi * near) ** 2
     stiffness, mass = box.reduced(shift=shift)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -30,7 +31,7 @@ def cube(cells: Cells, divisions: int, across: int | None = None) -> Mesh:
     sizes = EDGE * counts / divisions
     planes = [np.linspace(0.0, size, n + 1) for size, n in zip(sizes, counts, strict=True)]
     if cells == "hexahedra":
-        return _hexahedra(planes)
+        return hexahedra(planes)
     x, y, z = planes
     mesh = box_tetrahedra(x, y, z, np.zeros(counts, dtype=int), ("all",))
     if cells == "curved":
@@ -52,7 +53,8 @@ def _curved(mesh: Mesh, sizes: Floats) -> Mesh:
     return replace(mesh, points=points, cells=np.hstack([mesh.cells, middles]), kind="tetra10")
 
 
-def _hexahedra(planes: list[Floats]) -> Mesh:
+def hexahedra(planes: Sequence[Floats]) -> Mesh:
+    """Return the rectangular hexahedra between planes (m) along x, y and z."""
     nodes = [p.size for p in planes]
     points = np.stack(np.meshgrid(*planes, indexing="ij"), axis=-1).reshape(-1, 3)
     low = np.arange(len(points)).reshape(nodes)[:-1, :-1, :-1].ravel()[:, None]

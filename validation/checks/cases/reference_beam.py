@@ -12,7 +12,7 @@ doubling a short one's dynamic stiffness, which never grows exponentially.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ParamSpec, TypeVar, cast
 
 import mpmath as mp
@@ -96,6 +96,8 @@ class Constants:
 
 def constants(beam: Any) -> Constants:
     """Take the constants of any object with these attributes, digit for digit."""
+    if isinstance(beam, Constants):
+        return beam
     values = (beam.EI, beam.GA, beam.m, beam.rhoI, beam.K, beam.C)
     return Constants(*(mp.mpmathify(complex(v)) for v in values))
 
@@ -184,6 +186,12 @@ def _combined(row: list[tuple[int, int]], power: list[list[int]]) -> list[int]:
     for m, v in more:
         total = [t + v * x for t, x in zip(total, power[m], strict=True)]
     return total
+
+
+def without_electrode(active: Constants) -> Constants:
+    """Return the same layers where the faces carry no charge: U follows from K ψ' + C U = 0."""
+    with mp.workdps(DIGITS):
+        return replace(active, EI=active.EI + active.K**2 / active.C, K=mp.mpf(0), C=mp.mpf(0))
 
 
 @_exact

@@ -6,6 +6,10 @@ The parts and where they are: a part is imported when it is asked for.
 _HERE = "tactgen.validation.checks.coverage"
 #: Module and function of each part, how many devices by default, and what it holds against what.
 PARTS: dict[str, tuple[str, str, int, str]] = {
+    "tmm": (
+        f"{_HERE}.tmm", "judge", 60,
+        "the transfer matrix against 80 digits; its bars count rounding and are meant to be wide",
+    ),
     "beam": (f"{_HERE}.beam", "judge", 60, "beam elements against exact spans"),
     "taper": (
         f"{_HERE}.taper", "judge", 40,

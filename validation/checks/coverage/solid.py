@@ -16,9 +16,9 @@ from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.ports import ports_from_blocks
+from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
 from tactgen.fem.bimorph.system import SolidSystem
-from tactgen.fem.solvers.linear_solver import factorise
-from tactgen.geometry.arrays import Numbers
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks, Held
 from tactgen.geometry.device.checks import beyond_plain_layers
@@ -37,8 +37,13 @@ _STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
 _MODES = ("short_circuit_frequencies", "coupling_factor")
 _HARMONIC = ("tip_displacement", "admittance")
 
+#: Where responses are judged, per first resonance: at all but rest, about the first resonance, and
+#: beyond it.
+_AT = (0.05, 0.9, 1.1, 2.0, 4.0)
 #: References are solved so many levels above the one judged.
 _ABOVE = 2
+#: Error that the reduction of a reference may add: far less than bricks have.
+_REDUCTION = 1e-7
 #: Bricks that tetrahedra are judged by.
 _FOR_TETRAHEDRA = LEVELS[3]
 #: Largest quarter (functions of its reference) that is affordable: of bricks, and of those that
@@ -68,8 +73,8 @@ class Case:
         On bricks, or on tetrahedra for the accuracy that the scene asks for by default.
     all_motions : bool
         Judge the frequencies of all classes of motion; else those that bend in x.
-    harmonic : bool
-        Judge the response at nine tenths of the first resonance as well.
+    at : tuple of float
+        Frequencies at which the response is judged as well, per first resonance.
     """
 
     overrides: tuple[str, ...]
@@ -77,20 +82,20 @@ class Case:
     held: Held = "layers"
     model: Literal["solid", "cad"] = "solid"
     all_motions: bool = False
-    harmonic: bool = False
+    at: tuple[float, ...] = ()
 
     @property
     def quantities(self) -> tuple[str, ...]:
         """What is judged."""
-        return (*_STATIC, *_MODES, *(_HARMONIC if self.harmonic else ()))
+        return (*_STATIC, *_MODES, *(_HARMONIC if self.at else ()))
 
     def scene(self) -> Scene:
         """Return what is solved."""
         more = [f"mesh.level={self.level}"] if self.model == "solid" else []
-        if self.harmonic:
+        if self.at:
             scene, _ = load_scene("prototype", list(self.overrides))
             first = solve(scene, ["tmm"], ["short_circuit_frequencies"]).quantities[0].value[0]
-            more.append(f"frequency={0.9 * first:.6g} Hz")
+            more.append("frequency=" + ",".join(f"{part * first:.6g} Hz" for part in self.at))
         return load_scene("prototype", [*self.overrides, *more])[0]
 
     @property
@@ -147,7 +152,7 @@ def reference(case: Case, kinds: Iterable[str]) -> Known:
     scene = case.scene()
     bricks = bimorph_bricks(scene.device, case.reference, case.held)
     system = assemble_bricks(scene.device, bricks, lossy=False)
-    port = _ports(system, 0.0)
+    port = _at_rest(system)
     response = respond(attach(port, scene.ends.lossless), {"voltage": scene.drive.voltage})
     found: Known = {
         ("static_tip_displacement", ""): [complex(response.motion["w_tip"][0])],
@@ -165,42 +170,40 @@ def reference(case: Case, kinds: Iterable[str]) -> Known:
             modes += natural_modes(system, scene.ends, scene.modes)
     for mode in sorted(modes, key=lambda mode: mode.frequency):
         found.setdefault(("short_circuit_frequencies", mode.kind), []).append(mode.frequency)
-    if case.harmonic:
+    if case.at:
         found |= _harmonic(scene, bricks)
     return found
 
 
 def _harmonic(scene: Scene, bricks: Bricks) -> Known:
-    frequency = float(np.asarray(scene.frequency)[0])
+    frequencies = np.asarray(scene.frequency, dtype=float)
     system = assemble_bricks(scene.device, bricks, lossy=True)
-    port = attach(_ports(system, frequency), scene.ends)
-    response = respond(port, {"voltage": scene.drive.voltage})
-    current = 2j * np.pi * frequency * response.effort["voltage"][0] / scene.drive.voltage
+    port = reduce_to_ports(system, frequencies, tolerance=_REDUCTION).multiport(frequencies)
+    response = respond(attach(port, scene.ends), {"voltage": scene.drive.voltage})
+    current = 2j * np.pi * frequencies * response.effort["voltage"] / scene.drive.voltage
     return {
-        ("tip_displacement", ""): [complex(response.motion["w_tip"][0])],
-        ("admittance", ""): [complex(current)],
+        ("tip_displacement", ""): [complex(value) for value in response.motion["w_tip"]],
+        ("admittance", ""): [complex(value) for value in current],
     }
 
 
-def _ports(system: SolidSystem, frequency: float) -> Multiport:
-    """Return D at one frequency to some seven digits, with no residual in long double."""
-    n, omega2 = system.inner, (2.0 * np.pi * frequency) ** 2
-    stiffness, mass = system.stiffness, system.mass
-    factor = factorise(stiffness.inner - omega2 * mass.inner, order=system.elimination)
-    x: Numbers = np.zeros((n + 3, 5), dtype=stiffness.border.dtype)
+def _at_rest(system: SolidSystem) -> Multiport:
+    """Return D(0) to some seven digits, with no residual in long double."""
+    n, stiffness = system.inner, system.stiffness
+    x: Floats = np.zeros((n + 3, 5))
     x[n:, :3] = np.eye(3)
-    x[:n] = factor.solve(np.hstack([omega2 * mass.border - stiffness.border, system.tip[:n]]))
-    force, seen = stiffness @ x - omega2 * (mass @ x), system.tip.T @ x
+    x[:n] = system.held_factor.solve(np.hstack([-stiffness.border, system.tip[:n]]))
+    force, seen = stiffness @ x, system.tip.T @ x
     blocks = (force[n:, :3], force[n:, 3:], seen[:, :3], seen[:, 3:])
     stacked = (np.array([part], dtype=complex) for part in blocks)
-    return Multiport(np.array([frequency]), ports_from_blocks(*stacked), BIMORPH)
+    return Multiport(np.zeros(1), ports_from_blocks(*stacked), BIMORPH)
 
 
 def judge(rng: np.random.Generator) -> list[Judged]:
     """Return the answers of one device, drawn by `rng`, of a third all motions or responses."""
     (case,) = varied_cases(int(rng.integers(2**31)), 1, finer=0)
     every, responds = rng.random(2) < _ONE_IN_THREE
-    return judged(replace(case, all_motions=bool(every), harmonic=bool(responds)))
+    return judged(replace(case, all_motions=bool(every), at=_AT if responds else ()))
 
 
 def judged(case: Case) -> list[Judged]:
@@ -211,7 +214,8 @@ def judged(case: Case) -> list[Judged]:
     for answer in found:
         right = known[answer.quantity, answer.kind][answer.number]
         error = abs(answer.value - right) / abs(right)
-        which = f" {answer.kind} {answer.number + 1}" if answer.kind else ""
+        several = answer.kind or answer.quantity in _HARMONIC
+        which = f" {answer.kind} {answer.number + 1}".replace("  ", " ") if several else ""
         where = " ".join((*case.overrides, case.held))
         outcomes.append(Judged(where, answer.quantity + which, error, answer.bar / abs(right)))
     return outcomes
@@ -232,7 +236,7 @@ def varied_cases(seed: int, count: int = 44, finer: int = 6) -> list[Case]:
         if case is None or _functions(case) > _MOST_FUNCTIONS:
             continue
         cases.append(case)
-        again = replace(case, level=3, all_motions=False, harmonic=False)
+        again = replace(case, level=3, all_motions=False, at=())
         if finer and _functions(again) < _MOST_FUNCTIONS:
             finer -= 1
             cases.append(again)
@@ -299,4 +303,5 @@ def _drawn(rng: np.random.Generator, number: int) -> Case | None:
         f"load.stiffness={stiffness:.3g}N/m": 0.2 <= chance[6] < 0.4,
     }
     overrides += [key for key, wanted in options.items() if wanted]
-    return Case(tuple(overrides), held=held, all_motions=number % 3 == 0, harmonic=number % 4 == 3)
+    at = _AT if number % 4 == 3 else ()
+    return Case(tuple(overrides), held=held, all_motions=number % 3 == 0, at=at)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.section.section import Section
 from tactgen.tmm.beam.section.tapered import segmented
 from tactgen.validation.checks.case import Answer, Case, case, nth
+from tactgen.validation.checks.cases.fineness import cached, segments
 from tactgen.validation.checks.known import short_beams
 from tactgen.validation.checks.setup.drawing import Mark
 from tactgen.validation.checks.setup.strips import at_tip, strip, tapered
@@ -44,12 +45,12 @@ def _pinned(beam: Section, length: float) -> Ends:
     return Ends(Springs(rigid, 0.0), TipLoad(stiffness=rigid))
 
 
-@cache
+@cached
 def _with_tip_mass(ratio: float) -> Floats:
     return _wavenumbers(slender(1.0), 1.0, Ends(tip=TipLoad(mass=ratio)), 3)
 
 
-@cache
+@cached
 def _on_root_spring(stiffness: float) -> float:
     base = Springs(_RIGID, stiffness)
     return float(_wavenumbers(slender(1.0), 1.0, Ends(base), 1)[0])
@@ -127,7 +128,7 @@ def deep_beam() -> Section:
     )
 
 
-@cache
+@cached
 def _deep(supported: bool, count: int) -> Floats:
     beam = deep_beam()
     ends = _pinned(beam, 10.0) if supported else Ends()
@@ -175,18 +176,18 @@ def _to_a_point(share: float) -> float:
     return 1.0 - share
 
 
-@cache
-def _tapered_frequencies(power: float, end: float, segments: int) -> Floats:
-    row = segmented(_taper(power, end), 1.0, segments)
+@cached
+def _tapered_frequencies(power: float, end: float) -> Floats:
+    row = segmented(_taper(power, end), 1.0, segments(64))
     return 2.0 * np.pi * bending_frequencies(row, Ends(), 3, open_circuit=False)
 
 
-@cache
-def _triangular_deflection(segments: int) -> float:
+@cached
+def _triangular_deflection() -> float:
     """Return the tip deflection (in) of VM34: width 3 in to nothing, 10 lb on 20 in."""
     root = 30e6 * 3.0 * 0.5**3 / 12.0
     row = segmented(
-        lambda share: slender(20.0, stiffness=root * (1.0 - share), mass=1.0), 20.0, segments
+        lambda share: slender(20.0, stiffness=root * (1.0 - share), mass=1.0), 20.0, segments(16)
     )
     stiffness = lumped_model(row).stiffness.real[2:4, 2:4]
     return float(np.linalg.solve(stiffness, [10.0, 0.0])[0])
@@ -194,7 +195,7 @@ def _triangular_deflection(segments: int) -> float:
 
 def _sharp(power: float, number: int) -> float:
     """Return a frequency of a taper to a point: extrapolated from ends of 0.1 and 0.05 %."""
-    blunt, sharp = (_tapered_frequencies(power, end, 64)[number] for end in (1e-3, 5e-4))
+    blunt, sharp = (_tapered_frequencies(power, end)[number] for end in (1e-3, 5e-4))
     return float(2.0 * sharp - blunt)
 
 
@@ -210,7 +211,7 @@ _TAPERS = (
         tolerance=1.2e-5,
         reason="half a unit of the last printed digit",
         answers=[Answer("The tip deflects by 0.042667 in.", 0.042667, "in",
-                        lambda: _triangular_deflection(16))],
+                        _triangular_deflection)],
         setup=partial(
             tapered, 20.0, 3.0, _to_a_point, unit="in", height="y",
             tip=(Mark("text", (20.0, 0.0), 90.0, "10 lb along x"),),
@@ -251,7 +252,7 @@ _TAPERS = (
 # --- Smits, Dalke and Cooney -------------------------------------------------------------------
 
 
-@cache
+@cached
 def _smits() -> Floats:
     """Return the matrix' entries without pressure, in the order of the rows.
 

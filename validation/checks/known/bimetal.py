@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import PiezoTensors, isotropic_stiffness
 from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.cases.boxes import Box, Held, Load, Where, even, stacked, statics
+from tactgen.validation.checks.cases.fineness import cached
 from tactgen.validation.checks.setup.drawing import Mark
 from tactgen.validation.checks.setup.strips import strip
 
@@ -29,7 +30,7 @@ def expanding(modulus: float, strain: float) -> Material:
     return Material(c, 1.0, PiezoTensors(c, e, np.eye(3)))
 
 
-@cache
+@cached
 def _bimetal(
     layers: tuple[tuple[float, float, float], ...], length: float, moment: float = 0.0
 ) -> tuple[float, float, Callable[[float], float]]:

@@ -7,7 +7,7 @@ costs.
 from __future__ import annotations
 
 import math
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from tactgen.fem.reluctance.axisymmetric.force import virtual_work_force
 from tactgen.fem.reluctance.axisymmetric.space import discretise
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid
-from tactgen.validation.checks.case import Answer, Case, Refinement, case
+from tactgen.validation.checks.case import Answer, Case, case
+from tactgen.validation.checks.cases.fineness import cached, counted, degree
 from tactgen.validation.checks.known import ideal_gap
 from tactgen.validation.checks.setup.bodies import rings
 
@@ -27,8 +28,9 @@ def _solved(
     windings: tuple[Region, ...], currents: tuple[float, ...], walls: float, order: int = 4
 ) -> MagneticField:
     """Return the field of windings in a box of radius `walls` (m)."""
-    grid = graded_grid(windings, walls, refinement=2.0)
-    return solve_field(discretise(grid, order), np.array(currents))
+    space = discretise(graded_grid(windings, walls, refinement=2.0), degree(order))
+    counted(space.size)
+    return solve_field(space, np.array(currents))
 
 
 # --- two loops ---------------------------------------------------------------------------------
@@ -36,7 +38,7 @@ def _solved(
 _WIRE = 1e-3
 
 
-@cache
+@cached
 def _loops() -> MagneticField:
     """Return their field with 1 A each."""
     return _solved(_loop_windings(), (1.0, 1.0), 20.0)
@@ -75,12 +77,12 @@ _LOOPS = case(
 _PIECES = 8
 
 
-def _nagaoka(ratio: float, order: int = 4) -> float:
+def _nagaoka(ratio: float) -> float:
     """Return L of a thin solenoid of 2R/l = `ratio` over that of an endless one.
 
     Extrapolated to no thickness from sheets of 0.2 and 0.1 % of the radius.
     """
-    thick, thin = (_inductance_factor(ratio, share, order) for share in (2e-3, 1e-3))
+    thick, thin = (_inductance_factor(ratio, share) for share in (2e-3, 1e-3))
     return 2.0 * thin - thick
 
 
@@ -94,18 +96,12 @@ def _sheet(radius: float, length: float, thickness: float, pieces: int) -> tuple
     )
 
 
-@cache
-def _inductance_factor(ratio: float, share: float, order: int) -> float:
+@cached
+def _inductance_factor(ratio: float, share: float) -> float:
     length = 2.0 / ratio
     sheet = _sheet(1.0, length, share, _PIECES)
-    field = _solved(sheet, (1.0,) * _PIECES, 100.0 * max(1.0, length), order)
+    field = _solved(sheet, (1.0,) * _PIECES, 100.0 * max(1.0, length))
     return float(field.flux_linkage.sum()) * length / (MU0 * math.pi)
-
-
-def _unknowns(order: int) -> int:
-    return discretise(
-        graded_grid(_sheet(1.0, 10.0, 1e-3, _PIECES), 1e3, refinement=2.0), order
-    ).size
 
 
 _NAGAOKA = case(
@@ -124,10 +120,6 @@ _NAGAOKA = case(
             (2.0, 0.525510024), (5.0, 0.319825468),
         )
     ],
-    refinement=Refinement(
-        (2, 3, 4, 5), lambda order: (_unknowns(order), _nagaoka(0.2, order)),
-        "falls with the order until walls and thickness are left",
-    ),
     setup=lambda: rings(_sheet(1.0, 2.0, 0.02, 1), unit="R"),
 )  # fmt: skip
 
@@ -136,7 +128,7 @@ _NAGAOKA = case(
 _INCH = 25.4e-3
 
 
-@cache
+@cached
 def _vm168(height: float) -> float:
     """Return B_z (T) on the axis of VM168's solenoid, at a height (m) above its middle."""
     pieces = 16
@@ -178,10 +170,10 @@ def _coil() -> tuple[Region, ...]:
     return (Region("coil", (_SIDE, 2.0 * _SIDE), (-0.5 * _SIDE, 0.5 * _SIDE), turns=_TURNS),)
 
 
-@cache
-def _brooks(order: int = 3) -> float:
+@cached
+def _brooks() -> float:
     """Return the inductance (H) of VM207's coil: square section, inner radius its side."""
-    return float(_solved(_coil(), (1.0,), 4.0, order).incremental_inductance[0, 0])
+    return float(_solved(_coil(), (1.0,), 4.0, order=3).incremental_inductance[0, 0])
 
 
 def _current(frequency: float) -> complex:
@@ -206,9 +198,6 @@ _BROOKS = case(
         Answer("Its imaginary part at 60 Hz is printed as −1.621 A.", -1.621, "A",
                lambda: _current(60.0).imag),
     ],
-    refinement=Refinement(
-        (1, 2, 3, 4), lambda order: (0, _brooks(order)), "of order 2 p in an energy",
-    ),
     setup=lambda: rings(_coil()),
 )  # fmt: skip
 

@@ -7,7 +7,7 @@ of two facing iron surfaces takes permeance from the gap between them.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 
@@ -17,7 +17,8 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.steel_law import MU0, linear
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
-from tactgen.validation.checks.case import Answer, Case, Refinement, case
+from tactgen.validation.checks.case import Answer, Case, case
+from tactgen.validation.checks.cases.fineness import cached, counted, intervals, size
 from tactgen.validation.checks.cases.magnetics.sphere_mesh import RADIUS, sphere_mesh
 from tactgen.validation.checks.setup.bodies import in_uniform_field, slotted_gap
 
@@ -37,7 +38,14 @@ def _in_uniform_field(mesh: Mesh, iron: str) -> MagneticField:
     problem = MagneticSolid(
         mesh, {iron: linear(_PERMEABILITY)}, _uniform, flux_normal=("z_low", "outer"), copies=8
     )
-    return ScalarPotential(sample(problem)).solve(1.0)
+    return _solved(problem)
+
+
+def _solved(problem: MagneticSolid) -> MagneticField:
+    """Return its field by the scalar potential."""
+    potential = ScalarPotential(sample(problem))
+    counted(potential.size)
+    return potential.solve(1.0)
 
 
 def _mean_in(field: MagneticField, region: str) -> float:
@@ -63,11 +71,10 @@ def _shell_mesh(n: int) -> Mesh:
     return replace(mesh, region_of_cell=region, regions=(*mesh.regions, "iron"))
 
 
-@cache
-def _shielded(n: int) -> tuple[int, float]:
-    """Return the number of points and B in the hollow over B far away."""
-    mesh = _shell_mesh(n)
-    return len(mesh.points), _mean_in(_in_uniform_field(mesh, "iron"), "ball")
+@cached
+def _shielded() -> float:
+    """Return B in the hollow over B far away."""
+    return _mean_in(_in_uniform_field(_shell_mesh(intervals(4)), "iron"), "ball")
 
 
 _SHELL = case(
@@ -81,26 +88,22 @@ _SHELL = case(
     reason="the mesh, by its own refinement: 0.06 %, which 2/3 of the size makes a fifth",
     answers=[
         Answer("The hollow is shielded to 1.78 % of the field.", 0.0178085173, "1",
-               lambda: _shielded(4)[1]),
+               _shielded),
     ],
-    refinement=Refinement((2, 4, 6), _shielded, "falls with the fourth power of the size"),
     setup=partial(in_uniform_field, hollow=1.0 / _OUTSIDE),
 )  # fmt: skip
 
 # --- spheroid ----------------------------------------------------------------------------------
 
 
-@cache
-def _found_factor(ratio: float, n: int) -> tuple[int, float]:
-    """Return the number of points and N from B = µr H0 µ0 / (1 + N (µr − 1))."""
+@cached
+def _factor(ratio: float, finest: int) -> float:
+    """Return N from B = µr H0 µ0 / (1 + N (µr − 1)), on so many intervals along an edge."""
+    n = intervals(finest)
     ball = sphere_mesh(n, curved=True, shells=np.geomspace(RADIUS, _WALL, 4 * n + 1))
     mesh = replace(ball, points=ball.points * [1.0, 1.0, ratio])
     inside = _mean_in(_in_uniform_field(mesh, "ball"), "ball")
-    return len(mesh.points), (_PERMEABILITY / inside - 1.0) / (_PERMEABILITY - 1.0)
-
-
-def _factor(ratio: float, n: int) -> float:
-    return _found_factor(ratio, n)[1]
+    return (_PERMEABILITY / inside - 1.0) / (_PERMEABILITY - 1.0)
 
 
 _SPHEROID = case(
@@ -117,9 +120,6 @@ _SPHEROID = case(
                heavy=n > 4)
         for ratio, value, n in ((2.0, 0.173564, 4), (4.0, 0.0754072, 6))
     ],
-    refinement=Refinement(
-        (2, 3, 4), partial(_found_factor, 2.0), "falls with the fourth power of the size"
-    ),
     setup=partial(in_uniform_field, length=2.0),
 )  # fmt: skip
 
@@ -129,15 +129,15 @@ _DEEP, _WIDE, _IRON = 3.0, 5.0, 1.0
 _STEEL = 1e7
 
 
-def _slot_mesh(ratio: float, finest: float) -> Mesh:
+def _slot_mesh(ratio: float) -> Mesh:
     """Return half a slot of width `ratio` in the upper of two iron faces, a gap of 1 apart."""
     edge = 0.5 * ratio
-    coarse = 0.2
-    x = graded_planes([(0.0, coarse), (edge, finest), (edge + _WIDE, coarse)], growth=0.5)
+    finest, coarse, growth = (size(wanted) for wanted in (1e-3, 0.2, 0.5))
+    x = graded_planes([(0.0, coarse), (edge, finest), (edge + _WIDE, coarse)], growth=growth)
     top = 1.0 + _DEEP * ratio
     z = graded_planes(
         [(-_IRON, 1.0), (0.0, coarse), (1.0, finest), (top, coarse), (top + _IRON, 1.0)],
-        growth=0.5,
+        growth=growth,
     )
     mid_x, mid_z = np.meshgrid(0.5 * (x[1:] + x[:-1]), 0.5 * (z[1:] + z[:-1]), indexing="ij")
     slot = (mid_x < edge) & (mid_z > 1.0) & (mid_z < top)
@@ -153,15 +153,14 @@ def _across_the_gap(points: Floats) -> Floats:
     return field
 
 
-@cache
-def _slot(ratio: float, finest: float = 1e-3) -> float:
+@cached
+def _slot(ratio: float) -> float:
     """Return σ from the permeance."""
     problem = MagneticSolid(
-        _slot_mesh(ratio, finest), {"iron": linear(_STEEL)}, _across_the_gap,
+        _slot_mesh(ratio), {"iron": linear(_STEEL)}, _across_the_gap,
         flux_normal=("z_low", "z_high"),
     )  # fmt: skip
-    field = ScalarPotential(sample(problem)).solve(1.0)
-    permeance = 2.0 * field.coenergy / (MU0 * 0.2)
+    permeance = 2.0 * _solved(problem).coenergy / (MU0 * 0.2)
     return 2.0 * (0.5 * ratio + _WIDE - permeance) / ratio
 
 

@@ -155,7 +155,7 @@ _FV12 = case(
                    "Barton's series of 1951 (λ² = 3.492 and so on)", "a series"), known=known)
         for mode, value, known in ((7, 4.233, -0.0104), (9, 7.416, -0.0083))
     ],
-    setup=section(plate, 2, 6, unit="m", plane=("z", "y")),
+    setup=section(plate, unit="m", plane=("z", "y")),
 )  # fmt: skip
 
 _VM156 = case(

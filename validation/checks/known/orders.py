@@ -100,8 +100,7 @@ def _orders(problem: _Problem) -> Case:
             ),
         ],
         refinement=Refinement(
-            (1, 2, 4, 8), lambda n: (n, problem.error(highest, n)), f"order {2 * highest}",
-            of_error=True,
+            (1, 2, 4, 8), partial(problem.error, highest), f"order {2 * highest}",
         ),
         setup=problem.setup,
     )  # fmt: skip

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 
 from tactgen.fem.bimorph.system import Material
-from tactgen.geometry.bimorph.bricks import Axis, Slab
+from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.cases.boxes import (
     Box,
@@ -16,9 +14,11 @@ from tactgen.validation.checks.cases.boxes import (
     State,
     Where,
     even,
+    graded,
     stacked,
     statics,
 )
+from tactgen.validation.checks.cases.fineness import cached
 from tactgen.validation.checks.setup.sections import section
 
 _LAYERS = (1e-4, 1e-4, 1e-4, 4e-4, 1e-4, 1e-4, 1e-4)
@@ -50,7 +50,7 @@ def _quarter() -> Box:
     return Box(
         x=stacked(_LAYERS, 2),
         y=even(5e-3, 1, 3),
-        z=Axis(np.array([0.0, 1e-3, 4e-3, 15e-3, 25e-3]), 4),
+        z=graded([0.0, 1e-3, 4e-3, 15e-3, 25e-3], 4),
         parts=parts,
         held=(
             Held(Where(z=0.0), ("z",)),
@@ -61,7 +61,7 @@ def _quarter() -> Box:
     )
 
 
-@cache
+@cached
 def _strip() -> State:
     return statics(_quarter())
 

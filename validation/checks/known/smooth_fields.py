@@ -51,7 +51,7 @@ def _rows(
 
 def _halved(error: Callable[[int], float], *levels: int, order: int) -> Refinement:
     """Return the errors on so many divisions."""
-    return Refinement(levels, lambda n: (n, error(n)), f"order {order}", of_error=True)
+    return Refinement(levels, error, f"order {order}")
 
 
 # --- the piezoelectric solid -------------------------------------------------------------------

@@ -137,7 +137,7 @@ def oscillator(*, law: str, drive: str = "P cos Ωt") -> Drawing:
     return Drawing(
         (mass,),
         (wall, Line(((0.0, 1.4), (2.0, 1.4)), "spring"), Line(((0.0, 0.5), (2.0, 0.5)), "damper")),
-        (Mark("text", (1.0, 1.55), 90.0, law), Mark("force", (3.9, 1.0), 0.0, drive)),
+        (Mark("text", (1.0, 1.55), 90.0, law), Mark("force", (3.2, 1.0), 180.0, drive)),
     )
 
 

@@ -55,13 +55,14 @@ _CELLS: dict[str, Callable[[Row], str]] = {
     "range": lambda row: row.what,
     "points": lambda row: str(row.points),
     "refused": lambda row: str(len(row.refusals)),
+    "beyond": lambda row: str(row.beyond),
     "worst": lambda row: short(row.worst.error),
     "promised": lambda row: short(row.worst.bound),
     "over bar": lambda row: "-" if math.isnan(row.over) else f"{row.over:.2g}",
     "verdict": lambda row: row.verdict,
     "worst at": lambda row: row.worst.where,
 }
-_NUMBERS = ("points", "refused", "worst", "promised", "over bar")
+_NUMBERS = ("points", "refused", "beyond", "worst", "promised", "over bar")
 
 
 def short(value: float) -> str:
@@ -74,15 +75,15 @@ def short(value: float) -> str:
 def write_stress(parts: Sequence[Stress], out: Path) -> list[Path]:
     """Write one CSV of all rows, and a CSV and an SVG of every map, and return the paths."""
     rows = [
-        (part.part, r.family, r.what, r.points, r.worst.error, r.worst.bound, r.over,
+        (part.part, r.family, r.what, r.points, r.beyond, r.worst.error, r.worst.bound, r.over,
          r.worst.condition, r.naive, r.verdict, r.worst.where, len(r.refusals),
          " | ".join(dict.fromkeys(r.refusals)))
         for part in parts
         for r in part.rows
     ]  # fmt: skip
     head = (
-        "part", "family", "range", "points", "worst", "promised", "over bar", "condition", "naive",
-        "verdict", "worst at", "refused", "refusals",
+        "part", "family", "range", "points", "beyond", "worst", "promised", "over bar",
+        "condition", "naive", "verdict", "worst at", "refused", "refusals",
     )  # fmt: skip
     written = [write_csv(out / "stress.csv", head, rows)]
     for part in parts:

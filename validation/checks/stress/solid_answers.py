@@ -115,12 +115,16 @@ def resonance_row(quick: bool) -> Row:
         # the estimate, a distance of two reductions, is as much rounding: right to its size
         promised = 10.0 * reduced.error_estimate(frequencies) + 1e-9
         for offset, frequency, bound in zip(offsets, frequencies, promised, strict=True):
+            where = f"{name}, {offset:.0e} beside the peak"
+            if bound >= 1.0:  # how far it is off then is rounding alone, as is what would judge it
+                family.refusals.append(f"{where}: the reduction says that no digit is left")
+                continue
             try:
                 exact = direct_multiport(system, frequency)
             except REFUSALS as error:
                 family.refuse(error)
                 continue
             miss = port_error(reduced.multiport(np.atleast_1d(frequency)), exact)[0]
-            family.add(f"{name}, {offset:.0e} beside the peak", float(miss), float(bound))
+            family.add(where, float(miss), float(bound))
     what = "D(Ω) by reduction against direct solution, 1e-1 to 1e-12 beside a resonance"
     return answered("solid: resonance", what, family.points, family.refusals)

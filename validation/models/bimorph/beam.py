@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,9 +23,9 @@ _HALVINGS = 2
 #: Order that is counted with at most.  Twice the elements' is what the energy's error goes to in
 #: the limit (case BEAMO); with one wave in six elements it is between 7 and 10.
 _ORDER = 8
-#: Rounding is seen by evaluating the finest elements again in other units (N, C; not a power of
-#: two, which would round alike).  Twice the mean distance to four others covers 98 of 100 errors
-#: if each of the five has its own.
+#: Rounding is seen by summing and solving the finest elements again in other units (N, C; not a
+#: power of two, which would round alike).  Twice the mean distance to four others covers 98 of 100
+#: errors if each of the five has its own.
 _UNITS, _OF_MEAN = (1.1, 1.3, 1.7, 1.9), 2.0
 _SHARE = _OF_MEAN / len(_UNITS)
 
@@ -62,6 +63,7 @@ class BeamModel(BeamTheoryModel):
 
         number = beam.elements_for(self.scene.device, float(frequencies.max()))
         meshes = self._meshes(number, lossy=lossy)
+        others = self._rounded(number, lossy=lossy)
         fine, middle, coarse = (beam.condense(matrices, frequencies) for matrices in meshes)
         size = np.sqrt(np.abs(np.einsum("nii->ni", fine.stiffness)).max(axis=0))
         before, last = (
@@ -69,23 +71,22 @@ class BeamModel(BeamTheoryModel):
             for one, other in ((middle, coarse), (fine, middle))
         )
         factor = float(observed_factor(before, last, _ORDER))
-        others = (beam.condense(beam.in_unit(meshes[0], unit), frequencies) for unit in _UNITS)
-        rounded = ((other, _SHARE) for other in others)
+        rounded = ((beam.condense(other, frequencies), _SHARE) for other in others)
         return Refined(fine, ((middle, factor), *rounded), self._METHOD, rounds_apart=True)
 
     def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
         from tactgen.fem.beam import beam
 
         s = self.scene
-        meshes = self._meshes(12 + 2 * s.modes, lossy=False)
+        number = 12 + 2 * s.modes
 
         def found(matrices: BeamMatrices) -> Floats:
             return beam.bending_frequencies(matrices, s.ends, s.modes, open_circuit=open_circuit)
 
-        fine, middle, coarse = map(found, meshes)
+        fine, middle, coarse = map(found, self._meshes(number, lossy=False))
         last = middle - fine
         factor = observed_factor(np.abs(coarse - middle), np.abs(last), _ORDER)
-        others = (found(beam.in_unit(meshes[0], unit)) for unit in _UNITS)
+        others = map(found, self._rounded(number, lossy=False))
         classes = ("bending_x",) * fine.size
         coarser = [(fine + factor * last, 1.0), *((other, _SHARE) for other in others)]
         judges = tuple((Modes(judge, classes), share) for judge, share in coarser)
@@ -93,13 +94,23 @@ class BeamModel(BeamTheoryModel):
 
     def _meshes(self, number: int, *, lossy: bool) -> list[BeamMatrices]:
         """Return about `number` elements along the row, half of them and a quarter."""
+        return [
+            self._assembled(number, lossy=lossy, halvings=halvings)
+            for halvings in range(_HALVINGS, -1, -1)
+        ]
+
+    def _rounded(self, number: int, *, lossy: bool) -> Iterator[BeamMatrices]:
+        """Return the finest elements again, each time in other units."""
+        for unit in _UNITS:
+            yield self._assembled(number, lossy=lossy, halvings=_HALVINGS, unit=unit)
+
+    def _assembled(
+        self, number: int, *, lossy: bool, halvings: int, unit: float = 1.0
+    ) -> BeamMatrices:
         from tactgen.fem.beam import beam
 
-        s = self.scene
-        return [
-            beam.assemble(
-                s.device, s.support, s.beam,
-                elements=math.ceil(number / 2**_HALVINGS), halvings=halvings, lossy=lossy,
-            )
-            for halvings in range(_HALVINGS, -1, -1)
-        ]  # fmt: skip
+        s, coarsest = self.scene, math.ceil(number / 2**_HALVINGS)
+        return beam.assemble(
+            s.device, s.support, s.beam,
+            elements=coarsest, halvings=halvings, lossy=lossy, unit=unit,
+        )  # fmt: skip

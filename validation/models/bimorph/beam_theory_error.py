@@ -52,7 +52,7 @@ def expected_differences(scene: Scene) -> dict[str, Band]:
     they are nominal, glue between them not at all.
     """
     from tactgen.tmm.beam.section.laminate import laminate_section
-    from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
+    from tactgen.validation.models.bimorph.beam_values import beam_values
 
     if scene.support.kind == "rod":
         return {}

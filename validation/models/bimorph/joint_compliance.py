@@ -24,7 +24,7 @@ from tactgen.tmm.beam.section.section import Joint, section
 from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.tmm.beam.transfer.scattering import Element
 from tactgen.tmm.ports.multiport import Multiport
-from tactgen.validation.models.bimorph.bridge.beam_values import beam_row, values_of_row
+from tactgen.validation.models.bimorph.beam_values import beam_row, values_of_row
 from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
 from tactgen.validation.models.bimorph.bridge.solid_values import (
     SolidCase,

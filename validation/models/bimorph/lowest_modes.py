@@ -72,7 +72,7 @@ class MeshModes:
 
 def coarse_modes(coarse: SolidSystem, count: int) -> MeshModes:
     """Return what the lowest `count` modes need on any support, on a mesh that judges another."""
-    return _mesh_modes(coarse, dict.fromkeys(_of(coarse), count), count)
+    return mesh_modes(coarse, dict.fromkeys(_of(coarse), count), count)
 
 
 def fine_modes(
@@ -89,15 +89,16 @@ def fine_modes(
     last = _CLOSE * _reach(all_modes(stiffest.values()), count)
     few = {m: sum(mode.frequency <= last for mode in found) for m, found in coarse.others.items()}
     few = {motion: wanted for motion, wanted in few.items() if wanted}
-    return _mesh_modes(fine, few, count, lacking)
+    return mesh_modes(fine, few, count, lacking)
 
 
-def _mesh_modes(
+def mesh_modes(
     system: SolidSystem,
     others: dict[Motion, int],
     count: int,
     lacking: Callable[[Motion], Surplus] | None = None,
 ) -> MeshModes:
+    """Return what `count` bending modes in x need, and so many of other classes of motion."""
     from tactgen.fem.bimorph.reduction.modal_reduction import modal_model
 
     surplus = None if lacking is None else lacking(system.motion)

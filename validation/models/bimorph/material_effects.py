@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.piezo_library import LIBRARY
 from tactgen.geometry.errors import InputError
-from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
-from tactgen.validation.models.bimorph.bridge.rung import Values
+from tactgen.validation.models.bimorph.beam_values import Values, beam_values
 from tactgen.validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid
 from tactgen.validation.scene.scene import Scene
 

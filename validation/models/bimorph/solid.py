@@ -24,12 +24,11 @@ from tactgen.geometry.device.checks import (
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.refinement import (
-    RESPONSE_FACTOR,
     ROD_FACTOR,
     ROD_GAIN,
     SAFETY,
     SURPLUS_FACTOR,
-    SURPLUS_FACTOR_OF_MODES,
+    SURPLUS_FACTOR_AT_EDGES,
 )
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.scene.scene import Scene
@@ -107,13 +106,18 @@ class BrickPair:
 
     @property
     def static_factor(self) -> float:
-        """Error bar of static quantities per difference from what judges them."""
-        return ROD_FACTOR if self._on_rod else SURPLUS_FACTOR
+        """Error bar of all that is answered per difference from what judges it."""
+        if isinstance(self.meshes[0], BrickParts):
+            return ROD_FACTOR
+        b = self.device.bimorph
+        inside = max(b.tab_length, b.glue_thickness, b.bare_below, b.bare_above) > 0.0
+        inside |= self.meshes[0].held == "shim"
+        return SURPLUS_FACTOR_AT_EDGES if inside else SURPLUS_FACTOR
 
     @property
     def response_factor(self) -> float:
-        """Error bar of the response per difference between the two meshes."""
-        return ROD_FACTOR if self._on_rod else RESPONSE_FACTOR
+        """The same of the response."""
+        return self.static_factor
 
     @property
     def static_share(self) -> float:
@@ -123,8 +127,7 @@ class BrickPair:
     @property
     def mode_factors(self) -> tuple[float, float]:
         """The same of frequencies: of bending in x, and of the other classes of motion."""
-        of_all = ROD_FACTOR if self._on_rod else SURPLUS_FACTOR_OF_MODES
-        return of_all, of_all
+        return self.static_factor, self.static_factor
 
     @property
     def method(self) -> str:
@@ -140,8 +143,7 @@ class BrickPair:
             )
         return (
             f"what polynomials of one degree more make of the residual of {fine} unknowns, times "
-            f"{SURPLUS_FACTOR:g}, of frequencies {SURPLUS_FACTOR_OF_MODES:g}; of responses also "
-            f"{RESPONSE_FACTOR:g} times the difference from {coarse} unknowns"
+            f"{self.static_factor:g}"
         )
 
     @property
@@ -172,18 +174,11 @@ def _check_accuracy(scene: Scene) -> None:
         )
 
 
-def level_for(scene: Scene, bars: Sequence[float] | None = None) -> int:
-    """Return the index (0 to 4) of the finer bricks' level; never the coarsest.
-
-    Parameters
-    ----------
-    bars : sequence of float, optional
-        Relative error bar that each level stays below; by default those of this model.
-    """
+def level_for(scene: Scene) -> int:
+    """Return the index (0 to 4) of the finer bricks' level; never the coarsest."""
     if scene.mesh.level:
         return max(scene.mesh.level - 1, 1)
-    if bars is None:
-        bars = _ROD_BARS if scene.support.kind == "rod" else _BRICK_BARS
+    bars = _ROD_BARS if scene.support.kind == "rod" else _BRICK_BARS
     for index, error in enumerate(bars):
         if index and error <= scene.accuracy:
             return index

@@ -8,7 +8,8 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -31,6 +32,7 @@ from tactgen.validation.models.bimorph.lowest_modes import (
 from tactgen.validation.models.bimorph.model import BimorphModel
 
 if TYPE_CHECKING:
+    from tactgen.fem.bimorph.reduction.krylov import ReducedSolid
     from tactgen.fem.bimorph.reduction.modal_model import BareMode, ModalModel
     from tactgen.fem.bimorph.system import SolidSystem, Surplus
     from tactgen.geometry.bimorph.brick_parts import BrickParts
@@ -51,7 +53,7 @@ class MeshPair(Protocol):
 
     @property
     def lacking(self) -> Callable[[Motion], Surplus] | None:
-        """What gives functions that the finer mesh lacks, which then judge it at rest."""
+        """What gives functions that the finer mesh lacks, which then judge it."""
 
     @property
     def static_factor(self) -> float:
@@ -59,7 +61,7 @@ class MeshPair(Protocol):
 
     @property
     def response_factor(self) -> float:
-        """Error bar of the response per difference between the two meshes."""
+        """Error bar of the response per difference from what judges it."""
 
     @property
     def static_share(self) -> float:
@@ -145,8 +147,9 @@ class TwoMeshModel(BimorphModel):
 
         def work() -> Refined[Multiport]:
             pair, (fine, *judges) = self.mesh_pair, self._at_rest()
-            least = sum(float(least_at_rest(fine, judge)[0]) for judge in judges)
-            rounding = self._rounding(fine) + pair.static_factor * least
+            rounding = self._rounding(fine)
+            if pair.lacking is None:
+                rounding += pair.static_factor * float(least_at_rest(fine, *judges)[0])
             coarser = tuple((judge, pair.static_factor) for judge in judges)
             return Refined(fine, coarser, pair.method, rounding, least=pair.static_share)
 
@@ -166,32 +169,33 @@ class TwoMeshModel(BimorphModel):
         return self.run("ports", self._reduced)
 
     def _reduced(self) -> Refined[Multiport]:
+        pair, frequencies = self.mesh_pair, self.frequencies
+        fine = self._reduction(0)
+        if pair.lacking is not None:
+            judges: tuple[Multiport, ...] = fine.richer_multiports(frequencies)
+        else:
+            judges = (self._reduction(1).multiport(frequencies),)
+        coarser = tuple((judge, pair.response_factor) for judge in judges)
+        coarser += ((fine.coarser_multiport(frequencies), SAFETY),)
+        # a peak magnifies what the stiffness is off by Q
+        rounding = self._rounding(fine.multiport(np.zeros(1)))
+        rounding = self.scene.piezo.quality_factor * rounding + pair.static_share
+        method = f"{pair.method}; plus the last Krylov block of the port reduction"
+        return Refined(fine.multiport(frequencies), coarser, method, rounding)
+
+    def _reduction(self, which: int) -> ReducedSolid:
+        """Return the solid on the finer (0) or the coarser mesh (1), reduced to its ports."""
         from tactgen.fem.bimorph.reduction.kept_reductions import reduced_solid
 
-        ports, pair = [], self.mesh_pair
-        extra: tuple[tuple[Multiport, float], ...] = ()
-        for mesh, system in zip(self.meshes(), self.systems(), strict=True):
-            reduced = reduced_solid(
-                self.scene.device,
-                mesh,
-                self.frequencies,
-                tolerance=1e-3 * self.scene.accuracy,
-                lossless=system,
-            )
-            ports.append(reduced.multiport(self.frequencies))
-            if not extra:
-                extra = ((reduced.coarser_multiport(self.frequencies), SAFETY),)
-                at_rest = reduced.multiport(np.zeros(1))
-        if pair.lacking is not None:
-            # about the first resonance the tip moves as at rest, and so does what is missing
-            rest, *judges = (port.stiffness for port in self._at_rest())
-            own = ports[0].stiffness
-            moved = (replace(ports[0], stiffness=own + judge - rest) for judge in judges)
-            extra += tuple((port, pair.static_factor) for port in moved)
-        # a peak magnifies what the stiffness is off by Q
-        rounding = self.scene.piezo.quality_factor * self._rounding(at_rest) + pair.static_share
-        method = f"{pair.method}; plus the last Krylov block of the port reduction"
-        return Refined(ports[0], ((ports[1], pair.response_factor), *extra), method, rounding)
+        lacking = None if which else self.mesh_pair.lacking
+        return reduced_solid(
+            self.scene.device,
+            self.meshes()[which],
+            self.frequencies,
+            tolerance=1e-3 * self.scene.accuracy,
+            lossless=self.systems()[which],
+            lacking=lacking and partial(lacking, "bending_x"),
+        )
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless modes."""

@@ -113,6 +113,25 @@ def stroke_causes(
     return found
 
 
+@dataclass(frozen=True)
+class ToldPull:
+    """The network's pull (N) once it is told of one cause more, with its name and meaning."""
+
+    name: str
+    meaning: str
+    pull: float
+
+
+def told_pulls(device: Device, current: float, gap: float) -> list[ToldPull]:
+    """Return the network's pull at a current (A) and gap (m): untold, then after each telling."""
+    steel = FieldReading(device, gap, _field(device, current, gap))
+    untold = ("the network", "as it is", _network(device, current, gap))
+    return [
+        ToldPull(name, meaning, told.solved().force)
+        for name, meaning, told in (untold, *_told(device, steel))
+    ]
+
+
 def together(causes: list[NetworkCause], more: list[NetworkCause]) -> list[NetworkCause]:
     """Return causes with their shares of more quantities."""
     both = zip(causes, more, strict=True)
@@ -171,9 +190,8 @@ def _told(device: Device, steel: FieldReading) -> Iterator[tuple[str, str, Circu
     """Yield name and meaning of each cause, and the network told of all causes so far."""
     current, gap = steel.current, steel.gap
     telling = ToldByField(steel)
-    air = ToldByField(FieldReading(device, gap, _field(device, current, gap, perfect=True))).air(
-        _network(device, current, gap, perfect=True)
-    )
+    perfect = ToldByField(FieldReading(device, gap, _field(device, current, gap, perfect=True)))
+    air = perfect.air(_network(device, current, gap, perfect=True))
     told = telling.flux_outside(_network(device, current, gap))
     yield (
         "flux outside",
@@ -190,6 +208,12 @@ def _told(device: Device, steel: FieldReading) -> Iterator[tuple[str, str, Circu
     yield (
         "air at the gap",
         "the tubes beside the pole's faces have other widths, and change otherwise with the gap",
+        told,
+    )
+    told = telling.gap_of_steel(told, perfect)
+    yield (
+        "steel at the gap",
+        "full steel drives less flux through far tubes, whose permeance the gap hardly changes",
         told,
     )
     told = telling.flux_beside_shaft(told)

@@ -1,4 +1,8 @@
-"""Where the rod rests at the coil's current: looked up in the map, then solved for at its gap."""
+"""Where the rod rests at the coil's current: looked up in the map, then solved for at its gap.
+
+A map is a percent or two off between its samples, more than often decides whether the rod is still
+up.  So where its error leaves this open the model is asked at the place that the rod would leave.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +25,12 @@ from tactgen.tmm.generator.positions import (
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 from tactgen.validation.engine.results import Measured, MeasuredList
 from tactgen.validation.models.reluctance.point import MagneticPoint
+
+#: Share of the stroke within which a point's correction of the map holds; far more than a stop
+#: gives way (0.01), far less than from one place to another.
+_NEAR = 0.05
+#: Places that a rod can pass: upper stop, one that floats, lower stop; and the one it takes.
+_MOST_PLACES = 4
 
 
 @storable
@@ -54,20 +64,21 @@ class RestingState:
 
 @dataclass(frozen=True)
 class _Corrected:
-    """A map's pull, moved by what a single point says more at one place (N)."""
+    """A map's pull, some times as large, moved by what a single point says at one place (N)."""
 
     map: CoenergyMap
-    more: float
+    more: float = 0.0
+    times: float = 1.0
 
     @property
     def gap_limits(self) -> tuple[float, float]:
         return self.map.gap_limits
 
     def force(self, current: Floats | float, gap: Floats | float) -> Floats:
-        return np.asarray(self.map.force(current, gap) + self.more)
+        return np.asarray(self.times * self.map.force(current, gap) + self.more)
 
     def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        return self.map.force_gradient(current, gap)
+        return self.times * self.map.force_gradient(current, gap)
 
 
 def resting_state(
@@ -95,12 +106,22 @@ def resting_state(
     """
     current = abs(device.coil.current)
     by_map = axial_forces(device, pull, pressed)
-    first = resting_place(by_map, current, history)
-    gap = float(by_map.gap(first.lift))
-    point = at(current, gap)
-    more = point.force.value - float(pull.force(current, gap))
-    corrected = axial_forces(device, _Corrected(pull, more), pressed)
-    place = resting_place(corrected, current, history)
+    near = _NEAR * by_map.stops.stroke
+    passed = np.inf
+    place = resting_place(by_map, current, history)
+    before = _left_last(device, pull, history, pressed)
+    if abs(before.lift - place.lift) > near:
+        place = before
+    for _ in range(_MOST_PLACES):
+        asked, gap = place, float(by_map.gap(place.lift))
+        point = at(current, gap)
+        more = point.force.value - float(pull.force(current, gap))
+        corrected = axial_forces(device, _Corrected(pull, more), pressed)
+        place = _taken(corrected, current, history, passed)
+        if abs(place.lift - asked.lift) <= near:
+            break
+        # what a point says at one stop says nothing of the other: the rod has left that one
+        passed = _onwards(asked.lift, history) - near
     bar = point.force.bar
     held = "stop" in place.kind
     return RestingState(
@@ -111,6 +132,26 @@ def resting_state(
         kind=place.kind,
         beyond_table=point.beyond_table,
     )
+
+
+def _left_last(device: Device, pull: CoenergyMap, history: History, pressed: float) -> RestingPlace:
+    """Return where the rod may rest yet as far as the map's error goes, before it moves on."""
+    error = pull.interpolation_error.force
+    times = 1.0 - error if history == "rising" else 1.0 + error
+    forces = axial_forces(device, _Corrected(pull, times=times), pressed)
+    return resting_place(forces, abs(device.coil.current), history)
+
+
+def _taken(forces: AxialForces, current: float, history: History, passed: float) -> RestingPlace:
+    """Return the first stable place that the rod has not passed, on its way with the current."""
+    stable = [place for place in resting_places(forces, current) if place.stable]
+    way = stable if history == "rising" else stable[::-1]
+    return next((p for p in way if _onwards(p.lift, history) <= passed), way[-1])
+
+
+def _onwards(lift: float, history: History) -> float:
+    """Return a lift (m) counted so that it falls on the rod's way: down while the current rises."""
+    return lift if history == "rising" else -lift
 
 
 def position_bar(

@@ -108,9 +108,8 @@ class ToldByField:
             turns=np.append(circuit.turns, none),
             d_turns=np.append(circuit.d_turns, none),
         )
-        inside = float(reading.flux(self.device.rod.radius)(0.0)) - float(outside[-1])
         slope = -circuit.d_reluctance[n] / circuit.reluctance[n] ** 2
-        return self._with_gap(told, inside / reading.gap_mmf, slope)
+        return self._with_gap(told, self._inside_sleeve, slope)
 
     def air(self, perfect: Circuit) -> Air:
         """Return what this field of perfect iron tells, given the network with such iron.
@@ -146,6 +145,25 @@ class ToldByField:
     def air_at_gap(self, circuit: Circuit, air: Air) -> Circuit:
         """Return the circuit with the working gap's permeance."""
         return self._with_gap(circuit, air.at_gap, air.d_at_gap)
+
+    def gap_of_steel(self, circuit: Circuit, perfect: ToldByField) -> Circuit:
+        """Return the circuit whose gap has as much less permeance as steel makes of perfect iron.
+
+        Both are what crosses at the sleeve's top per mmf of the faces, which alone is less than
+        the gap's with the tubes beside it; the slope stays.
+        """
+        n = self._gap_rung
+        slope = -circuit.d_reluctance[n] / circuit.reluctance[n] ** 2
+        changed = self._inside_sleeve - perfect._inside_sleeve
+        return self._with_gap(circuit, 1.0 / circuit.reluctance[n] + changed, slope)
+
+    @cached_property
+    def _inside_sleeve(self) -> float:
+        """Permeance (H) of the gap by the flux that returns inside the sleeve's outer radius."""
+        reading = self.reading
+        outside = float(reading.flux(self.device.sleeve.outer_radius)(self._sleeve_edges)[-1])
+        inside = float(reading.flux(self.device.rod.radius)(0.0)) - outside
+        return inside / reading.gap_mmf
 
     def flux_beside_shaft(self, circuit: Circuit) -> Circuit:
         """Return the circuit whose winding links the flux at its turns, not the shaft's."""

@@ -205,7 +205,9 @@ def bridge_plot(steps: Sequence[BridgeStep], titles: Mapping[str, str], referenc
         starts = np.concatenate([[0.0], ends[:-1]])
         colours = [GREY, *np.where(np.diff(ends) > 0.0, ORANGE, BLUE)]
         bars = axis.barh(names, ends - starts, left=starts, color=colours)
-        labels = [f"{ends[0]:+.0f} %", *(f"{step:+.0f} %" for step in np.diff(ends))]
+        # as the table beside it: the smallest steps are those that nobody else tells
+        shown = [round(step, 1) + 0.0 for step in (ends[0], *np.diff(ends))]
+        labels = [f"{step:+.1f} %" for step in shown]
         axis.bar_label(bars, labels=labels, padding=4, fontsize=9)
         axis.axvline(0.0, color="black", linewidth=0.9)
         span = max(float(np.ptp([0.0, *ends])), 1.0)

@@ -16,6 +16,7 @@ from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections.bridge import (
     bridge_section,
     holding_section,
+    is_stepped,
     material_section,
 )
 from tactgen.validation.report.sections.drive_limits import drive_limits_section
@@ -38,7 +39,7 @@ def _models(study: Study) -> Context:
         "models": ranked(study.solution.models_of("bimorph")),
         "methods": methods,
         "unexplained": UNEXPLAINED,
-        "stepped": bool(study.rungs) and not study.quick,
+        "stepped": is_stepped(study),
         "tet": gallery.beside(study),
     }
 
@@ -60,7 +61,7 @@ def _modes(study: Study) -> Context:
 
 def _response(study: Study) -> Context:
     cases = study.cases
-    curves = {case.name: {m: case.curve(m) for m in case.models} for case in cases}
+    curves = {case.name: {m: case.curve(m) for m in ranked(case.models)} for case in cases}
     titles = {case.name: case.title for case in cases}
     frequency = np.asarray(study.scene.frequency)
     return {

@@ -18,9 +18,9 @@ from tactgen.validation.report.study import Study
 if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge import Rung
     from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
+    from tactgen.validation.models.bimorph.bridge.stepped import Stepped
     from tactgen.validation.models.bimorph.bridge.width import WidthPoint
     from tactgen.validation.models.bimorph.joint_compliance import SupportCompliance, SupportStudy
-    from tactgen.validation.models.bimorph.stepped import Stepped
     from tactgen.validation.scene.scene import Scene
 
 #: Frequencies at which responses are followed.
@@ -33,7 +33,7 @@ def bridge_section(study: Study) -> Context:
     """Return the bridge for the scene's material and, unless quick, for another."""
     rungs = study.rungs
     if not rungs:
-        return {"bridge": None}
+        return {"bridge": None, "stepped": _stepped(study) if is_stepped(study) else None}
     found = [_one_material(study, study.scene.piezo.material, rungs)]
     if not study.quick:
         from tactgen.validation.models.bimorph.bridge import bridge
@@ -44,9 +44,16 @@ def bridge_section(study: Study) -> Context:
     return {
         "bridge": found,
         "widths": [] if study.quick else _widths(study),
-        "stepped": None if study.quick else _stepped(study),
+        "stepped": _stepped(study) if is_stepped(study) else None,
         "replaced": replaced_constants(study.scene),
     }
+
+
+def is_stepped(study: Study) -> bool:
+    """Return whether responses and modes are led to the solid: where rungs are, and in the rod."""
+    scene = study.scene
+    in_rod = "solid" in scene.models and scene.piezo.d31 != 0.0 and scene.support.kind == "rod"
+    return not study.quick and (in_rod or bool(study.rungs))
 
 
 def _stepped(study: Study) -> dict[str, Any]:
@@ -54,14 +61,15 @@ def _stepped(study: Study) -> dict[str, Any]:
 
     The port matrix is left out: all that is shown is read off it.
     """
-    from tactgen.validation.models.bimorph.stepped import bridged, stepped
+    from tactgen.validation.models.bimorph.bridge.stepped import bridged, stepped
 
     every = np.asarray(study.scene.frequency)
     few = every[np.unique(np.linspace(0, every.size - 1, _FREQUENCIES).astype(int))]
     scene = study.scene.model_copy(update={"frequency": tuple(few.tolist())})
     names = [name for name in bridged(scene) if name != DYNAMIC_STIFFNESS.name]
     groups: list[list[Stepped]] = []
-    for found in stepped(scene, names, study.announce):
+    every_row = stepped(scene, names, study.announce, study.solids)
+    for found in (one for one in every_row if not one.is_untouched):
         together = next((group for group in groups if found.goes_with(group[0])), None)
         if together is None:
             groups.append([found])
@@ -70,6 +78,7 @@ def _stepped(study: Study) -> dict[str, Any]:
     return {
         "steps": groups[0][0].steps[1:],
         "rows": [row for group in groups if (row := _row(group, few))["lines"]],
+        "untouched": [_spoken(one) for one in every_row if one.is_untouched],
     }
 
 
@@ -79,9 +88,13 @@ def _row(group: list[Stepped], frequencies: Floats) -> dict[str, Any]:
     at = one.values[-1] if isinstance(one.row.read, ModalReadout) else frequencies
     lines = zip(at, one.shares.T, one.together, strict=True)
     return {
-        "names": [found.row.name.replace("_", " ") for found in group],
+        "names": [_spoken(found) for found in group],
         "lines": [line for line in lines if np.isfinite(line[2])],
     }
+
+
+def _spoken(one: Stepped) -> str:
+    return one.row.name.replace("_", " ")
 
 
 def replaced_constants(scene: Scene) -> list[str]:
@@ -221,7 +234,7 @@ def _support_plot(found: SupportStudy, joint: float) -> str:
 
 def _lateral_effect(study: Study) -> float:
     """Return what a lateral spring ten times softer does to the sprung beam's frequency."""
-    from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
+    from tactgen.validation.models.bimorph.beam_values import beam_values
 
     scene, support = study.scene, study.scene.support.model_copy(update={"kind": "spring"})
     softer = support.model_copy(update={"lateral_stiffness": 0.1 * support.lateral_stiffness})

@@ -82,12 +82,13 @@ def _units(asked: list[Quantity]) -> dict[str, Any] | None:
         return None
     model = listed[-1].model
     chosen = [q for q in listed if q.model == model]
+    (units,) = {q.classes for q in chosen}
     return {
         "model": model,
         "labels": [(QUANTITIES[q.name].label, q.unit) for q in chosen],
         "rows": [
             (name, [(float(q.value[i]), q.unit) for q in chosen])
-            for i, name in enumerate(listed[-1].classes or ())
+            for i, name in enumerate(units or ())
         ],
     }
 

@@ -81,6 +81,7 @@ def _positions(study: Study) -> Context | None:
         "loops": loops,
         "loop": position_plot(loops, current),
         "places": [(i, resting_places(forces, i)) for i in sorted({current, _HELD})],
+        "reference": forces.stops.upper.reference_load,
         "resting": study.resting,
         "models": ranked({cell.model for row in study.resting for cell in row.cells}),
     }

@@ -85,7 +85,8 @@ def dependences(found: Design, origins: dict[str, str]) -> tuple[Dependence, ...
         for key, text, source in _listed(found, origins)
         if key in columns[0]
     ]
-    return tuple(sorted(rows, key=lambda row: -row.largest))
+    # those of one size, as factors of one product are, stay as listed: their rounding is no order
+    return tuple(sorted(rows, key=lambda row: -float(f"{row.largest:.9g}")))
 
 
 def _at_crossing(device: Actuator, aim: Aim, length: float, frequency: float) -> dict[str, float]:

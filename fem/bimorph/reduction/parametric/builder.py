@@ -46,6 +46,9 @@ _NEAR = 0.93
 _SAFETY, _OBSERVED = 2.0, 1e-2
 #: How much less is left out of the basis where a point that was asked is the worst again.
 _CLOSER = 0.2
+#: A member is asked of every class of motion whose bound is above this share of the tolerance; what
+#: bounds were is worth learning from above that one.
+_POOR, _WORTH = 0.3, 1e-3
 #: Energy left out of the basis counts by its root, and this share of the tolerance's.
 _LEFT_OUT = 0.1
 
@@ -155,7 +158,7 @@ class FamilyBuilder:
 
     def poor(self, at: int) -> list[Motion]:
         """Return the classes of motion that a member at this point is to be asked of."""
-        least = 0.3 * self.tolerance
+        least = _POOR * self.tolerance
         return [m for m, own in self._training.items() if self.margins[m] * own.at(at) > least]
 
     def frozen(self) -> dict[Motion, ReducedMotion]:
@@ -192,7 +195,7 @@ class FamilyBuilder:
     def _observe(self, motion: Motion, before: Answers, after: Answers) -> None:
         """Widen the margin if more was missing than the bound said, without its margin."""
         # below, rounding
-        worth = (before.bars > 1e-3 * self.tolerance) & (before.bars < _OBSERVED)
+        worth = (before.bars > _WORTH * self.tolerance) & (before.bars < _OBSERVED)
         if worth.any():
             missed = np.abs(before.values - after.values)
             ratio = float((missed[worth] / before.missing[worth]).max())

@@ -79,6 +79,23 @@ def test_nothing_holds_a_mode_higher(small):
             assert (np.array([mode.frequency for mode in found]) <= highest * (1.0 + 1e-9)).all()
 
 
+@pytest.mark.parametrize("count", [1, 4])
+def test_every_frequency_lies_above_that_of_the_mesh(solid, count):
+    """However small the basis: potentials by themselves are no motion that it could have.
+
+    With them in it a bimorph as wide as long had a fourth mode at three quarters of its frequency.
+    """
+    small = modal_model(solid, count)
+    assert np.linalg.eigvalsh(small.stiffness[:-2, :-2]).min() > 0.0
+    size = small.tip.size - 2
+    for opened in (False, True):
+        found = small.modes(Ends(), size, open_circuit=opened)
+        assert len(found) == size
+        known = natural_modes(solid, Ends(), 9, open_circuit=opened)
+        for mine, other in zip(found, known, strict=False):
+            assert mine.frequency > other.frequency * (1.0 - 1e-9)
+
+
 def test_it_can_be_stored(small):
     """And says the same afterwards."""
     again = from_bytes(to_bytes(small))

@@ -96,7 +96,7 @@ def test_every_kind_of_bimorph_is_drawn_and_none_that_contradicts_itself(drawn, 
     assert {keys(case)["piezo.material"] for case in found} == {"M1876", "PZT-5H", "PZT-5A"}
     numbered = [(n, case) for n, case in enumerate(drawn) if case is not None]
     assert all(case.all_motions == (n % 3 == 0) for n, case in numbered)
-    assert all(case.harmonic == (n % 4 == 3) for n, case in numbered)
+    assert all(case.at == (solid._AT if n % 4 == 3 else ()) for n, case in numbered)
     approved(described(drawn[:12]))
 
 
@@ -110,7 +110,7 @@ def test_the_first_that_are_small_enough_come_finer_as_well(monkeypatch):
     found = solid.varied_cases(3, 8, finer=2)
     assert [case.level for case in found] == [2, 3, 2, 3, 2, 2, 2, 2]
     for coarse, fine in (found[:2], found[2:4]):
-        assert fine == replace(coarse, level=3, all_motions=False, harmonic=False)
+        assert fine == replace(coarse, level=3, all_motions=False, at=())
     coarse = [case.overrides for case in solid.varied_cases(3, 5, finer=0)]
     assert coarse == [found[i].overrides for i in (0, 2, 4, 5, 6)]
     large = iter([most + 1, *10 * [most]])
@@ -144,15 +144,15 @@ def test_a_reference_is_two_levels_above_what_it_judges():
     assert solid._functions(Case((), level=3)) > solid._functions(Case((), level=2)) > 1000
 
 
-def test_a_case_is_asked_at_nine_tenths_of_its_first_resonance():
-    case = Case(("bimorph.length=10 mm", "load.kind=none"), level=3, harmonic=True)
+def test_a_case_is_asked_about_its_first_resonance():
+    case = Case(("bimorph.length=10 mm", "load.kind=none"), level=3, at=(0.9, 2.0))
     scene = case.scene()
     plain, _ = load_scene("prototype", list(case.overrides))
     first = solid.solve(plain, ["tmm"], ["short_circuit_frequencies"]).quantities[0].value[0]
-    assert scene.frequency == pytest.approx((0.9 * first,), rel=1e-5)
+    assert scene.frequency == pytest.approx((0.9 * first, 2.0 * first), rel=1e-5)
     assert scene.mesh.level == 3
-    assert replace(case, harmonic=False, model="cad").scene().mesh.level == plain.mesh.level
-    assert set(case.quantities) - set(replace(case, harmonic=False).quantities) == {
+    assert replace(case, at=(), model="cad").scene().mesh.level == plain.mesh.level
+    assert set(case.quantities) - set(replace(case, at=()).quantities) == {
         "tip_displacement", "admittance",
     }  # fmt: skip
 
@@ -239,7 +239,7 @@ def test_answers_are_judged_beside_their_references(monkeypatch, approved):
     monkeypatch.setattr(solid, "_functions", lambda case: 1)
     drawn = [solid.judge(np.random.default_rng(seed)) for seed in range(30)]
     assert {case.level for case in drawn} == {2}
-    for share in ([case.all_motions for case in drawn], [case.harmonic for case in drawn]):
+    for share in ([case.all_motions for case in drawn], [bool(case.at) for case in drawn]):
         assert 4 <= sum(share) <= 16
     approved(described([mode, motion]))
 
@@ -297,12 +297,17 @@ def test_members_of_a_basis_lie_within_it(monkeypatch, approved):
     def values(scene, basis, points, names):
         asked["member"] = points["bimorph.length"]
         return {
-            name: SimpleNamespace(value=np.array([1.1j]), bar=np.array([0.2])) for name in names
+            name: SimpleNamespace(
+                value=np.array([1.1j]), bar=np.array([0.2]), classes=np.array([["torsion"]])
+            )
+            for name in names
         }
 
     def reference(case, kinds):
         asked["case"] = case
-        return {(name, ""): [1.0j] for name in reduced._NAMES}
+        return {
+            (name, "torsion" if name == reduced._MODE else ""): [1.0j] for name in reduced._NAMES
+        }
 
     monkeypatch.setattr(reduced, "solid_family", family)
     monkeypatch.setattr(reduced, "family_values", values)

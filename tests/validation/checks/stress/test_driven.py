@@ -14,23 +14,21 @@ from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import load_scene
 
 
-def told(row):
-    """Return what a family asks, and the bars of its worst answer where they are no rounding."""
-    bound = f"{row.worst.bound:.2e}" if row.worst.bound > 1e-8 else "rounding"
-    return (
-        f"{row.family} | {row.what} | {row.points} | {row.worst.where} ± {bound} | {row.refusals}"
-    )
+def told(row, points):
+    """Return what a family asks, every point of it, and what was refused."""
+    return " | ".join([row.family, row.what, *points, str(row.refusals)])
 
 
 @pytest.mark.parametrize(
     "family", [lateral._LENGTH, lateral._SUPPORT, lateral._MASS], ids=lambda s: s.family
 )
-def test_lumped_and_exact_spans_agree(family, approved_line):
+def test_lumped_and_exact_spans_agree(family, every_point, monkeypatch, approved_line):
     """From a micrometre to ten metres, from jelly to rock, from nothing to a kilogram."""
+    points = every_point(monkeypatch)
     row = lateral._LUMPED.row(family, True)
     assert row.verdict != "fails", row
     assert row.points > 3
-    approved_line(told(row))
+    approved_line(told(row, points))
 
 
 def test_beam_elements_are_right_or_say_how_many_they_would_need():
@@ -61,12 +59,13 @@ def test_slow_motion_is_the_derivative_of_rest():
 
 
 @pytest.mark.parametrize("family", [holding.HELD[2], holding.HELD[4]], ids=lambda s: s.family)
-def test_the_rod_in_its_bore_and_under_a_finger(family, approved_line):
+def test_the_rod_in_its_bore_and_under_a_finger(family, every_point, monkeypatch, approved_line):
     """Answers that two models share, or a sentence; at both ends of the range."""
+    points = every_point(monkeypatch)
     row = machine._PAIR.row(family, True)
     assert row.verdict != "fails", row
     assert row.points + len(row.refusals) > 3
-    approved_line(told(row))
+    approved_line(told(row, points))
 
 
 def quantity(values, bars):
@@ -82,6 +81,10 @@ def test_the_worst_entry_is_that_beyond_its_bar():
     error, bound = sweep.worst(quantity([math.nan], [0.1]), quantity([1.0], [0.1]))
     assert not error <= bound
     assert sweep.worst(quantity([0.0], [0.0]), quantity([0.0], [0.0]))[0] == 0.0
+    # what is exact, with a bar or without one, hides no other
+    for values, bars in (([0.0, 1.2], [0.0, 0.1]), ([1.0, 1.2], [0.1, 100.0])):
+        right = quantity([values[0], 1.0], [0.0, 0.0])
+        assert sweep.worst(quantity(values, bars), right)[0] == pytest.approx(0.2)
 
 
 @pytest.mark.parametrize(

@@ -51,9 +51,9 @@ def test_no_room_is_one_sentence(trials, family, count):
 
 
 @pytest.mark.parametrize("code", [0, 2, 1])
-def test_all_circumstances_are_tried(trials, monkeypatch, approved, code):
+def test_all_circumstances_are_tried(trials, monkeypatch, every_point, approved, code):
     """Each family: how often a command is begun, with what, and what is said of how it ended."""
-    seen = []
+    seen, points = [], every_point(monkeypatch, exactly=True)
 
     def begun(command, around, **streams):
         seen.append((command.name, around.limit, around.variables, around.store, [*streams]))
@@ -70,7 +70,28 @@ def test_all_circumstances_are_tried(trials, monkeypatch, approved, code):
         row = family(trials)
         tries = [(*said[:3], str(said[3]).startswith("/proc"), said[4]) for said in seen]
         found += [row, *dict.fromkeys(map(str, tries)), len(tries)]
-    approved(described(found))
+    approved(described([*found, *points]))
+    often = [family(trials).points for family in faults._families(quick=False)[:4]]
+    assert often == [60, 30, 30, 30]
+
+
+def test_entries_are_spoilt_in_every_way(trials, tmp_path, monkeypatch, approved):
+    """A bit of each flipped, cut to half, emptied, or with another's content; then run again."""
+    for name in "abc":
+        (tmp_path / f"{name}.kept").write_bytes(name.encode() * 5)
+    (tmp_path / "beside.claim").write_bytes(b"as it was")
+    seen = []
+
+    def again(command, around):
+        seen.append({p.name: p.read_bytes().hex() for p in sorted(around.store.iterdir())})
+        return ""
+
+    monkeypatch.setitem(trials.stores, LIGHT[0].name, tmp_path)
+    monkeypatch.setattr(trials, "again", again)
+    monkeypatch.setattr(trials, "chance", random.Random(4))
+    row = faults.corrupted(trials, 12)
+    assert (row.points, row.verdict) == (12, "holds")
+    approved(described(seen))
 
 
 @pytest.mark.parametrize(
@@ -143,6 +164,32 @@ def test_the_book_shows_what_was_found(own_store, tmp_path):
     page = write_book([], tmp_path, lambda _: None).read_text(encoding="utf-8")
     assert "60 runs" in page
     assert "holds or says why not" in page
+
+
+def test_a_run_takes_every_family_and_is_kept(own_store, monkeypatch):
+    """Light commands if quick, else all; each family is said once it is known."""
+    begun, said = [], []
+
+    def row(name):
+        return lambda trials: answered(name, trials, [], [])
+
+    monkeypatch.setattr(faults, "Trials", lambda *given: begun.append(given) or "trials")
+    monkeypatch.setattr(faults, "_families", lambda quick: (row("one"), row(f"quick {quick}")))
+    found = [faults.run(quick, said.append) for quick in (True, False)]
+    assert [commands for commands, *_ in begun] == [LIGHT, (*LIGHT, *HEAVY)]
+    assert not any(folder.exists() for _, folder, _ in begun)
+    assert said[:5] == [
+        f"faults: undisturbed runs (seed {begun[0][2]})",
+        "faults: more", "one", "faults: more", "quick True",
+    ]  # fmt: skip
+    assert begun[0][2] != begun[1][2]
+    assert [(r.family, r.what) for r in found[1].rows] == [
+        ("one", "trials"), ("quick False", "trials"),
+    ]  # fmt: skip
+    assert (found[0].part, found[0].maps, found[0].approaches) == ("faults", (), ())
+    assert repr(faults.kept_rows()) == repr(found[1].rows)  # the full run counts first
+    faults.keep_rows(found[1].rows[:1], quick=False)
+    assert len(faults.kept_rows()) == 1
 
 
 @pytest.mark.heavy

@@ -303,6 +303,66 @@ def test_reduction_goes_into_a_resonance_of_few_bricks(monkeypatch, few_bricks):
     assert row.worst.bound < 1e-3  # a bar that could hide the effect would prove nothing
 
 
+def test_where_a_reduction_says_that_no_digit_is_left_none_is_judged(monkeypatch, few_bricks):
+    """Its estimate is a tenth of the bound; next to the peak all is rounding."""
+    monkeypatch.setattr(solid_answers, "LEVELS", few_bricks)
+    monkeypatch.setattr(solid_answers, "port_error", lambda *_: [0.5])
+    monkeypatch.setattr(solid_answers, "direct_multiport", lambda *_: None)
+    reduction = SimpleNamespace(
+        error_estimate=lambda _: np.array([1e-9, 0.099, 0.1]), multiport=lambda _: None
+    )
+    monkeypatch.setattr(solid_answers, "reduce_to_ports", lambda *_: reduction)
+    row = solid_answers.resonance_row(True)
+    assert (row.points, row.beyond, row.verdict) == (2, 1, "fails")
+    assert row.refusals == (
+        "lossless, 1e-05 beside the peak: the reduction says that no digit is left",
+    )
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_what_boxes_cores_and_resonances_are_asked(monkeypatch, every_point, approved, quick):
+    """As flat, as strong and as near as the rows say; each with what it may err by."""
+
+    def potential(solid):
+        return SimpleNamespace(
+            solve=lambda current: SimpleNamespace(field_strength=1.1 * current * solid.source)
+        )
+
+    potential.__name__ = "VectorPotential"
+
+    def reduced(system, frequencies):
+        return SimpleNamespace(
+            error_estimate=lambda at: 1e-9 * at, multiport=lambda at: (system, at[0])
+        )
+
+    points = every_point(monkeypatch, exactly=True)
+    monkeypatch.setattr(magnetics_solid, "VectorPotential", potential)
+    monkeypatch.setattr(magnetics_device, "infinite_solenoid", lambda density, curve: density)
+    monkeypatch.setattr(magnetics_device, "flux_density_in_core", lambda field: np.ones(3))
+    monkeypatch.setattr(magnetics_solid, "ball_error", lambda potential, n, *, permeability: (
+        1e-3 * np.sqrt(permeability) * len(potential.__name__) / n, None))  # fmt: skip
+    for name, made in (
+        (
+            "assemble",
+            lambda device, bricks, *, lossy: (
+                device.piezo.quality_factor / device.piezo.loss_tangent,
+                lossy,
+            ),
+        ),
+        ("natural_modes", lambda *_: [SimpleNamespace(frequency=1e3)]),
+        ("reduce_to_ports", reduced),
+        ("direct_multiport", lambda system, frequency: (system, frequency)),
+        ("port_error", lambda one, other: [one[1] / (one[0][0] * (1.0 + (one == other)))]),
+    ):
+        monkeypatch.setattr(solid_answers, name, made)
+    for row in (
+        magnetics_solid.ball_row, magnetics_solid.sliver_row, magnetics_device.solenoid_row,
+        solid_answers.resonance_row,
+    ):  # fmt: skip
+        row(quick)
+    approved("\n".join(points))
+
+
 def quantity(value, bar):
     value = np.asarray(value)
     return Quantity("x", "tmm", value, "m", np.broadcast_to(bar, value.shape), "", 0.0)

@@ -69,6 +69,10 @@ def test_what_is_drawn_is_of_a_size_that_is_seen():
     drawn = film_payload(film)["drawn"]
     for factor, largest, share in ((drawn["lift"], 1e-4, 0.06), (drawn["lateral"], 1e-6, 0.12)):
         assert 0.4 * share <= factor * largest / 1e-2 <= share * 1.001
+    # a rod that tilts more than the bimorph bends decides
+    tilting = replace(film, axial=np.array([[1.0, 0.0], [1.0, 5.0], [1.0, 0.0]]))
+    lateral = film_payload(tilting)["drawn"]["lateral"]
+    assert 0.4 * 0.12 <= lateral * 5e-6 / 1e-2 <= 0.12 * 1.001
     still = replace(film, coordinates=0.0 * film.coordinates)
     assert np.isfinite(list(film_payload(still)["drawn"].values())).all()
 

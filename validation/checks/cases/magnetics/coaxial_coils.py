@@ -7,7 +7,6 @@ spread over both sections by Gauss-Legendre points.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from tactgen.fem.reluctance.axisymmetric.space import discretise
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid
+from tactgen.validation.checks.cases.fineness import cached, counted, degree
 
 LOW = Region("low", (0.04, 0.05), (-0.02, -0.005), turns=100.0)
 HIGH = Region("high", (0.03, 0.045), (0.01, 0.02), turns=50.0, moves=True)
@@ -63,9 +63,9 @@ def _filaments(winding: Region, points: int) -> tuple[Floats, Floats, Floats]:
     return r.ravel(), z.ravel(), np.outer(w, w).ravel() / 4.0
 
 
-@cache
+@cached
 def solved() -> MagneticField:
     """Return the field of both coils, walls at eighty times their radius."""
-    return solve_field(
-        discretise(graded_grid((LOW, HIGH), 4.0, refinement=2.0), 4), np.array(CURRENTS)
-    )
+    space = discretise(graded_grid((LOW, HIGH), 4.0, refinement=2.0), degree(4))
+    counted(space.size)
+    return solve_field(space, np.array(CURRENTS))

@@ -6,10 +6,10 @@ shaft, its coil begins below the collar, and its shaft is saturated at the large
 
 from __future__ import annotations
 
-from functools import cache
 from typing import TYPE_CHECKING
 
 from tactgen.geometry.device.parameters import Coil, Device, Rod, Sleeve
+from tactgen.validation.checks.cases.magnetics.actuator_field import field_point
 
 if TYPE_CHECKING:
     from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
@@ -44,9 +44,6 @@ GAP = 0.2e-3
 KNOWN = {0.13: (110.0507e-3, 2.278879e-6), 0.05: (37.9644e-3, 1.376275e-6)}
 
 
-@cache
 def field(current: float) -> FieldPoint:
     """Return the axisymmetric field's answer at a current (A)."""
-    from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
-
-    return solve_point(COLLARED, current, GAP)
+    return field_point(COLLARED, current, GAP)

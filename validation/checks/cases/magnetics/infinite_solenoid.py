@@ -13,6 +13,7 @@ from tactgen.fem.reluctance.axisymmetric.space import discretise
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve
 from tactgen.geometry.reluctance.section_grid import Grid, Region
+from tactgen.validation.checks.cases.fineness import counted, degree
 
 #: Radii of the winding and of the core (m).
 INNER, OUTER, CORE = 10e-3, 20e-3, 8e-3
@@ -35,7 +36,8 @@ def infinite_solenoid(
     spans = ((0.0, CORE), (CORE, INNER), (INNER, OUTER), (OUTER, 1.5 * OUTER))
     r = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in spans]))
     grid = Grid(r, np.array([0.0, _HEIGHT]), tuple(parts))
-    d = discretise(grid, order, closed=())
+    d = discretise(grid, degree(order), closed=())
+    counted(d.size)
     return solve_field(d, np.array([density * (OUTER - INNER) * _HEIGHT]))
 
 

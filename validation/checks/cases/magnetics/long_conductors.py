@@ -13,6 +13,7 @@ from tactgen.fem.reluctance.three_d.problem import MagneticSolid, sample
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
+from tactgen.validation.checks.cases.fineness import counted
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential
 
 CURRENT, APART, TALL, THICK = 24.0, 10e-3, 12e-3, 0.5e-3
@@ -37,7 +38,9 @@ def conductors(potential: Potential, scale: float) -> tuple[float, float]:
         MagneticSolid(_mesh(scale), {}, _conductor_source, flux_normal=("y_low",), copies=2)
     )
     weight = harmonic_weight(solid, ("bar",), ("shell",))
-    field = potential(solid).solve(CURRENT)
+    solver = potential(solid)
+    counted(solver.size)
+    field = solver.solve(CURRENT)
     cells = solid.problem.mesh.cells_of("bar")
     density = CURRENT / (TALL * THICK)  # along −z here: F_x = −J_z B_y
     flux_density = field.flux_density[cells][..., 1]

@@ -12,9 +12,8 @@ key alone.
 
 from __future__ import annotations
 
-from functools import cache
-
 from tactgen.geometry.device.parameters import NOMINAL_GAP
+from tactgen.validation.checks.cases.fineness import cached
 from tactgen.validation.engine.derivatives import derivatives
 from tactgen.validation.scene.keys import value_of, with_values
 from tactgen.validation.scene.scene import load_scene
@@ -42,7 +41,7 @@ def power_of_size(name: str) -> float:
     return _powers()[name]
 
 
-@cache
+@cached
 def _powers() -> dict[str, float]:
     scene, _ = load_scene("reluctance", ["models=axisymmetric", *_DEVICE])
     found = derivatives(

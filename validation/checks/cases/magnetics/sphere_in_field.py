@@ -12,6 +12,7 @@ from tactgen.fem.reluctance.three_d.problem import MagneticSolid, SampledSolid, 
 from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
 from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
 from tactgen.geometry.device.steel_law import MU0, linear
+from tactgen.validation.checks.cases.fineness import counted
 from tactgen.validation.checks.cases.magnetics.sphere_mesh import OUTER, RADIUS, sphere_mesh
 
 Potential = type[VectorPotential] | type[ScalarPotential]
@@ -41,7 +42,9 @@ def ball_error(
 ) -> tuple[float, float]:
     """Return the relative error of B in the ball: of its mean and in the mean square."""
     solid = sampled_ball(n, permeability, curved=curved)
-    field = potential(solid).solve(1.0)
+    solver = potential(solid)
+    counted(solver.size)
+    field = solver.solve(1.0)
     exact = exact_flux_density(permeability)
     cells = solid.problem.mesh.cells_of("ball")
     weights = solid.weights[cells] / solid.weights[cells].sum()

@@ -20,6 +20,7 @@ from tactgen.geometry.reluctance.team20 import (
     team20_mesh,
     team20_source,
 )
+from tactgen.validation.checks.cases.fineness import counted
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential
 
 #: Direction in which the pole is pulled.
@@ -75,6 +76,7 @@ def pole_states(
     solid = sample(team20_problem(scale))
     weight = harmonic_weight(solid, ("pole",), ("shell",))
     solver, field = potential(solid), None
+    counted(solver.size)
     for current in currents:
         field = solver.solve(current, start=field)
         force = eggshell_force(field, weight, DOWN)

@@ -1,7 +1,7 @@
 """Scenes at random, from foil to block, on whatever holds, presses and drives them.
 
-Every number by one model lies within the bars of another that shares no numerics with it, or one
-sentence says why there is none; nothing breaks off, and nothing takes for ever.
+Numbers by one model lie within the bars of another that shares no numerics with it as often as
+these promise, or one sentence says why there is none; nothing breaks off or takes for ever.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from tactgen.validation.checks.coverage.result import PROMISED
 from tactgen.validation.checks.coverage.scenes import between
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.driven.sweep import Pair
@@ -19,9 +20,9 @@ from tactgen.validation.checks.stress.result import Row, Stress, answered
 from tactgen.validation.scene.scene import load_scene
 
 _STATEMENT = (
-    "Each answer agrees with the second model's within the bars of both; what cannot be answered "
-    "is refused in one sentence. A point that ended otherwise, or not within "
-    "{endless:g} s of processor time, fails; it names the overrides that repeat it."
+    "Each answer agrees with the second model's within the bars of both, 19 of 20 and none by "
+    "three bars; what cannot be answered is refused in one sentence. A point that ended otherwise, "
+    "or not within {endless:g} s of processor time, fails; it names the overrides that repeat it."
 )
 #: Seconds of processor time after which a scene counts as endless: usual is a tenth of one.
 _ENDLESS = 20.0
@@ -139,9 +140,12 @@ def random_rows(seed: int, count: int, announce: Callable[[str], None]) -> tuple
         asked[name] += 1
         _take(families[name], name, overrides)
     return tuple(
-        answered(f"random: {name}", f"{asked[name]} scenes, seed {seed}", f.points, f.refusals)
+        answered(
+            f"random: {name}", f"{asked[name]} scenes, seed {seed}", f.points, f.refusals,
+            promised=PROMISED,
+        )
         for name, f in families.items()
-    )
+    )  # fmt: skip
 
 
 def _take(family: Family, name: str, overrides: list[str]) -> None:

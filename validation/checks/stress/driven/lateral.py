@@ -19,8 +19,8 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 
 _STATEMENT = (
-    "Each answer agrees with the second model's within the bars of both, of a response 19 of 20 "
-    "values and none by three bars; what cannot be answered is refused in one sentence."
+    "Each answer agrees with the second model's within the bars of both, of a family and of a "
+    "response 19 of 20 and none by three bars; what cannot be answered is refused in one sentence."
 )
 _FREE = ("load.kind=none",)
 _STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")

@@ -22,10 +22,11 @@ from tactgen.validation.models.generator.judged_rod import CELLS_AT_REST
 from tactgen.validation.scene.scene import Scene
 
 _STATEMENT = (
-    "Responses by the transfer matrix and by beam elements agree within the bars of both; the slow "
-    "motion per ampere is the derivative of where the rod rests; the map meets the network that it "
-    "was made from; runs in time agree with ten times finer ones within the bars of both, and keep "
-    "their energy. Where the rod rests nowhere, or a head is tipped over, that is said."
+    "Responses by the transfer matrix and by beam elements agree within the bars of both, of a "
+    "family and of a response 19 of 20 and none by three bars; the slow motion per ampere is the "
+    "derivative of where the rod rests; the map meets the network that it was made from; runs in "
+    "time agree with ten times finer ones within the bars of both, and keep their energy. Where "
+    "the rod rests nowhere, or a head is tipped over, that is said."
 )
 _MOTIONS = (
     "lateral_tip_per_voltage", "axial_tip_per_current", "coil_impedance", "tip_displacement",

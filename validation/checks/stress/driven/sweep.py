@@ -7,15 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tactgen.validation.checks.coverage.result import PROMISED
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
-from tactgen.validation.checks.stress.result import Row, answered
+from tactgen.validation.checks.stress.result import FAR, Row, answered
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import Scene, load_scene
-
-#: A bar promises 19 of 20 values: among the hundreds of a response that share may be beyond theirs
-#: (where rounding is all that is left, some always are), but none so many bars off.
-_MAY_MISS, _FAR = 0.05, 3.0
 
 #: Overrides of one point of a sweep, with its name for people.
 Point = tuple[str, tuple[str, ...]]
@@ -77,7 +74,8 @@ class Pair:
 
     def row(self, sweep: Sweep, quick: bool) -> Row:
         """Return what the judged model says over a sweep."""
-        return driven(f"{self.judged}: {sweep.family}", sweep, self.scene, self.add, quick)
+        name = f"{self.judged}: {sweep.family}"
+        return driven(name, sweep, self.scene, self.add, quick, promised=PROMISED)
 
     def add(self, family: Family, where: str, scene: Scene) -> None:
         """Solve a scene by both models, and take every quantity."""
@@ -89,24 +87,32 @@ class Pair:
 
 
 def driven(
-    name: str, sweep: Sweep, scene: str, add: Callable[[Family, str, Scene], None], quick: bool
+    name: str,
+    sweep: Sweep,
+    scene: str,
+    add: Callable[[Family, str, Scene], None],
+    quick: bool,
+    promised: float = 1.0,
 ) -> Row:
-    """Return the row of a sweep whose points `add` judges; what refuses is quoted."""
+    """Return the row of a sweep whose points `add` judges; what refuses is quoted.
+
+    `promised` is the share of answers that their bars promise to hold.
+    """
     family = Family()
     for where, overrides in sweep.chosen(quick):
         try:
             add(family, where, load_scene(scene, list(overrides))[0])
         except REFUSALS as error:
             family.refuse(error)
-    return answered(name, sweep.what, family.points, family.refusals)
+    return answered(name, sweep.what, family.points, family.refusals, promised=promised)
 
 
 def worst(one: Quantity, other: Quantity) -> tuple[float, float]:
     """Return relative error and bar of the entry that misses its bar by most; nan for no number.
 
-    Of a curve's many entries those that may miss are passed over, see `_MAY_MISS`.  Entries of
-    which the list is about are compared as far as both go; a value of 0 counts in units of the
-    list's largest.
+    Of a curve's many entries as many are passed over as their bars do not promise to hold, unless
+    one is far off.  Entries of which the list is about are compared as far as both go; a value of
+    0 counts in units of the list's largest.
     """
     values, right = np.ravel(one.value), np.ravel(other.value)
     both = min(values.size, right.size)
@@ -121,6 +127,6 @@ def worst(one: Quantity, other: Quantity) -> tuple[float, float]:
         ratio = np.where(errors == 0.0, 0.0, errors / bars)
     by_ratio = np.argsort(ratio)
     at = by_ratio[-1]
-    if ratio[at] <= _FAR:
-        at = by_ratio[-1 - int(_MAY_MISS * both)]
+    if ratio[at] <= FAR:
+        at = by_ratio[-1 - int((1.0 - PROMISED) * both)]
     return float(errors[at]), float(bars[at])

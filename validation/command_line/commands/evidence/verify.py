@@ -54,6 +54,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _print(rows: list[Verified]) -> None:
+    from tactgen.validation.checks.verification import VERDICTS
     from tactgen.validation.view.formats import engineering, percent
 
     print(f"{'id':9} {'verdict':10} {'measured':>14} {'deviation':>12}  requirement")
@@ -63,9 +64,6 @@ def _print(rows: list[Verified]) -> None:
         deviation = "-" if found is None else percent(found.deviation)
         print(f"{check.id:9} {row.verdict:10} {measured:>14} {deviation:>12}  {check.requirement}")
         if row.verdict == "explained":
-            print(f"{'':20} {check.explained}")
+            print(f"{'':20} {check.explanation}")
     verdicts = [row.verdict for row in rows]
-    counts = (
-        f"{verdicts.count(v)} {v}" for v in ("pass", "explained", "calibrated", "fail", "skipped")
-    )
-    print(", ".join(counts))
+    print(", ".join(f"{verdicts.count(v)} {v}" for v in VERDICTS))

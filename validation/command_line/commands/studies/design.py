@@ -168,11 +168,17 @@ def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
 
     kinds: dict[str, AimKind] = {"shortest": "shortest", "margin": "margin"}
     asked = options.aim or ["shortest"]
-    if len(asked) > 1 or asked[0] not in kinds:
+    unknown = [aim for aim in asked if aim not in kinds]
+    if unknown:
         raise InputError(
-            f'--aim "{asked[-1]}" is neither shortest nor margin{nearest(asked[-1], kinds)}, which '
-            "are of the length; for an aim of your own name what may change, for example --vary "
-            "bimorph.length=14mm:22mm"
+            f'--aim "{unknown[0]}" is neither shortest nor margin{nearest(unknown[0], kinds)}, '
+            "which are of the length; for an aim of your own name what may change, for example "
+            "--vary bimorph.length=14mm:22mm"
+        )
+    if len(asked) > 1:
+        raise InputError(
+            f"--aim is given {len(asked)} times, and a length is found for one; leave the others "
+            "out"
         )
     if options.model:
         raise InputError("--model goes with --vary; the length for --aim shortest is found by tmm")

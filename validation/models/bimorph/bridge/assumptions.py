@@ -7,7 +7,7 @@ has far from its ends; what neither explains is the work of the ends, see :mod:`
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,13 +17,14 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.section.laminate import laminate_section
 from tactgen.tmm.beam.section.section import Section
 from tactgen.tmm.beam.section.shear_correction import energy_shear_correction
-from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
-from tactgen.validation.models.bimorph.bridge.rung import Rung, Values
+from tactgen.validation.models.bimorph.beam_values import Values, beam_values
+from tactgen.validation.models.bimorph.bridge.rung import Rung
 from tactgen.validation.models.bimorph.bridge.solid_values import (
     SolidCase,
     far_section,
     solve_solid,
 )
+from tactgen.validation.models.bimorph.solid import level_for
 from tactgen.validation.scene.scene import Scene
 
 
@@ -70,7 +71,9 @@ class Assumptions:
 
 
 @dataclass(frozen=True)
-class _Change:
+class Change:
+    """What a step gives up: its name, what it is, what a closed form says of it."""
+
     name: str
     what: str
     theory: str
@@ -79,32 +82,32 @@ class _Change:
 
 #: In this order every set of constants on the way is one that a material could have.
 _CHANGES = (
-    _Change(
+    Change(
         "three dimensions",
         "a solid whose constants couple only along the beam (no Poisson effect, no d32, d33, d15), "
         "its field uniform through each layer: all that a beam assumes, but for the ends",
         "beam theory with the energy-consistent shear factor: no change",
         Assumptions(),
     ),
-    _Change(
+    Change(
         "field varies",
         "the potential is free through each layer, so that the field follows the strain",
         "layers stiffened about their own middle by 1/(1 - k31^2)",
         Assumptions(varying_field=True),
     ),
-    _Change(
+    Change(
         "d33 and d15",
         "the piezoelectric constants that act through the thickness and in shear",
         "no change, as a thin layer has no stress through its thickness",
         Assumptions(varying_field=True, poling_constants=True),
     ),
-    _Change(
+    Change(
         "d32",
         "the piezoelectric effect across the width",
         "laminate theory of a wide plate",
         Assumptions(varying_field=True, poling_constants=True, d32=True),
     ),
-    _Change(
+    Change(
         "Poisson's effect",
         "ceramic and shim contract across, which the free side edges allow in part: now the "
         "tensors are the scene's",
@@ -114,8 +117,26 @@ _CHANGES = (
 )
 
 
+@dataclass(frozen=True)
+class SolidStep:
+    """A solid on the way: what is given up with it, more than one where a set could not exist."""
+
+    passed: tuple[Change, ...]
+    case: SolidCase
+
+    @property
+    def name(self) -> str:
+        """Name of the step."""
+        return " and ".join(change.name for change in self.passed)
+
+
 def bridge(
-    scene: Scene, announce: Callable[[str], None], *, level: int = 1, sections: bool = True
+    scene: Scene,
+    announce: Callable[[str], None],
+    solids: Sequence[SolidStep] = (),
+    *,
+    level: int = 1,
+    sections: bool = True,
 ) -> list[Rung]:
     """Return the rungs from TMM to the solid, on the scene's support.
 
@@ -123,8 +144,10 @@ def bridge(
     ----------
     scene : Scene
         With a bimorph whose lower end is the base (no rod).
+    solids : sequence of SolidStep, optional
+        Those of :func:`solid_steps`, where they are at hand.
     level : int
-        Index of the division into bricks, one for all rungs.
+        Index of the division into bricks, one for all rungs, where they are not.
     sections : bool
         Also work out each solid's own section far from its ends (doubles the work).
 
@@ -136,7 +159,8 @@ def bridge(
     consistent = with_energy_shear(scene)
     rungs = _beam_rungs(scene, consistent)
     theory, own = (beam_values(consistent),) * 2
-    for passed, case in _cases(consistent, level):
+    for solid in solids or solid_steps(scene, level):
+        passed, case = solid.passed, solid.case
         announce(f"bridge: {passed[-1].name}")
         found = solve_solid(case)
         laminate = passed[-1].gives_up.laminate(consistent)
@@ -144,7 +168,7 @@ def bridge(
         far = beam_values(consistent, far_section(case, found.static)) if sections else _unknown()
         rungs.append(
             Rung(
-                name=" and ".join(c.name for c in passed),
+                name=solid.name,
                 what="; ".join(c.what for c in passed),
                 values=found.values,
                 step=found.values.step_from(rungs[-1].values),
@@ -157,28 +181,35 @@ def bridge(
     return rungs
 
 
-def solid_cases(scene: Scene, level: int) -> list[tuple[str, SolidCase]]:
-    """Return name and case of each solid on the way, in the order of :func:`bridge`."""
-    return [
-        (" and ".join(change.name for change in passed), case)
-        for passed, case in _cases(with_energy_shear(scene), level)
-    ]
+def solid_steps(scene: Scene, level: int | None = None) -> list[SolidStep]:
+    """Return the solids on the way, in order; each keeps what it assembles.
 
+    On the rod the first also knows what the rod's hold is in three dimensions.
 
-def _cases(consistent: Scene, level: int) -> Iterator[tuple[list[_Change], SolidCase]]:
-    """Yield the changes of each step, more than one where a set could not exist, and its solid."""
-    passed: list[_Change] = []
+    Parameters
+    ----------
+    level : int, optional
+        Index of the division into bricks; by default 1, which moves the shares by 0.1 % at most,
+        and on the rod, where it would be more, that of the scene's own solid.
+    """
+    if level is None:
+        level = level_for(scene) if scene.support.kind == "rod" else 1
+    consistent = with_energy_shear(scene)
+    steps: list[SolidStep] = []
+    passed: list[Change] = []
     for change in _CHANGES:
         passed.append(change)
         gives_up = change.gives_up
         ceramic = gives_up.ceramic(consistent.piezo.ceramic())
-        if _admissible(ceramic):
-            uniform = not gives_up.varying_field
+        uniform = not gives_up.varying_field
+        # on the rod the solid is joined of parts, whose potential is free
+        if _admissible(ceramic) and not (uniform and scene.support.kind == "rod"):
             case = SolidCase(
                 gives_up.scene(consistent), ceramic, uniform_field=uniform, level=level
             )
-            yield passed, case
+            steps.append(SolidStep(tuple(passed), case))
             passed = []
+    return steps
 
 
 def _beam_rungs(scene: Scene, consistent: Scene) -> list[Rung]:

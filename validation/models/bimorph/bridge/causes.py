@@ -19,9 +19,10 @@ from tactgen.validation.catalogue.bimorph import (
     SHORT_CIRCUIT_FREQUENCIES,
     STATIC_TIP_DISPLACEMENT,
 )
+from tactgen.validation.models.bimorph.beam_values import Steps, Values
 from tactgen.validation.models.bimorph.bridge.assumptions import bridge
 from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
-from tactgen.validation.models.bimorph.bridge.rung import Rung, Steps, Values
+from tactgen.validation.models.bimorph.bridge.rung import Rung
 
 #: The quantities that the bridge follows, by the name of its value.
 BRIDGED = {

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.validation.models.bimorph.bridge.beam_values import beam_values
-from tactgen.validation.models.bimorph.bridge.rung import Steps
+from tactgen.validation.models.bimorph.beam_values import Steps, beam_values
 from tactgen.validation.models.bimorph.bridge.solid_values import (
     SolidCase,
     far_section,

@@ -9,6 +9,7 @@ the added length takes.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -18,13 +19,14 @@ from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.bimorph.system import SolidSystem
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks, Held
+from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_parts
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.tmm.beam.section.section import Section, section
 from tactgen.tmm.ports.multiport import Multiport, hold, respond
-from tactgen.validation.models.bimorph.bridge.beam_values import bimorph_piece, values_from
-from tactgen.validation.models.bimorph.bridge.rung import Values
+from tactgen.validation.models.bimorph.beam_values import Values, bimorph_piece, values_from
 from tactgen.validation.scene.scene import Scene
 
 
@@ -45,7 +47,7 @@ class SolidCase:
     level : int
         Index of the division into bricks.
     mesh : Mesh, Bricks or None
-        To be solved on in place of the bimorph's own bricks.
+        To be solved on in place of the bimorph's own bricks, on the rod of these with the rod's.
     """
 
     scene: Scene
@@ -55,9 +57,18 @@ class SolidCase:
     level: int = 1
     mesh: Mesh | Bricks | None = None
 
-    def bricks(self) -> Mesh | Bricks:
+    def bricks(self) -> Mesh | Bricks | BrickParts:
         """Return what it is solved on."""
-        return self.mesh or bimorph_bricks(self.scene.device, LEVELS[self.level], self.held)
+        if self.mesh is not None:
+            return self.mesh
+        if self.scene.support.kind == "rod":
+            return rod_parts(self.scene.device, ROD_LEVELS[self.level])
+        return bimorph_bricks(self.scene.device, LEVELS[self.level], self.held)
+
+    @cached_property
+    def lossless(self) -> SolidSystem:
+        """The lossless system, assembled once for all who ask this very value."""
+        return self.system(lossy=False)
 
     def system(self, *, lossy: bool) -> SolidSystem:
         """Return it assembled."""
@@ -87,7 +98,7 @@ class SolvedSolid:
 def solve_solid(case: SolidCase) -> SolvedSolid:
     """Solve a solid: statics and the first bending modes from one factorisation."""
     scene = case.scene
-    system = case.system(lossy=False)
+    system = case.lossless
     static = static_multiport(system)
     # a whole body also bends the other way, twists and stretches
     count = 1 if system.motion == "bending_x" else 4
@@ -130,7 +141,7 @@ def far_section(case: SolidCase, longer: Multiport) -> Section:
 
 def solve_static(case: SolidCase) -> Multiport:
     """Return D(0) of a solid."""
-    return static_multiport(case.system(lossy=False))
+    return static_multiport(case.lossless)
 
 
 def _per_volt(static: Multiport) -> tuple[float, float]:

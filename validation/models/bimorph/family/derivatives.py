@@ -4,18 +4,19 @@ On stretched bricks K and M are sums of fixed matrices times products of lengths
 so that their derivatives are as exact as they are.  The bimorph is reduced to what it says itself
 (:func:`fem.bimorph.reduction.parametric.family.tangent_family`), once for all keys; the small
 system has the large one's derivatives, which are differences of its values, smooth to rounding.
-The bar is that of families: the difference of two levels of bricks with its factor.
+The bar is the difference of two levels of bricks with its factor.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from tactgen.fem.bimorph.motions import Motion
-from tactgen.fem.bimorph.reduction.parametric.family import tangent_family
+from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily, tangent_family
 from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
 from tactgen.geometry.bimorph.stretching import LEVELS
@@ -30,13 +31,13 @@ from tactgen.validation.engine.derivatives import (
 from tactgen.validation.engine.refinement import BRICK_FACTOR
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.models.bimorph.family.solid_family import (
-    FAMILY_BARS,
     MOTIONS,
     SolidFamily,
     is_family_key,
     needed,
     reading,
 )
+from tactgen.validation.models.bimorph.family.surplus import family_surplus
 from tactgen.validation.models.bimorph.family.values import (
     FamilyValues,
     family_values,
@@ -76,7 +77,7 @@ def exact_derivatives(
     SolidModel.check(scene)
     start = time.perf_counter()
     fine, coarse = _tangents(scene, quantities, announce)
-    both = SolidFamily(fine.fine, coarse.fine)
+    both = replace(fine, coarse=coarse.fine)
     announce("solid: derivatives")
     own_length = {"bimorph.length": _of(scene, "bimorph.length")}
     found = family_values(scene, both, own_length, quantities)
@@ -111,19 +112,21 @@ def _tangents(
     scene: Scene, quantities: Sequence[str], announce: Callable[[str], None]
 ) -> tuple[SolidFamily, SolidFamily]:
     """Return the neighbourhoods of the finer and of the coarser level, each beside itself."""
-    level = level_for(scene, FAMILY_BARS)
+    level = level_for(scene)
     modal, frequencies = reading(scene, quantities)
 
-    def built(meshing: BrickMeshing, modes: Mapping[Motion, int]) -> SolidFamily:
-        found = tangent_family(scene.device, meshing, modes, frequencies=frequencies)
-        return SolidFamily(found, found)
+    def built(meshing: BrickMeshing, modes: Mapping[Motion, int]) -> ReducedFamily:
+        return tangent_family(scene.device, meshing, modes, frequencies=frequencies)
 
     every: dict[Motion, int] = dict.fromkeys(MOTIONS if modal else MOTIONS[:1], scene.modes)
     announce("solid: coarser bricks")
     coarse = built(LEVELS[level - 1], every)
     announce("solid: finer bricks")
-    counts = needed(coarse.fine, scene, scene.modes) if modal else every
-    return built(LEVELS[level], counts), coarse
+    counts = needed(coarse, scene, scene.modes) if modal else every
+    fine = built(LEVELS[level], counts)
+    coarse = replace(coarse, motions={motion: coarse.motions[motion] for motion in counts})
+    surplus = family_surplus(scene.device, {}, LEVELS[level], counts)
+    return SolidFamily(fine, fine, surplus), SolidFamily(coarse, coarse, surplus)
 
 
 def _near(

@@ -71,9 +71,10 @@ def for_many(
     before = family_values(scene, family, tried, quantities)
     least = _LEFT_OUT * float(np.sqrt(max(family.fine.bound, family.coarse.bound)))
     for _ in range(_ROUNDS):
-        fewer = SolidFamily(
-            *(compressed(level, scene.device, looked_at, states, least) for level in levels)
+        fine, coarse = (
+            compressed(level, scene.device, looked_at, states, least) for level in levels
         )
+        fewer = SolidFamily(fine, coarse, family.surplus)
         after = family_values(scene, fewer, tried, quantities)
         if all(_as_good(after[name], before[name], scene.accuracy) for name in quantities):
             return fewer

@@ -72,6 +72,22 @@ class MixedForm:
         return Multiport(self.frequencies, stiffness, BIMORPH)
 
     @property
+    def work(self) -> Floats:
+        """Charge per volt, and tip motion per force and moment (n f, 3), at rest."""
+        own = np.einsum("nii->ni", self.compliance)
+        return np.asarray(np.column_stack([-self.held[:, 2, 2], own]).real)
+
+    def richer(self, more: Floats) -> MixedForm:
+        """Return the form with what a volt, a force and a moment do besides (n f, 3, 3)."""
+        held, through = self.held.copy(), self.through.copy()
+        follows = self.follows.copy()
+        held[:, 2, 2] -= more[:, 0, 0]
+        through[:, 2] -= more[:, 0, 1:]
+        follows[:, :, 2] += more[:, 1:, 0]
+        compliance = self.compliance + more[:, 1:, 1:]
+        return replace(self, held=held, through=through, follows=follows, compliance=compliance)
+
+    @property
     def changed(self) -> Iterator[MixedForm]:
         """Each form in which one entry, and what mirrors it, is moved by its bound."""
         for i, j in itertools.combinations_with_replacement(range(5), 2):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,14 +15,13 @@ from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members
 from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.multiport import in_series, round_off
+from tactgen.tmm.ports.multiport import Multiport, in_series, round_off
 from tactgen.tmm.ports.readout import ModalReadout, Readout
 from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.refinement import BRICK_FACTOR, least_difference
-from tactgen.validation.models.bimorph.at_rest import least_at_rest
+from tactgen.validation.engine.refinement import FAMILY_FACTOR, FAMILY_FACTOR_OF_COUPLING
 from tactgen.validation.models.bimorph.family.mixed_form import MixedForm
-from tactgen.validation.models.bimorph.family.solid_family import SolidFamily
+from tactgen.validation.models.bimorph.family.solid_family import RESPONSE_FACTOR, SolidFamily
 from tactgen.validation.scene.scene import Scene
 
 #: Members worked out at once: what lies between inputs and results stays small.
@@ -100,12 +99,16 @@ def joined(parts: list[FamilyValues]) -> FamilyValues:
 
 
 @dataclass(frozen=True)
-class _Level:
-    """Modes of one level by class of motion: frequencies, bounds, classes (n, modes)."""
+class _Modes:
+    """Modes by class of motion: frequencies, bounds, classes (n, modes).
+
+    And by how much what the bricks lack moves them (n, 2, modes), relative.
+    """
 
     frequencies: dict[Motion, Floats]
     bounds: dict[Motion, Floats]
     kinds: dict[Motion, Any]
+    moved: dict[Motion, Floats]
 
 
 class _Chunk:
@@ -113,8 +116,8 @@ class _Chunk:
 
     def __init__(self, scene: Scene, family: SolidFamily, values: dict[str, Floats]) -> None:
         self._scene, self._family, self._values = scene, family, values
-        self._forms: dict[bool, tuple[MixedForm, MixedForm]] = {}
-        self._modes: dict[bool, tuple[_Level, _Level]] = {}
+        self._forms: dict[tuple[bool, bool], MixedForm] = {}
+        self._modes: dict[bool, _Modes] = {}
         self._worth: dict[tuple[bool, bool], Coefficients] = {}
         self._members: dict[tuple[bool, Motion, bool], Members] = {}
 
@@ -130,39 +133,54 @@ class _Chunk:
 
     def _of_ports(self, readout: Readout) -> FamilyValues:
         static = readout.static
-        fine, coarse = self._ports(static=static)
+        fine = self._form(self._family.fine, static=static)
         ends = self._scene.ends.lossless if static else self._scene.ends
         series = self._scene.bimorph.wiring == "series"
 
-        def of(form: MixedForm) -> Any:
-            wired = in_series(form.port) if series else form.port
+        def of(port: Multiport) -> Any:
+            wired = in_series(port) if series else port
             found = readout.read(attach(wired, ends), self._scene.drive.voltage)
             return np.asarray(found.real if static else found)
 
-        value, other = of(fine), of(coarse)
-        basis = np.zeros(value.shape)
-        for form, at, factor in ((fine, value, 1.0), (coarse, other, BRICK_FACTOR)):
-            for changed in form.changed:
-                basis += factor * np.abs(of(changed) - at)
-        rounding = np.abs(value) * round_off(attach(fine.port, ends))
-        apart = np.abs(value - other)
-        if static:
-            apart += least_at_rest(fine.port, coarse.port) * np.abs(value)
-        bar = BRICK_FACTOR * apart + basis + rounding
+        value, judges = of(fine.port), self._judges(fine)
+        apart = sum(np.abs(of(judge) - value) for judge in judges)
+        bar = FAMILY_FACTOR * apart
+        basis = sum((np.abs(of(moved.port) - value) for moved in fine.changed), np.zeros(bar.shape))
+        if not static:
+            coarse = self._form(self._family.coarse, static=False)
+            other = of(coarse.port)
+            bar = np.maximum(bar, RESPONSE_FACTOR * np.abs(value - other))
+            for moved in coarse.changed:
+                basis = basis + RESPONSE_FACTOR * np.abs(of(moved.port) - other)
+        bar = bar + basis + np.abs(value) * round_off(attach(fine.port, ends))
         shape = (-1,) if static else (-1, len(self._scene.frequency))
-        return FamilyValues(value.reshape(shape), bar.reshape(shape), basis.reshape(shape))
+        return FamilyValues(*(part.reshape(shape) for part in (value, bar, basis)))
 
-    def _ports(self, *, static: bool) -> tuple[MixedForm, MixedForm]:
-        """Return D of both levels; InputError where a frequency is beyond what a basis serves."""
-        if static not in self._forms:
-            fine, coarse = (
-                self._form(level, static=static)
-                for level in (self._family.fine, self._family.coarse)
-            )
-            self._forms[static] = fine, coarse
-        return self._forms[static]
+    def _judges(self, fine: MixedForm) -> list[Multiport]:
+        """Return D with what displacements that the finer bricks lack add, and what potentials.
+
+        About the first resonance the tip moves as at rest, and so does what is missing.
+        """
+        rest = self._form(self._family.fine, static=True)
+        more = self._family.surplus.at_rest(self._values, rest.work)
+        repeated = fine.frequencies.size // rest.frequencies.size
+        added = (
+            rest.richer(sign * more[:, i]).port.stiffness - rest.port.stiffness
+            for i, sign in enumerate((1.0, -1.0))
+        )
+        own = fine.port
+        return [
+            replace(own, stiffness=own.stiffness + np.repeat(of, repeated, axis=0)) for of in added
+        ]
 
     def _form(self, level: ReducedFamily, *, static: bool) -> MixedForm:
+        """Return D of a level; InputError where a frequency is beyond what a basis serves."""
+        key = level is self._family.fine, static
+        if key not in self._forms:
+            self._forms[key] = self._solved(level, static=static)
+        return self._forms[key]
+
+    def _solved(self, level: ReducedFamily, *, static: bool) -> MixedForm:
         members = self._of(level, "bending_x", lossy=not static)
         if static:
             return MixedForm.static(members)
@@ -188,37 +206,36 @@ class _Chunk:
             )
         return self._members[fine, motion, lossy]
 
-    def _levels(self, *, open_circuit: bool) -> tuple[_Level, _Level]:
+    def _of_circuit(self, *, open_circuit: bool) -> _Modes:
         if open_circuit not in self._modes:
-            fine, coarse = (
-                self._level(level, open_circuit=open_circuit)
-                for level in (self._family.fine, self._family.coarse)
-            )
-            self._modes[open_circuit] = fine, coarse
+            self._modes[open_circuit] = self._solved_modes(open_circuit=open_circuit)
         return self._modes[open_circuit]
 
-    def _level(self, level: ReducedFamily, *, open_circuit: bool) -> _Level:
-        frequencies, bounds, kinds = {}, {}, {}
-        for motion, count in self._family.counts(self._scene.modes).items():
-            members = self._of(level, motion)
-            found = family_modes(members, self._scene.ends, count, open_circuit=open_circuit)
+    def _solved_modes(self, *, open_circuit: bool) -> _Modes:
+        ends, family = self._scene.ends, self._family
+        judged = family.surplus.of_modes(
+            self._values, ends, self._scene.modes, open_circuit=open_circuit
+        )
+        frequencies, bounds, kinds, moved = {}, {}, {}, {}
+        for motion, wanted in family.counts(self._scene.modes).items():
+            count = min(wanted, judged[motion].shape[2])
+            members = self._of(family.fine, motion)
+            found = family_modes(members, ends, count, open_circuit=open_circuit)
             frequencies[motion], bounds[motion] = found.frequencies, found.bars
-            if level is self._family.fine:
-                kinds[motion] = np.where(found.shares(members) >= 0.5, motion, "mixed")
-        return _Level(frequencies, bounds, kinds)
+            kinds[motion] = np.where(found.shares(members) >= 0.5, motion, "mixed")
+            moved[motion] = judged[motion][:, :, : found.frequencies.shape[1]]
+        return _Modes(frequencies, bounds, kinds, moved)
 
     def _frequencies(self, *, open_circuit: bool) -> FamilyValues:
-        fine, coarse = self._levels(open_circuit=open_circuit)
+        found = self._of_circuit(open_circuit=open_circuit)
         values, bars, bases, kinds = [], [], [], []
-        apart = _apart(fine, coarse)
-        for motion, value in fine.frequencies.items():
-            count = apart[motion].shape[1]
-            value = value[:, :count]
-            basis = fine.bounds[motion][:, :count] + BRICK_FACTOR * coarse.bounds[motion][:, :count]
+        for motion, value in found.frequencies.items():
+            basis = found.bounds[motion]
+            apart = np.abs(found.moved[motion]).sum(axis=1) * value
             values.append(value)
             bases.append(basis)
-            bars.append(BRICK_FACTOR * apart[motion] + basis + _ROUNDING * value)
-            kinds.append(fine.kinds[motion][:, :count])
+            bars.append(FAMILY_FACTOR * apart + basis + _ROUNDING * value)
+            kinds.append(found.kinds[motion])
         every = np.concatenate(values, axis=1)
         first = np.argsort(every, axis=1, kind="stable")[:, : self._scene.modes]
 
@@ -230,44 +247,24 @@ class _Chunk:
     def _combination(self, read: ModalReadout) -> FamilyValues:
         combine = read.combine
         assert combine is not None
-        levels = [self._levels(open_circuit=circuit == "open") for circuit in read.circuits]
+        circuits = [self._of_circuit(open_circuit=circuit == "open") for circuit in read.circuits]
 
-        def first(level: _Level, of: Mapping[Motion, Floats]) -> Floats:
-            bends = level.kinds["bending_x"] == "bending_x"
+        def first(modes: _Modes, of: Floats) -> Floats:
+            bends = modes.kinds["bending_x"] == "bending_x"
             at = np.argmax(bends, axis=1)[:, None]
-            found = np.take_along_axis(of["bending_x"], at, axis=1)[:, 0]
-            return np.where(bends.any(axis=1), found, np.nan)
+            return np.where(bends.any(axis=1), np.take_along_axis(of, at, axis=1)[:, 0], np.nan)
 
-        fine = [first(f, f.frequencies) for f, _ in levels]
-        coarse = [first(f, c.frequencies) for f, c in levels]
-        value = combine(*fine)
-        other = combine(*coarse)
+        own = [first(m, m.frequencies["bending_x"]) for m in circuits]
+        value = combine(*own)
+        bar = np.zeros_like(value)
+        for judge in range(2):
+            shares = [first(m, m.moved["bending_x"][:, judge]) for m in circuits]
+            richer = combine(*(f * (1.0 + share) for f, share in zip(own, shares, strict=True)))
+            bar += FAMILY_FACTOR_OF_COUPLING * np.abs(richer - value)
         basis = np.zeros_like(value)
-        for number, (f, c) in enumerate(levels):
-            for own, at, bound, factor in (
-                (fine, value, f.bounds, 1.0),
-                (coarse, other, c.bounds, BRICK_FACTOR),
-            ):
-                moved = list(own)
-                moved[number] = moved[number] + first(f, bound)
-                basis += factor * np.abs(combine(*moved) - at)
-        rounding = np.array([read.rounding(float(v), len(fine) * _ROUNDING) for v in value])
-        return FamilyValues(value, BRICK_FACTOR * np.abs(value - other) + basis + rounding, basis)
-
-
-def _apart(fine: _Level, coarse: _Level) -> dict[Motion, Floats]:
-    """Return the distances (n, modes) of the levels' frequencies, what each counts with included.
-
-    A mode that is alone in its class has all others for neighbours.
-    """
-    pairs = {}
-    for motion, value in fine.frequencies.items():
-        other = coarse.frequencies[motion]
-        count = min(value.shape[1], other.shape[1])
-        pairs[motion] = value[:, :count], other[:, :count]
-    together = [np.concatenate(parts, axis=1) for parts in zip(*pairs.values(), strict=True)]
-    found: dict[Motion, Floats] = {}
-    for motion, (value, other) in pairs.items():
-        near = (value, other) if value.shape[1] > 1 else together
-        found[motion] = np.abs(value - other) + least_difference(*near)[:, None] * value
-    return found
+        for number, modes in enumerate(circuits):
+            moved = list(own)
+            moved[number] = moved[number] + first(modes, modes.bounds["bending_x"])
+            basis += np.abs(combine(*moved) - value)
+        rounding = np.array([read.rounding(float(v), len(own) * _ROUNDING) for v in value])
+        return FamilyValues(value, bar + basis + rounding, basis)

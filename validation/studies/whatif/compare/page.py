@@ -89,7 +89,7 @@ def _curves(sides: tuple[Side, ...]) -> str:
                 axis.plot(line[:, 0], scale * line[:, 1], style, color=colour, linewidth=1.2,
                           label=" ".join((name, *label)))  # fmt: skip
         axis.set_ylabel(f"{quantity.replace('_', ' ')} ({unit})")
-        axis.set_xlabel(_along(sides))
+        axis.set_xlabel(_along(sides, quantity))
         if sizes.min() > 0.0 and sizes.max() > 30.0 * sizes.min():
             axis.set_yscale("log")
             plain_numbers(axis.yaxis)
@@ -97,9 +97,9 @@ def _curves(sides: tuple[Side, ...]) -> str:
     return svg(figure)
 
 
-def _along(sides: tuple[Side, ...]) -> str:
-    """Return what the curves run along: frequency, or the first numeric axis of the studies."""
-    for key in sides[0].numbers:
+def _along(sides: tuple[Side, ...], quantity: str) -> str:
+    """Return what a quantity's curves run along: frequency, or the studies' first numeric axis."""
+    for key in (key for side in sides for key in side.numbers if key.quantity == quantity):
         if key.frequency:
             return "frequency (Hz)"
         numeric = _numeric(key)

@@ -25,7 +25,7 @@ from tactgen.validation.catalogue.row import QuantityRow
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.engine.reading import balanced_size, read
 from tactgen.validation.engine.stages import Stages
-from tactgen.validation.models.bimorph.bridge.assumptions import solid_cases, with_energy_shear
+from tactgen.validation.models.bimorph.bridge.assumptions import SolidStep, with_energy_shear
 from tactgen.validation.models.bimorph.bridge.solid_values import SolidCase, solve_static
 from tactgen.validation.models.bimorph.model import BimorphModel
 from tactgen.validation.models.bimorph.rows import TmmModel
@@ -34,6 +34,8 @@ from tactgen.validation.scene.scene import Scene
 #: Shares of quantities in proportion to each other differ by the rounding of their readings.
 _PROPORTIONAL = 1e-9
 _NOT_JUDGED = "not judged: a step of the bridge"
+#: Stages that each step of a bridge has of its own.
+_OF_A_STEP = ("ports", "static", "modes", "crosstalk")
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,11 @@ class Stepped:
         """(beam / solid − 1), (n, ...)."""
         return np.asarray(self.shares.sum(axis=0))
 
+    @property
+    def is_untouched(self) -> bool:
+        """Whether no step changes it, as what the bimorph has no part in."""
+        return bool(np.allclose(self.values, self.values[-1], rtol=_PROPORTIONAL, atol=0.0))
+
     def goes_with(self, other: Stepped) -> bool:
         """Return whether another quantity has the same shares, as one in proportion to it."""
         return self.shares.shape == other.shares.shape and np.allclose(
@@ -83,8 +90,8 @@ class SteppedSolid(BimorphModel):
 
     name = "solid"
 
-    def __init__(self, scene: Scene, case: SolidCase) -> None:
-        super().__init__(scene, _stages(self.name))
+    def __init__(self, scene: Scene, case: SolidCase, stages: Stages | None = None) -> None:
+        super().__init__(scene, stages or _stages(scene, self.name))
         self.case = case
 
     def ports(self) -> Refined[Multiport]:
@@ -102,8 +109,10 @@ class SteppedSolid(BimorphModel):
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Return the lossless bending modes in x."""
-        system = self.run("assembly", lambda: self.case.system(lossy=False))
-        found = natural_modes(system, self.scene.ends, self.scene.modes, open_circuit=open_circuit)
+        scene = self.scene
+        found = natural_modes(
+            self.case.lossless, scene.ends, scene.modes, open_circuit=open_circuit
+        )
         frequencies = np.array([mode.frequency for mode in found])
         return Refined(Modes(frequencies, tuple(m.kind for m in found)), (), _NOT_JUDGED)
 
@@ -118,7 +127,10 @@ def bridged(scene: Scene) -> list[str]:
 
 
 def stepped(
-    scene: Scene, quantities: Iterable[str], announce: Callable[[str], None], *, level: int = 1
+    scene: Scene,
+    quantities: Iterable[str],
+    announce: Callable[[str], None],
+    solids: Iterable[SolidStep],
 ) -> list[Stepped]:
     """Return quantities of :func:`bridged` after every step from the beam to the solid.
 
@@ -126,14 +138,14 @@ def stepped(
     ----------
     scene : Scene
         With a bimorph whose lower end is the base (no rod); responses are at its frequencies.
-    level : int
-        That of the bricks.
+    solids : iterable of SolidStep
+        Those on the way, of which a bridge may have made use before.
     """
     threshold = threshold_of(scene.threshold)
     rows = [QUANTITIES[name].at_threshold(threshold) for name in quantities]
     names: list[str] = []
     found: list[list[Floats]] = []
-    for name, model in _models(scene, level):
+    for name, model in _models(scene, solids):
         announce(f"bridge of responses and modes: {name}")
         names.append(name)
         found.append([_magnitude(row, model) for row in rows])
@@ -146,19 +158,30 @@ def stepped(
 def _is_stepped(row: QuantityRow) -> bool:
     if isinstance(row.read, ModalReadout):
         return row.read.combine is None
-    return row.needs[0] in ("harmonic", "crosstalk")
+    return row.needs[0] in ("harmonic", "crosstalk", "small_signal")
 
 
-def _models(scene: Scene, level: int) -> Iterator[tuple[str, BimorphModel]]:
-    yield "TMM", TmmModel(scene, _stages("tmm"))
-    yield "shear factor", TmmModel(with_energy_shear(scene), _stages("tmm"))
-    for name, case in solid_cases(scene, level):
-        yield name, SteppedSolid(scene, case)
+def _models(scene: Scene, solids: Iterable[SolidStep]) -> Iterator[tuple[str, BimorphModel]]:
+    before: list[Stages] = []
+
+    def stages(model: str) -> Stages:
+        found = _stages(scene, model, len(before))
+        for other in before:
+            found.adopt(other)
+        before.append(found)
+        return found
+
+    yield "TMM", TmmModel(scene, stages("tmm"))
+    yield "shear factor", TmmModel(with_energy_shear(scene), stages("tmm"))
+    for solid in solids:
+        yield solid.name, SteppedSolid(scene, solid.case, stages("solid"))
 
 
-def _stages(model: str) -> Stages:
-    stages = ("ports", "static", "modes", "crosstalk", "assembly")
-    return Stages({f"{model}.{stage}": "" for stage in stages}, keeps=False)
+def _stages(scene: Scene, model: str, step: int = 0) -> Stages:
+    """Return the stages of a step: the rod and what pulls it are the same at all of them."""
+    own = dict.fromkeys((f"{model}.{stage}" for stage in _OF_A_STEP), str(step))
+    shared = dict.fromkeys((f"{model}.machine", f"{scene.map_model}.map"), "")
+    return Stages(own | shared, keeps=False)
 
 
 def _magnitude(row: QuantityRow, model: BimorphModel) -> Floats:

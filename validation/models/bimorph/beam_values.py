@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
@@ -13,8 +15,45 @@ from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.tmm.ports.readout import ELECTRICAL, MECHANICAL
 from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.bimorph import coupling_factor
-from tactgen.validation.models.bimorph.bridge.rung import Values
 from tactgen.validation.scene.scene import Scene
+
+
+class Values(NamedTuple):
+    """What a bridge follows.
+
+    Attributes
+    ----------
+    deflection : float
+        Static tip displacement per volt (m).
+    first_frequency, open_frequency : float
+        Of the first bending mode in x (Hz), at U = 0 and at Q = 0.
+    capacitance, blocked_capacitance : float
+        Static, with a free tip, and with base and tip held (F).
+    coupling : float
+        sqrt(1 - (first / open)²).
+    """
+
+    deflection: float
+    first_frequency: float
+    capacitance: float
+    open_frequency: float
+    coupling: float
+    blocked_capacitance: float
+
+    def step_from(self, before: Values) -> Steps:
+        """Return the relative changes from another set of values."""
+        return Steps(*(float(a / b - 1.0) for a, b in zip(self, before, strict=True)))
+
+
+class Steps(NamedTuple):
+    """Relative changes of :class:`Values`; nan where none is known."""
+
+    deflection: float = np.nan
+    first_frequency: float = np.nan
+    capacitance: float = np.nan
+    open_frequency: float = np.nan
+    coupling: float = np.nan
+    blocked_capacitance: float = np.nan
 
 
 def beam_row(scene: Scene, active: Section | None = None) -> list[Element]:
