@@ -272,7 +272,7 @@ _SILENT = {"style", "script", "metadata"}
 _PASSING = re.compile(
     r"\b\d{4}-\d{2}-\d{2}\b|(?<![\w.])\d[\d.]*(?:e-\d\d)? s\b|(?<=\| )\d+\.\d{3}(?= \|)"
     r"|on \w+ \w+, Python [\d.]+, by .*|code [0-9a-f]{12}\b.*"
-    r"|commit (?:[0-9a-f]{7}(?:-dirty)?|installed without its repository)"
+    r"|commit (?:[0-9a-f]{7,40}(?:-dirty)?|installed without its repository)"
     r"|libraries numpy .*"
 )
 

@@ -46,6 +46,12 @@ def test_small_numbers_of_a_row_have_fewer_digits():
     assert differences("a 1, 4000, 0.001", "a 1, 4000, 0.00103")
 
 
+@pytest.mark.parametrize("commit", ["4e7aa6a", "5e36ae96-dirty", "0123456789ab", "12345e67" * 5])
+def test_a_commit_passes_however_long_its_name_is(commit):
+    """A clone abbreviates as far as its other objects let it."""
+    assert page_text(f"<p>Made by commit {commit}.</p>") == "Made by …."
+
+
 def test_a_value_is_told_to_its_leaves():
     """Fields, keys, arrays, complex numbers; long rows by some of their numbers and their mean."""
 

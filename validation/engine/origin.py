@@ -73,9 +73,11 @@ def _version(package: str) -> str:
 
 def _commit() -> str:
     here = Path(__file__).resolve().parent
+    # tags are left out and the length is stated: both would depend on the clone
+    asked = ["describe", "--always", "--dirty", "--exclude=*", "--abbrev=12"]
     try:
         found = subprocess.run(
-            ["git", "-C", str(here), "describe", "--always", "--dirty"],
+            ["git", "-C", str(here), *asked],
             capture_output=True, text=True, timeout=10, check=True,
         )  # fmt: skip
     except (OSError, subprocess.SubprocessError):
