@@ -36,6 +36,8 @@ _NUMBER = re.compile(
     rf"([{''.join(MARKS)}]?(?:(?<![\w.)\]%°])[-+])?"
     r"(?<![A-Za-z_\d.])\d+(?:\.\d+)?(?:e[-+]?\d+)?)"
 )
+#: What parts the columns of a table.
+_GAP = re.compile(r"(?<=\S) {2,}")
 #: A number of one or two digits that small: a size of rounding.
 _OF_ROUNDING = re.compile(r"\d(\.\d)?e-\d\d")
 
@@ -84,8 +86,8 @@ def _aligned(old, new):
 
 
 def _words(line):
-    """Return a line without its numbers, and how far they are moved to the right in a table."""
-    return "\0".join(words.rstrip(" ") for words in _NUMBER.split(line)[::2])
+    """Return a line without its numbers, and how wide they make the columns of a table."""
+    return "\0".join(_GAP.sub("  ", words.rstrip(" ")) for words in _NUMBER.split(line)[::2])
 
 
 def _read(number):
