@@ -1,11 +1,15 @@
 """Scenes at random, from foil to block, on whatever holds, presses and drives them: every number
 by one model within the bars of another that shares no numerics with it, or one sentence."""
 
+import secrets
+
 import numpy as np
 import pytest
 
+from tactgen.validation.checks.stress import Asked, run_parts
 from tactgen.validation.checks.stress.answers import Family
 from tactgen.validation.checks.stress.driven import at_random
+from tactgen.validation.checks.stress.result import Point
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -18,7 +22,7 @@ def judge(pair, overrides):
 
 def test_a_second_model_bears_out_any_answer():
     """Bimorphs and machines; `tactgen stress --only random` draws two thousand, anew each time."""
-    rows = at_random.random_rows(2026, 8, lambda _: None)
+    rows = at_random.random_rows(Asked(quick=True, seed=2026), 8)
     assert [row.worst for row in rows if row.verdict == "fails"] == []
     assert min(row.points for row in rows) > 10
 
@@ -32,22 +36,20 @@ def test_what_is_drawn(approved):
 
 @pytest.mark.parametrize("quick", [True, False])
 def test_a_run_is_told_with_its_statement(monkeypatch, quick):
-    """So many scenes, anew each time; how long one may take is said."""
-    asked = []
-    monkeypatch.setattr(at_random, "random_rows", lambda *given: asked.append(given) or ("row",))
-    found = [at_random.run(quick, print) for _ in range(2)]
-    count = at_random._QUICK if quick else at_random._SCENES
-    assert [(n, say) for _, n, say in asked] == 2 * [(count, print)]
-    assert asked[0][0] != asked[1][0] >= 0
-    assert (found[0].part, found[0].rows, found[0].maps) == ("random", ("row",), ())
-    assert "not within 20 s of processor time" in found[0].statement
-    assert 0.0 <= found[0].seconds < 10.0
+    """So many scenes; how long one may take is said."""
+    given = []
+    monkeypatch.setattr(at_random, "random_rows", lambda *these: given.append(these) or ("row",))
+    found = at_random.run(Asked(quick))
+    assert given == [(Asked(quick), 16 if quick else 2000)]
+    assert (found.part, found.rows, found.maps) == ("random", ("row",), ())
+    assert "not within 20 s of processor time" in found.statement
+    assert 0.0 <= found.seconds < 10.0
 
 
 @pytest.mark.heavy
 def test_a_second_model_bears_out_two_thousand_answers():
     """The same of many more."""
-    rows = at_random.run(False, lambda _: None).rows
+    rows = at_random.run(Asked(quick=False, seed=secrets.randbelow(10**9))).rows
     assert [(row.what, row.worst) for row in rows if row.verdict == "fails"] == []
 
 
@@ -95,9 +97,37 @@ def test_what_breaks_off_or_never_ends_fails(monkeypatch):
 
     monkeypatch.setattr(at_random, "load_scene", broken)
     monkeypatch.setattr(at_random, "_ENDLESS", -1.0)
-    family = Family()
-    at_random._take(family, "prototype", ["modes=1"])
-    assert [p.where for p in family.points] == [
+    points, refusals = at_random._judged("prototype", ["modes=1"])
+    assert refusals == []
+    assert [p.where for p in points] == [
         "prototype modes=1: TypeError: no such thing", "prototype modes=1: endless",
     ]  # fmt: skip
-    assert all(np.isinf(p.error) for p in family.points)
+    assert all(np.isinf(p.error) for p in points)
+
+
+def test_a_stopped_run_goes_on(monkeypatch, own_store):
+    """Scenes of a seed are judged once, and told in their order; another seed draws others."""
+    judged, told = [], []
+
+    def made_up(name, overrides):
+        judged.append(f"{name} {'; '.join(overrides)}")
+        return [Point(judged[-1], 1e-9, np.nan, 1e-8, np.nan)], [judged[-1]]
+
+    def stopped(words):
+        if words.startswith("random scene 7 "):
+            raise KeyboardInterrupt
+
+    def whole(seed):
+        (part,) = run_parts(["random"], True, seed, told.append)
+        return [words for row in part.rows for words in row.refusals]
+
+    monkeypatch.setattr(at_random, "_judged", made_up)
+    with pytest.raises(KeyboardInterrupt):
+        run_parts(["random"], True, 5, stopped)
+    assert len(judged) == 6
+    found = whole(5)
+    assert len(judged) == len(set(judged)) == len(found) == 16
+    assert told == [f"random scene {number} of 16, seed 5" for number in range(1, 17)]
+    assert found == sorted(judged, key=lambda words: words.startswith("generator"))
+    assert whole(5) == found
+    assert not set(whole(6)) & set(found)

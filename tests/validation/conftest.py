@@ -161,7 +161,7 @@ def made_up_stress(monkeypatch):
         points = points or [Point("somewhere", 1e-13, 1.0, 1e-12, np.nan)]
         rows = (judged("family", "what", points),)
         made = Stress("tmm", "words", rows, (table,), (approach,), 0)
-        monkeypatch.setattr(beam, "run", lambda *_: made)
+        monkeypatch.setattr(beam, "run", lambda _: made)
 
     return put
 

@@ -15,7 +15,7 @@ from approved import described, in_text, page_text
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.transfer.precision import error_bound
-from tactgen.validation.checks.stress import beam, beam_modes, magnetics, output, result
+from tactgen.validation.checks.stress import Asked, beam, beam_modes, magnetics, output, result
 from tactgen.validation.checks.stress.beam_point import CONDITION_LIMIT
 from tactgen.validation.checks.stress.result import (
     WANTED,
@@ -38,7 +38,7 @@ def found_points(every_point):
         patch.setattr(beam, "_NEAR_CUT_OFF", (0.0, 1e-14))
         patch.setattr(beam, "_QUALITIES", (1.0, 1e9))
         points = every_point(patch)
-        return beam.run(True, lambda _: None), points
+        return beam.run(Asked(quick=True)), points
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +82,7 @@ def test_what_the_whole_run_asks(monkeypatch, approved):
     monkeypatch.setattr(beam_modes, "offset", lambda *_: 0.0)
     monkeypatch.setattr(beam, "_constants", lambda _: judged("constants", "", [synthetic(0.0)]))
     said = []
-    found = beam.run(False, said.append)
+    found = beam.run(Asked(quick=False, announce=said.append))
     approved("\n".join([*said, found.statement, *(r.what for r in found.rows), *told]))
 
 
@@ -138,7 +138,7 @@ def test_the_naive_formulas_fail(found):
 @pytest.mark.parametrize("quick", [True, False])
 def test_whole_grids(quick):
     """Neither the quick nor the full run finds a family that fails."""
-    assert all(r.verdict != "fails" for r in beam.run(quick, lambda _: None).rows)
+    assert all(r.verdict != "fails" for r in beam.run(Asked(quick)).rows)
 
 
 def synthetic(error, condition=1.0):
@@ -245,13 +245,13 @@ def test_nothing_impossible_is_answered(quick):
 @pytest.mark.parametrize("quick", [True, False])
 def test_whole_magnetic_run(quick):
     """µr 1 to 1e6, gaps 1 µm to 5 mm, 1 µA to 1 kA, coarse to fine: none fails."""
-    found = magnetics.run(quick, lambda _: None)
+    found = magnetics.run(Asked(quick))
     assert all(row.verdict != "fails" for row in found.rows)
 
 
 def options(**changes):
     return argparse.Namespace(
-        **{"only": None, "quick": True, "out": None, "json": False, **changes}
+        **{"only": None, "quick": True, "out": None, "json": False, "seed": "1", **changes}
     )
 
 
@@ -325,7 +325,7 @@ def test_section_for_the_report(made_up_stress, monkeypatch, approved):
 
     in_text(monkeypatch)
     made_up_stress([synthetic(1e-13), synthetic(1e-9, 1e9)])
-    context = output.section(True, lambda _: None)
+    context = output.section(lambda _: None)
     text = templates().get_template("stress.html").render(context)
     assert text.count("<svg") == 2
     assert "holds up to the condition limit" in text

@@ -7,7 +7,7 @@ import pytest
 from approved import described
 
 from tactgen.geometry.bimorph.bricks import Bricks
-from tactgen.validation.checks.stress import solid, solid_answers, solid_exact
+from tactgen.validation.checks.stress import Asked, solid, solid_answers, solid_exact
 
 EXACT = (
     solid_exact.scaling_row,
@@ -65,5 +65,5 @@ def test_what_the_whole_families_ask(every_point, monkeypatch, approved):
 @pytest.mark.heavy
 def test_full_run():
     """No family of the full run fails."""
-    found = solid.run(False, lambda _: None)
+    found = solid.run(Asked(quick=False))
     assert [row.family for row in found.rows if row.verdict == "fails"] == []

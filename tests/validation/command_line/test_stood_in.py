@@ -126,7 +126,7 @@ def test_parts(stand_in, told_of):
     stand_in("checks.coverage.output:write", [Path("c.csv")])
     calls = [
         f"{command} {options}"
-        for command in ("bench", "stress")
+        for command in ("bench", "stress --seed 3")
         for options in ("", "--quick --out there", "--json", "--only tmm --out there --json")
     ]
     known = [
@@ -134,6 +134,8 @@ def test_parts(stand_in, told_of):
         "coverage --seed 0 --devices 7 --out there",
         "coverage --seed 1 --json",
         "coverage --seed x",
+        "stress --seed -1",
+        "stress --only tmn --seed 1",
         "coverage --devices 0",
         "coverage --devices 1234567890",
     ]

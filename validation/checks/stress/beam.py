@@ -26,7 +26,7 @@ from tactgen.tmm.beam.transfer.span import Span, span
 from tactgen.tmm.beam.transfer.transfer_matrix import chain
 from tactgen.tmm.ports.terminations import ends_of
 from tactgen.validation.checks.cases import reference_beam as reference
-from tactgen.validation.checks.stress import beam_modes
+from tactgen.validation.checks.stress import Asked, beam_modes
 from tactgen.validation.checks.stress.beam_point import CONDITION_LIMIT, entry_error, point
 from tactgen.validation.checks.stress.result import (
     WANTED,
@@ -49,9 +49,17 @@ _PAPER = ends_of(Support(), Load())
 _CLAMPED_FREE = Ends()
 
 
-def run(quick: bool, announce: Callable[[str], None]) -> Stress:
-    """Run all families; some 400 points if `quick`, else some 1300."""
+def run(asked: Asked) -> Stress:
+    """Run all families; some 400 points if quick, else some 1300."""
     started = time.perf_counter()
+    rows, maps, approaches = asked.keep((asked.quick,), lambda: _found(asked.quick, asked.announce))
+    seconds = time.perf_counter() - started
+    return Stress("tmm", _statement(), rows, maps, approaches, seconds)
+
+
+def _found(
+    quick: bool, announce: Callable[[str], None]
+) -> tuple[tuple[Row, ...], tuple[ErrorMap, ...], tuple[Approach, ...]]:
     maps, rows, approaches = [], [], []
     for lossy in (True, False):
         announce(f"tmm: frequency against length, {'lossy' if lossy else 'lossless'}")
@@ -68,10 +76,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Stress:
         line, row = approach(quick)
         approaches.append(line)
         rows.append(row)
-    return Stress(
-        "tmm", _statement(), tuple(rows), tuple(maps), tuple(approaches),
-        time.perf_counter() - started,
-    )  # fmt: skip
+    return tuple(rows), tuple(maps), tuple(approaches)
 
 
 def _statement() -> str:

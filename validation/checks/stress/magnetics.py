@@ -7,8 +7,8 @@ finer solution.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 
+from tactgen.validation.checks.stress import Asked, Families
 from tactgen.validation.checks.stress.magnetics_circuit import network_rows, refused_row
 from tactgen.validation.checks.stress.magnetics_device import (
     as_built_row,
@@ -17,9 +17,9 @@ from tactgen.validation.checks.stress.magnetics_device import (
     solenoid_row,
 )
 from tactgen.validation.checks.stress.magnetics_solid import ball_row, sliver_row, team20_rows
-from tactgen.validation.checks.stress.result import Row, Stress
+from tactgen.validation.checks.stress.result import Stress
 
-_FAMILIES: dict[str, Callable[[bool], Row | list[Row]]] = {
+_FAMILIES: Families = {
     "device, permeability, gap and current": device_rows,
     "device, coarse to fine": as_built_row,
     "narrow gap": narrow_gap_row,
@@ -38,12 +38,8 @@ _STATEMENT = (
 )
 
 
-def run(quick: bool, announce: Callable[[str], None]) -> Stress:
-    """Run all families; half a minute if `quick`, else about two."""
+def run(asked: Asked) -> Stress:
+    """Run all families; half a minute if quick, else about two."""
     started = time.perf_counter()
-    rows: list[Row] = []
-    for name, family in _FAMILIES.items():
-        announce(f"magnetics: {name}")
-        found = family(quick)
-        rows += found if isinstance(found, list) else [found]
-    return Stress("magnetics", _STATEMENT, tuple(rows), (), (), time.perf_counter() - started)
+    rows = asked.rows("magnetics", _FAMILIES)
+    return Stress("magnetics", _STATEMENT, rows, (), (), time.perf_counter() - started)

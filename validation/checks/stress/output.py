@@ -4,28 +4,26 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 from tactgen.geometry.csv_rows import write_csv
 from tactgen.geometry.files import write_text
-from tactgen.validation.checks.stress import run_parts
+from tactgen.validation.checks.stress import Asked, beam
 from tactgen.validation.checks.stress.plots import approach_plot, map_plot
 from tactgen.validation.checks.stress.result import ErrorMap, Row, Stress
 from tactgen.validation.view.console import console
 
 
-def section(
-    quick: bool, announce: Callable[[str], None], names: Iterable[str] = ("tmm",)
-) -> dict[str, Any]:
-    """Run the named parts and return what ``report/templates/stress.html`` shows."""
-    parts = run_parts(names, quick, announce)
+def section(announce: Callable[[str], None]) -> dict[str, Any]:
+    """Run the transfer matrix's part on few points: what ``stress.html`` shows."""
+    part = beam.run(Asked(quick=True, announce=announce))
     return {
-        "stress": parts,
-        "stress_maps": [map_plot(table) for part in parts for table in part.maps],
-        "stress_approaches": [approach_plot(part.approaches) for part in parts if part.approaches],
+        "stress": [part],
+        "stress_maps": [map_plot(table) for table in part.maps],
+        "stress_approaches": [approach_plot(part.approaches)],
     }
 
 

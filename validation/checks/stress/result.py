@@ -77,6 +77,7 @@ class Row:
     beyond: int = 0
 
 
+@storable
 @dataclass(frozen=True)
 class ErrorMap:
     """Errors over frequency (Hz) and length (m), each (n_length, n_frequency)."""
@@ -89,6 +90,7 @@ class ErrorMap:
     condition: Floats
 
 
+@storable
 @dataclass(frozen=True)
 class Approach:
     """Error against condition number on the way into a resonance, (n,) arrays."""

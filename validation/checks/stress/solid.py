@@ -7,9 +7,9 @@ that beam theory is exact), else against a much finer division.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 
-from tactgen.validation.checks.stress.result import Row, Stress
+from tactgen.validation.checks.stress import Asked, Families
+from tactgen.validation.checks.stress.result import Stress
 from tactgen.validation.checks.stress.solid_answers import (
     glue_row,
     resonance_row,
@@ -24,7 +24,7 @@ from tactgen.validation.checks.stress.solid_exact import (
     uniform_section_row,
 )
 
-_FAMILIES: dict[str, Callable[[bool], Row]] = {
+_FAMILIES: Families = {
     "scales": scaling_row,
     "thickness ratios, exact": uniform_section_row,
     "thickness ratios": thickness_row,
@@ -42,11 +42,8 @@ _STATEMENT = (
 )
 
 
-def run(quick: bool, announce: Callable[[str], None]) -> Stress:
-    """Run all families; half a minute if `quick`, else some minutes."""
+def run(asked: Asked) -> Stress:
+    """Run all families; half a minute if quick, else some minutes."""
     started = time.perf_counter()
-    rows = []
-    for name, family in _FAMILIES.items():
-        announce(f"solid: {name}")
-        rows.append(family(quick))
-    return Stress("solid", _STATEMENT, tuple(rows), (), (), time.perf_counter() - started)
+    rows = asked.rows("solid", _FAMILIES)
+    return Stress("solid", _STATEMENT, rows, (), (), time.perf_counter() - started)

@@ -73,7 +73,7 @@ def _response(study: Study) -> Context:
 
 def _stress(study: Study) -> Context | None:
     # the same for every scene: tactgen stress drives it over more points than a report can wait for
-    return None if study.quick else stress_output.section(True, study.announce)
+    return None if study.quick else stress_output.section(study.announce)
 
 
 def _length(study: Study) -> Context | None:

@@ -9,6 +9,7 @@ import pytest
 from tactgen.fem.beam import beam
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient import record
+from tactgen.validation.checks.stress import Asked
 from tactgen.validation.checks.stress.driven import holding, lateral, machine, motion, sweep
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import load_scene
@@ -104,7 +105,7 @@ def test_of_a_response_one_value_in_twenty_may_miss(off, judged):
 @pytest.mark.parametrize("quick", [True, False])
 def test_no_family_fails(part, quick):
     """All models, the reduced basis and the machine, over their whole ranges."""
-    found = part.run(quick, lambda _: None)
+    found = part.run(Asked(quick))
     assert [(row.family, row.worst) for row in found.rows if row.verdict == "fails"] == []
 
 
@@ -137,11 +138,13 @@ def test_the_machines_run_holds_every_family_and_says_which_it_is_at(monkeypatch
         monkeypatch.setattr(machine, name, lambda quick, by=name: by)
     monkeypatch.setattr(machine, "motion_rows", lambda quick: ["motion"])
     said = []
-    rows = machine.run(True, said.append).rows
+    rows = machine.run(Asked(quick=True, announce=said.append)).rows
     families = [row[1] for row in rows[:-3]]
     assert rows[-3:] == ("slow_row", "edge_row", "motion")
-    assert said[:-2] == [f"machine: {family}" for family in families]
-    assert said[-2:] == ["machine: slow motion against rest", "machine: in time"]
+    assert said == [f"machine: {family}" for family in families] + [
+        "machine: slow motion against rest", "machine: edges of the co-energy map",
+        "machine: in time",
+    ]  # fmt: skip
     assert [row[0] for row in rows[:-3]] == ["_PAIR"] * (4 + len(machine.HELD)) + [
         "CIRCUIT_PAIR"
     ] * len(machine.DRIVEN)

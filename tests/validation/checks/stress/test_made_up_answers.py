@@ -14,6 +14,7 @@ from tactgen.fem.reluctance.axisymmetric.actuator import FieldErrors, solve_poin
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.validation.checks.stress import (
+    Asked,
     magnetics,
     magnetics_device,
     magnetics_solid,
@@ -166,7 +167,7 @@ def test_the_whole_run_takes_every_family(monkeypatch):
         for name in part._FAMILIES:
             made = [name, "more"] if name == "network" else name
             monkeypatch.setitem(part._FAMILIES, name, lambda quick, made=made: made)
-        found = part.run(True, said.append)
+        found = part.run(Asked(quick=True, announce=said.append))
         assert [words.partition(": ")[2] for words in said] == list(part._FAMILIES)
         assert [row for row in found.rows if row != "more"] == list(part._FAMILIES)
         assert found.seconds < 10.0
@@ -375,13 +376,16 @@ def test_the_lateral_run_takes_every_sweep_of_every_pair(monkeypatch, approved):
     )
     monkeypatch.setattr(lateral, "family_row", lambda: "family")
     said = []
-    quick, whole = (lateral.run(each, said.append).rows for each in (True, False))
+    quick, whole = (lateral.run(Asked(each, announce=said.append)).rows for each in (True, False))
     assert whole == (*((*row[:2], False) for row in quick), "family")
     assert [row[0] for row in quick] == ["lumped"] * 5 + ["beam"] * 7 + ["cad"] * 2
     assert len(set(quick)) == 14
-    assert said == ["lumped against tmm", "beam against tmm", "cad against solid"] * 2 + [
-        "reduced basis against the bricks of its members"
+    assert said[:2] == [
+        "lateral: lumped against tmm, length",
+        "lateral: lumped against tmm, shim over ceramic",
     ]
+    assert said[:14] == said[14:-1]
+    assert said[-1] == "lateral: reduced basis against the bricks of its members"
     approved(described(whole))
 
 

@@ -6,17 +6,18 @@ these promise, or one sentence says why there is none; nothing breaks off or tak
 
 from __future__ import annotations
 
-import random
 import time
-from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
+from tactgen.tmm.ports.terminations import FINGER_RANGE
 from tactgen.validation.checks.coverage.result import PROMISED
 from tactgen.validation.checks.coverage.scenes import between
+from tactgen.validation.checks.stress import Asked
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.driven.sweep import Pair
-from tactgen.validation.checks.stress.result import Row, Stress, answered
+from tactgen.validation.checks.stress.result import Point, Row, Stress, answered
 from tactgen.validation.scene.scene import load_scene
 
 _STATEMENT = (
@@ -97,6 +98,8 @@ _ROD: dict[str, _Says] = {
     "rod.head_thickness": (0.1, 2.0, "mm"),
     "sleeve.collar_thickness": (0.05, 2.0, "mm"),
 }
+#: Frequencies (Hz) of a scene; share of those that a finger presses which stay within its law.
+_FREQUENCIES, _WITHIN = (1.0, 2e4), 0.9
 #: Scenes of a run, and of a quick one; most keys of one beside its sizes; share of machines.
 _SCENES, _QUICK, _MOST_KEYS, _MACHINES = 2000, 16, 6, 0.3
 
@@ -108,7 +111,9 @@ def draw(rng: np.random.Generator) -> tuple[str, list[str]]:
     some = rng.choice(sorted(keys), size=int(rng.integers(_MOST_KEYS + 1)), replace=False)
     said = {} if machine and rng.random() < 0.5 else {k: _said(rng, v) for k, v in _SIZES.items()}
     said |= {str(key): _said(rng, keys[str(key)]) for key in some}
-    at = (f"{between(rng, 1.0, 2e4):.5g} Hz" for _ in range(int(rng.integers(1, 4))))
+    pressed = said.get("load.kind", "finger" if machine else "none") == "finger"
+    band = FINGER_RANGE if pressed and rng.random() < _WITHIN else _FREQUENCIES
+    at = (f"{between(rng, *band):.5g} Hz" for _ in range(int(rng.integers(1, 4))))
     said["frequency"] = ", ".join(at)
     return "generator" if machine else "prototype", [f"{key}={v}" for key, v in said.items()]
 
@@ -121,36 +126,39 @@ def _said(rng: np.random.Generator, says: _Says) -> str:
     return f"{between(rng, low, high):.5g} {unit}".strip()
 
 
-def run(quick: bool, announce: Callable[[str], None]) -> Stress:
-    """Run them: seconds if `quick`, else some minutes."""
+def run(asked: Asked) -> Stress:
+    """Run them: seconds if quick, else half an hour."""
     started = time.perf_counter()
-    seed, count = random.SystemRandom().randrange(2**31), _QUICK if quick else _SCENES
-    rows = random_rows(seed, count, announce)
+    rows = random_rows(asked, _QUICK if asked.quick else _SCENES)
     statement = _STATEMENT.format(endless=_ENDLESS)
     return Stress("random", statement, rows, (), (), time.perf_counter() - started)
 
 
-def random_rows(seed: int, count: int, announce: Callable[[str], None]) -> tuple[Row, ...]:
+def random_rows(asked: Asked, count: int) -> tuple[Row, ...]:
     """Return the rows of so many scenes, each with a stream of its own: bimorphs, machines."""
+    seed = asked.seed
     families = {"prototype": Family(), "generator": Family()}
-    asked = dict.fromkeys(families, 0)
+    scenes = dict.fromkeys(families, 0)
     for number in range(count):
-        announce(f"random scene {number + 1} of {count}, seed {seed}")
+        asked.announce(f"random scene {number + 1} of {count}, seed {seed}")
         name, overrides = draw(np.random.default_rng([seed, number]))
-        asked[name] += 1
-        _take(families[name], name, overrides)
+        points, refusals = asked.keep((number,), partial(_judged, name, overrides))
+        scenes[name] += 1
+        families[name].points += points
+        families[name].refusals += refusals
     return tuple(
         answered(
-            f"random: {name}", f"{asked[name]} scenes, seed {seed}", f.points, f.refusals,
+            f"random: {name}", f"{scenes[name]} scenes, seed {seed}", f.points, f.refusals,
             promised=PROMISED,
         )
         for name, f in families.items()
     )  # fmt: skip
 
 
-def _take(family: Family, name: str, overrides: list[str]) -> None:
-    """Solve one scene; whatever it raises but a refusal is a point that fails."""
-    started, where = time.process_time(), f"{name} {'; '.join(overrides)}"
+def _judged(name: str, overrides: list[str]) -> tuple[list[Point], list[str]]:
+    """Return points and refusals of one scene; what else it raises is one that fails."""
+    family, where = Family(), f"{name} {'; '.join(overrides)}"
+    started = time.process_time()
     try:
         scene, _ = load_scene(name, overrides)
         for pair in (_LUMPED, _BEAM) if name == "prototype" else (_MACHINE,):
@@ -161,3 +169,4 @@ def _take(family: Family, name: str, overrides: list[str]) -> None:
         family.add(f"{where}: {type(error).__name__}: {error}", np.inf, 0.0)
     if time.process_time() - started > _ENDLESS:
         family.add(f"{where}: endless", np.inf, 0.0)
+    return family.points, family.refusals

@@ -8,10 +8,11 @@ family of bimorphs against the bricks of its members.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
+from tactgen.validation.checks.stress import Asked, Families
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.driven.sweep import Pair, Sweep, decades
 from tactgen.validation.checks.stress.result import Row, Stress, answered
@@ -82,22 +83,27 @@ _CAD_SHIM = Sweep("shim over ceramic", "shim 1e-2 to 1e2 times as thick", tuple(
 ), quick=())  # fmt: skip
 
 
-def run(quick: bool, announce: Callable[[str], None]) -> Stress:
-    """Run all families: seconds if `quick`, else some minutes."""
+def run(asked: Asked) -> Stress:
+    """Run all families: seconds if quick, else some minutes."""
     started = time.perf_counter()
-    rows: list[Row] = []
+    rows = asked.rows("lateral", _families(asked.quick))
+    return Stress("lateral", _STATEMENT, rows, (), (), time.perf_counter() - started)
+
+
+def _families(quick: bool) -> Families:
     general = (_LENGTH, _SHIM, _SUPPORT, _MASS, _TAPER)
-    for pair, sweeps in (
-        (_LUMPED, general),
-        (_BEAM, (*general, _QUALITY, _FREQUENCY)),
-        (_CAD, (_CAD_LENGTH, _CAD_SHIM)),
-    ):
-        announce(f"{pair.judged} against {pair.witness}")
-        rows += [pair.row(sweep, quick) for sweep in sweeps]
-    if not quick:
-        announce("reduced basis against the bricks of its members")
-        rows.append(family_row())
-    return Stress("lateral", _STATEMENT, tuple(rows), (), (), time.perf_counter() - started)
+    families = {
+        f"{pair.judged} against {pair.witness}, {sweep.family}": partial(pair.row, sweep)
+        for pair, sweeps in (
+            (_LUMPED, general),
+            (_BEAM, (*general, _QUALITY, _FREQUENCY)),
+            (_CAD, (_CAD_LENGTH, _CAD_SHIM)),
+        )
+        for sweep in sweeps
+    }
+    if quick:
+        return families
+    return {**families, "reduced basis against the bricks of its members": lambda _: family_row()}
 
 
 def family_row() -> Row:

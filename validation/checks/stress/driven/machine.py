@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import AxialForces, axial_forces, settled_place
 from tactgen.tmm.reluctance.direct_pull import DirectPull
 from tactgen.tmm.reluctance.network import network_samples
+from tactgen.validation.checks.stress import Asked, Families
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.driven.holding import CIRCUIT_PAIR, DRIVEN, HELD
 from tactgen.validation.checks.stress.driven.motion import motion_rows
@@ -62,19 +63,22 @@ _PRELOAD = Sweep(
 )  # fmt: skip
 
 
-def run(quick: bool, announce: Callable[[str], None]) -> Stress:
-    """Run all families: seconds if `quick`, else a minute."""
+def run(asked: Asked) -> Stress:
+    """Run all families: seconds if quick, else a minute."""
     started = time.perf_counter()
-    rows: list[Row] = []
+    rows = asked.rows("machine", _families())
+    return Stress("machine", _STATEMENT, rows, (), (), time.perf_counter() - started)
+
+
+def _families() -> Families:
     sweeps = [(_PAIR, sweep) for sweep in (_CONTACT, _DAMPING, _CURRENT, _PRELOAD, *HELD)]
-    for pair, sweep in (*sweeps, *((CIRCUIT_PAIR, sweep) for sweep in DRIVEN)):
-        announce(f"machine: {sweep.family}")
-        rows.append(pair.row(sweep, quick))
-    announce("machine: slow motion against rest")
-    rows += [slow_row(quick), edge_row(quick)]
-    announce("machine: in time")
-    rows += motion_rows(quick)
-    return Stress("machine", _STATEMENT, tuple(rows), (), (), time.perf_counter() - started)
+    sweeps += [(CIRCUIT_PAIR, sweep) for sweep in DRIVEN]
+    return {
+        **{sweep.family: partial(pair.row, sweep) for pair, sweep in sweeps},
+        "slow motion against rest": slow_row,
+        "edges of the co-energy map": edge_row,
+        "in time": motion_rows,
+    }
 
 
 def slow_row(quick: bool) -> Row:

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from tactgen.geometry.store.store import kept, recalled
+from tactgen.validation.checks.stress import Asked
 from tactgen.validation.checks.stress.answers import Family
 from tactgen.validation.checks.stress.faults.commands import (
     DRAFT,
@@ -282,21 +283,26 @@ def _spoil(path: Path, other: Path, how: str, chance: random.Random) -> None:
     path.write_bytes(b"" if how == "empty" else bytes(content))
 
 
-def run(quick: bool, announce: Callable[[str], None]) -> Stress:
-    """Run all families: half a minute if `quick`, else some twenty."""
+def run(asked: Asked) -> Stress:
+    """Run all families: half a minute if quick, else some twenty."""
     started = time.perf_counter()
-    seed = random.SystemRandom().randrange(2**31)
+    # kept together: how long the undisturbed runs take steers all that follows
+    rows = asked.keep((asked.quick,), lambda: _rows(asked))
+    keep_rows(rows, quick=asked.quick)
+    return Stress("faults", _STATEMENT, rows, (), (), time.perf_counter() - started)
+
+
+def _rows(asked: Asked) -> tuple[Row, ...]:
     with tempfile.TemporaryDirectory(prefix="tactgen-faults-") as folder:
-        announce(f"faults: undisturbed runs (seed {seed})")
-        trials = Trials(LIGHT if quick else (*LIGHT, *HEAVY), Path(folder), seed)
+        asked.announce("faults: undisturbed runs")
+        commands = LIGHT if asked.quick else (*LIGHT, *HEAVY)
+        trials = Trials(commands, Path(folder), asked.seed)
         rows = []
-        for family in _families(quick):
-            announce("faults: more")
+        for family in _families(asked.quick):
+            asked.announce("faults: more")
             rows.append(family(trials))
-            announce(rows[-1].family)
-    found = tuple(rows)
-    keep_rows(found, quick=quick)
-    return Stress("faults", _STATEMENT, found, (), (), time.perf_counter() - started)
+            asked.announce(rows[-1].family)
+    return tuple(rows)
 
 
 def _families(quick: bool) -> tuple[Callable[[Trials], Row], ...]:

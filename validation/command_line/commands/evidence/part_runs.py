@@ -24,8 +24,11 @@ def add_part_command(
     quick: str,
     known: Callable[[], Collection[str]],
     run: Callable[[argparse.Namespace], int],
-) -> None:
-    """Declare a command that runs parts; `words` and `quick` are its help, with what is known."""
+) -> Any:
+    """Return the parser of a command that runs parts.
+
+    `words` and `quick` are its help, with what is known.
+    """
     parser = commands.add_parser(name, help=words)
     parser.listing = lambda: (f"{words.capitalize()}.", f"parts: {', '.join(known())}")
     only = "one of the parts below; may be repeated, all by default"
@@ -34,6 +37,7 @@ def add_part_command(
     parser.add_argument("--out", metavar="DIR", help="also write tables (CSV) and plots (SVG)")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
+    return parser
 
 
 def run_and_show(

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Sequence
+from typing import TYPE_CHECKING, Any
 
 from tactgen.validation.command_line.commands.common import Commands
 from tactgen.validation.command_line.commands.evidence.part_runs import (
     add_part_command,
     run_and_show,
 )
+from tactgen.validation.command_line.commands.evidence.seed import say_seed, seed_of, seed_option
+
+if TYPE_CHECKING:
+    from tactgen.validation.checks.stress.result import Stress
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
     words = "errors against exact answers, far beyond any use"
-    add_part_command(commands, "stress", words, "a coarser grid", _known, run)
+    parser = add_part_command(commands, "stress", words, "a coarser grid", _known, run)
+    seed_option(parser, "scenes")
 
 
 def _known() -> Collection[str]:
@@ -29,8 +35,15 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.checks.stress import PARTS, run_parts
     from tactgen.validation.checks.stress.output import print_stress, write_stress
 
-    parts = run_and_show(
-        options, PARTS, run_parts, print_stress, write_stress,
-        lambda parts: {"verdicts": {p.part: [row.verdict for row in p.rows] for p in parts}},
-    )  # fmt: skip
+    seed = seed_of(options)
+
+    def seeded(names: Sequence[str], quick: bool, announce: Callable[[str], None]) -> list[Stress]:
+        say_seed(seed)
+        return run_parts(names, quick, seed, announce)
+
+    def verdicts(parts: list[Stress]) -> dict[str, Any]:
+        found = {part.part: [row.verdict for row in part.rows] for part in parts}
+        return {"seed": seed, "verdicts": found}
+
+    parts = run_and_show(options, PARTS, seeded, print_stress, write_stress, verdicts)
     return int(any(row.verdict == "fails" for part in parts for row in part.rows))
