@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from tactgen.fem.beam.row_elements import RowElements
 from tactgen.fem.beam.row_mesh import row_mesh, thinnest
 from tactgen.fem.beam.section import gauss, section_constants
 from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
@@ -23,6 +23,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.tmm.ports.port import BIMORPH
 
+#: Polynomial order of w and ψ (equal orders lock only at low order).
+ORDER = 5
 #: Elements of the glued part of the tab, halved with the others.
 _TAB_ELEMENTS = 8
 #: Most elements along a row: beyond, its dense matrices and their condition take minutes.
@@ -123,10 +125,13 @@ def assemble(
         How many units of force and charge make a newton and a coulomb.  It goes in before the
         elements are summed: another one changes nothing but how every sum is rounded.
     """
+    from skfem import Basis, ElementLinePp, LinearForm, asm
+
     pieces = beam_pieces(device, support)
     beams = [piece for piece in pieces if piece.section != "bond"]
-    row, piece_of, joints = row_mesh(pieces, device.bimorph, elements, halvings)
-    shares = _shares(row, piece_of)
+    mesh, piece_of, joints = row_mesh(pieces, device.bimorph, elements, halvings)
+    w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
+    shares = _shares(w_space, piece_of)
     constants = unit * np.concatenate(
         [
             section_constants(
@@ -136,31 +141,62 @@ def assemble(
         ],
         axis=1,
     )
-    stiffness = row.elastic(*constants[:2])
+    basis = w_space * w_space
+    stiffness = asm(_elastic(*constants[:2]), basis).toarray()
     for node, depth in joints:
-        dofs = np.array([node, node + 1])
-        ports = np.ix_(*2 * [[*dofs, *(dofs + row.functions)]])
+        dofs = w_space.nodal_dofs[0][[node, node + 1]]
+        ports = np.ix_(*2 * [[*dofs, *(dofs + w_space.N)]])
         number = _TAB_ELEMENTS * 2**halvings
         spring = bonded_tab(device, beam, depth, number, lossy=lossy, unit=unit)
         stiffness[ports] += np.kron(spring, [[1.0, -1.0], [-1.0, 1.0]])
-    tip = row.heights.size - 1
+
+    @LinearForm(dtype=complex)  # type: ignore[untyped-decorator]
+    def moment_per_voltage(v: Any, phi: Any, _: Any) -> Any:
+        return constants[4] * phi.grad[0] + 0.0 * v
+
+    ends = w_space.nodal_dofs[0][[0, -1]]
     return BeamMatrices(
         stiffness=stiffness,
-        mass=row.inertial(*constants[2:4].real),
-        coupling=row.bent(constants[4]),
-        capacitance=complex(np.sum(constants[5] * row.measure)),
+        mass=asm(_inertial(*constants[2:4].real), basis).toarray(),
+        coupling=asm(moment_per_voltage, basis),
+        capacitance=complex(np.sum(constants[5] * w_space.dx)),
         unit=unit,
-        ports=np.array([0, row.functions, tip, tip + row.functions]),
-        stations=[(float(z), at, at + row.functions) for at, z in enumerate(row.heights)],
+        ports=np.array([ends[0], ends[0] + w_space.N, ends[1], ends[1] + w_space.N]),
+        stations=[
+            (float(z), int(dof), int(dof) + int(w_space.N))
+            for z, dof in zip(mesh.p[0], w_space.nodal_dofs[0], strict=True)
+        ],
     )
 
 
-def _shares(row: RowElements, piece_of: Ints) -> Floats:
-    """Return where each place lies in its beam (n_elements, n_places), 0 to 1."""
-    low, high = row.heights[row.cells].T
-    first, past = (np.searchsorted(piece_of, piece_of, side) for side in ("left", "right"))
-    lower, upper = low[first][:, None], high[past - 1][:, None]
-    return np.asarray((row.places - lower) / (upper - lower))
+def _shares(space: Any, piece_of: Ints) -> Floats:
+    """Return where each quadrature point lies in its beam (n_elements, n_points), 0 to 1."""
+    z = np.asarray(space.global_coordinates())[0]
+    low, high = space.mesh.p[0][space.mesh.t]
+    lower = np.array([low[piece_of == k].min() for k in piece_of])[:, None]
+    upper = np.array([high[piece_of == k].max() for k in piece_of])[:, None]
+    return np.asarray((z - lower) / (upper - lower))
+
+
+def _elastic(ei: Complex, ga: Complex) -> Any:
+    from skfem import BilinearForm
+
+    @BilinearForm(dtype=complex)  # type: ignore[untyped-decorator]
+    def form(w: Any, psi: Any, v: Any, phi: Any, _: Any) -> Any:
+        shear = (w.grad[0] + psi) * (v.grad[0] + phi)
+        return ei * psi.grad[0] * phi.grad[0] + ga * shear
+
+    return form
+
+
+def _inertial(m: Any, rho_i: Any) -> Any:
+    from skfem import BilinearForm
+
+    @BilinearForm  # type: ignore[untyped-decorator]
+    def form(w: Any, psi: Any, v: Any, phi: Any, _: Any) -> Any:
+        return m * w * v + rho_i * psi * phi
+
+    return form
 
 
 def bonded_tab(
@@ -179,6 +215,8 @@ def bonded_tab(
     energy integrated over the tab's perimeter: per area (E' n² + G s²)/(2 t) for
     displacements n across and s along the bond line.
     """
+    from skfem import Basis, ElementLinePp, MeshLine, asm
+
     glue, bimorph = device.glue, device.bimorph
     half, b, t = 0.5 * bimorph.shim_thickness, bimorph.width, glue.thickness
     nu = glue.poisson_ratio
@@ -191,17 +229,18 @@ def bonded_tab(
     lateral = 2.0 * (b * squeezed + across * shear) / t
     rotational = 2.0 * (b * shear * half**2 + turned * shear) / t
     tab = unit * section_constants(Piece("shim", depth), device, beam, np.zeros(1), lossy=lossy)[:2]
-    nodes = np.arange(elements + 1)
-    row = RowElements(depth / elements * nodes, np.stack([nodes[:-1], nodes[1:]], axis=1))
+    mesh = MeshLine(np.linspace(0.0, depth, elements + 1))
+    space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
     # what holds the tab along its length has the form of an inertia
     per_loss = lossy_modulus(1.0, glue.loss_factor, lossy=lossy)
-    springs = row.inertial((lateral / per_loss).real, (rotational / per_loss).real)
-    k = row.elastic(*tab) + per_loss * springs
+    springs = asm(_inertial((lateral / per_loss).real, (rotational / per_loss).real), space * space)
+    k = (asm(_elastic(*tab), space * space) + per_loss * springs).toarray()
     if not lossy:
         k = k.real
-    k[0, 0] += shear * b * across / t
-    k[row.functions, row.functions] += squeezed * b * turned / t
-    edge = np.array([elements, elements + row.functions])
+    low, high = space.nodal_dofs[0][[0, -1]]
+    k[low, low] += shear * b * across / t
+    k[low + space.N, low + space.N] += squeezed * b * turned / t
+    edge = [high, high + space.N]
     inner = np.setdiff1d(np.arange(k.shape[0]), edge)
     solved = np.linalg.solve(k[np.ix_(inner, inner)], k[np.ix_(inner, edge)])
     return np.asarray(k[np.ix_(edge, edge)] - k[np.ix_(edge, inner)] @ solved)

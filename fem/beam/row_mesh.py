@@ -1,13 +1,13 @@
-"""The elements of a row of beams: how many each piece has."""
+"""The line mesh of a row of beams: how many elements each piece has."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
-from tactgen.fem.beam.row_elements import RowElements
 from tactgen.geometry.arrays import Ints
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Bimorph
@@ -24,8 +24,8 @@ def thinnest(piece: Piece, bimorph: Bimorph) -> float:
 
 def row_mesh(
     pieces: Sequence[Piece], bimorph: Bimorph, elements: int, halvings: int = 0
-) -> tuple[RowElements, Ints, list[tuple[int, float]]]:
-    """Return the elements from base to tip, the beam of each, and the joints.
+) -> tuple[Any, Ints, list[tuple[int, float]]]:
+    """Return the line mesh from base to tip, the beam of each element, and the joints.
 
     Bending waves are the shorter the thinner a piece is: their number goes as its length over
     the root of its thickness, and so does its share of the elements.
@@ -36,6 +36,8 @@ def row_mesh(
     A joint is a node, whose successor lies at the same height and which no element connects
     to it, and the depth of the slot (m).
     """
+    from skfem import MeshLine
+
     waves = [piece.length / math.sqrt(thinnest(piece, bimorph)) for piece in pieces]
     total = sum(n for n, piece in zip(waves, pieces, strict=True) if piece.section != "bond")
     nodes, cells, piece_of, joints = [0.0], [], [], []
@@ -51,4 +53,5 @@ def row_mesh(
         cells += [(last + i, last + i + 1) for i in range(count)]
         piece_of += count * [beams]
         beams += 1
-    return RowElements(np.array(nodes), np.array(cells)), np.array(piece_of), joints
+    mesh = MeshLine(np.array([nodes]), np.array(cells).T, sort_t=False)
+    return mesh, np.array(piece_of), joints
