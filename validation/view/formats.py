@@ -16,6 +16,7 @@ _PLAIN = frozenset({"in", "psi", "bars", "folds", "peaks"})
 
 def engineering(value: float, unit: str, digits: int = 5) -> str:
     """Return a value with an SI prefix, e.g. ``49.56 µm``; plain for pure numbers."""
+    value += 0.0  # no -0
     if unit in ("", "1"):
         return f"{value:.{digits}g}"
     if unit in _PLAIN:
@@ -62,13 +63,21 @@ def with_bar(value: float, bar: float, unit: str) -> str:
     scaled, shown = value / 10.0**exponent, bar / 10.0**exponent
     decimals = max(0, 1 - math.floor(math.log10(shown)))
     prefix = "" if unit in ("", "1") else f" {_PREFIX[exponent]}{unit}"
-    return f"{scaled:.{decimals}f} ± {shown:.{decimals}f}{prefix}"
+    return f"{scaled:z.{decimals}f} ± {shown:.{decimals}f}{prefix}"
 
 
-def percent(value: float) -> str:
-    """Return a signed fraction in percent; below rounding it is zero."""
+def signed(value: float, decimals: int) -> str:
+    """Return a number with its sign and so many decimals; what rounds to zero has no sign."""
+    text = f"{value:+.{decimals}f}"
+    return text if float(text) else text[1:]
+
+
+def percent(value: float, decimals: int | None = None) -> str:
+    """Return a signed fraction in percent, to so many decimals or to what is above rounding."""
     if not math.isfinite(value):
         return "n/a"
+    if decimals is not None:
+        return f"{signed(100.0 * value, decimals)} %"
     if abs(value) < 1e-11:
         return "0 %"
     if abs(value) < 5e-6:
@@ -85,4 +94,10 @@ def share(value: float) -> str:
 
 def filters() -> dict[str, Callable[..., Any]]:
     """Return the template filters."""
-    return {"eng": engineering, "bar": with_bar, "percent": percent, "share": share}
+    return {
+        "eng": engineering,
+        "bar": with_bar,
+        "percent": percent,
+        "share": share,
+        "signed": signed,
+    }

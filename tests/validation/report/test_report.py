@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 from html import unescape
+from pathlib import Path
 
 import meshio
 import numpy as np
@@ -14,6 +15,7 @@ from approved import kept_figures, page_text
 
 from tactgen.geometry.cad import system_libraries
 from tactgen.geometry.errors import InputError
+from tactgen.validation import report
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
 from tactgen.validation.report.figures.bimorph import response_values
@@ -23,7 +25,14 @@ from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.design import length_section
 from tactgen.validation.studies.uncertainty import propagation
 from tactgen.validation.view.browser import find_browser
-from tactgen.validation.view.formats import engineering, percent, prefixed, share, with_bar
+from tactgen.validation.view.formats import (
+    engineering,
+    percent,
+    prefixed,
+    share,
+    signed,
+    with_bar,
+)
 from tactgen.validation.view.pdf_pages import anchor_pages
 
 
@@ -245,6 +254,27 @@ def test_numbers_for_people():
     assert percent(3e-14) == "0 %"
     assert share(0.00822) == "0.82 %"
     assert with_bar(1.0, float("inf"), "m") == "1 m (no error bar)"
+
+
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [(-1e-9, "0.000"), (0.0, "0.000"), (-0.0, "0.000"), (-0.0004, "0.000"), (0.0006, "+0.001")],
+)
+def test_zero_has_no_sign(number, text):
+    """No "-0.000", no "-0.0 %", no "-0 N", and no "-0.0" within its bar."""
+    assert signed(number, 3) == text
+    assert percent(0.01 * number, 3) == f"{text} %"
+    assert engineering(-0.0, "N") == "0 N"
+    assert with_bar(-1e-3, 0.1, "m").startswith("-1 ")
+    assert with_bar(-0.001, 1.2, "1") == "0.0 ± 1.2"
+
+
+def test_signed_numbers_are_written_in_one_place():
+    """A template that wrote the sign itself would show "-0.0 %"."""
+    folder = Path(report.__file__).parent / "templates"
+    templates = {file.name: file.read_text("utf-8") for file in folder.glob("*.html")}
+    assert "| signed(" in templates["first_page.html"]
+    assert [name for name, text in templates.items() if '"%+' in text] == []
 
 
 def test_printing_without_a_browser_is_refused_before_any_work(tmp_path, monkeypatch, capsys):

@@ -28,7 +28,7 @@ from tactgen.validation.studies.design.length_map import (
 from tactgen.validation.studies.design.length_scan import lowest_margin
 from tactgen.validation.studies.design.length_section import section
 from tactgen.validation.studies.design.plots import length_plot
-from tactgen.validation.studies.design.wording import changed_setting, sentences, signed
+from tactgen.validation.studies.design.wording import changed_setting, sentences
 from tactgen.validation.studies.identification.fit_parameters import fit_parameter
 
 BAND = (10.0, 1000.0)
@@ -369,14 +369,6 @@ def test_curves_pass_through_their_minima(name):
     f, drawn = study.frequencies, np.log10(study.displacement)
     between = tip_amplitude(actuator(scene), study.lengths[:, None], np.sqrt(f[1:] * f[:-1]))
     assert np.abs(np.log10(between) - 0.5 * (drawn[:, 1:] + drawn[:, :-1])).max() < 1.2 * 0.0256
-
-
-@pytest.mark.parametrize(
-    ("slope", "text"), [(-1e-9, "0.000"), (0.0, "0.000"), (-0.0004, "0.000"), (0.0006, "+0.001")]
-)
-def test_zero_has_no_sign(slope, text):
-    """No "-0.000"."""
-    assert signed(slope) == text
 
 
 def test_no_power_law_across_different_minima(paper):

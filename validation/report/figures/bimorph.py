@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.validation.view.figures import AMBER, BLUE, GREEN, GREY, ORANGE, panels, svg
+from tactgen.validation.view.formats import percent
 
 if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge import Rung
@@ -138,7 +139,7 @@ def bridge_plot(rungs: Sequence[Rung], whole: str) -> str:
         axis.set_xlim(low - 0.25 * span, high + 0.6 * span)
         shown = [*(getattr(rung.step, quantity) for rung in rungs[1:]), 0.01 * ends[-1]]
         for place, value in enumerate(shown):
-            text = f"{round(100.0 * value, 2) + 0.0:+.2f} % "
+            text = f"{percent(value, 2)} "
             axis.text(high + 0.6 * span, place, text, ha="right", va="center", fontsize=9)
         axis.set(title=title, xlabel=f"difference from {rungs[0].name} (%)")
     axes[0][0].invert_yaxis()

@@ -24,6 +24,7 @@ from tactgen.tmm.reluctance.switching import (
 )
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
+from tactgen.validation.view.formats import percent
 
 if TYPE_CHECKING:
     from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
@@ -206,8 +207,7 @@ def bridge_plot(steps: Sequence[BridgeStep], titles: Mapping[str, str], referenc
         colours = [GREY, *np.where(np.diff(ends) > 0.0, ORANGE, BLUE)]
         bars = axis.barh(names, ends - starts, left=starts, color=colours)
         # as the table beside it: the smallest steps are those that nobody else tells
-        shown = [round(step, 1) + 0.0 for step in (ends[0], *np.diff(ends))]
-        labels = [f"{step:+.1f} %" for step in shown]
+        labels = [percent(0.01 * step, 1) for step in (ends[0], *np.diff(ends))]
         axis.bar_label(bars, labels=labels, padding=4, fontsize=9)
         axis.axvline(0.0, color="black", linewidth=0.9)
         span = max(float(np.ptp([0.0, *ends])), 1.0)

@@ -44,12 +44,6 @@ def changed_setting(scene: Scene, asked: Scene) -> str:
     return f"{' '.join(now)} instead of this scene's {', '.join(own)}" if now else ""
 
 
-def signed(slope: float) -> str:
-    """Return a slope with its sign and three decimals; zero has no sign."""
-    text = f"{slope:+.3f}"
-    return text if float(text) else "0.000"
-
-
 def statement(found: Design) -> str:
     """Return what was found and what decides it."""
     aim = found.aim

@@ -232,7 +232,8 @@ def _draw(file: Path, study: LengthMap, found: Design) -> None:
 def _print(scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence, ...]) -> None:
     from tactgen.validation.studies.design.length_dependence import decided_lengths
     from tactgen.validation.studies.design.length_section import NEGLIGIBLE, table_rows
-    from tactgen.validation.studies.design.wording import sentences, signed
+    from tactgen.validation.studies.design.wording import sentences
+    from tactgen.validation.view.formats import signed
 
     for sentence in sentences(found):
         print(sentence)
@@ -254,7 +255,7 @@ def _print(scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence
     print(f"{'parameter':32} {'value':>22} {heads}  source")
     for line in rows:
         if line.largest >= NEGLIGIBLE:
-            slopes = " ".join(f"{signed(slope):>12}" for slope in line.slopes)
+            slopes = " ".join(f"{signed(slope, 3):>12}" for slope in line.slopes)
             print(f"{line.key:32} {line.text:>22} {slopes}  {line.source}")
     idle = [line.key for line in rows if line.largest < NEGLIGIBLE]
     if idle:

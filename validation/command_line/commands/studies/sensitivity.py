@@ -269,7 +269,7 @@ def _signed(value: float) -> str:
 def _print_uncertainty(uncertain: Sequence[Uncertainty]) -> None:
     from rich.table import Table
 
-    from tactgen.validation.view.formats import engineering, share
+    from tactgen.validation.view.formats import engineering, share, signed
 
     table = Table()
     for name in ("number", "value", "numerical", "95 % of samples", "main contributors"):
@@ -284,7 +284,7 @@ def _print_uncertainty(uncertain: Sequence[Uncertainty]) -> None:
             row.target.label + (" (ill-conditioned)" if row.target.ill_conditioned else ""),
             engineering(row.value, unit),
             f"±{share(row.numerical / row.value)}",
-            f"{low:+.1f} … {high:+.1f} %",
+            f"{signed(low, 1)} … {signed(high, 1)} %",
             ", ".join(contributors),
         )
     _print("uncertainty from the ranges of the parameters", table)
