@@ -80,7 +80,9 @@ def _excess(q: Quantity, accuracy: float) -> str:
     # no value, no bar: a threshold voltage outside the threshold's range
     worst = float(np.nanmax(q.uncertainty / np.where(size > 0.0, size, np.inf)))
     where = f" at {int(beyond.sum())} of {beyond.size} values" if beyond.ndim else ""
-    return f"{q.name} (up to {100.0 * worst:.2g} %{where})"
+    shown = float(f"{worst:.2g}")
+    digits = 2 if shown > accuracy else 4  # so many that it is seen to be beyond
+    return f"{q.name} (up to {100.0 * worst:.{digits}g} %{where})"
 
 
 def check_held(scene: Scene, quantities: Sequence[str]) -> None:

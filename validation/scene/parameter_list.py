@@ -13,18 +13,24 @@ from tactgen.geometry.units import Unit
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.tolerances import Tolerance
 
+#: Digits of a number that somebody has written, at most; more come from a calculation, of which
+#: so many are shown.
+_WRITTEN, _SHOWN = 8, 6
+
 
 @dataclass(frozen=True)
 class ParameterRow:
     """One scene key as shown in a report or a template.
 
-    `source` starts with "assumed" where the paper does not give the value.
+    `text` is the value as people read it, `written` as a scene writes it.  `source` starts with
+    "assumed" where the paper does not give the value.
     """
 
     key: str
     text: str
     meaning: str
     source: str
+    written: str = ""
 
     @property
     def assumed(self) -> bool:
@@ -54,13 +60,18 @@ def _rows(
         changed = default is None or getattr(default, name) != value
         if key in origins and (changed or not source):
             source = origins[key]
-        text = show(value, info)
+        text, written = show(value, info), _written(value, info)
         if key in tolerances:
             text += f" {tolerances[key].words}"
-        yield ParameterRow(key, text, info.description or "", source)
+        yield ParameterRow(key, text, info.description or "", source, written)
 
 
 def show(value: Any, info: FieldInfo) -> str:
+    """Return a value as a scene would write it, less the digits of a number that was derived."""
+    return _written(_readable(value) if isinstance(value, float) else value, info)
+
+
+def _written(value: Any, info: FieldInfo) -> str:
     """Return a value as a scene would write it, without quotes."""
     unit = next((m for m in info.metadata if isinstance(m, Unit)), None)
     if value is None:
@@ -70,3 +81,10 @@ def show(value: Any, info: FieldInfo) -> str:
     if type(value) is tuple:  # a profile is one too, and knows how it is written
         return ", ".join(map(str, value))
     return str(value)
+
+
+def _readable(value: float) -> float:
+    """Return a number without the digits that nobody has written, such as those of 5/6."""
+    written = float(f"{value:.{_WRITTEN}g}")
+    # of SI units: 0.26 mm is 2.6e-4 but for rounding
+    return value if abs(written - value) <= 1e-14 * abs(value) else float(f"{value:.{_SHOWN}g}")

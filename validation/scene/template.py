@@ -28,8 +28,10 @@ def write_template(path: Path) -> Path:
     Raises
     ------
     InputError
-        If the file exists already or cannot be written.
+        If the file exists already, is named as another format, or cannot be written.
     """
+    if path.suffix != ".toml":
+        raise InputError(f"{path} must end in .toml, the format of scenes; name the file so")
     if path.exists():
         raise InputError(f"{path} exists already; choose another file name or remove it first")
     return write_text(path, template())
@@ -65,8 +67,8 @@ def _written() -> dict[str, tuple[str, str]]:
 
 def _line(row: ParameterRow, name: str) -> str:
     written, choices = _written().get(row.key, ("", ""))
-    value = written or (row.text if _is_number(row.text) else f'"{row.text}"')
-    if row.text == "derived":
+    value = written or (row.written if _is_number(row.written) else f'"{row.written}"')
+    if row.written == "derived":
         value = '"13 GPa"'
     source = f"  [{row.source}]" if row.source else ""
     return f"# {name} = {value}    # {row.meaning}{choices}{source}"

@@ -336,6 +336,15 @@ def test_every_parameter_has_a_source():
     assert not rows["piezo.d31"].assumed
 
 
+def test_digits_that_nobody_wrote_are_not_shown():
+    """What was derived, such as the constants of j1's ceramic and 5/6, has six digits."""
+    rows = {row.key: row.text for row in parameter_rows(*load_scene("j1", ["gap=0.2123456 mm"]))}
+    assert rows["piezo.d31"] == "-274.546 pC/N"
+    assert rows["beam.shear_correction"] == "0.833333"
+    assert rows["gap"] == "0.2123456 mm"
+    assert rows["bimorph.piezo_thickness"] == "0.26 mm"
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [

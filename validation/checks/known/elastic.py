@@ -299,7 +299,7 @@ _FV32 = case(
                nth(_membrane, at))
         for at, value in enumerate((44.623, 130.03, 162.70, 246.05, 379.90, 391.44))
     ],
-    setup=partial(tapered, _LONG, _ROOT, _height, unit="m"),
+    setup=partial(tapered, _LONG, _ROOT, _height, unit="m", body="membrane"),
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = (_RUS, _TORSION, _VM61, *_PLATES, _FV32, *seven_layers.CASES)

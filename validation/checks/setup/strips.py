@@ -43,6 +43,7 @@ def tapered(
     tip: Sequence[Mark] = (),
     unit: str = "mm",
     height: str = "x",
+    body: str = "beam",
 ) -> Drawing:
     """Return a strip held at its root whose size there is multiplied by `at` a share of it."""
     shares = np.linspace(0.0, 1.0, _ALONG)
@@ -50,7 +51,7 @@ def tapered(
     upper = [(float(s) * length, h) for s, h in zip(shares, half, strict=True)]
     lower = [(z, -h) for z, h in reversed(upper)]
     held = Line(((0.0, -0.5 * size), (0.0, 0.5 * size)), "held")
-    area = Area((*upper, *lower), "beam")
+    area = Area((*upper, *lower), body)
     return Drawing((area,), (held,), tuple(tip), _named(unit, height), equal=False)
 
 

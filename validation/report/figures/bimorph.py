@@ -164,16 +164,18 @@ def support_plot(
     """
     figure, axes = panels(10.0, 3.8, squeeze=False)
     axis = axes[0][0]
-    styles = ((GREY, ":"), (BLUE, "-"), (ORANGE, "-."))
-    for (name, values), (colour, line) in zip(rotations.items(), styles, strict=False):
+    # the first, which the second follows closely, is told on the other side of its line
+    left, right = ((-3, 6), "right"), ((3, -14), "left")
+    styles = ((GREY, ":", right), (BLUE, "-", left), (ORANGE, "-.", left))
+    for (name, values), (colour, line, side) in zip(rotations.items(), styles, strict=False):
         axis.plot(1e3 * lengths, values, color=colour, linestyle=line, linewidth=2.0, label=name)
         if np.isfinite(best[name]):
             axis.plot(1e3 * best[name], target, "o", color=colour)
             axis.annotate(
                 f"{1e3 * best[name]:.2f} mm",
                 (1e3 * best[name], target),
-                xytext=(-3, 6),
-                ha="right",
+                xytext=side[0],
+                ha=side[1],
                 textcoords="offset points",
                 color=colour,
             )

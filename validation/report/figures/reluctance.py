@@ -211,7 +211,7 @@ def bridge_plot(steps: Sequence[BridgeStep], titles: Mapping[str, str], referenc
         axis.bar_label(bars, labels=labels, padding=4, fontsize=9)
         axis.axvline(0.0, color="black", linewidth=0.9)
         span = max(float(np.ptp([0.0, *ends])), 1.0)
-        axis.set_xlim(min(0.0, *ends) - 0.22 * span, max(0.0, *ends) + 0.22 * span)
+        axis.set_xlim(min(0.0, *ends) - 0.3 * span, max(0.0, *ends) + 0.3 * span)
         axis.set(title=title, xlabel=f"difference from {reference} (%)")
     np.ravel(axes)[0].invert_yaxis()
     return svg(figure)

@@ -13,7 +13,9 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.winding import winding
 from tactgen.tmm.reluctance.coil_heat import largest_rms_current, thermal_statement
 from tactgen.tmm.reluctance.switching import Equilibrium, equilibria, finger_force, spring_force
+from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Measured
+from tactgen.validation.models.comparison import UNEXPLAINED
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import NetworkModel
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
@@ -36,15 +38,16 @@ def _models(actuator: NormalActuator) -> Context:
     field = actuator.field_model
     titles = {"force": "pull", "flux_linkage": "flux linkage"}
     reference = "the field" if actuator.has_field else "the full network"
-    methods: dict[str, dict[str, None]] = {model: {} for model in actuator.models}
+    methods: dict[str, dict[str, list[str]]] = {model: {} for model in actuator.models}
     for q in actuator.quantities:
-        methods.setdefault(q.model, {})[q.uncertainty_method] = None
+        judged = methods.setdefault(q.model, {}).setdefault(q.uncertainty_method, [])
+        judged.append(QUANTITIES[q.name].label)
     return {
         "actuator": actuator,
         "models": actuator.models,
         "rows": actuator.comparison,
-        "remarks": list(dict.fromkeys(r for row in actuator.comparison for r in row.remarks)),
-        "methods": {model: list(found) for model, found in methods.items()},
+        "methods": methods,
+        "unexplained": UNEXPLAINED,
         "routes": field.point() if field else None,
         "steps": actuator.bridge,
         "causes": actuator.causes,

@@ -77,7 +77,6 @@ def _found(scene: Scene, origins: dict[str, str]) -> dict[str, Any]:
             wording.feasible(found),
             wording.present(found),
         ),
-        "signed": wording.signed,
         "cases": _cases(asked, aims),
         "decided": decided_lengths(found),
         "dependences": [row for row in rows if row.largest >= NEGLIGIBLE],

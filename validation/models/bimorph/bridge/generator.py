@@ -182,7 +182,7 @@ class GeneratorChain:
                 margins,
             ),
             (
-                f"glue of {1e6 * BOND:g} um between the layers",
+                f"glue of {1e6 * BOND:g} µm between the layers",
                 "epoxy between shim and ceramic, which also moves the ceramic outwards",
                 bonded,
             ),
