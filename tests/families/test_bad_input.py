@@ -175,6 +175,19 @@ def test_no_half_a_document(refused, command):
             ["simulate", "generator", "--voltage", "1 V sine 9 Hz", "--until", "-1ms"],
             ["--until = -0.001 s is not between"],
         ),
+        (
+            ["simulate", "generator", "--coil", "9 mA step at 50 ms", "--until", "30 ms"],
+            ["--coil starts at 50 ms and the run ends at 30 ms", "give a later --until"],
+        ),
+        (["init", "own.yaml"], ["own.yaml must end in .toml", "name the file so"]),
+        (
+            ["solve", "--frequency", "10:2000:1"],
+            ["asks for 1 point between two ends", 'such as "10", or at least 2 points'],
+        ),
+        (
+            ["whatif", "--vary", "bimorph.length=20mm,21mm", "--seed", "1000000000"],
+            ['--seed "1000000000" is not a whole number from 0 to 999999999'],
+        ),
     ],
 )
 def test_arguments(refused, arguments, words):

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 #: Most samples that can be drawn.
 _MOST_SAMPLES = 1_000_000
+#: Largest seed that is drawn or taken.
+MOST_SEED = 999_999_999
 
 #: How axes are written.
 AXES = """\
@@ -74,7 +76,7 @@ def stated(options: argparse.Namespace, before: Statement | None = None) -> Stat
         base, scene=str(values["name"]), values=values, models=models, quantities=quantities,
         vary=vary, zipped=options.zip or base.zipped, samples=samples,
         seed=(
-            whole_number(options.seed, "--seed", 0, 2**31, "1")
+            whole_number(options.seed, "--seed", 0, MOST_SEED, "1")
             if options.seed is not None else base.seed
         ),
     )  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.geometry.files import writable_folder, write_text, written_whole
+from tactgen.geometry.files import NotWritten, writable_folder, write_text, written_whole
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.mesh_files import write_mesh
 from tactgen.validation.fields.result import FIELDS, Array, FieldResult, State, at_phase
@@ -55,7 +55,9 @@ def write_fields(path: Path, result: FieldResult, name: str | None = None) -> No
     for name, values in data.items():
         grid.point_data[name.replace(".", "_")] = values  # HDF knows no dots in names
     with written_whole(path) as temporary:
-        _write_hdf(grid, temporary)
+        if not _write_hdf(grid, temporary):
+            remedy = "make room there, choose a folder on a local disk, or write .vtu"
+            raise NotWritten(path, "VTK's HDF5 writer failed", remedy)
 
 
 def as_grid(mesh: Mesh) -> Any:
@@ -96,15 +98,14 @@ def _for_vtk(name: str, values: Array) -> Array:
     return np.asarray((values * np.array([1.0, 1.0, 1.0, shear, shear, shear]))[:, _VTK_ORDER])
 
 
-def _write_hdf(grid: Any, path: Path) -> None:
+def _write_hdf(grid: Any, path: Path) -> bool:
     from vtkmodules.vtkIOHDF import vtkHDFWriter
 
     writer = vtkHDFWriter()
     writer.SetInputData(grid)
     writer.SetFileName(str(path))
     writer.SetCompressionLevel(_COMPRESSION)
-    if not writer.Write():
-        raise OSError(5, "the HDF library cannot write there", str(path))
+    return bool(writer.Write())
 
 
 def moving_state(result: FieldResult) -> State:

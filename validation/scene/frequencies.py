@@ -59,6 +59,11 @@ def _sweep(text: str, stated: str) -> tuple[float, ...]:
             f"{stop:g} Hz; keep both above 0 Hz"
         )
     if count == 1:
+        if start != stop:
+            raise InputError(
+                f"{stated} asks for 1 point between two ends; write one frequency, such as "
+                f'"{start:g}", or at least 2 points'
+            )
         return (start,)
     if logarithmic:
         ratio = math.log(stop / start) / (count - 1)

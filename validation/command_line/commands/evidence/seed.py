@@ -6,10 +6,7 @@ import argparse
 import secrets
 
 from tactgen.validation.command_line.streams import say
-from tactgen.validation.command_line.study_options import whole_number
-
-#: Largest seed that is drawn or taken.
-_MOST = 999_999_999
+from tactgen.validation.command_line.study_options import MOST_SEED, whole_number
 
 
 def seed_option(parser: argparse.ArgumentParser, same: str) -> None:
@@ -26,8 +23,8 @@ def seed_of(options: argparse.Namespace) -> int:
         If what is given is no seed.
     """
     if options.seed is None:
-        return secrets.randbelow(_MOST + 1)
-    return whole_number(options.seed, "--seed", 0, _MOST, "1")
+        return secrets.randbelow(MOST_SEED + 1)
+    return whole_number(options.seed, "--seed", 0, MOST_SEED, "1")
 
 
 def say_seed(seed: int) -> None:

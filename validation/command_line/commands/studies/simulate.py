@@ -13,6 +13,7 @@ from tactgen.validation.command_line.commands.common import Commands, scene_opti
 from tactgen.validation.command_line.json_output import print_json
 
 if TYPE_CHECKING:
+    from tactgen.tmm.generator.transient.waveform import Waveform
     from tactgen.validation.models.generator.transient import Simulation
 
 
@@ -61,6 +62,7 @@ def run(options: argparse.Namespace) -> int:
     voltage = parsed(options.voltage, "--voltage", (VOLTS,))
     coil = parsed(options.coil, "--coil", (AMPERES, VOLTS))
     until, accuracy = _until(options.until), _accuracy(options.accuracy)
+    _check_starts({"--voltage": voltage.waveform, "--coil": coil.waveform}, until)
     with announcer() as announce:
         found = run_scene(
             scene,
@@ -218,6 +220,17 @@ def _until(text: str) -> float:
     if not 1e-6 <= value <= 10.0:
         raise InputError(f"--until = {value:g} s is not between 1 us and 10 s; write such as 30 ms")
     return value
+
+
+def _check_starts(waveforms: dict[str, Waveform], until: float) -> None:
+    """Refuse a waveform of which the run would show nothing."""
+    for option, waveform in waveforms.items():
+        start = getattr(waveform, "start", 0.0)
+        if start >= until:
+            raise InputError(
+                f"{option} starts at {1e3 * start:g} ms and the run ends at {1e3 * until:g} ms; "
+                "give a later --until, or let it start earlier"
+            )
 
 
 def _accuracy(text: str) -> float:
