@@ -60,9 +60,8 @@ def _rows(
         changed = default is None or getattr(default, name) != value
         if key in origins and (changed or not source):
             source = origins[key]
-        text, written = show(value, info), _written(value, info)
-        if key in tolerances:
-            text += f" {tolerances[key].words}"
+        spread = f" {tolerances[key].words}" if key in tolerances else ""
+        text, written = (shown(value, info) + spread for shown in (show, _written))
         yield ParameterRow(key, text, info.description or "", source, written)
 
 

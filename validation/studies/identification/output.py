@@ -264,14 +264,14 @@ def scene_text(found: Identification, origins: Mapping[str, str], folder: Path) 
     rows = [r for r in parameter_rows(found.scene, {}) if r.key in {*origins, *estimates}]
     for row in sorted(rows, key=lambda r: "." in r.key):
         head, _, name = row.key.rpartition(".")
-        if row.key in (*told, "name") or row.text == "derived":
+        if row.key in (*told, "name") or row.written == "derived":
             continue
         if head != group:
             lines += ["", f"[{head}]"]
             group = head
         if row.key in estimates:
             lines.append(_interval_comment(estimates[row.key]))
-        value, text = value_of(found.scene, row.key), row.text
+        value, text = value_of(found.scene, row.key), row.written
         if row.key in FILE_KEYS:
             text = file_from(folder, value, FILE_KEYS[row.key])
         lines.append(f"{name} = {_toml(value, text)}")

@@ -154,7 +154,7 @@ def _text(cell: object) -> str:
 
 def _inputs(scene: Scene, origins: dict[str, str]) -> dict[str, str]:
     rows = parameter_rows(scene, origins)
-    found = {row.key: row.text for row in rows if row.key not in ("name", "description")}
+    found = {row.key: row.written for row in rows if row.key not in ("name", "description")}
     for key in ("models", "quantities"):
         names = getattr(scene, key)
         if len(names) > _LISTED:
