@@ -72,7 +72,7 @@ class ActuatorMeshing:
     slot : bool
         Whether the rod has the slot for the shim's tab.
     time_limit : float
-        Time for the mesher, all attempts together (s).
+        Processor time for the mesher, all attempts together (s).
     """
 
     size: float = 1.3

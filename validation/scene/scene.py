@@ -75,7 +75,7 @@ class MeshSettings(p.Parameters):
         description="1 (coarse) to 5 (finest), bricks from 2; 0 follows from the accuracy wanted",
     )
     time_limit: u.Duration = Field(
-        default=u.SI(600.0), description="time that one tetwild mesh may take"
+        default=u.SI(600.0), description="processor time that one tetwild mesh may take"
     )
 
 

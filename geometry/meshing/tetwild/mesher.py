@@ -7,11 +7,10 @@ has them when it comes, and the second mesh need not load them again.
 from __future__ import annotations
 
 import contextlib
-import select
+import signal
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
@@ -33,10 +32,13 @@ class Mesher:
     ----------
     meanwhile : callable, optional
         What the caller has to do anyway: called once, while the next surface is meshed.
+    spent : float
+        Processor time (s) that all meshes have taken so far, less those it died of.
     """
 
     def __init__(self) -> None:
         self.meanwhile: Callable[[], object] | None = None
+        self.spent = 0.0
         self._process: subprocess.Popen[bytes] | None = None
         self._folder: tempfile.TemporaryDirectory[str] | None = None
 
@@ -80,14 +82,13 @@ class Mesher:
         arrays : dict of str to array
             As ``worker.py`` wants them.
         time_limit : float
-            Seconds after which the process is ended.
+            Processor time (s) after which the process is ended, in whole seconds.
 
         Raises
         ------
         MeshError
             If the time is up or fTetWild fails.
         """
-        deadline = time.monotonic() + time_limit
         self.start()
         assert self._process is not None
         assert self._process.stdin is not None
@@ -97,31 +98,32 @@ class Mesher:
         source, target = folder / "surface.npz", folder / "tets.npz"
         np.savez(source, allow_pickle=False, **arrays)
         try:
-            self._process.stdin.write(f"{source}\n{target}\n".encode())
+            self._process.stdin.write(f"{source}\n{target}\n{time_limit}\n".encode())
             self._process.stdin.flush()
         except BrokenPipeError:
-            raise self._failed() from None
+            raise self._failed(time_limit) from None
         work, self.meanwhile = self.meanwhile, None
         if work is not None:
             work()
-        left = max(deadline - time.monotonic(), 0.0)
-        if not select.select([self._process.stdout], [], [], left)[0]:
-            self._end()
-            raise MeshError(
-                f"meshing was not done after {time_limit:.3g} s; raise the time limit, "
-                "or the edge length, or make the thinnest feature thicker"
-            )
-        if not self._process.stdout.readline():
-            raise self._failed()
+        took = self._process.stdout.readline()
+        if not took:
+            raise self._failed(time_limit)
+        self.spent += float(took)
         with np.load(target) as result:
             return result["points"], result["tets"].astype(np.int64)
 
-    def _failed(self) -> MeshError:
+    def _failed(self, time_limit: float) -> MeshError:
         """Return what to say of a process that is gone; the next mesh gets a new one."""
         assert self._process is not None
         assert self._folder is not None
         code = self._process.wait()
         self._end()
+        if code == -signal.SIGXCPU:
+            self.spent += time_limit
+            return MeshError(
+                f"meshing was not done after {time_limit:.3g} s of processor time; raise the time "
+                "limit, or the edge length, or make the thinnest feature thicker"
+            )
         log = (Path(self._folder.name) / "log").read_text(errors="replace")
         lines = log.strip().splitlines()
         reason = lines[-1] if lines else f"exit code {code}"

@@ -1,4 +1,4 @@
-"""fTetWild on a triangulated surface, in a process of its own with a time limit.
+"""fTetWild on a triangulated surface, in a process of its own with a limit of processor time.
 
 Returns the raw mesh of the box around the surface: no regions, vertices only near the
 surface.  The sizing field lives here too, since its form is fTetWild's.
@@ -83,7 +83,7 @@ def run_ftetwild(
     sizing : SizingField, optional
         Target edge lengths where they vary.
     time_limit : float
-        Seconds after which the process is ended.
+        Processor time (s) after which the process is ended.
     mesher : Mesher, optional
         The process that does it; one of its own by default.
 

@@ -1,15 +1,19 @@
 """Runs fTetWild on the arrays of one file after another and writes each result to another.
 
 Its own process, since fTetWild can run for hours or take its process down with it.
-Imports nothing of this project, so it runs from wherever the project lies.  Two lines on its
-input name a file to read and one to write; one line on its output says that it is written.
+Imports nothing of this project, so it runs from wherever the project lies.  Three lines on its
+input name a file to read, one to write and the processor time (s) that this may take; one line
+on its output says what it took.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
+import resource
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -35,14 +39,28 @@ def mesh(source: Path, target: Path) -> None:
     np.savez(target, points=points, tets=tets)
 
 
+def allow(seconds: float) -> None:
+    """Let the system end this process by SIGXCPU after so much more of the processor's time.
+
+    What the clock on the wall says depends on who else is at work; this does not.
+    """
+    _, most = resource.getrlimit(resource.RLIMIT_CPU)
+    wanted = math.ceil(time.process_time() + seconds)
+    allowed = wanted if most == resource.RLIM_INFINITY else min(wanted, most)
+    resource.setrlimit(resource.RLIMIT_CPU, (allowed, most))
+
+
 def main() -> None:
     """Mesh what the input names until it ends."""
     # what fTetWild itself prints must not look like an answer
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
     while source := sys.stdin.readline().rstrip("\n"):
-        mesh(Path(source), Path(sys.stdin.readline().rstrip("\n")))
-        print("done", file=answers, flush=True)
+        target, seconds = (sys.stdin.readline().rstrip("\n") for _ in range(2))
+        began = time.process_time()
+        allow(float(seconds))
+        mesh(Path(source), Path(target))
+        print(time.process_time() - began, file=answers, flush=True)
 
 
 if __name__ == "__main__":
