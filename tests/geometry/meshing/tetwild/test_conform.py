@@ -1,0 +1,293 @@
+"""What the mesher leaves made to follow CAD: raw meshes drawn by hand, off by a known distance."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.cad.tessellation import Cylinder, Plane, tessellate
+from tactgen.geometry.errors import MeshError
+from tactgen.geometry.meshing.mesh import TET_FACES
+from tactgen.geometry.meshing.mesh_check import check_conformity, check_shape
+from tactgen.geometry.meshing.quadratic import (
+    jacobian_coefficients,
+    smallest_dihedral_angles,
+    tet_volumes,
+    unique_edges,
+)
+from tactgen.geometry.meshing.tetwild import conform as conforming
+from tactgen.geometry.meshing.tetwild.conform import NamedFace, conform
+from tactgen.geometry.meshing.tetwild.relaxing import relaxed
+from tactgen.geometry.meshing.tetwild.run import _cubes_to_tets
+from tactgen.geometry.meshing.tetwild.snapping import bent_middles
+
+#: How far raw points are from where they belong, and may be (mm).
+OFF, SLACK = 0.01, 0.02
+
+
+def outer(tets):
+    """Return the triangles that belong to one tetrahedron alone, seen from outside."""
+    triangles = tets[:, TET_FACES].reshape(-1, 3)
+    _, first, count = np.unique(
+        np.sort(triangles, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    return triangles[first[count == 1]]
+
+
+def in_air(points, inside):
+    """Return a raw mesh: a tetrahedron of air with a point of its own on each open triangle."""
+    shown = outer(inside)
+    a, b, c = np.moveaxis(points[shown], 1, 0)
+    normal = np.cross(b - a, c - a)
+    apexes = (a + b + c) / 3.0 + normal / np.linalg.norm(normal, axis=1)[:, None]
+    air = np.column_stack([shown, len(points) + np.arange(len(shown))])
+    return np.concatenate([points, apexes]), np.concatenate([inside, air])
+
+
+def shaken(points, by=OFF):
+    """Return points moved by up to `by` along each axis."""
+    return points + np.random.default_rng(3).uniform(-by, by, points.shape)
+
+
+def grid(*axes):
+    """Return the points of a grid and its tetrahedra, six a cell."""
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3).astype(float)
+    return points, _cubes_to_tets(*map(len, axes))
+
+
+def disc(corners=16, radius=1.0, height=1.0):
+    """Return points and tetrahedra of a prism with so many corners about the z axis."""
+    angles = 2.0 * np.pi * np.arange(corners) / corners
+    ring = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    plan = np.concatenate([[[0.0, 0.0]], ring])
+    points = np.concatenate([np.column_stack([plan, np.full(len(plan), z)]) for z in (0, height)])
+    wedges = [(0, 1 + k, 1 + (k + 1) % corners) for k in range(corners)]
+    tets = []
+    for wedge in wedges:
+        # cut by the order of the corners' numbers: neighbours share the diagonal
+        low = sorted(wedge)
+        high = [corner + len(plan) for corner in low]
+        tets += [(*low[: i + 1], *high[i:]) for i in range(3)]
+    tets = np.array(tets)
+    turned = tet_volumes(points[tets]) < 0.0
+    tets[turned] = tets[turned][:, [1, 0, 2, 3]]
+    return points, tets
+
+
+def two_boxes(size=1.0):
+    """Return two boxes one on the other, and their surface."""
+    import cadquery as cq
+
+    from tactgen.geometry.cad.solids import fuse
+
+    solids = fuse(
+        {
+            "below": cq.Solid.makeBox(size, size, size),
+            "above": cq.Solid.makeBox(size, size, 2.0 * size, cq.Vector(0.0, 0.0, size)),
+        }
+    )
+    return solids, tessellate(solids, 0.1, 0.5)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    """Return the two boxes, which are made once."""
+    return two_boxes()
+
+
+@pytest.fixture(scope="module")
+def cylinder():
+    """Return a cylinder, and its surface."""
+    import cadquery as cq
+
+    solids = {"disc": cq.Solid.makeCylinder(1.0, 1.0)}
+    return solids, tessellate(solids, 0.01, 0.2)
+
+
+def box_points():
+    return grid([0.0, 1.0], [0.0, 1.0], [0.0, 1.0, 3.0])
+
+
+def test_points_off_their_planes_are_put_back(pair):
+    """Each region has its volume, and a named face is where it is named, to rounding."""
+    points, tets = box_points()
+    raw, cells = in_air(shaken(points), tets)
+    named = {
+        "between": NamedFace(Plane((0.0, 0.0, 1.0), 1.0), ("below",)),
+        "end": NamedFace(Plane((0.0, 0.0, 1.0), 3.0), ("above",)),
+        "side": NamedFace(Plane((1.0, 0.0, 0.0), 1.0), ("above",)),
+    }
+    mesh = conform(raw, cells, *pair, SLACK, named, curved=True)
+    assert (mesh.kind, mesh.regions) == ("tetra", ("below", "above"))
+    np.testing.assert_allclose(1e3 * mesh.points, points, rtol=1e-14, atol=1e-14)
+    volumes = np.bincount(mesh.region_of_cell, tet_volumes(mesh.points[mesh.cells]))
+    np.testing.assert_allclose(volumes, [1e-9, 2e-9], rtol=1e-12)
+    for name, z in (("between", 1e-3), ("end", 3e-3)):
+        assert mesh.faces[name].shape == (2, 3)
+        np.testing.assert_allclose(mesh.points[mesh.faces[name], 2], z, rtol=1e-12)
+    side = mesh.points[mesh.faces["side"]]  # of the upper box alone, though both end there
+    assert (side[..., 0].min(), side[..., 2].min(), len(side)) == (1e-3, 1e-3, 2)
+
+
+def test_a_body_of_any_size_gets_the_same_mesh(pair):
+    """Nothing in it is a length of its own: all of it smaller, and the slack with it."""
+    points, tets = box_points()
+    raw, cells = in_air(shaken(points), tets)
+    as_it_is = conform(raw, cells, *pair, SLACK, {}, curved=True)
+    small = conform(raw / 64.0, cells, *two_boxes(1.0 / 64.0), SLACK / 64.0, {}, curved=True)
+    np.testing.assert_array_equal(small.cells, as_it_is.cells)
+    np.testing.assert_array_equal(small.region_of_cell, as_it_is.region_of_cell)
+    np.testing.assert_allclose(64.0 * small.points, as_it_is.points, rtol=1e-9, atol=1e-15)
+
+
+def test_a_mesh_that_stays_off_by_more_than_twice_the_slack_is_refused(pair):
+    """The raw mesh is no mesh of these solids there; up to that it is put back."""
+    points, tets = box_points()
+    top = points[:, 2] == 3.0
+    points[top, 2] += 1.99 * SLACK
+    mesh = conform(*in_air(points, tets), *pair, SLACK, {}, curved=True)
+    assert mesh.points[:, 2].max() == pytest.approx(3e-3, rel=1e-12)
+    points[top, 2] += 0.02 * SLACK
+    with pytest.raises(MeshError, match="2 triangles between outside and above lie on no face"):
+        conform(*in_air(points, tets), *pair, SLACK, {}, curved=True)
+
+
+def test_a_tetrahedron_that_putting_back_flattens_is_left_out(pair):
+    """On the outside two triangles stand for it; the surface has another diagonal there."""
+    points, tets = box_points()
+    points[:, 2] += np.where(points[:, 2] == 3.0, -OFF, 0.0)
+    top = np.flatnonzero(points[:, 2] == 3.0 - OFF)
+    raw, cells = in_air(points, tets)
+    plain = conform(raw, cells, *pair, SLACK, {}, curved=True)
+    low, high = ([top[0], top[3]], [top[1], top[2]])  # the grid's diagonal, and the other
+    points[high, 2] += 1.5 * OFF
+    flat = np.array([[*low, *high]])
+    if tet_volumes(points[flat])[0] < 0.0:
+        flat = flat[:, [1, 0, 2, 3]]
+    raw, cells = in_air(points, np.concatenate([tets, flat]))
+    mesh = conform(raw, cells, *pair, SLACK, {}, curved=True)
+    for name in ("points", "cells", "region_of_cell"):
+        np.testing.assert_allclose(getattr(mesh, name), getattr(plain, name), atol=1e-15)
+
+
+def sector(h):
+    """Return the area of a sector of angle `h` whose arc is the parabola through its middle."""
+    return 0.5 * np.sin(h) + 4.0 / 3.0 * np.sin(h / 2.0) * (1.0 - np.cos(h / 2.0))
+
+
+@pytest.mark.parametrize(("curved", "area"), [(True, sector), (False, lambda h: 0.5 * np.sin(h))])
+def test_edges_on_a_cylinder_are_parabolas_or_chords(cylinder, curved, area):
+    """Sixteen corners, off by what the mesher may: the volume is that of the exact corners."""
+    points, tets = disc(16)
+    raw, cells = in_air(points * [1.0 + OFF, 1.0 + OFF, 1.0], tets)
+    mesh = conform(raw, cells, *cylinder, SLACK, {}, curved=curved)
+    assert mesh.kind == ("tetra10" if curved else "tetra")
+    nodes = 1e3 * mesh.points[mesh.cells]
+    volumes = jacobian_coefficients(nodes).mean(axis=1) / 6.0 if curved else tet_volumes(nodes)
+    assert volumes.sum() == pytest.approx(16.0 * area(2.0 * np.pi / 16.0), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("left_out", "said"),
+    [
+        (
+            "check_areas",
+            r"the volume of disc is 3\.13\d* mm\^3 in the mesh but 3\.14159 mm\^3 in CAD",
+        ),
+        ("check_volumes", r"the area between disc and outside is .* choose a smaller edge length"),
+    ],
+)
+def test_parabolas_that_are_too_long_are_refused(cylinder, left_out, said, monkeypatch):
+    """Six corners miss 2.4 permille of the cylinder; volumes see it, and areas."""
+    monkeypatch.setattr(conforming, left_out, lambda *_: None)
+    with pytest.raises(MeshError, match=said):
+        conform(*in_air(*disc(6)), *cylinder, SLACK, {}, curved=True)
+
+
+@pytest.mark.parametrize(("away", "bent"), [(0.35, True), (0.05, False)])
+def test_an_edge_stays_straight_where_its_element_would_fold(away, bent):
+    """Around a bore the arc bows into the element: by 0.134 of the radius over a sixth of it.
+
+    A second element beside the first, which shares only a vertex with it, is bent as it would be
+    alone; edges on no surface stay where they are.
+    """
+    c, s = np.cos(np.pi / 6.0), np.sin(np.pi / 6.0)
+    tet = np.array([[c, s, 0.0], [c, -s, 0.0], [c + away, 0.0, 0.5], [c + away, 0.0, -0.5]])
+    roomy = np.array([[-0.5, c * 3.0, 0.5], [-s, c, 0.0]])
+    points = np.concatenate([tet, [[0.0, 1.0, 0.0], *roomy, [0.5, 3.0, -0.5]]])
+    tets = np.array([[0, 1, 2, 3], [4, 6, 5, 7]])
+    turned = tet_volumes(points[tets]) < 0.0
+    tets[turned] = tets[turned][:, [1, 0, 2, 3]]
+    edges, edges_of_cell = unique_edges(tets)
+    middles = points[edges].mean(axis=1)
+    cells = np.concatenate([tets, edges_of_cell + len(points)], axis=1)
+    on = np.flatnonzero([edge.tolist() in ([0, 1], [4, 6]) for edge in edges])
+    found = bent_middles(points, cells, middles, (on, np.zeros(2, int)), [Cylinder(1.0)])
+    radius = np.hypot(*found[on, :2].T)
+    np.testing.assert_allclose(radius, [1.0 if bent else c, 1.0], rtol=1e-12)
+    others = np.setdiff1d(np.arange(len(edges)), on)
+    np.testing.assert_array_equal(found[others], middles[others])
+
+
+#: A cube about a vertex, from which twelve tetrahedra go to its faces.
+CUBE, _ = grid([-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0])
+STAR = np.column_stack([outer(_cubes_to_tets(2, 2, 2))[:, [0, 2, 1]], np.full(12, 8)])
+
+
+@pytest.mark.parametrize("start", [(0.99, 0.0, 0.0), (0.2, -0.995, 0.1), (1.4, 0.0, 0.3)])
+def test_a_vertex_without_room_goes_to_the_middle_of_its_neighbours(start):
+    """Also one that has left the cube, and turned tetrahedra inside out."""
+    points = np.concatenate([CUBE, [start]])
+    free = np.zeros((9, 3), dtype=bool)
+    np.testing.assert_array_equal(relaxed(points, STAR, free), points)
+    free[8] = True
+    moved = relaxed(points, STAR, free)
+    np.testing.assert_allclose(moved[8], 0.0, atol=1e-15)
+    np.testing.assert_array_equal(moved[:8], CUBE)
+    free[8, 0] = False
+    assert relaxed(points, STAR, free)[8, 0] == start[0]
+
+
+def test_a_vertex_goes_where_its_worst_angle_is_best():
+    """Of five places on the way to the middle of its neighbours; one with room stays."""
+    lopsided = CUBE * np.where(np.arange(8) == 5, 8.0, 1.0)[:, None]
+    free = (np.arange(9) == 8)[:, None] & np.ones(3, dtype=bool)
+    start = np.array([-0.999, 0.3, 0.2])
+    moved = relaxed(np.concatenate([lopsided, [start]]), STAR, free)[8]
+    ways = np.array([[0.0], [0.1], [0.3], [0.6], [1.0]])
+    places = start + ways * (lopsided.mean(axis=0) - start)
+    worst = [
+        smallest_dihedral_angles(np.concatenate([lopsided, [place]])[STAR]).min()
+        for place in places
+    ]
+    assert 0 < np.argmax(worst) < 4
+    np.testing.assert_allclose(moved, places[np.argmax(worst)], rtol=1e-14)
+    there = np.concatenate([lopsided, [moved]])
+    np.testing.assert_array_equal(relaxed(there, STAR, free), there)
+
+
+@pytest.mark.parametrize(
+    ("tets", "skin"),
+    [
+        ([[0, 1, 2, 3], [0, 2, 1, 4]], 5),
+        ([[0, 1, 2, 3], [0, 2, 1, 4]], 7),
+        ([[0, 1, 2, 3], [0, 2, 1, 4], [0, 2, 1, 5]], 9),
+    ],
+    ids=["not all on the skin", "torn", "three on one face"],
+)
+def test_elements_that_do_not_share_their_faces_are_refused(tets, skin):
+    """Two on a face have six others; a skin of six is theirs."""
+    check_conformity(np.array([[0, 1, 2, 3], [0, 2, 1, 4]]), 6)
+    with pytest.raises(MeshError, match="do not share their faces"):
+        check_conformity(np.array(tets), skin)
+
+
+def test_elements_flatter_than_three_degrees_are_counted():
+    """Two triangles on one edge, at an angle: no other between two faces is as small."""
+    angles = np.radians([2.99, 3.01, 2.0])
+    leaves = [
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, np.cos(a), np.sin(a)]]
+        for a in angles
+    ]
+    points, tets = np.array(leaves).reshape(-1, 3), np.arange(12).reshape(-1, 4)
+    check_shape(points, tets[1:2])
+    with pytest.raises(MeshError, match="2 elements have angles below 3 degrees"):
+        check_shape(points, tets)
