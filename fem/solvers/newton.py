@@ -170,14 +170,14 @@ def minimise(
         if not slope <= 0.0:
             raise _not_convex()
         share = _SLOPE_LEFT if anew else _FAST
-        x, gradient, length = _stepped(energy, x, direction, slope, share)
+        x, gradient, whole = _stepped(energy, x, direction, slope, share)
         size = energy.scale(x)
         # what is left is measured by the factors from before the step: the same to first order
         rest = factors.solve(gradient)
         before, left = (
             math.sqrt(abs(each) / size) if size else 0.0 for each in (slope, float(gradient @ rest))
         )
-        whole = length == 1.0  # else the factors are far too soft here, and so is what they take
+        # if not whole, the factors are far too soft here, and so is what they take
         if whole and left * max(left, _MOST_TAKEN * before) <= tolerance * before:
             return Minimum(x - rest, hessians)  # known, so taken away as well
         if anew and -slope <= _LAST_STEP**2 * size:
@@ -196,10 +196,10 @@ def _not_convex() -> SolverError:
 
 def _stepped(
     energy: ConvexEnergy, x: Floats, direction: Floats, slope: float, share: float = _SLOPE_LEFT
-) -> tuple[Floats, Floats, float]:
-    """Return where a step along `direction` ends, the gradient there, and its length.
+) -> tuple[Floats, Floats, bool]:
+    """Return where a step along `direction` ends, the gradient there, and whether it is whole.
 
-    The length, 1 at most, is found by regula falsi on the slope, up to a share that may be left;
+    Its share of `direction`, 1 at most, is found by regula falsi on the slope, up to a share that may be left;
     the slope of an end that stays is halved each time (the Illinois rule; M. Dowell and P. Jarratt,
     BIT 11 (1971) 168): else where the slope has saturated, one end would hardly move.
 
@@ -218,15 +218,16 @@ def _stepped(
         short = slope_there < -enough and length < 1.0
         far = slope_there > enough or (over and energy.value(there) > ceiling)
         if not (short or far):
-            return there, gradient, length
+            return there, gradient, length == 1.0
         if over:
-            slope_low *= 0.5 if high_moved else 1.0
+            if high_moved:
+                slope_low *= 0.5
             high, slope_high = length, slope_there
         else:
-            slope_high *= 1.0 if high_moved else 0.5
+            if not high_moved:
+                slope_high *= 0.5
             low, slope_low = length, slope_there
         high_moved = over
         fraction = np.clip(slope_low / (slope_low - slope_high), _WITHIN, 1.0 - _WITHIN)
         length = low + (high - low) * float(fraction)
-    there = x + length * direction
-    return there, energy.gradient(there), length
+    return there, gradient, False

@@ -107,6 +107,22 @@ def test_truncation_is_in_the_error_bars():
     assert near.coenergy < far.coenergy
 
 
+def test_without_current_bars_are_those_of_a_small_one():
+    """No flux, energy or force, and no bar on them; the inductance and its bar are the limit.
+
+    Truncation has a share that only a field tells, here 1.5e-5 of the inductance, twice: up to
+    0.01 of a bar that is 0.003 of it.
+    """
+    none, small = (solve_point(DEVICE, current, refinement=0.75) for current in (0.0, 1e-6))
+    for name in NAMES[:3]:
+        assert getattr(none, name) == getattr(none.errors, name) == 0.0
+    assert none.inductance == none.incremental_inductance
+    assert none.inductance == pytest.approx(small.inductance, rel=2e-4)  # the steel's first rise
+    bar, limit = none.errors.incremental_inductance, small.errors.incremental_inductance
+    assert bar == pytest.approx(limit, rel=0.012)
+    assert bar / none.inductance < 0.004
+
+
 @pytest.mark.parametrize("current", [pytest.param(0.02, marks=pytest.mark.heavy), 0.5])
 def test_force_is_the_derivative_of_the_coenergy(current):
     """−ΔW'/Δg between separate grids is the force, far into saturation too."""

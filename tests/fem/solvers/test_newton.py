@@ -47,9 +47,13 @@ def test_a_step_is_whole_or_ends_where_the_slope_is_small(start, reach):
     gradient = energy.gradient(x)
     direction = -reach * gradient / energy.hessian(x).diagonal()
     slope = float(gradient @ direction)
-    there, found, length = _stepped(energy, x, direction, slope)
-    assert length == pytest.approx(float((there - x)[0] / direction[0]))
+    asked = []
+    energy.gradient = lambda x: asked.append(x) or Saturating.gradient(energy, x)
+    there, found, whole = _stepped(energy, x, direction, slope)
+    length = float((there - x)[0] / direction[0])
     assert 0.0 < length < 1.0 + 1e-12
+    assert whole is (length > 1.0 - 1e-12)
+    assert whole is (len(asked) == 1)
     assert energy.value(there) <= energy.value(x)
     assert found == energy.gradient(there)
     left = float(found @ direction)
@@ -77,6 +81,25 @@ def test_a_step_beyond_where_the_slope_saturates_is_found_in_few_trials(near, re
     assert len(asked) <= 5.0 + np.log2(20.0 * reach) + 0.5 * np.log2(2.0 / near)
 
 
+@pytest.mark.parametrize("reach", [1.0, 30.0, 1e4])
+def test_a_step_from_where_the_slope_has_saturated_takes_about_as_many_trials_as_halving(reach):
+    """Now the slope is small at the end that creeps up, and it is the far end's that is halved.
+
+    Halving the bracket until the slope (1 − 0.7² = 0.51 per length) is small enough at both of its
+    ends, and half as many trials again.
+    """
+    energy = Saturating(np.array([1.0]), np.array([-0.7]))
+    x, direction = np.array([-20.0 * reach]), np.array([20.0 * reach + 3.0])
+    slope = float(energy.gradient(x) @ direction)
+    asked = []
+    energy.gradient = lambda x: asked.append(x) or Saturating.gradient(energy, x)
+    there, found, _ = _stepped(energy, x, direction, slope)
+    assert energy.value(there) <= energy.value(x)
+    assert abs(float(found @ direction)) <= _SLOPE_LEFT * abs(slope)
+    narrow = 2.0 * _SLOPE_LEFT * 0.3 / (1.0 - 0.7**2)
+    assert len(asked) <= 1.5 * np.log2(direction[0] / narrow)
+
+
 def test_quadratic_energy_takes_one_step_and_a_look():
     """A quadratic is settled by the first step; the second only finds that nothing is left."""
 
@@ -93,6 +116,41 @@ def test_quadratic_energy_takes_one_step_and_a_look():
     found = minimise(Quadratic(np.array([2.0, 8.0]), np.array([1.0, 4.0])), np.zeros(2))
     np.testing.assert_allclose(found.x, [0.5, 0.5], rtol=1e-14)
     assert found.steps <= 2
+
+
+def test_an_energy_in_other_units_takes_the_same_steps():
+    """Fields hold microjoules: nothing is small or large by itself."""
+    a, b = np.array([1.0, 5.0]), np.array([0.5, -2.0])
+    plain, small = (minimise(Saturating(u * a, u * b), np.full(2, 3.0)) for u in (1.0, 2.0**-30))
+    np.testing.assert_allclose(small.x, plain.x, rtol=1e-12)
+    assert small.steps == plain.steps
+
+
+@pytest.mark.parametrize(("grown", "whole"), [(5e-13, True), (2e-12, False)])
+def test_an_energy_may_grow_by_its_rounding(grown, whole):
+    """Just beyond the minimum, where the slope is small: by 1e-12 of the field's energy."""
+    energy = Saturating(np.array([1.0]), np.array([0.0]))
+    x, direction = np.array([2.0]), np.array([-2.01])
+    slope = float(energy.gradient(x) @ direction)
+    start = energy.value(x)
+    energy.value = lambda at: start * (1.0 + (grown if at[0] < 0.0 else 0.0))
+    there, _, is_whole = _stepped(energy, x, direction, slope)
+    assert is_whole is whole
+    assert bool(there[0] < 0.0) is whole
+
+
+def test_a_search_that_is_ended_gives_its_last_trial(monkeypatch):
+    """What was tried last, which is no whole step."""
+    monkeypatch.setattr("tactgen.fem.solvers.newton._MAX_TRIALS", 3)
+    energy = Saturating(np.array([1.0]), np.array([0.99]))
+    x, direction = np.array([-3.0]), np.array([1e5])
+    slope = float(energy.gradient(x) @ direction)
+    asked = []
+    energy.gradient = lambda x: asked.append(x) or Saturating.gradient(energy, x)
+    there, gradient, whole = _stepped(energy, x, direction, slope)
+    assert (len(asked), whole) == (3, False)
+    np.testing.assert_array_equal(there, asked[-1])
+    np.testing.assert_array_equal(gradient, Saturating.gradient(energy, there))
 
 
 def test_nothing_to_do_takes_no_step():

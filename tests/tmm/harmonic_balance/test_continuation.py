@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
+from tactgen.tmm.harmonic_balance import continuation
 from tactgen.tmm.harmonic_balance.continuation import follow
 from tactgen.tmm.harmonic_balance.newton import NoConvergence
 from tactgen.tmm.harmonic_balance.response import steady_orbit
@@ -47,6 +48,25 @@ def test_downwards_it_is_the_same_branch():
     assert branch.orbits[-1].omega == 0.9
     at = sorted(fold.orbit.omega for fold in folds(oscillator, branch))
     assert at == pytest.approx(sorted(o.omega for o in cases.driven_duffing_folds()), rel=1e-6)
+
+
+def test_every_tangent_is_one_of_the_equations():
+    """Also where the sizes it is measured in have grown since it was solved for.
+
+    It was solved for at Newton's last matrix, which is off by the last correction, below 1e-6.
+    Sizes grow with the motion, not at each point: where it has left them behind by a fifth.
+    """
+    oscillator, branch = cases.driven_duffing(), cases.driven_duffing_branch()
+    grown = 0
+    for before, step in itertools.pairwise(branch.steps[:-1]):
+        growth = step.course.scales / before.course.scales
+        assert (growth == 1.0).all() or growth.max() > 1.2
+        assert (np.abs(step.orbit.spectrum).max(axis=0) <= 1.2 * step.course.scales).all()
+        grown += growth.max() > 1.0
+        _, matrix = continuation._bordered(oscillator, step.orbit, step.course, step.tangent)
+        anew = continuation._solved_tangent(matrix)
+        np.testing.assert_allclose(step.tangent, anew, atol=1e-6)
+    assert grown >= 3
 
 
 def test_a_drive_exactly_at_a_fold():
