@@ -199,9 +199,10 @@ def _stepped(
 ) -> tuple[Floats, Floats, bool]:
     """Return where a step along `direction` ends, the gradient there, and whether it is whole.
 
-    Its share of `direction`, 1 at most, is found by regula falsi on the slope, up to a share that may be left;
-    the slope of an end that stays is halved each time (the Illinois rule; M. Dowell and P. Jarratt,
-    BIT 11 (1971) 168): else where the slope has saturated, one end would hardly move.
+    Its share of `direction`, 1 at most, is found by regula falsi on the slope, up to a share that
+    may be left; the slope of an end that stays is halved each time (the Illinois rule; M. Dowell
+    and P. Jarratt, BIT 11 (1971) 168): else where the slope has saturated, one end would hardly
+    move.
 
     A small slope alone is not enough: where the curve has flattened out it may be far
     beyond the minimum, so the energy must not have grown either.
