@@ -45,9 +45,9 @@ def test_import_and_solve(installed):
     script = (
         "import tactgen; scene, _ = tactgen.load_scene('paper'); "
         "(q,) = tactgen.solve(scene, ['tmm'], ['static_tip_displacement']).quantities; "
-        "print(tactgen.__file__, float(q.value))"
+        "print(tactgen.__file__, float(q.value), sep='\\n')"
     )
-    place, value = run(installed, "-c", script).split()
+    place, value = run(installed, "-c", script).splitlines()
     assert Path(place).is_relative_to(installed)
     assert 4e-5 < float(value) < 6e-5
 

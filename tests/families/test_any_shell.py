@@ -1,13 +1,14 @@
 """Any shell: the same answer or one sentence, whatever the surroundings of a command are."""
 
 import os
+import shlex
 import subprocess
 import sys
 
 import pytest
 
 ANSWER = "solve --model tmm --quantity static_tip_displacement"
-CLI = f"{sys.executable} -m tactgen"
+CLI = f"{shlex.quote(sys.executable)} -m tactgen"
 
 
 def call(arguments, redirection="", **surroundings):
@@ -51,7 +52,7 @@ def test_a_notebooks_backend_is_nobodys_business(tmp_path):
     """The variable that a notebook leaves to its children names a module that may be missing."""
     picture = tmp_path / "a.svg"
     done = call(
-        f"design --lengths 20mm:21mm --plot {picture}",
+        f"design --lengths 20mm:21mm --plot {shlex.quote(str(picture))}",
         MPLBACKEND="module://matplotlib_inline.backend_inline",
     )
     assert (done.returncode, done.stderr) == (0, "")

@@ -72,14 +72,18 @@ def _version(package: str) -> str:
 
 
 def _commit() -> str:
-    here = Path(__file__).resolve().parent
-    # tags are left out and the length is stated: both would depend on the clone
-    asked = ["describe", "--always", "--dirty", "--exclude=*", "--abbrev=12"]
+    here = Path(__file__).resolve()
     try:
-        found = subprocess.run(
-            ["git", "-C", str(here), *asked],
-            capture_output=True, text=True, timeout=10, check=True,
-        )  # fmt: skip
+        # installed or unpacked inside of another project's repository, it is not of that commit
+        _git(here.parent, "ls-files", "--error-unmatch", here.name)
+        # tags are left out and the length is stated: both would depend on the clone
+        return _git(here.parent, "describe", "--always", "--dirty", "--exclude=*", "--abbrev=12")
     except (OSError, subprocess.SubprocessError):
         return "installed without its repository"
-    return found.stdout.strip()
+
+
+def _git(folder: Path, *asked: str) -> str:
+    done = subprocess.run(
+        ["git", "-C", str(folder), *asked], capture_output=True, text=True, timeout=10, check=True
+    )
+    return done.stdout.strip()

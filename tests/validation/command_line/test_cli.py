@@ -1,6 +1,7 @@
 """The command line as other programs see it: output, exit codes, what it imports."""
 
 import json
+import shlex
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -153,7 +154,7 @@ def test_help_is_a_result(capsys):
 )  # fmt: skip
 def test_output_that_cannot_be_written(redirection, code, words, command):
     """A full disk or a closed stream is one sentence, no traceback, also at exit."""
-    shell = f"{sys.executable} -m tactgen {command} {redirection}"
+    shell = f"{shlex.quote(sys.executable)} -m tactgen {command} {redirection}"
     result = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
     assert result.returncode == code, result.stderr
     assert words in result.stderr
@@ -289,7 +290,7 @@ def test_plan_and_scenes_print(capsys):
 
 def test_closed_pipe_is_no_error(tmp_path):
     """`tactgen solve | head -1` ends quietly."""
-    command = f"{sys.executable} -m tactgen solve --model tmm --json | true"
+    command = f"{shlex.quote(sys.executable)} -m tactgen solve --model tmm --json | true"
     result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert result.stderr == "" or "warning" in result.stderr
 

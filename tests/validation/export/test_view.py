@@ -48,7 +48,7 @@ def test_all_that_is_written(tmp_path, capsys, unsaved, approved):
     page = tmp_path / "v.html"
     arguments = ["view", *QUICK, "--frequency", "500", "--out", str(page), *options]
     assert main([*arguments, "--state", "500 Hz", "--field", "u_x"]) == 0
-    assert capsys.readouterr().out.split() == [str(page), *map(str, files.values())]
+    assert capsys.readouterr().out.splitlines() == [str(page), *map(str, files.values())]
     text = page.read_text(encoding="utf-8")
     assert '"name":"500 Hz"' in text
     assert files["png"].read_bytes().startswith(b"\x89PNG")

@@ -334,7 +334,7 @@ def test_map_is_exported(tmp_path, capsys):
     """The most detailed model's map that the scene asks for, as netCDF that reads back."""
     file = tmp_path / "map.nc"
     assert main(["export", "reluctance", "--set", "models=network", "--map", str(file)]) == 0
-    assert capsys.readouterr().out.split() == [str(file)]
+    assert capsys.readouterr().out.splitlines() == [str(file)]
     found, solved = read_map(file), actuator("models=network").pull
     assert found.samples.model == "network"
     # whose map it is can be told from the file alone

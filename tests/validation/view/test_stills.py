@@ -77,10 +77,10 @@ def test_what_ffmpeg_is_given(tmp_path, monkeypatch):
 
     monkeypatch.setenv("PATH", f"{folder}:/usr/bin:/bin")
     path, images = tmp_path / "a.mp4", [Image.new("RGB", (4, 2), (k, 0, 0)) for k in range(2)]
-    does('for last; do :; done; cat > "$last"', f'printf "%s\\n" "$@" > {tmp_path}/given')
+    does('for last; do :; done; cat > "$last"', f'printf "%s\\n" "$@" > "{tmp_path}/given"')
     save_film(path, images, 40, 3)
     assert path.read_bytes() == b"".join(image.tobytes() for image in images) * 3
-    given = (tmp_path / "given").read_text(encoding="utf-8").split()
+    given = (tmp_path / "given").read_text(encoding="utf-8").splitlines()
     assert " ".join(given[:-1]) == (
         "-loglevel error -y -f rawvideo -pix_fmt rgb24 -s 4x2 -r 25 -i - -pix_fmt yuv420p "
         "-movflags +faststart -fflags +bitexact"
