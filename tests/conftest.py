@@ -58,6 +58,20 @@ def shared_store(tmp_path_factory):
         yield
 
 
+#: Variables by which the terminal, or a server that runs the tests, asks for colours.
+COLOURS = ("FORCE_COLOR", "NO_COLOR", "TERM", "TTY_COMPATIBLE", "TTY_INTERACTIVE")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def plain_terminal():
+    """Break lines where every terminal does, and colour nothing, wherever the tests are run."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("COLUMNS", "80")
+        for name in COLOURS:
+            patch.delenv(name, raising=False)
+        yield
+
+
 @pytest.fixture
 def own_store(tmp_path, monkeypatch):
     """Give one test a store of its own, since it changes code or counts what is computed."""

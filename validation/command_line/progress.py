@@ -7,8 +7,12 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from tactgen.validation.command_line.streams import say
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 #: Seconds of work from which on a log hears of it, and between two lines of it.  Quicker work
 #: is silent in a pipe: who reads the result wants no words beside it.
@@ -65,13 +69,22 @@ def _time(seconds: float) -> str:
 def announcer(stages: Sequence[str] = ()) -> Iterator[Callable[[str], None]]:
     """Yield a function that is told what is being done, and shows it on stderr."""
     clock = Clock(stages)
-    if not sys.stderr.isatty():
+    console = _rewritten()
+    if console is None:
         yield _in_lines(clock)
         return
+    with console.status("starting") as status:
+        yield lambda text: status.update(clock.words(text))
+
+
+def _rewritten() -> Console | None:
+    """Return stderr where a line of it can be written over: a terminal that is not a dumb one."""
+    if not sys.stderr.isatty():
+        return None
     from rich.console import Console
 
-    with Console(stderr=True).status("starting") as status:
-        yield lambda text: status.update(clock.words(text))
+    console = Console(stderr=True)
+    return None if console.is_dumb_terminal else console
 
 
 def _in_lines(clock: Clock) -> Callable[[str], None]:

@@ -46,6 +46,17 @@ def test_long_work_says_a_line_now_and_then(monkeypatch):
     assert all(re.fullmatch(r"tactgen: solid.ports \(stage 2 of 2\), .* s", s) for s in lines)
 
 
+def test_a_dumb_terminal_is_told_what_a_log_is(monkeypatch):
+    """One in which no line can be written over is not left without a word."""
+    terminal = Terminal()
+    monkeypatch.setenv("TERM", "dumb")
+    monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setattr(progress, "_LINES", 0.0)
+    with announcer() as announce:
+        announce("solid.mesh")
+    assert re.fullmatch(r"tactgen: solid.mesh, \d+ s\n", terminal.getvalue())
+
+
 def test_what_is_left_is_told_of_equal_steps_only():
     """Gaps of a map cost the same; stages do not."""
     times = {"now": 0.0}

@@ -47,7 +47,8 @@ def told_of(capsys, approved, tmp_path):
                 out,
                 *(f"! {line}" for line in beside.splitlines()),
             ]
-        approved("\n".join(said).replace(str(tmp_path), "HERE"))
+        text = "\n".join(said).replace(tmp_path.as_uri(), "file://HERE")
+        approved(text.replace(str(tmp_path), "HERE"))
 
     return run
 

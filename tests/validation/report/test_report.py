@@ -205,7 +205,7 @@ def test_exported_files_are_complete(tmp_path, capsys):
     step, glb, mesh = tmp_path / "g.step", tmp_path / "g.glb", tmp_path / "m.vtu"
     assert main(["export", "bimorph_on_rod", "--step", str(step), "--glb", str(glb)]) == 0
     assert main(["export", "j1", "--set", "mesh.level=2", "--mesh", str(mesh)]) == 0
-    assert capsys.readouterr().out.split() == [str(step), str(glb), str(mesh)]
+    assert capsys.readouterr().out.splitlines() == [str(step), str(glb), str(mesh)]
     assert step.read_text(encoding="utf-8").startswith("ISO-10303-21")
     assert glb.read_bytes()[:4] == b"glTF"
     written = meshio.read(mesh)

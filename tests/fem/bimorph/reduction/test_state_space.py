@@ -184,7 +184,7 @@ def test_command_writes_both(tmp_path, capsys):
         arguments = [part for setting in settings for part in ("--set", setting)]
         files = ["--ports", str(ports), "--state-space", str(states)]
         assert main(["export", "paper", *arguments, *files]) == 0
-        assert capsys.readouterr().out.split() == [str(ports), str(states)]
+        assert capsys.readouterr().out.splitlines() == [str(ports), str(states)]
         with np.load(states) as data:
             capacitance.append(data["d"][-1, -1])
     assert capacitance[0] == pytest.approx(4.0 * capacitance[1], rel=1e-9)
