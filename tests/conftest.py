@@ -55,6 +55,8 @@ def shared_store(tmp_path_factory):
         base = base.parent
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TACTGEN_CACHE", str(base / "store"))
+        for name in ("TACTGEN_CACHE_LIMIT", "TACTGEN_THREADS"):  # what somebody set for own work
+            patch.delenv(name, raising=False)
         yield
 
 
