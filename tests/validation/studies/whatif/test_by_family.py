@@ -5,12 +5,14 @@ import pytest
 from approved import answered
 
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.families import find_families
+from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import solid_family
 from tactgen.validation.scene.scene import load_scene, scene_values
-from tactgen.validation.studies.whatif import answers
+from tactgen.validation.studies.whatif import answers, by_family
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
 
@@ -71,3 +73,22 @@ def test_a_study_takes_the_reduced_basis_and_says_so(own_store, monkeypatch, app
         assert (together.unit, together.classes) == (single.unit, single.classes)
         apart = np.abs(together.value - single.value)
         assert (apart <= together.uncertainty + single.uncertainty).all()
+
+
+@pytest.mark.parametrize("refusing", ["answer_family", "accuracy_warnings"])
+def test_what_a_family_cannot_answer_is_left_to_be_asked_alone(monkeypatch, refusing):
+    """All of it where there is no basis; where only the answer is refused, that is said there."""
+
+    def refused(*_):
+        raise InputError("the range is too wide")
+
+    given = (Quantity(MODAL[0], "solid", np.ones(1), "Hz", np.zeros(1), "", 0.1),)
+    monkeypatch.setattr(by_family, "answer_family", lambda _, scenes, *__: [given] * len(scenes))
+    monkeypatch.setattr(by_family, refusing, refused)
+    asked = {
+        n: (answers.Question("solid", MODAL, (), ()), s) for n, s in enumerate(scenes(*lengths(9)))
+    }
+    said = []
+    assert by_family.answers_by_family(asked, said.append) == {}
+    alone = ["solid: one by one, since the range is too wide"]
+    assert said == (alone if refusing == "answer_family" else [])

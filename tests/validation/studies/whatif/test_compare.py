@@ -11,14 +11,17 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.whatif.compare import page
+from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.compare import page, sides
 from tactgen.validation.studies.whatif.compare.differences import answer_differences
 from tactgen.validation.studies.whatif.compare.sides import Key, Number, Side, read_sides
 from tactgen.validation.studies.whatif.compare.wording import as_values
+from tactgen.validation.studies.whatif.shown import tidy
 from tactgen.validation.view import pictures
 
 KEY = Key((), "capacitance_free", "solid", "", "")
 SCENE = load_scene("prototype")[0]
+HEAD = ",".join(["gap (m)", *tidy.COLUMNS])
 
 
 def side(name, **numbers):
@@ -211,6 +214,37 @@ def test_devices_have_one_scale(capsys, tmp_path, driven):
         written, "found.pictures = all('img').map((img) => [img.alt, img.naturalHeight > 0]);"
     )
     assert found["pictures"] == [["device A", True], ["device B", True]]
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        (None, "cannot be read (no such file or directory); finish the study"),
+        ("", "is not the table of a study"),
+        ("length,quantity\n", "is not the table of a study (other columns)"),
+        (f"{HEAD}\n1,gap,tmm,,,1 mm,,,m,ok,\n", "is not the table of a study (could not convert"),
+        (f"{HEAD}\n1,gap,tmm\n", "is not the table of a study (zip"),
+    ],
+)  # fmt: skip
+def test_a_study_whose_table_is_lost_or_damaged_is_refused(tmp_path, monkeypatch, table, words):
+    """With the command that writes it again."""
+    stated = Statement("paper", {}, ("gap=1mm,2mm",), ("tmm",), ())
+    monkeypatch.setattr(sides, "read_statement", lambda _: stated)
+    if table is not None:
+        (tmp_path / tidy.FILE).write_text(table)
+    with pytest.raises(InputError) as caught:
+        sides._study(tmp_path)
+    assert f"{tmp_path / tidy.FILE} {words}" in str(caught.value)
+    assert str(caught.value).endswith(f"tactgen whatif --resume --out {tmp_path}")
+
+
+def test_what_has_no_number_is_null_and_has_no_axis():
+    """Neither JSON nor a curve knows nan."""
+    nothing = side("a", x=Number(complex("nan"), float("nan"), "F"))
+    (found,) = answer_differences(nothing, side("b", x=Number(1.0 + 2.0j, 0.0, "F")))
+    (values,) = as_values((nothing, nothing), [], [found])["answers"]
+    assert (values["a"], values["b"], values["uncertainty_a"]) == (None, [1.0, 2.0], None)
+    assert page._along((nothing,), KEY.quantity) == ""
 
 
 def test_a_comparison_as_plain_values():

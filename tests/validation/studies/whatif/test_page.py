@@ -12,6 +12,8 @@ from tactgen.validation.models.bimorph.family import solid_family
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
+from tactgen.validation.studies.whatif.shown import page as pages
+from tactgen.validation.studies.whatif.shown import summary
 from tactgen.validation.studies.whatif.shown.page import write_page
 
 QUICK = (
@@ -67,6 +69,54 @@ def test_a_reduced_basis_gives_a_finer_grid(tmp_path, monkeypatch, own_store):
     places = np.linspace(-1.0, 1.0, 201)
     smooth = np.polynomial.Chebyshev.fit(places, fine["value"], 8)(places)
     assert (np.abs(smooth - fine["value"]) < 0.1 * np.array(fine["bar"])).all()
+
+
+@pytest.mark.parametrize(
+    ("vary", "models", "finer"),
+    [
+        (("bimorph.length=14mm:18mm:9", "load.kind=none,finger"), "solid",
+         ("bimorph.length=0.014 m:0.018 m:201", "load.kind=none,finger")),
+        (("bimorph.length=14mm:18mm:9", "bimorph.width=2.1mm,1mm"), "solid",
+         ("bimorph.length=0.014 m:0.018 m:31", "bimorph.width=0.001 m:0.0021 m:31")),
+        (("bimorph.length=14mm:18mm:9",), "tmm", None),  # no reduced basis
+        (("bimorph.length=14mm,18mm", "bimorph.width=1mm,2mm", "gap=1mm,2mm"),
+         "solid", None),  # too many
+    ],
+)  # fmt: skip
+def test_the_finer_grid_runs_between_the_ends_of_each_axis(vary, models, finer):
+    values, _ = scene_values("prototype", [])
+    found = pages._finer(Statement("prototype", values, vary, ("tmm", "solid"), STATIC), models)
+    assert (found and (found.models, found.vary)) == (finer and ((models,), finer))
+
+
+def test_what_a_model_does_not_give_is_not_on_its_grid(tmp_path):
+    """The bimorph's models know no magnetic force, those of the force no bimorph."""
+    values, _ = scene_values("prototype", [])
+    both = Statement("prototype", values, ("gap=0.1mm,0.2mm",), ("tmm", "network"),
+                     (*STATIC, "magnetic_force"))  # fmt: skip
+    found = [set(pages._grid(both, model, [])["numbers"]) for model in both.models]
+    assert found == [set(STATIC), {"magnetic_force"}]
+
+
+def test_a_study_over_words_has_no_picture_and_says_why(tmp_path):
+    """What has no answer is headed by its name alone."""
+    study, page, data = written(tmp_path, "load.kind=none,finger")
+    assert data is None
+    assert "<p>No picture: no axis is a number" in page
+    assert summary.heading(study, STATIC[0]) == STATIC[0]
+    assert summary.heading(study, "capacitance_free") == "capacitance_free"
+
+
+def test_a_long_table_is_thinned_and_says_so(monkeypatch):
+    """The first and the last line stay."""
+    monkeypatch.setattr(summary, "_SHOWN", 3)
+    values, _ = scene_values("prototype", ["modes=1"])
+    study = run_study(
+        Statement("prototype", values, ("bimorph.length=14mm:18mm:5",), ("lumped",), STATIC)
+    )
+    _, *lines, last = summary.table_lines(study)
+    assert [line.split()[0] for line in lines] == ["14", "16", "18"]
+    assert last == "3 of 5 lines are shown; --out STUDY writes all"
 
 
 def test_samples_have_no_sliders_but_a_picture(tmp_path):

@@ -3,6 +3,7 @@
 import contextlib
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from tactgen.validation.studies.whatif import answers, schedule, workers
 from tactgen.validation.studies.whatif.answers import Question
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
+from tactgen.validation.studies.whatif.shown.dataset import dataset
 
 
 def statement(
@@ -310,3 +312,21 @@ def test_damaged_and_foreign_studies_are_refused(tmp_path, capsys):
         assert (code, err.count("\n")) == (2, 1)
         assert words in err
         assert [p.name for p in out.iterdir()] == ["study.json"]
+
+
+def test_a_study_over_frequency_is_a_sweep():
+    """Frequency is an axis of the arrays then, once; what nothing answers is no array."""
+    values, _ = scene_values("prototype", ["frequency=100,500"])
+    asked = Statement("prototype", values, ("frequency=100,500", "load.kind=none,table"), ("tmm",),
+                      ("tip_displacement",))  # fmt: skip
+    study = run_study(asked, 1)
+    found = dataset(study).variables["tip_displacement"]
+    assert found.dimensions == ("model", "frequency", "load.kind")
+    scene, _ = load_scene("prototype", ["frequency=100,500", "load.kind=none"])
+    sweep = solve(scene, ("tmm",), ("tip_displacement",)).quantities[0].value
+    np.testing.assert_array_equal(found.values[0, :, 0], sweep)
+    assert np.isnan(found.values[0, :, 1]).all()
+    unanswered = replace(
+        study, answers=tuple({"tmm": answers.Answer("refused", "why")} for _ in study.answers)
+    )
+    assert dataset(unanswered).variables == {}

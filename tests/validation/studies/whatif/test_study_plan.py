@@ -1,19 +1,21 @@
 """The plan of a study: what is kept, what a reduced basis gives and costs, what is solved alone."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.costs import recorded
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import solid_family
 from tactgen.validation.scene.scene import scene_values
-from tactgen.validation.studies.whatif import sweep
+from tactgen.validation.studies.whatif import study_plan, sweep
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.study_plan import plan_study
+from tactgen.validation.studies.whatif.study_plan import PlannedModel, PlannedWalk, plan_study
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
@@ -84,3 +86,32 @@ def test_plan_of_a_study(own_store, capsys):
 def test_refusals_as_of_the_study(vary, words, capsys):
     assert main(["plan", "prototype", "--vary", vary]) == 2
     assert words in capsys.readouterr().err
+
+
+def test_costs_in_words(approved):
+    """Of walks, of what they share and of points alone: recorded, kept, or not known."""
+    plain = PlannedWalk("9 points, each from the last", 9, None, "", False, None)
+    walks = [plain, replace(plain, seconds=0.1234)]
+    shared = replace(plain, shared="the samples of a map")
+    walks += [shared, replace(shared, kept=True), replace(shared, shared_seconds=45.67)]
+    planned = [
+        PlannedModel("axisymmetric", 18, 1, 2, 6, (), tuple(walks), 78.91),
+        PlannedModel("axisymmetric", 3, 0, 0, 3, (), (), None),
+        PlannedModel("network", 3, 0, 0, 3, (), (), 78.91),
+        PlannedModel("tmm", 3, 0, 3, 0, (), (), None),
+    ]
+    approved("\n".join(sentence for model in planned for sentence in model.sentences))
+
+
+@pytest.mark.parametrize("many", [9, 1000], ids=["in blocks", "as a family"])
+def test_points_of_a_basis_that_cannot_be_built_are_counted_alone(own_store, monkeypatch, many):
+    """At so many times what one of them takes."""
+
+    def refused(*_):
+        raise InputError("the range is too wide")
+
+    monkeypatch.setattr(sweep, "MANY", many)
+    monkeypatch.setattr(study_plan, "_basis", refused)
+    monkeypatch.setattr(study_plan, "total", lambda prospects: 2.5)
+    (planned,) = plan_study(statement("bimorph.length=14mm:18mm:9"))
+    assert (planned.bases, planned.alone, planned.seconds) == ((), 9, 9 * 2.5)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import solid_family
@@ -106,3 +107,51 @@ def test_what_is_no_part_is_asked_point_by_point(vary, models, quantities, monke
     points = list(asked.points())
     nearby = questions.scenes_nearby(asked)[models[0]]
     assert sweep.parts(models[0], quantities, points, nearby) == []
+
+
+def part(monkeypatch):
+    """Return a study's part of nine lengths, in blocks of four."""
+    monkeypatch.setattr(sweep, "MANY", 9)
+    monkeypatch.setattr(sweep, "_BLOCK", 4)
+    asked = statement(AXES[0], models=("solid",), quantities=("static_tip_displacement",))
+    nearby = questions.scenes_nearby(asked)["solid"]
+    (found,) = sweep.parts("solid", asked.quantities, list(asked.points()), nearby)
+    return found
+
+
+def test_where_a_range_cannot_be_reduced_its_points_are_left_out(monkeypatch):
+    def refused(*_):
+        raise InputError("the range is too wide")
+
+    monkeypatch.setattr(sweep, "reduce_family", refused)
+    said = []
+    assert part(monkeypatch).answers(None, said.append) == {}
+    assert said[1:] == ["solid: one by one, since the range is too wide"]
+
+
+def test_a_block_without_answers_is_left_out_and_the_others_are_there(monkeypatch):
+    class Partly(Reduced):
+        def answers(self, values):
+            if 0.016 in values["bimorph.length"]:
+                raise InputError("no answer at 16 mm")
+            return super().answers(values)
+
+    monkeypatch.setattr(sweep, "reduce_family", Partly)
+    said = []
+    found = part(monkeypatch).answers(None, said.append)
+    assert sorted(found) == [0, 1, 2, 3, 8]
+    assert "solid: 4 points one by one, since no answer at 16 mm" in said
+
+
+def test_what_is_refused_of_a_block_is_left_to_be_asked_alone(monkeypatch):
+    """There it is said why."""
+    monkeypatch.setattr(sweep, "reduce_family", Reduced)
+    monkeypatch.setattr(sweep, "answer_with_warnings", lambda *_: None)
+    assert part(monkeypatch).answers(None, lambda _: None) == {}
+
+
+def test_points_that_make_no_scene_are_no_part(monkeypatch):
+    monkeypatch.setattr(sweep, "MANY", 9)
+    asked = statement("load.kind=table", AXES[0], models=("solid",))
+    nearby = questions.scenes_nearby(asked)["solid"]
+    assert sweep.parts("solid", asked.quantities, list(asked.points()), nearby) == []

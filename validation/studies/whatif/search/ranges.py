@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.validation.studies.whatif.asked.scene_field import scene_field
 from tactgen.validation.studies.whatif.asked.statement import Statement
+
+#: Two ends, perhaps with their spacing, and no count.
+_RANGE = re.compile(r"[^:]+:[^:]+(:\s*(log|lin)\s*)?")
 
 
 @dataclass(frozen=True)
@@ -54,12 +58,13 @@ def ranges_of(statement: Statement) -> tuple[Range, ...]:
         )
 
     for text in statement.vary:
-        if "=" in text and ":" not in text:
+        _, equals, stated = text.partition("=")
+        if equals and not _RANGE.fullmatch(stated):
             raise no_range(text)
     found = []
     for axis in statement.axes:
         drawn = axis.drawn
-        if drawn is None or drawn.kind not in ("uniform", "loguniform"):
+        if drawn is None:  # words may hold a colon
             raise no_range(f"{axis.key}={axis.text}")
         if scene_field(axis.key).whole:
             raise InputError(
