@@ -41,8 +41,6 @@ def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...
 
 def deflection_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
     """Return a warning if a displacement is beyond what linear theory is about."""
-    if scene.bimorph.length <= 0.0:
-        return ()
     largest = max(
         (
             float(np.nanmax(np.abs(q.value)))

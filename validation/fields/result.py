@@ -148,20 +148,6 @@ class FieldResult:
         known = ", ".join(f'"{state.name}"' for state in self.states)
         raise InputError(f'state "{name}" is unknown to the model {self.model}; it has {known}')
 
-    def field(self, state: State, name: str) -> Array:
-        """Return a field of a state.
-
-        Raises
-        ------
-        InputError
-            If the model does not have it, with what it has.
-        """
-        if name in state.fields:
-            return np.asarray(state.fields[name])
-        raise InputError(
-            f'the model {self.model} has no field "{name}"; it has {", ".join(state.fields)}'
-        )
-
 
 def von_mises(stress: Array) -> Floats:
     """Return the von Mises stress (n,) of real stresses (n, 6) in Voigt's order, same unit."""

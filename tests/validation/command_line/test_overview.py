@@ -3,14 +3,17 @@
 import json
 import re
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.command_line import overview, tables
 from tactgen.validation.command_line.cli import commands, main
 from tactgen.validation.command_line.overview import print_overview
+from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.files import built_in_scenes
 from tactgen.validation.scene.scene import load_scene, scene_keys
@@ -163,3 +166,15 @@ def test_completion_knows_every_word(capsys):
     assert words["--quantity"].split() == [*QUANTITIES, "all"]
     assert words["--set|--key|--vary"].split() == [f"{key}=" for key in scene_keys()]
     assert re.search(r'-eq 1 \] && words="(.*)"', script)[1].split() == list(commands())
+
+
+def test_what_has_no_value_is_said_so():
+    """In the overview, in tables, and of its bar."""
+    nothing = Quantity("f", "tmm", np.array([np.nan]), "Hz", np.array([np.nan]), "", 0.0)
+    assert overview._cell(nothing, 0) == "no value"
+    assert overview._cell(nothing, 1) == overview._cell(None, 0) == ""
+    assert (tables.format_value(np.nan, "Hz"), tables._bar(nothing, 0)) == ("no value", "-")
+    sure = replace(nothing, value=np.array([2.0]), uncertainty=np.array([0.5]))
+    assert (tables.format_value(2.0, "Hz"), tables._bar(sure, 0)) == ("2 Hz", "25 %")
+    at_zero = replace(sure, value=np.array([0.0]))
+    assert tables._bar(at_zero, 0) == "500 mHz"

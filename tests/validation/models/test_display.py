@@ -8,8 +8,12 @@ from approved import answered
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import quantities_of
+from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.display.crosstalk import display_ports
+from tactgen.validation.models.display.spread import first_frequency
+from tactgen.validation.models.five_port import five_port
 from tactgen.validation.scene.idle_keys import scene_warnings
 from tactgen.validation.scene.scene import load_scene
 
@@ -145,3 +149,23 @@ def test_refusals(override, words):
 def test_all_that_is_said_of_a_small_display(tuned, approved):
     found = (answers(CROSSTALK), tuned, answers(FIELD, model="network"))
     approved("\n".join(answered(each.values()) for each in found))
+
+
+def test_layers_in_series_pass_on_half_the_motion_per_volt():
+    """What a unit's voltage does to every tip; what tips do to one another is the same."""
+    scenes = [
+        load_scene("display", [*SMALL, f"bimorph.wiring={wiring}"])[0]
+        for wiring in ("parallel", "series")
+    ]
+    alone = five_port(scenes[0], "lumped")(np.array([100.0]))
+    parallel, series = (display_ports(scene, alone) for scene in scenes)
+    halves = np.array([0.5 if "voltage" in name else 1.0 for name in parallel.names])
+    share = halves[:, None] * halves
+    np.testing.assert_allclose(series.stiffness, share * parallel.stiffness, rtol=1e-9)
+
+
+def test_a_first_frequency_is_judged_by_every_coarser_mesh():
+    """By its factor each, beside rounding."""
+    fine, coarse = (Modes(np.array([value, 900.0]), ("bending_x",) * 2) for value in (100.0, 98.0))
+    found = first_frequency(Refined(fine, ((coarse, 0.5), (coarse, 0.25)), "", rounding=1e-3))
+    assert (found.value, found.bar) == (100.0, pytest.approx(0.1 + 0.75 * 2.0, rel=1e-9))

@@ -67,6 +67,18 @@ def test_a_state_has_curves_without_its_load_and_a_deflection_under_it(monkeypat
     assert asked == [("none", (3.0,)), (kind, 7.0)][: 1 if kind == "none" else 2]
 
 
+def test_a_state_that_is_refused_says_why_beside_what_was_found(monkeypatch):
+    def refused(*_):
+        raise InputError("no orbit")
+
+    place = SimpleNamespace(contact_force=0.5)
+    monkeypatch.setattr(states, "held_head", lambda scene: SimpleNamespace(place=place))
+    monkeypatch.setattr(states, "backbone", refused)
+    scene = load_scene("paper", ("load.kind=none",))[0]
+    found = states._state(scene, "held", (3.0,), lambda _: None)
+    assert found == states.RockingState("held", 0.5, (), None, "no orbit")
+
+
 @pytest.mark.heavy
 def test_at_50_v_the_head_takes_what_the_linear_support_does_not():
     """At 30 Hz, not activated: less than the linear 39 um, since the head rocks."""

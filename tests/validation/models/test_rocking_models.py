@@ -11,6 +11,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.amplitude import backbone
 from tactgen.validation.models.amplitude.backbone import RESOLUTION
 from tactgen.validation.models.amplitude.held_head import held_head
+from tactgen.validation.models.five_port import five_port
 from tactgen.validation.scene.scene import load_scene
 
 #: Below the peak, where the moment softens the support a little.
@@ -100,3 +101,18 @@ def test_a_peak_is_judged_on_a_finer_branch(monkeypatch):
     (fine,) = asked
     assert fine.missing == pytest.approx(0.1 * RESOLUTION.missing)
     assert (fine.least, fine.most) == (14, 2 * RESOLUTION.most)
+
+
+@pytest.mark.parametrize("model", ["lumped", "tmm", "beam"])
+def test_layers_in_series_take_half_the_voltage_each(model):
+    """So half the force per volt, a quarter of the charge, and the same stiffness."""
+    frequency = np.array([100.0])
+    one, other = (
+        five_port(load_scene("paper", [f"bimorph.wiring={wiring}"])[0], model)(frequency)
+        for wiring in ("parallel", "series")
+    )
+    share = {"voltage": 0.5}
+    for row in one.names:
+        for column in one.names:
+            expected = one[row, column] * share.get(row, 1.0) * share.get(column, 1.0)
+            np.testing.assert_allclose(other[row, column], expected, rtol=1e-9)

@@ -184,6 +184,7 @@ def test_a_wide_bimorph_may_be_studied_alone(kind):
         (b"modes = true\n", ["modes", "whole number"]),
         (b'name = """a\nb"""\n', ["name = ", "one line"]),
         (b"gap = 0x" + b"f" * 9000 + b"\n", ["gap", '"0.2 mm"']),
+        (b"accuracy = [0.1]\n", ["accuracy = [0.1]"]),
         (b"a = " + b"[" * 5000, ["not valid TOML"]),
         (b"gap = " + b"1" * 5000, ["not valid TOML"]),
     ],
@@ -221,6 +222,11 @@ def test_names_that_are_no_file_are_refused(name):
         load_scene(name)
     assert len(str(caught.value)) < 300
     assert str(caught.value).isprintable()
+
+
+#: Along the ceramic of the scene paper, which is 20 mm long.
+WIDTHS = "bimorph.width_profile=0mm:2.1mm,20mm:1mm"
+THICKNESSES = "bimorph.piezo_thickness_profile=0mm:0.26mm,20mm:0.2mm"
 
 
 @pytest.mark.parametrize(

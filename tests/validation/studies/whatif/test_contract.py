@@ -133,3 +133,16 @@ def test_by_the_real_ladder_on_coarse_bricks(monkeypatch):
     assert statement.models == ("lumped",)
     assert [rung.model for rung in choice.ladders[0]] == ["lumped", "tmm", "solid"]
     assert choice.scenes == 3
+
+
+def test_the_plan_of_a_study_says_which_model_its_accuracy_asks_for(forms, capsys):
+    """In words beside what that model would do, and with what each model was found to miss."""
+    asked = ["plan", "prototype", "--vary", "bimorph.length=14mm:22mm:5", "--set", "accuracy=3%",
+             "--quantity", *STATIC]  # fmt: skip
+    assert main(asked) == 0
+    out, err = capsys.readouterr()
+    assert "tmm meets it" in err
+    assert out.startswith("study of prototype: 5 points")
+    assert main([*asked, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [rung["model"] for rung in found["ladders"][0]] == ["tmm", "solid"]
