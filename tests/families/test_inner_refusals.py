@@ -133,6 +133,23 @@ def test_a_cluster_that_is_lost(monkeypatch):
         running.next()
 
 
+def test_a_cluster_without_workers_is_left_after_a_while(monkeypatch):
+    """A minute after the last one went: as long as there are some, it may take its time."""
+    hours = Stub(monotonic=iter(range(0, 10_000, 25)).__next__)
+    there = iter([2, 0, 1, 0, 0, 0])
+    client = Stub(status="running", nthreads=lambda: {"worker": 1} if next(there) else {})
+
+    def nothing(timeout):
+        raise queue.Empty
+
+    monkeypatch.setattr(cluster, "time", hours)
+    running = cluster._Running(client, ("tmm",))
+    running._ended = Stub(get=nothing)
+    with pytest.raises(InputError, match="the cluster has had no worker for 60 s; "):
+        running.next()
+    assert list(there) == []
+
+
 def test_a_film_that_is_not_made(monkeypatch, tmp_path):
     """What ffmpeg says last is quoted, and nothing is left."""
     failed = Stub(returncode=1, stderr=b"first\nUnknown encoder\n")

@@ -1,10 +1,15 @@
 """Classes of motion side by side, or one after another where that would take too much memory."""
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
 from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
-from tactgen.validation.models.bimorph import lowest_modes
+from tactgen.validation.engine.model import Modes
+from tactgen.validation.models.bimorph import lowest_modes, solid
+from tactgen.validation.models.bimorph.two_meshes import _matched
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -24,3 +29,34 @@ def test_classes_one_by_one_have_the_modes_that_they_have_side_by_side(monkeypat
         assert [m.frequency for m in found] == pytest.approx(
             [m.frequency for m in alone.others[motion]], rel=1e-9
         )
+
+
+def test_where_others_are_lower_more_modes_are_asked_until_one_bends_in_x():
+    """A narrow bimorph bends in y first; the finer mesh is asked for as many."""
+    asked = []
+
+    def lowest(ends, count, *, open_circuit):
+        asked.append(count)
+        kinds = ["bending_y"] * 8 + ["bending_x"] * 9
+        modes = [SimpleNamespace(kind=k, frequency=100.0 + n) for n, k in enumerate(kinds)]
+        found = {kind: [m for m in modes[:count] if m.kind == kind] for kind in set(kinds)}
+        return {kind: modes for kind, modes in found.items() if modes}
+
+    mesh = SimpleNamespace(lowest=lowest)
+    fine, coarse = lowest_modes.lowest_modes(mesh, mesh, None, 1, open_circuit=False)
+    assert asked == [1, 4, 10, 10]
+    assert [m.kind for m in fine] == ["bending_y"] * 8 + ["bending_x"]
+    assert len(coarse) >= len(fine)
+
+
+def test_matched_modes_are_of_one_class_where_there_is_one_and_none_is_taken_twice():
+    fine = Modes(np.array([100.0, 110.0, 120.0]), ("bending_x", "torsion", "bending_x"))
+    coarse = Modes(np.array([113.0, 104.0]), ("bending_x", "torsion"))
+    found = _matched(fine, coarse)
+    assert found.classes == fine.classes
+    np.testing.assert_array_equal(found.frequencies, [113.0, 104.0, np.nan])
+
+
+@pytest.mark.parametrize(("level", "index"), [(1, 1), (2, 1), (3, 2), (5, 4)])
+def test_a_level_is_never_the_coarsest_which_judges_it(level, index):
+    assert solid.level_for(load_scene("prototype", [f"mesh.level={level}"])[0]) == index

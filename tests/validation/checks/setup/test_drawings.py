@@ -1,6 +1,7 @@
 """Drawings of cases: every page has one, and it shows what the case solves."""
 
 from dataclasses import fields
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from approved import described
 
 from tactgen.validation.checks.known import beams, coils, elastic, resonators, seven_layers
 from tactgen.validation.checks.setup import machines
+from tactgen.validation.checks.setup.sections import _Section
 from tactgen.validation.checks.verification import GROUPS, group_cases
 from tactgen.validation.scene.scene import load_scene
 
@@ -63,6 +65,17 @@ def test_a_load_points_where_it_acts():
     arrows = drawn(resonators.CASES, "VM231").marks
     up = {round(mark.at[1], 3): mark.direction for mark in arrows if mark.kind == "force"}
     assert up == {-0.5: 0.0, -0.25: 0.0, 0.25: 180.0, 0.5: 180.0}
+
+
+def test_a_load_on_part_of_a_face_has_its_arrows_there():
+    """From one end of the part to the other, in the drawing's unit; on the whole face from edge
+    to edge; on a line where that is."""
+    axis = SimpleNamespace(breaks=np.array([0.0, 5.0]))
+    seen = _Section(SimpleNamespace(y=axis, z=axis), "mm", ("z", "y"))
+    for where, ends in (((1.0, 3.0), (1e3, 3e3)), (None, (0.0, 5e3)), (2.0, (2e3, 2e3))):
+        found = seen._along(where, 0)
+        assert (found[0], found[-1]) == ends
+        assert found == pytest.approx(np.linspace(*ends, len(found)))
 
 
 def test_a_potential_is_not_a_support():

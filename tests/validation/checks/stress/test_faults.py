@@ -1,6 +1,8 @@
 """Commands under bad circumstances: a few by default, all of them and more often when heavy."""
 
 import random
+import subprocess
+from types import SimpleNamespace
 
 import pytest
 from approved import described
@@ -8,6 +10,7 @@ from scipy.io import netcdf_file
 
 from tactgen.validation.book.book import write_book
 from tactgen.validation.checks.stress import Asked
+from tactgen.validation.checks.stress.faults import commands as by_commands
 from tactgen.validation.checks.stress.faults import run as faults
 from tactgen.validation.checks.stress.faults.commands import (
     HEAVY,
@@ -33,6 +36,58 @@ def trials(tmp_path_factory):
 def test_every_command_is_put_to_the_test():
     """Whoever adds a command names a cheap run of it."""
     assert {command.arguments[0] for command in (*LIGHT, *HEAVY)} | IDLE == set(commands())
+
+
+@pytest.mark.parametrize(("end", "signals"), [(0, [9, 9]), (15, [15, 9])])
+def test_what_does_not_end_is_killed_and_counts_as_endless(monkeypatch, end, signals):
+    """Whether it was asked to end or took too long; none is left behind."""
+    sent, waited = [], []
+
+    def communicate(timeout=None):
+        waited.append(timeout)
+        if timeout is not None:
+            raise subprocess.TimeoutExpired("tactgen", timeout)
+        return "", ""
+
+    monkeypatch.setattr(by_commands.os, "killpg", lambda pid, number: sent.append((pid, number)))
+    process = SimpleNamespace(pid=7, communicate=communicate, returncode=-9)
+    assert by_commands.finish(process, after=0.5, end=end) == Ended(124, "", "endless")
+    assert sent == [(7, number) for number in signals]
+    assert waited == [0.5, by_commands.ENDLESS, None]
+
+
+def test_what_ends_only_when_killed_is_endless_unless_it_was_to_be_ended(monkeypatch):
+    def ended():
+        outcomes = iter([subprocess.TimeoutExpired("tactgen", 1.0), ("said", "")])
+
+        def communicate(timeout=None):
+            outcome = next(outcomes)
+            if isinstance(outcome, Exception):
+                raise outcome
+            return outcome
+
+        return SimpleNamespace(pid=7, communicate=communicate, returncode=-2)
+
+    monkeypatch.setattr(by_commands.os, "killpg", lambda *_: None)
+    assert by_commands.finish(ended()) == Ended(124, "said", "endless")
+    assert by_commands.finish(ended(), after=0.5, end=2) == Ended(-2, "said", "")
+
+
+def test_a_command_that_is_ended_while_python_loads_ended_by_its_signal(monkeypatch, tmp_path):
+    """Its words are not ours to judge."""
+    judged = []
+    trials = SimpleNamespace(
+        commands=LIGHT[:1], place=lambda: None, chance=random.Random(1),
+        seconds={LIGHT[0].name: 1.0},
+        judge=lambda command, around, done, codes: judged.append((done, codes)) or "",
+    )  # fmt: skip
+    monkeypatch.setattr(faults, "begin", lambda *_: None)
+    loading = Ended(1, "", "KeyboardInterrupt\n")
+    monkeypatch.setattr(faults, "finish", lambda *_, **__: loading)
+    row = faults.interrupted(trials, 1)
+    ((done, codes),) = judged
+    assert done == Ended(-2, "", "")
+    assert (done.code in codes, row.points) == (True, 1)
 
 
 @pytest.mark.parametrize("family", [faults.killed, faults.interrupted])

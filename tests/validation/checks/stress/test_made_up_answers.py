@@ -16,6 +16,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.checks.stress import (
     Asked,
     magnetics,
+    magnetics_circuit,
     magnetics_device,
     magnetics_solid,
     solid,
@@ -503,3 +504,36 @@ def test_a_run_is_held_against_a_finer_one(monkeypatch, off, verdict, approved):
     whole = motion.motion_rows(False)
     assert [row.points for row in whole] == [2 * 5, 2 * 3, 3 * 6]
     approved(described([blows, lossless, circuits, whole, asked]))
+
+
+def test_a_number_where_no_answer_exists_is_a_failure(monkeypatch):
+    """A refusal is what is wanted, and is kept."""
+
+    def refused():
+        raise InputError("no such field")
+
+    monkeypatch.setattr(magnetics_circuit, "_IMPOSSIBLE", {"a": refused, "b": lambda: 1.0})
+    row = magnetics_circuit.refused_row(True)
+    assert (row.verdict, row.refusals) == ("fails", ("no such field",))
+    assert row.worst.where == "b was answered"
+    monkeypatch.setattr(magnetics_circuit, "_IMPOSSIBLE", {"a": refused})
+    assert magnetics_circuit.refused_row(True).verdict != "fails"
+
+
+def test_runs_that_are_refused_are_named_beside_those_that_are_judged(monkeypatch):
+    """Only the last, where it must be quick."""
+    seen = []
+
+    def judge(family, run):
+        seen.append(run)
+        if run == "long":
+            raise InputError("too long")
+        family.add(run, 0.0, 1e-3)
+
+    monkeypatch.setattr(motion, "_judge", judge)
+    row = motion._row("machine: runs", "of any kind", ("short", "long", "last"), False)
+    assert (seen, row.refusals) == (["short", "long", "last"], ("too long",))
+    assert row.points == 2
+    seen.clear()
+    motion._row("machine: runs", "of any kind", ("short", "long", "last"), True)
+    assert seen == ["last"]
