@@ -42,9 +42,12 @@ def test_a_measurement_keeps_within_a_limit_that_is_there():
 
 
 def test_a_failed_measurement_is_explained():
-    """In one sentence with the reason and a remedy."""
-    with pytest.raises(InputError, match=r"could not be finished .*--quick"):
+    """In one sentence with the last line that it wrote, if any, and a remedy."""
+    words = r"no_such_measurement could not be finished \(AttributeError: .*\); .*--quick"
+    with pytest.raises(InputError, match=words):
         on_one_core("os", "no_such_measurement")
+    with pytest.raises(InputError, match=r"_exit could not be finished \(no message\); "):
+        on_one_core("os", "_exit", 3)
 
 
 def test_memory_of_a_million_points():

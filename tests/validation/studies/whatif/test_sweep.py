@@ -143,6 +143,15 @@ def test_a_block_without_answers_is_left_out_and_the_others_are_there(monkeypatc
     assert "solid: 4 points one by one, since no answer at 16 mm" in said
 
 
+def test_answers_are_taken_as_they_come(monkeypatch):
+    """On one core no more than one block waits, and it is said how far the study is."""
+    monkeypatch.setattr(sweep, "reduce_family", Reduced)
+    monkeypatch.setattr(sweep.os, "sched_getaffinity", lambda _: {0})
+    said = []
+    assert len(part(monkeypatch).answers(None, said.append)) == 9
+    assert said[1:] == [f"solid: {count} of 9 points" for count in (0, 4, 8)]
+
+
 def test_what_is_refused_of_a_block_is_left_to_be_asked_alone(monkeypatch):
     """There it is said why."""
     monkeypatch.setattr(sweep, "reduce_family", Reduced)
