@@ -9,18 +9,24 @@ import numpy as np
 import pytest
 
 from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.elements.nedelec import ElementTetEdge2
 from tactgen.fem.reluctance.axisymmetric.two_orders import two_orders
 from tactgen.geometry.bimorph.brick_family import bimorph_bricks
 from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.bimorph.stretching import stretched
 from tactgen.geometry.cad import solids
 from tactgen.geometry.cad.tessellation import Plane
-from tactgen.geometry.device.parameters import Bimorph, Device
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device
 from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.tetwild import conform, snapping
 from tactgen.geometry.store import sources
+from tactgen.tmm.beam import modes, port_quantities
+from tactgen.tmm.beam.section.section import section
 from tactgen.tmm.generator.positions import resting_places
-from tactgen.tmm.harmonic_balance import continuation
+from tactgen.tmm.generator.transient import passes
+from tactgen.tmm.harmonic_balance import continuation, free_oscillation
 from tactgen.tmm.harmonic_balance.newton import NoConvergence
 from tactgen.tmm.harmonic_balance.oscillator import Orbit
 from tactgen.tmm.reluctance import flux_ladder
@@ -95,6 +101,27 @@ FAILED = Stub(rows=[(None, "tmm", Stub(status="failed"))])
         (lambda: by_model._columns(scene(), a_zero()), InputError, "tip_rotation is 0 by beam"),
         (lambda: study_picture(FAILED), InputError, "nothing to draw"),
         (
+            lambda: section(
+                Stub(section="bond", layers=lambda *_: None), Device(), None, lossy=False
+            ),
+            ValueError, "a bond is no beam",
+        ),
+        (
+            lambda: passes.Marcher._keep(
+                Stub(_system=Stub(coil=Stub(largest_current=1.0, gaps=(1e-4, 2e-4)))),
+                None, 1e-3, Stub(current=0.5, gap=3e-4), None, 0.0,
+            ),
+            InputError, "at 1 ms the gap is 300 um, outside the 100 to 200 um of the co-energy map",
+        ),
+        (
+            lambda: snapping.snapped(
+                np.zeros((1, 3)), np.array([0, 0]), np.array([0, 1]),
+                [Plane((0.0, 0.0, 1.0), 0.0), Plane((0.0, 0.0, 1.0), 1.0)], np.inf,
+            ),
+            MeshError, "belongs to faces that do not meet; choose a smaller edge length",
+        ),
+        (lambda: ElementTetEdge2().lbasis(np.zeros((3, 1)), 14), ValueError, "Index larger"),
+        (
             lambda: field_tables._Solver.at(
                 Stub(
                     _done=0, ranges={"gap": (1.0, 2.0)}, announce=print, _accuracy=1.0,
@@ -110,6 +137,25 @@ def test_each_is_said(what, error, words):
     """The sentence names what is wrong."""
     with pytest.raises(error, match=words):
         what()
+
+
+def test_searches_that_do_not_end_say_so(monkeypatch):
+    """The number of natural frequencies, the first of them, and a free oscillation's frequency."""
+    beam = section(Piece("bimorph", 20e-3), Device(), Beam(), lossy=False)
+    monkeypatch.setattr(modes, "_WHOLE", 0.0)
+    with pytest.raises(ArithmeticError, match="cannot be counted"):
+        modes.bending_frequencies([(beam, 20e-3)], Ends(), 1, open_circuit=False)
+    monkeypatch.setattr(port_quantities, "_MOST_STEPS", 0)
+    actuator, values, start = Stub(), {}, np.ones(1)
+    monkeypatch.setattr(port_quantities, "terminated", lambda *_, **__: None)
+    monkeypatch.setattr(port_quantities, "hold", lambda *_: None)
+    monkeypatch.setattr(port_quantities, "symmetric_form", lambda _: np.eye(2)[None])
+    with pytest.raises(ArithmeticError, match="first natural frequency did not converge"):
+        port_quantities.first_frequency(actuator, values, start, open_circuit=False)
+    monkeypatch.setattr(free_oscillation, "converge", lambda evaluate, start, *_: evaluate(-start))
+    guess = Orbit(1.0, 0.0, np.ones((4, 1), dtype=complex))
+    with pytest.raises(NoConvergence, match="free oscillation became negative"):
+        free_oscillation._solved(Stub(size=1, scales=np.ones(1)), 1.0, guess)
 
 
 def test_a_cluster_that_is_lost(monkeypatch):

@@ -4,6 +4,7 @@ import os
 
 import pytest
 
+from tactgen.geometry.csv_columns import heading
 from tactgen.geometry.csv_rows import check_widths, csv_rows, plain_number
 from tactgen.geometry.errors import InputError
 
@@ -45,3 +46,18 @@ def test_what_is_no_file_is_not_read(tmp_path):
     ):  # fmt: skip
         with pytest.raises(InputError, match=rf"cannot be read \(it is {words}.*\); mend it"):
             csv_rows(name, str(name), "mend it")
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "unit"),
+    [
+        ("Tip Voltage (V) ", "tip_voltage", "V"),
+        ("frequency [ Hz ]", "frequency", "Hz"),
+        ("phase", "phase", ""),
+        ("force (N", "", ""),
+        ("force (N) at the tip", "", ""),
+    ],
+)
+def test_what_a_heading_says(text, name, unit):
+    """A name and a unit in either kind of brackets; nothing of what is something else."""
+    assert heading(text) == (name, unit)

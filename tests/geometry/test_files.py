@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from tactgen import geometry
+from tactgen.geometry import files
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import read_text, written_whole
 from tactgen.geometry.store.claim import claimed, sweep_claims
@@ -157,3 +158,13 @@ def test_every_draft_is_handed_out_so_that_it_appears_whole():
                     assert "written_whole" in called, f"{path}: {ast.unparse(node)}"
                     handed += 1
     assert handed > 20
+
+
+def test_a_process_of_another_user_lives(monkeypatch):
+    """It may not be sent a signal, which is answer enough."""
+
+    def refused(process, number):
+        raise PermissionError
+
+    monkeypatch.setattr(os, "kill", refused)
+    assert files._runs(1)

@@ -193,8 +193,6 @@ def settled_place(forces: AxialForces, current: float, near: RestingPlace) -> Re
     Close is within five times the way that what is missing there and its slope tell.
     """
     miss = float(forces.total(current, near.lift))
-    if miss == 0.0:
-        return _place(forces, current, near.lift)
     slope = float(forces.stiffness(current, near.lift))
     if not slope > 0.0:
         return None

@@ -57,16 +57,16 @@ def snapped(
             chosen = [surfaces[int(k)] for k in np.flatnonzero(combination)]
             moved[rows] = _onto(points[rows], chosen)
     way = np.linalg.norm(moved - points, axis=1)
-    if not (way <= reach).all():
+    if (way > reach).any():
         raise MeshError(
-            f"a vertex would have to move {np.nanmax(way) * 1e3:.3g} um to reach the faces it "
+            f"a vertex would have to move {way.max() * 1e3:.3g} um to reach the faces it "
             "lies on; choose a smaller edge length"
         )
     return moved
 
 
 def _onto(points: Floats, surfaces: list[Surface]) -> Floats:
-    """Return points (n, 3) moved the shortest way onto all surfaces (Newton), NaN if none."""
+    """Return points (n, 3) moved the shortest way onto all surfaces (Newton)."""
     points = points.copy()
     for _ in range(_STEPS):
         distance = np.stack([s.distance(points) for s in surfaces], axis=1)
@@ -74,9 +74,7 @@ def _onto(points: Floats, surfaces: list[Surface]) -> Floats:
             return points
         gradient = np.stack([s.gradient(points) for s in surfaces], axis=1)
         points -= (np.linalg.pinv(gradient, rcond=1e-6) @ distance[..., None])[..., 0]
-    off = np.abs(np.stack([s.distance(points) for s in surfaces], axis=1)).max(axis=1)
-    points[off >= _ON] = np.nan
-    return points
+    raise MeshError("a vertex belongs to faces that do not meet; choose a smaller edge length")
 
 
 def memberships(triangles: Ints, face: Ints, surface_of_face: Ints) -> tuple[Ints, Ints]:

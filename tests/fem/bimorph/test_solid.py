@@ -298,3 +298,15 @@ def test_only_motions_that_no_spring_resists_are_left_out(springs, tip_stiffness
     # the solid is no beam: shear, Poisson effect and d33, a few percent
     assert solid[0] == pytest.approx(tmm[0], rel=0.03)
     assert beam[0] == pytest.approx(tmm[0], rel=1e-6)
+
+
+def test_a_factor_that_is_given_back_is_made_again(few_bricks):
+    """Kept while it is wanted; then another with the same answers."""
+    system = assemble(Device(), bimorph_bricks(Device(), few_bricks[0]), lossy=False)
+    first = system.held_factor
+    assert system.held_factor is first
+    system.drop_factor()
+    again = system.held_factor
+    assert again is not first
+    right = np.linspace(0.0, 1.0, system.held.shape[0])
+    np.testing.assert_allclose(again.solve(right), first.solve(right), rtol=1e-9)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+from tactgen.fem.reluctance.three_d import actuator
 from tactgen.fem.reluctance.three_d.actuator import (
     actuator_problem,
     solve_cad,
@@ -17,6 +18,7 @@ from tactgen.fem.reluctance.three_d.force import eggshell_force, harmonic_weight
 from tactgen.fem.reluctance.three_d.problem import sample
 from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
 from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.quadratic import jacobian_coefficients
 from tactgen.geometry.reluctance.sector_tets import Sector, sector_mesh
@@ -256,3 +258,16 @@ def test_parts_that_do_not_fit_are_refused():
     """Before anything is meshed, in one sentence."""
     with pytest.raises(InputError, match="use a gap above 0 mm"):
         solve_solid(DEVICE, gap=0.0)
+
+
+def test_the_cad_solids_are_solved_at_the_devices_own_point_unless_told(monkeypatch):
+    """Current, gap and turns; a gap in which the parts do not fit is refused before the mesh."""
+    monkeypatch.setattr(actuator, "actuator_tets", lambda device, gap, meshing: (gap, meshing))
+    monkeypatch.setattr(actuator, "actuator_problem", lambda _, gap, mesh, copies: (*mesh, copies))
+    monkeypatch.setattr(actuator, "solve_problem", lambda *given: given)
+    device, fine = Device(), ActuatorMeshing(size=1.0)
+    own = solve_cad(device)
+    assert own == ((device.gap, ActuatorMeshing(), 4), device.coil.current, device.gap, 560.0)
+    assert solve_cad(device, 0.01, 0.1e-3, fine) == ((0.1e-3, fine, 4), 0.01, 0.1e-3, 560.0)
+    with pytest.raises(InputError):
+        solve_cad(device, 0.01, -1e-3)

@@ -1,8 +1,11 @@
 """The two factorisations behind one call give the same answers, and say when they cannot."""
 
 import gc
+import importlib.metadata
+import sys
 import weakref
 from collections import OrderedDict
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -361,3 +364,41 @@ def test_the_librarys_memory_is_given_back(monkeypatch):
     del factor
     gc.collect()
     assert [handle is held for handle in given] == [True]
+
+
+@both
+def test_a_matrix_as_it_comes_is_factorised(solver):
+    """Entries given twice, out of order and as whole numbers, and a diagonal that is not stored."""
+    rows, columns = np.array([0, 1, 1, 0, 0, 2, 1]), np.array([1, 0, 1, 0, 0, 1, 2])
+    given = sparse.coo_matrix((np.array([1, 1, 5, 2, 2, 1, 1]), (rows, columns)), shape=(3, 3))
+    raw = sparse.csr_matrix(
+        (given.data[[3, 4, 0, 1, 2, 6, 5]], given.col[[3, 4, 0, 1, 2, 6, 5]], [0, 3, 6, 7]),
+        shape=(3, 3),
+    )
+    before = raw.copy()
+    right = np.array([1.0, -2.0, 3.0])
+    for matrix in (given, raw):
+        found = factorise(matrix, solver=solver).solve(right)
+        np.testing.assert_allclose(matrix.toarray() @ found, right, atol=1e-13)
+    np.testing.assert_array_equal(raw.data, before.data)
+
+
+def test_the_library_is_looked_for_where_its_wheel_lists_it(monkeypatch, tmp_path):
+    """Of its files the dynamic library; without the wheel, or one that does not load, none."""
+    listed = [SimpleNamespace(name=name, locate=lambda name=name: tmp_path / name)
+              for name in ("libmkl_rt.so.2", "mkl.h")]  # fmt: skip
+    (tmp_path / "libmkl_rt.so.2").write_text("no library")
+    monkeypatch.setattr(importlib.metadata, "files", lambda _: listed)
+    assert pardiso._in_wheel() == [tmp_path / "libmkl_rt.so.2"]
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / "nowhere"))
+    assert pardiso.mkl.__wrapped__() is None
+    monkeypatch.setattr(importlib.metadata, "files", lambda _: None)
+    assert pardiso._in_wheel() == []
+
+    def missing(_):
+        raise importlib.metadata.PackageNotFoundError
+
+    monkeypatch.setattr(importlib.metadata, "files", missing)
+    assert pardiso._in_wheel() == []
+    monkeypatch.setattr(pardiso, "mkl", lambda: None)
+    assert nested_dissection(np.array([0, 1]), np.array([0])) is None

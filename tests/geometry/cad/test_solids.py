@@ -4,6 +4,7 @@ import json
 import struct
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from tactgen.geometry.cad.solids import (
     fuse,
     thinnest_feature,
 )
+from tactgen.geometry.cad.tessellation import tessellate
 from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Bimorph, Coil, Device, Display, Glue, Rod, Sleeve
 from tactgen.geometry.display.layout import display_parts
@@ -225,3 +227,35 @@ def test_a_display_has_every_part_at_its_places():
     names = [child.name for child in children]
     assert {"rod_r1c1", "rod_r1c2"} <= set(names)
     assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize("away", [0.0, 3.0], ids=["a ball", "a cylinder beside the axis"])
+def test_faces_of_other_kinds_are_refused(away):
+    """Only planes and cylinders about z have a distance that the mesh can be held against."""
+    import cadquery as cq
+
+    solid = (
+        cq.Solid.makeCylinder(1.0, 1.0, cq.Vector(away, 0.0, 0.0))
+        if away
+        else cq.Solid.makeSphere(1.0)
+    )
+    with pytest.raises(InputError, match="neither a plane nor a cylinder about the z axis"):
+        tessellate({"it": solid}, 0.1, 0.5)
+
+
+def test_a_kernel_that_fails_is_one_sentence(monkeypatch, tmp_path):
+    """Solids that cannot be put together, and a file that is not written."""
+    fails = SimpleNamespace(
+        AddArgument=lambda _: None, Perform=lambda *_: False, HasErrors=lambda: True,
+        ChangeCoordinateSystemConverter=lambda: SimpleNamespace(
+            SetInputLengthUnit=lambda _: None, SetInputCoordinateSystem=lambda _: None
+        ),
+    )  # fmt: skip
+    monkeypatch.setattr("OCP.BOPAlgo.BOPAlgo_Builder", lambda: fails)
+    parts = build_solids(Device(), ("piezo_top", "shim"), "alone")
+    with pytest.raises(InputError, match="the solids piezo_top, shim cannot be put together"):
+        fuse(parts)
+    monkeypatch.setattr("OCP.RWGltf.RWGltf_CafWriter", lambda *_: fails)
+    with pytest.raises(InputError, match=r"cannot be written \(the CAD kernel does not say why\)"):
+        export_glb(parts, tmp_path / "a.glb")
+    assert not list(tmp_path.iterdir())

@@ -154,3 +154,13 @@ def test_pieces_from_base_to_tip():
     assert on_rod[4].length == pytest.approx(device.ceramic_base)
     longer = p.Device(bimorph=with_tab(), rod=p.Rod(length=5.4e-3))
     assert beam_pieces(longer, ROD)[0].length == pytest.approx(0.7e-3)
+
+
+def test_a_group_that_is_none_and_a_constant_that_cannot_be_read_are_refused_as_such():
+    """A metal's shear modulus follows from two others: the sentence is about the one given."""
+    with pytest.raises(ValidationError, match="valid dictionary"):
+        p.Piezo.model_validate(3)
+    for wrong in ("stiff", [1.0]):
+        with pytest.raises(ValidationError, match="youngs_modulus") as said:
+            p.Shim(material="brass", youngs_modulus=wrong)
+        assert "shear_modulus" not in str(said.value)

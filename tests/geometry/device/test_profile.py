@@ -2,6 +2,7 @@
 
 import pytest
 
+from tactgen.geometry.device import profile
 from tactgen.geometry.device.parameters import Bimorph
 from tactgen.geometry.device.profile import UNIFORM, Profile
 from tactgen.geometry.errors import InputError
@@ -114,3 +115,10 @@ def test_a_new_length_needs_a_new_profile():
     """A what-if on the length says what to do with the profile."""
     with pytest.raises(InputError, match="let the profile end at the ceramic's upper edge"):
         load_scene("paper", [f"bimorph.width_profile={STEPPED}", "bimorph.length=25mm"])
+
+
+@pytest.mark.parametrize("value", [3.0, [1.0, 2.0], [(0.0, 1.0, 2.0)], "1 mm"])
+def test_what_is_no_list_of_points_is_refused(value):
+    """A number, numbers, three of them, half a point."""
+    with pytest.raises(ValueError, match="is not a list of points, each a position and a dim"):
+        profile._pairs(value)

@@ -14,6 +14,7 @@ from tactgen.tmm.generator.positions import (
     position_loop,
     resting_place,
     resting_places,
+    settled_place,
 )
 from tactgen.tmm.generator.stops import contact_of
 from tactgen.validation.checks.cases.magnetics.ideal_gap import IdealGap
@@ -137,3 +138,17 @@ def test_held_down_it_is_stiffer():
     _, up = held_support(device, pull, 50e-3, "rising")
     _, alone = held_support(device, None, 0.0, "rising")
     assert up.rotational_stiffness < alone.rotational_stiffness < held.rotational_stiffness
+
+
+def test_a_place_settles_where_the_forces_of_now_balance():
+    """By a little more current, or none more; not beyond pull-in, nor from where nothing stays."""
+    places = {p.kind: p for p in resting_places(ideal(), 0.7 * PULL_IN)}
+    near = places["floating"]
+    for share in (0.7, 0.7001, 0.71):
+        found = settled_place(ideal(), share * PULL_IN, near)
+        there = resting_place(ideal(), share * PULL_IN, "rising")
+        assert found.kind == "floating"
+        assert found.lift == pytest.approx(there.lift, rel=1e-9)
+    below = resting_place(ideal(), 0.97 * PULL_IN, "rising")
+    assert settled_place(ideal(), 1.02 * PULL_IN, below) is None
+    assert settled_place(ideal(), 0.7 * PULL_IN, places["unstable"]) is None

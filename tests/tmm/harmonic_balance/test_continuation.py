@@ -10,7 +10,7 @@ from tactgen.tmm.harmonic_balance.continuation import follow
 from tactgen.tmm.harmonic_balance.newton import NoConvergence
 from tactgen.tmm.harmonic_balance.response import steady_orbit
 from tactgen.tmm.harmonic_balance.special_points import folds
-from tactgen.tmm.harmonic_balance.steady import Resolution, equilibrium
+from tactgen.tmm.harmonic_balance.steady import Resolution, equilibrium, resolved
 from tactgen.validation.checks.cases import oscillators as cases
 
 ROUGH = Resolution(missing=1e-5, least=5, most=40)
@@ -124,3 +124,40 @@ def test_harmonics_that_nothing_moves_in_are_dropped(had, least, left):
         oscillator, start, "level", 1e-3, 1.02e-3, resolution=Resolution(1e-5, least, 40)
     )
     assert branch.orbits[1].harmonics == left
+
+
+def test_a_step_that_finds_nothing_is_halved(monkeypatch):
+    """Until it finds something, which is the same branch; if it never does, that is said."""
+    oscillator = cases.driven_duffing()
+    start = steady_orbit(oscillator, 0.5, 1.0, resolution=ROUGH)
+    plain = follow(oscillator, start, "omega", 0.5, 0.6, resolution=ROUGH)
+    whole, tried = continuation._advance_resolved, []
+
+    def stumbling(oscillator, step, length, resolution):
+        tried.append(length)
+        if len(tried) <= stumbles:
+            raise NoConvergence("lost")
+        return whole(oscillator, step, length, resolution)
+
+    monkeypatch.setattr(continuation, "_advance_resolved", stumbling)
+    stumbles = 2
+    found = follow(oscillator, start, "omega", 0.5, 0.6, resolution=ROUGH)
+    assert tried[:3] == [5e-3, 2.5e-3, 1.25e-3]
+    assert found.steps[0].length == 1.25e-3
+    assert not found.ended
+    last = [branch.orbits[-1] for branch in (plain, found)]
+    assert last[0].omega == last[1].omega == 0.6
+    np.testing.assert_allclose(last[1].spectrum, last[0].spectrum, rtol=1e-9, atol=1e-12)
+    stumbles = 10**6
+    none = follow(oscillator, start, "omega", 0.5, 0.6, resolution=ROUGH)
+    assert none.ended == "the branch could not be followed further: lost"
+    assert none.orbits == (start,)
+    assert tried[-1] >= 1e-7 > 0.5 * tried[-1]
+
+
+def test_no_more_harmonics_than_may_be_taken():
+    """However much they miss: a cubic spring has all odd ones."""
+    oscillator = cases.driven_duffing()
+    start = steady_orbit(oscillator, 1.2, 1.0, resolution=ROUGH)
+    found = resolved(oscillator, start.with_harmonics(3), Resolution(1e-15, 3, 8))
+    assert found.harmonics == 8

@@ -4,11 +4,18 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph.ends import TipLoad
+from tactgen.geometry.device.load_table import LoadTable
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports import springs_dampers_masses
+from tactgen.tmm.ports.loads.measured_law import MeasuredLaw, continued
 from tactgen.tmm.ports.loads.passive_fit import PassiveFit
 from tactgen.tmm.ports.springs_dampers_masses import chain_of, finger_chain
-from tactgen.tmm.ports.terminations import FINGER_RANGE, finger_stiffness, tip_stiffness
+from tactgen.tmm.ports.terminations import (
+    FINGER_RANGE,
+    finger_impedance,
+    finger_stiffness,
+    tip_stiffness,
+)
 
 F = np.geomspace(0.1, 1e5, 61)
 
@@ -45,3 +52,16 @@ def test_the_finger_as_parts_is_as_near_as_it_says():
 def test_a_law_without_parts_is_refused():
     with pytest.raises(InputError, match="passive_fit"):
         chain_of(lambda f: 1.0 * f)
+
+
+def test_a_table_continued_by_a_fit_is_the_parts_of_its_fit():
+    """The fit to the whole table, with its largest distance from it; a table alone has no parts."""
+    f = np.geomspace(10.0, 1000.0, 40)
+    table = LoadTable("a table", f, finger_impedance(f))
+    law = continued(table)
+    found = chain_of(law)
+    assert found.misfit == law.misfit[0]
+    assert found.stiffness_at(F) == pytest.approx(law.fits[0].stiffness_at(F), rel=1e-9)
+    assert MeasuredLaw(table).misfit == (0.0, 0.0)
+    with pytest.raises(InputError, match="passive_fit"):
+        chain_of(MeasuredLaw(table))

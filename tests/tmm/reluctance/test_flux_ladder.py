@@ -5,6 +5,7 @@ import pytest
 
 from tactgen.geometry.device import steel_law as steel
 from tactgen.geometry.device.steel_law import TEAM20
+from tactgen.tmm.reluctance import flux_ladder
 from tactgen.tmm.reluctance.flux_ladder import Ladder, solve
 from tactgen.validation.checks.cases.magnetics import square_law
 from tactgen.validation.checks.cases.magnetics.square_law import one_loop
@@ -113,3 +114,17 @@ def test_no_current_no_flux():
     found = solve(random_ladder(TEAM20), np.zeros(1))
     assert not np.any([found.flux_linkage, found.coenergy, found.force])
     assert (found.incremental_inductance > 0.0).all()
+
+
+def test_from_far_away_steps_are_halved_until_the_energy_falls(monkeypatch):
+    """A hundred times too much flux, steel and all, and the same state; too few steps are said."""
+    ladder, currents = random_ladder(TEAM20), np.array([0.1, -3.0, 40.0])
+    plain = solve(ladder, currents)
+    guess = flux_ladder._first_guess
+    monkeypatch.setattr(flux_ladder, "_first_guess", lambda *given: 100.0 * guess(*given))
+    found = solve(ladder, currents)
+    for name in ("flux", "coenergy", "force", "incremental_inductance"):
+        np.testing.assert_allclose(getattr(found, name), getattr(plain, name), rtol=1e-9)
+    monkeypatch.setattr(flux_ladder, "_STEPS", 2)
+    with pytest.raises(ArithmeticError, match="did not settle"):
+        solve(ladder, currents)

@@ -5,7 +5,10 @@ import pytest
 from scipy.optimize import brentq
 
 from tactgen.geometry.device.parameters import Coil, Device, Spring
-from tactgen.tmm.reluctance.map_range import map_grid
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.reluctance import map_range
+from tactgen.tmm.reluctance.map_range import map_grid, pole_area
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.validation.checks.cases.magnetics.collared_actuator import collared
 
@@ -114,3 +117,27 @@ def test_no_spring_is_no_obstacle():
     """Without a spring some range is still chosen."""
     currents, _ = map_grid(device(0.0, preload=0.0, stiffness=0.0))
     assert 0.0 < currents[-1] < 10.0
+
+
+def test_a_shared_map_of_a_coil_without_current():
+    """Nothing is rounded of a current of 0, and no sample goes beyond the switching range."""
+    plain, shared = map_grid(device(0.0)), map_grid(device(0.0), shared=True)
+    assert shared[0].size == plain[0].size == 13
+    assert plain[0][-1] <= shared[0][-1] < 1.3 * plain[0][-1]
+
+
+def test_a_circuit_that_the_network_does_not_know_has_a_map(monkeypatch):
+    """From the one-gap formula alone, with room for what it leaves out."""
+
+    def unknown(*_, **__):
+        raise InputError("unknown")
+
+    known = map_grid(device())[0][12]
+    monkeypatch.setattr(map_range, "network_samples", unknown)
+    built = device()
+    gap = built.gap  # the spring is strongest, and the gap widest, at the upper stop
+    area = pole_area(built)
+    formula = gap * np.sqrt(2.0 * built.spring.preload / (MU0 * area)) / built.coil.turns
+    found = map_grid(built)[0][12]
+    assert found == pytest.approx(map_range._WITHOUT_NETWORK * formula, rel=0.05)
+    assert 0.5 * known < found < 5.0 * known

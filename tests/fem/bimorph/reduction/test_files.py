@@ -1,6 +1,7 @@
 """Reduced solids on disk: the same bits back, one sentence for every other file; the cache."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -117,3 +118,17 @@ def test_ports_of_the_normal_actuator_are_refused(tmp_path, kind):
     with pytest.raises(InputError, match="no bimorph"):
         export(load_scene("reluctance")[0], {kind: tmp_path / "a.npz"}, lambda _: None)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_who_is_judged_by_what_is_lacking_is_served_by_what_knows_it(mesh, monkeypatch):
+    """Reduced without it before, it is reduced anew; also where the estimate is too large."""
+    monkeypatch.setattr(port_cache, "kept", lambda *_, serves: serves)
+    for missing, lacking, served in (
+        (None, None, True), (None, lambda: None, False), ("known", lambda: None, True),
+    ):  # fmt: skip
+        serves = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-6, lacking=lacking)
+        for estimate, small in ((1e-7, True), (1e-5, False)):
+            found = SimpleNamespace(
+                missing=missing, error=1e-8, error_estimate=lambda f, e=estimate: np.full(f.size, e)
+            )
+            assert serves(found) is (served and small)

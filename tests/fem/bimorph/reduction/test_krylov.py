@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.fem.bimorph.ports import direct_multiport
+from tactgen.fem.bimorph.reduction import projection
 from tactgen.fem.bimorph.reduction.extremes import _GRID, extremes, motions, standard_ends
 from tactgen.fem.bimorph.reduction.krylov import port_error, reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
@@ -155,3 +156,15 @@ def test_passive_ceramic_is_reduced_too():
     assert np.isfinite(stiffness).all()
     assert np.abs(stiffness[:, 4, :4]).max() == 0.0
     assert (stiffness[:, 4, 4].real > 0.0).all()
+
+
+@pytest.mark.parametrize("last", [0, 2])
+def test_potentials_are_eliminated_by_what_they_follow(last):
+    """A, b, bᵀ, c with x = −c⁻¹ bᵀ y, so that the rest sees A − b c⁻¹ bᵀ; none is no change."""
+    root = np.random.default_rng(2).normal(size=(6, 6))
+    matrix = (root + root.T + 0.1j * np.eye(6)).astype(complex)
+    rest, follows = projection._condensed(matrix, last)
+    assert follows.shape == (last, 6 - last)
+    y = np.linspace(-1.0, 1.0, 6 - last)
+    efforts = matrix @ np.concatenate([y, follows @ y])
+    np.testing.assert_allclose(efforts, [*(rest @ y), *np.zeros(last)], atol=1e-13)

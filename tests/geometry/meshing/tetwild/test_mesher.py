@@ -1,10 +1,13 @@
 """The mesher's process: it stays for the next mesh, and its troubles end in one sentence."""
 
+import json
+
 import numpy as np
 import pytest
 
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.tetwild import mesher as mesher_module
+from tactgen.geometry.meshing.tetwild import run
 from tactgen.geometry.meshing.tetwild.mesher import Mesher
 
 #: Stands for fTetWild: gives back what it got and the number of its process, or gets into trouble.
@@ -55,6 +58,35 @@ def test_one_process_makes_one_mesh_after_another(pretender):
     assert mesher.spent == 4.5
     with pytest.raises(FileNotFoundError):
         open(folder)  # noqa: PTH123, SIM115
+
+
+def test_a_mesh_without_a_mesher_starts_its_own(monkeypatch):
+    """All that is asked reaches it: surface, lengths, envelope over the diagonal, time."""
+    told = []
+
+    class Own:
+        __enter__, __exit__ = lambda self: self, lambda *_: told.append("ended")
+
+        def mesh(self, arrays, limit):
+            told.append((arrays, limit))
+            return "points", "tets"
+
+    monkeypatch.setattr(run, "Mesher", Own)
+    points, triangles = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 4.0]]), np.zeros((1, 3), dtype=int)
+    sizing = run.SizingField(points, triangles, np.ones(2))
+    asked = {"edge_length": 0.5, "envelope": 0.01, "time_limit": 7.0}
+    assert run.run_ftetwild(points, triangles, sizing=sizing, **asked) == ("points", "tets")
+    (arrays, limit), end = told
+    assert (limit, end) == (7.0, "ended")
+    settings = json.loads(str(arrays.pop("settings")))
+    assert settings == {"edge_length_abs": 0.5, "epsilon": 0.002, "num_opt_iter": run._PASSES}
+    given = {"points": points, "triangles": triangles, "bg_vertices": points, "bg_tets": triangles,
+             "bg_values": np.ones(2)}  # fmt: skip
+    assert {name: array.tolist() for name, array in arrays.items()} == {
+        name: array.tolist() for name, array in given.items()
+    }
+    assert list(run.run_ftetwild(points, triangles, sizing=None, **asked)) == ["points", "tets"]
+    assert set(told[2][0]) == {"points", "triangles", "settings"}
 
 
 def test_a_process_that_dies_says_so_and_the_next_mesh_has_a_new_one(pretender):

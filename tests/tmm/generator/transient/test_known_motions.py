@@ -202,6 +202,19 @@ def test_laws_balance_whatever_the_step(law):
         assert at_rest == pytest.approx(np.diff(energies)[0] / 2e-6, rel=1e-5)
 
 
+@pytest.mark.parametrize(("before", "after"), [(-40.0, 0.7), (0.7, -40.0), (-40.0, -35.0)])
+def test_rough_surfaces_that_come_from_far_apart(before, after):
+    """Beyond 60 decay lengths nothing acts; from there and to there the energy changes by all."""
+    law = RoughPoint(0.3, 0.5, 0.1)
+    assert law.apart == -30.0
+    force, slope, elastic = over_a_step(law, before, after - before)
+    first, last = (0.3 * np.exp(at / 0.5) if at > -30.0 else 0.0 for at in (before, after))
+    assert elastic * (after - before) == pytest.approx(0.5 * (last - first), rel=1e-12)
+    # a relaxation time as long as the step: what the force rises by is added
+    assert force == pytest.approx(max(elastic + last - first, 0.0), rel=1e-12)
+    assert (slope > 0.0) is (force > 0.0)
+
+
 def test_friction_stops_what_slides():
     """µ N over m, but for the speed at which it is rounded off; all motion is lost in it."""
     mass, pressed, start = 0.1, 2.0, 0.05

@@ -32,3 +32,11 @@ def test_peak_and_shortest_time(wave, shortest):
     ]
     assert max(sizes) == pytest.approx(wave.peak, rel=2e-4)
     assert wave.shortest == shortest
+
+
+def test_samples_are_held_before_the_first_and_after_the_last():
+    """Between them the straight line, a time at a jump by the side it is asked for."""
+    wave = Sampled((0.1, 0.5, 0.5, 0.6), (2.0, -1.0, 3.0, 4.0))
+    asked = [(0.0, 0.05), (0.2, 0.3), (0.5, 0.4), (0.5, 0.55), (0.7, 0.7)]
+    found = [wave.value(time, inside) for time, inside in asked]
+    assert found == pytest.approx([2.0, 1.25, -1.0, 3.0, 4.0], rel=1e-14)
