@@ -17,12 +17,7 @@ from tactgen.geometry.bimorph.brick_parts import in_parts
 from tactgen.geometry.bimorph.tets import _refuse_too_thin
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError, MeshError
-from tactgen.geometry.meshing.mesh_check import (
-    check_areas,
-    check_conformity,
-    check_shape,
-    check_volumes,
-)
+from tactgen.geometry.meshing.mesh_check import check_areas, check_volumes
 from tactgen.geometry.store.values import from_bytes, storable, to_bytes
 from tactgen.tmm.generator.transient import newton
 from tactgen.validation.command_line.streams import _plainly
@@ -60,17 +55,6 @@ def test_cells_that_fold_or_do_not_add_up(moved, volume, message):
         check_volumes(points, CELL, np.array([0]), {"shim": volume}, {"shim"})
 
 
-@pytest.mark.parametrize(
-    ("tets", "skin"),
-    [([[0, 1, 2, 3], [0, 1, 2, 4], [0, 1, 2, 5]], 9), ([[0, 1, 2, 3]], 3)],
-)
-def test_cells_that_do_not_share_their_faces(tets, skin):
-    """Three at one face; and one face more than the surface has."""
-    check_conformity(np.array([[0, 1, 2, 3], [0, 1, 2, 4]]), 6)
-    with pytest.raises(MeshError, match="do not share their faces"):
-        check_conformity(np.array(tets), skin)
-
-
 def test_a_face_that_its_triangles_do_not_fill():
     """CAD says 1 % more than the mesh has."""
     triangle, place = np.array([[0, 1, 2, 4, 5, 6]]), np.array([0])
@@ -79,13 +63,6 @@ def test_a_face_that_its_triangles_do_not_fill():
     face.area = 0.505
     with pytest.raises(MeshError, match="area between air and shim"):
         check_areas(POINTS, triangle, place, [face])
-
-
-def test_flat_cells():
-    """Inside out they fold over, which volumes tell."""
-    check_shape(CORNERS, np.array([[0, 1, 2, 3]]))
-    with pytest.raises(MeshError, match="1 elements have angles below"):
-        check_shape(CORNERS * [1.0, 1.0, 1e-9], np.array([[0, 1, 2, 3]]))
 
 
 def test_features_too_thin_to_mesh():

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from tactgen.tmm.harmonic_balance import continuation
+from tactgen.tmm.harmonic_balance import continuation, response
 from tactgen.tmm.harmonic_balance.continuation import follow
 from tactgen.tmm.harmonic_balance.newton import NoConvergence
 from tactgen.tmm.harmonic_balance.response import steady_orbit
@@ -161,3 +161,17 @@ def test_no_more_harmonics_than_may_be_taken():
     start = steady_orbit(oscillator, 1.2, 1.0, resolution=ROUGH)
     found = resolved(oscillator, start.with_harmonics(3), Resolution(1e-15, 3, 8))
     assert found.harmonics == 8
+
+
+def test_an_orbit_reached_from_rest_is_as_fine_as_asked(monkeypatch):
+    """Where Newton's method finds none at once, the drive is raised: to the same orbit."""
+    oscillator, few = cases.driven_duffing(), Resolution(1e-9, 3, 5)
+    at_once = steady_orbit(oscillator, 0.8, 1.0, resolution=few)
+
+    def lost(*_):
+        raise NoConvergence("lost")
+
+    monkeypatch.setattr(response, "resolved", lost)
+    raised = steady_orbit(oscillator, 0.8, 1.0, resolution=few)
+    assert (raised.omega, raised.level, raised.harmonics) == (0.8, 1.0, at_once.harmonics)
+    np.testing.assert_allclose(raised.spectrum, at_once.spectrum, atol=1e-9)

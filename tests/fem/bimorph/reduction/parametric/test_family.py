@@ -6,6 +6,7 @@ import pytest
 from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.ports import ports_from_blocks, static_multiport
+from tactgen.fem.bimorph.reduction.parametric import compression
 from tactgen.fem.bimorph.reduction.parametric.answers import (
     family_modes,
     family_statics,
@@ -211,3 +212,11 @@ def test_fewer_shapes_say_the_same_of_what_they_were_taken_from(family):
     for name in ("held", "through", "follows", "compliance"):
         one, other = getattr(few, name), getattr(many, name)
         assert one == pytest.approx(other, rel=1e-8, abs=1e-9 * np.abs(other).max()), name
+
+
+def test_shapes_of_less_than_the_least_energy_are_left_out():
+    """A root of energy is what a shape's part of the columns is measured by; the rest is held."""
+    columns = np.diag([1.0, 2e-3, 5e-4, 0.0])[None]
+    shapes = compression._shapes(columns, 1e-3)
+    assert shapes.shape == (4, 2)
+    np.testing.assert_allclose(np.abs(shapes).sum(axis=1), [1.0, 1.0, 0.0, 0.0], atol=1e-12)
