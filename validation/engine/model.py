@@ -45,6 +45,9 @@ class Refined(Generic[T]):
         chance.  Only of what is read off ports at 0 Hz.
     rounds_apart : bool
         Whether the coarser results tell rounding, too, of whatever is read off them.
+    beside : tuple of (T, float)
+        Judges what is read off this and another result together, in place of `coarser`, where much
+        of both errors is alike; empty where `coarser` serves.
     """
 
     fine: T
@@ -53,6 +56,7 @@ class Refined(Generic[T]):
     rounding: Floats | float = 0.0
     rounds_apart: bool = False
     least: float = 0.0
+    beside: tuple[tuple[T, float], ...] = ()
 
 
 @storable

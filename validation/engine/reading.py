@@ -212,7 +212,7 @@ def _combination(readout: ModalReadout, answers: Sequence[Refined[Modes]]) -> Ju
         tuple(answer.fine for answer in answers),
         tuple(
             (tuple(modes for modes, _ in level), max(factor for _, factor in level))
-            for level in zip(*(answer.coarser for answer in answers), strict=True)
+            for level in zip(*(answer.beside or answer.coarser for answer in answers), strict=True)
         ),
         answers[0].method,
     )

@@ -24,6 +24,12 @@ DEVICE = Device(bimorph=Bimorph(length=9e-3, tab_length=1e-3))
 MESHING = BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=8.0, richness=1.5)
 BRICKS = bimorph_bricks(DEVICE, MESHING)
 RICHER = bimorph_bricks(DEVICE, replace(MESHING, degree=(3, 3, 4)))
+ENDS = {
+    "clamped": Ends(),
+    "heavy tip": Ends(None, TipLoad(mass=1e-5)),
+    "sprung tip": Ends(None, TipLoad(3e3)),
+    "springs": Ends(Springs(3e6, 0.24, 1e-4, 1e-12)),
+}
 
 
 @pytest.fixture(scope="module")
@@ -74,16 +80,7 @@ def test_what_is_missing_at_rest_is_most_of_what_one_degree_more_finds(surplus, 
 
 
 @pytest.mark.parametrize("open_circuit", [False, True], ids=["short", "open"])
-@pytest.mark.parametrize(
-    "ends",
-    [
-        Ends(),
-        Ends(None, TipLoad(mass=1e-5)),
-        Ends(None, TipLoad(3e3)),
-        Ends(Springs(3e6, 0.24, 1e-4, 1e-12)),
-    ],
-    ids=["clamped", "heavy tip", "sprung tip", "springs"],
-)
+@pytest.mark.parametrize("ends", ENDS.values(), ids=ENDS)
 def test_what_modes_miss_is_most_of_what_one_degree_more_finds(surplus, both, ends, open_circuit):
     own, richer = both
     small = modal_model(own, 2, surplus.of("bending_x"))
@@ -101,6 +98,26 @@ def test_what_modes_miss_is_most_of_what_one_degree_more_finds(surplus, both, en
     share = (moved - charged) / (plain - known)
     assert (share > 0.3).all()
     assert (share < 1.2).all()
+
+
+@pytest.mark.parametrize("ends", ENDS.values(), ids=ENDS)
+def test_what_an_open_circuit_misses_is_bounded_by_what_its_factors_miss(surplus, both, ends):
+    """Of (f_open / f_short)²: the change is what each circuit's own says, the bound no less."""
+    own, richer = both
+    small = modal_model(own, 1, surplus.of("bending_x"))
+
+    def ratio(modes):
+        short, opened = (modes(ends, 1, open_circuit=circuit)[0] for circuit in (False, True))
+        return (opened.frequency / short.frequency) ** 2
+
+    plain = ratio(small.modes)
+    # the modes' judges move by potentials as they do by displacements
+    moved, charged = (ratio(replace(small, missing=m).modes) for m in small.surplus)
+    change, most = small.opened(ends)
+    assert change == pytest.approx((moved - charged) / plain, abs=2e-2 * most)
+    known = ratio(lambda *a, **k: natural_modes(richer, *a, **k)) / plain - 1.0
+    assert abs(change) < most
+    assert 0.05 * most < abs(known) < most
 
 
 @pytest.mark.parametrize("motion", ["bending_y", "torsion", "axial"])

@@ -15,6 +15,7 @@ from tactgen.validation.engine.refinement import (
     SAFETY,
     SURPLUS_FACTOR,
     SURPLUS_FACTOR_AT_EDGES,
+    cancelling,
     least_difference,
     observed_factor,
     two_mesh_factor,
@@ -44,6 +45,12 @@ def test_agreement_by_chance_is_not_trusted():
     assert least_difference(fine, np.full(2, np.nan)) == 0.0
     several = least_difference(np.array([fine, [0.0, 1.0]]), np.array([coarse, [1.0, 1.5]]))
     assert several == pytest.approx([1e-3, 0.05])  # what is zero has no share
+
+
+@pytest.mark.parametrize("change", [0.0, 3.0, -3.0])
+def test_what_cancels_by_chance_is_not_trusted(change):
+    """Of a difference of two errors a tenth of what it can be counts besides."""
+    assert cancelling(change, 20.0) == pytest.approx(abs(change) + 2.0)
 
 
 @pytest.mark.heavy

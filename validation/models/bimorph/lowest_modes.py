@@ -20,6 +20,7 @@ from tactgen.fem.solvers.threads import side_by_side
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.store.values import storable
+from tactgen.validation.engine.refinement import cancelling
 
 if TYPE_CHECKING:
     from tactgen.fem.bimorph.system import SolidSystem, Surplus
@@ -63,6 +64,13 @@ class MeshModes:
             MeshModes(replace(self.ports, missing=missing), others)
             for missing, others in zip(self.ports.surplus, self.moved, strict=True)
         )
+
+    def opened(self, ends: Ends) -> float:
+        """Return how far off Ω² of open circuit is beside that of short circuit, relative.
+
+        Of the first mode that bends in x, by what the mesh lacks.
+        """
+        return cancelling(*self.ports.opened(ends))
 
     def lowest(self, ends: Ends, count: int, *, open_circuit: bool) -> dict[Motion, list[BareMode]]:
         """Return the lowest `count` modes of every class of motion."""

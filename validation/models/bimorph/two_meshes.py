@@ -212,7 +212,8 @@ class TwoMeshModel(BimorphModel):
         rounding = 0.5 * modal.spurious_stiffness / stiffness
         if modal.fine.judges:
             coarser = tuple((judge, modal.mode_factors[0]) for judge in judges)
-            return Refined(fine, coarser, modal.method, rounding)
+            beside = self._beside(fine, open_circuit=open_circuit)
+            return Refined(fine, coarser, modal.method, rounding, beside=beside)
         (coarse,) = judges
         least = _least(fine, coarse)
         if open_circuit:
@@ -236,6 +237,19 @@ class TwoMeshModel(BimorphModel):
         )
         coarser += ((Modes(stiffer, fine.classes), modal.static_factor),)
         return Refined(fine, coarser, modal.method, rounding)
+
+    def _beside(self, fine: Modes, *, open_circuit: bool) -> tuple[tuple[Modes, float], ...]:
+        """Return what judges both circuits together, by their first bending modes.
+
+        What moves both alike, then what moves the open one beside the other.
+        """
+        modal = self._modal()
+        short, *judges = self._judged(open_circuit=False)
+        moved = [judge.first_bending / short.first_bending for judge in judges]
+        moved.append(np.sqrt(1.0 + modal.fine.opened(self.scene.ends)) if open_circuit else 1.0)
+        return tuple(
+            (Modes(of * fine.frequencies, fine.classes), modal.mode_factors[0]) for of in moved
+        )
 
     def _judged(self, *, open_circuit: bool) -> tuple[Modes, ...]:
         """Return the modes on the finer mesh, and their partners of those that judge them."""

@@ -79,6 +79,11 @@ class FamilySurplus:
             found[motion] = np.sign(every[0]) * np.exp(size)
         return found
 
+    def opened(self, values: Mapping[str, Floats], ends: Ends) -> Floats:
+        """Return how far off n points' Ω² of open circuit is beside short circuit's (n,)."""
+        each = np.array([of.opened(ends) for of in self.modes])
+        return np.exp(self._carried(values, np.log(np.maximum(each, _NOTHING))))
+
     def _carried(self, values: Mapping[str, Floats], of: Floats) -> Floats:
         """Return parabolas (n, ...) along each key through what is known of members."""
         middle, *ends = of

@@ -19,7 +19,7 @@ from tactgen.tmm.ports.multiport import Multiport, in_series, round_off
 from tactgen.tmm.ports.readout import ModalReadout, Readout
 from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.refinement import FAMILY_FACTOR, FAMILY_FACTOR_OF_COUPLING
+from tactgen.validation.engine.refinement import FAMILY_FACTOR
 from tactgen.validation.models.bimorph.family.mixed_form import MixedForm
 from tactgen.validation.models.bimorph.family.solid_family import RESPONSE_FACTOR, SolidFamily
 from tactgen.validation.scene.scene import Scene
@@ -256,11 +256,17 @@ class _Chunk:
 
         own = [first(m, m.frequencies["bending_x"]) for m in circuits]
         value = combine(*own)
+        # what moves all circuits alike, then what moves the others beside the first
+        levels: list[list[Any]] = [
+            [1.0 + first(circuits[0], circuits[0].moved["bending_x"][:, judge])] * len(own)
+            for judge in range(2)
+        ]
+        apart = np.sqrt(1.0 + self._family.surplus.opened(self._values, self._scene.ends))
+        levels.append([apart if circuit != read.circuits[0] else 1.0 for circuit in read.circuits])
         bar = np.zeros_like(value)
-        for judge in range(2):
-            shares = [first(m, m.moved["bending_x"][:, judge]) for m in circuits]
-            richer = combine(*(f * (1.0 + share) for f, share in zip(own, shares, strict=True)))
-            bar += FAMILY_FACTOR_OF_COUPLING * np.abs(richer - value)
+        for shares in levels:
+            richer = combine(*(share * f for share, f in zip(shares, own, strict=True)))
+            bar += FAMILY_FACTOR * np.abs(richer - value)
         basis = np.zeros_like(value)
         for number, modes in enumerate(circuits):
             moved = list(own)
