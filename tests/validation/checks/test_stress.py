@@ -187,7 +187,9 @@ def test_bars_that_promise_a_share_are_held_to_it(shares, verdict):
     shares = (*shares, *(20 - len(shares)) * (0.5,))
     points = [Point("somewhere", 1e-9 * share, math.nan, 1e-9, math.nan) for share in shares]
     row = answered("family", "what", points, promised=0.95)
-    assert (row.verdict, row.beyond) == (verdict, sum(not share <= 1.0 for share in shares))
+    assert row.verdict == verdict
+    missed = [1e-9 * share for share in shares if not share <= 1.0]
+    assert repr([point.error for point in row.beyond]) == repr(missed)
     assert answered("family", "what", points).verdict == "fails"
 
 
@@ -264,13 +266,16 @@ def test_command_writes_tables_and_plots(made_up_stress, tmp_path, capsys, appro
     assert err.splitlines()[-1] == str(tmp_path / "out" / "stress-tmm-resonance.svg")
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
     assert names == [
+        "stress-beyond.csv",
         "stress-tmm-map-1.csv",
         "stress-tmm-map-1.svg",
         "stress-tmm-resonance.svg",
         "stress.csv",
     ]
     assert (tmp_path / "out" / "stress-tmm-map-1.svg").read_text().startswith("<svg")
-    tables = ((tmp_path / "out" / name).read_text(encoding="utf-8") for name in names[::3])
+    tables = (
+        (tmp_path / "out" / name).read_text(encoding="utf-8") for name in (names[1], names[-1])
+    )
     approved("\n".join([re.sub(r" \(\d+ s\)", "", out), *tables]))
 
 
@@ -289,13 +294,27 @@ def test_files_are_there_where_nobody_reads(made_up_stress, tmp_path, monkeypatc
 
 
 def test_command_quotes_refusals(monkeypatch, tmp_path, capsys):
-    """Each sentence once, with how often it was said; the file has them too."""
-    rows = (answered("family", "what", [synthetic(1e-13)], ["come nearer", "come nearer"]),)
+    """Those that differ in numbers alone once, with how often; the file has them too."""
+    said = ["come nearer", "1.5 mm is off", "come nearer", "-2e-3 mm is off"]
+    rows = (answered("family", "what", [synthetic(1e-13)], said),)
     made = Stress("magnetics", "words", rows, (), (), 0.0)
     monkeypatch.setattr(magnetics, "run", lambda *_: made)
     assert command.run(options(only=["magnetics"], out=str(tmp_path))) == 0
-    assert "refused 2 x: come nearer" in capsys.readouterr().out
-    assert "come nearer" in (tmp_path / "stress.csv").read_text()
+    out = capsys.readouterr().out
+    assert "magnetics: refused 2 x: come nearer\n" in out
+    assert "magnetics: refused 2 x, such as: 1.5 mm is off\n" in out
+    assert "come nearer | 1.5 mm is off" in (tmp_path / "stress.csv").read_text()
+
+
+def test_answers_beyond_are_told_worst_first(made_up_stress, tmp_path, capsys, approved):
+    """Ten of a family are printed, by what share of their bars; the file has all."""
+    bounds = 1e-6 / np.geomspace(1.25, 2.5, 12)
+    made_up_stress([Point(f"at {1e6 * b:.3f}", 1e-6, math.nan, b, math.nan) for b in bounds])
+    assert command.run(options(only=["tmm"], out=str(tmp_path))) == 1
+    told = [line for line in capsys.readouterr().out.splitlines() if "times what was" in line]
+    assert told[0] == "tmm: 2.5 times what was promised at at 0.400"
+    assert len(told) == 10
+    approved((tmp_path / "stress-beyond.csv").read_text())
 
 
 def test_command_fails_if_a_family_does(made_up_stress):

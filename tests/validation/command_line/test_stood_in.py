@@ -186,7 +186,6 @@ def test_simulate(stand_in, told_of):
         flange_gap=2e-5,
     )
     phase = SimpleNamespace(name="pressed", start=0.0, end=1e-3, amplitude=2e-6)
-    stand_in("models.generator.phases:phases", [phase])
     values = (np.array([1.0, -2.0, 0.5]), "m", "of the rod")
     stand_in("studies.transient.files:series", {"rod_lift": values})
     for place in (
@@ -197,6 +196,8 @@ def test_simulate(stand_in, told_of):
     ):
         stand_in(place)
     stand_in("studies.transient.plot:time_plot", "<svg/>")
+    # last: when loaded, the modules above import it by its name, and would keep what stands in
+    stand_in("models.generator.phases:phases", [phase])
     stand_in("models.generator.transient:run_scene", found)
     files = "--out r.nc --plot p.svg --fields f.pvd --gif g.gif --mp4 m.mp4"
     drives = '--voltage "10 V sine 200 Hz" --coil "5 V step"'

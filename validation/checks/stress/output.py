@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from tactgen.geometry.csv_rows import write_csv
 from tactgen.geometry.files import write_text
 from tactgen.validation.checks.stress import Asked, beam
 from tactgen.validation.checks.stress.plots import approach_plot, map_plot
-from tactgen.validation.checks.stress.result import ErrorMap, Row, Stress
+from tactgen.validation.checks.stress.result import ErrorMap, Row, Stress, share
 from tactgen.validation.view.console import console
 
 
@@ -41,8 +41,14 @@ def print_stress(parts: Sequence[Stress]) -> None:
         table.add_section()
     screen.print(table)
     for part in parts:
-        for words, count in Counter(w for row in part.rows for w in row.refusals).items():
-            screen.print(f"{part.part}: refused {count} x: {words}", markup=False)
+        for row in part.rows:
+            for point in row.beyond[:_MOST]:
+                words = f"{share(point):.2g} times what was promised at {point.where}"
+                screen.print(f"{part.part}: {words}", markup=False)
+        for said in _kinds(w for row in part.rows for w in row.refusals):
+            such_as = ", such as" if len(set(said)) > 1 else ""
+            words = f"refused {len(said)} x{such_as}: {said[0]}"
+            screen.print(f"{part.part}: {words}", markup=False)
     for part in parts:
         screen.print(f"{part.part} ({part.seconds:.0f} s): {part.statement}", markup=False)
 
@@ -53,13 +59,16 @@ _CELLS: dict[str, Callable[[Row], str]] = {
     "range": lambda row: row.what,
     "points": lambda row: str(row.points),
     "refused": lambda row: str(len(row.refusals)),
-    "beyond": lambda row: str(row.beyond),
+    "beyond": lambda row: str(len(row.beyond)),
     "worst": lambda row: short(row.worst.error),
     "promised": lambda row: short(row.worst.bound),
     "over bar": lambda row: "-" if math.isnan(row.over) else f"{row.over:.2g}",
     "verdict": lambda row: row.verdict,
     "worst at": lambda row: row.worst.where,
 }
+#: Answers beyond their bars that are printed of a family; files have all.
+_MOST = 10
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 _NUMBERS = ("points", "refused", "beyond", "worst", "promised", "over bar")
 
 
@@ -71,11 +80,11 @@ def short(value: float) -> str:
 
 
 def write_stress(parts: Sequence[Stress], out: Path) -> list[Path]:
-    """Write one CSV of all rows, and a CSV and an SVG of every map, and return the paths."""
+    """Write CSVs of all rows and of answers beyond, a CSV and an SVG of every map; return all."""
     rows = [
-        (part.part, r.family, r.what, r.points, r.beyond, r.worst.error, r.worst.bound, r.over,
+        (part.part, r.family, r.what, r.points, len(r.beyond), r.worst.error, r.worst.bound, r.over,
          r.worst.condition, r.naive, r.verdict, r.worst.where, len(r.refusals),
-         " | ".join(dict.fromkeys(r.refusals)))
+         " | ".join(said[0] for said in _kinds(r.refusals)))
         for part in parts
         for r in part.rows
     ]  # fmt: skip
@@ -83,7 +92,17 @@ def write_stress(parts: Sequence[Stress], out: Path) -> list[Path]:
         "part", "family", "range", "points", "beyond", "worst", "promised", "over bar",
         "condition", "naive", "verdict", "worst at", "refused", "refusals",
     )  # fmt: skip
-    written = [write_csv(out / "stress.csv", head, rows)]
+    beyond = [
+        (part.part, r.family, p.error, p.bound, share(p), p.where)
+        for part in parts for r in part.rows for p in r.beyond
+    ]  # fmt: skip
+    written = [
+        write_csv(out / "stress.csv", head, rows),
+        write_csv(
+            out / "stress-beyond.csv",
+            ("part", "family", "error", "promised", "over bar", "where"), beyond,
+        ),
+    ]  # fmt: skip
     for part in parts:
         for number, table in enumerate(part.maps, start=1):
             stem = f"stress-{part.part}-map-{number}"
@@ -94,6 +113,14 @@ def write_stress(parts: Sequence[Stress], out: Path) -> list[Path]:
             plot = approach_plot(part.approaches)
             written.append(write_text(out / f"stress-{part.part}-resonance.svg", plot))
     return written
+
+
+def _kinds(refusals: Iterable[str]) -> list[list[str]]:
+    """Return sentences together that differ in their numbers alone, in the order of the first."""
+    found: dict[str, list[str]] = {}
+    for words in refusals:
+        found.setdefault(_NUMBER.sub("", words), []).append(words)
+    return list(found.values())
 
 
 def _flat(table: ErrorMap) -> Iterator[tuple[float, ...]]:

@@ -62,8 +62,8 @@ class Row:
         ``holds``, ``holds up to the condition limit``, ``holds or says why not``, or ``fails``.
     refusals : tuple of str
         What was said at the points that were not answered.
-    beyond : int
-        How many answers are beyond their bound.
+    beyond : tuple of Point
+        The answers beyond their bound, that by the largest share first.
     """
 
     family: str
@@ -74,7 +74,7 @@ class Row:
     naive: float
     verdict: str
     refusals: tuple[str, ...] = ()
-    beyond: int = 0
+    beyond: tuple[Point, ...] = ()
 
 
 @storable
@@ -128,26 +128,25 @@ def judged(family: str, what: str, points: Sequence[Point]) -> Row:
     else:
         verdict = "holds" if worst.error <= WANTED else "holds up to the condition limit"
     naive_worst = max(naive, default=math.nan)
-    return Row(
-        family, what, len(points), worst, _over(points), naive_worst, verdict, beyond=len(beyond)
-    )
+    return Row(family, what, len(points), worst, _over(points), naive_worst, verdict, beyond=beyond)
 
 
-def _beyond(points: Sequence[Point]) -> list[Point]:
+def share(point: Point) -> float:
+    """Return the share of its bound that an error takes; an error without one is beyond."""
+    if math.isnan(point.error):
+        return math.inf
+    if point.error == 0.0:
+        return 0.0
+    return point.error / point.bound if point.bound > 0.0 else math.inf
+
+
+def _beyond(points: Sequence[Point]) -> tuple[Point, ...]:
     """Return the points that are not within their bound; what is no number is not."""
-    return [p for p in points if not p.error <= p.bound]
+    return tuple(sorted((p for p in points if not p.error <= p.bound), key=share, reverse=True))
 
 
 def _over(points: Sequence[Point]) -> float:
-    """Return the largest share of its bound that an error takes; an error without one is beyond."""
-
-    def share(point: Point) -> float:
-        if math.isnan(point.error):
-            return math.inf
-        if point.error == 0.0:
-            return 0.0
-        return point.error / point.bound if point.bound > 0.0 else math.inf
-
+    """Return the largest share of its bound that an error takes."""
     return max(map(share, points), default=math.nan)
 
 
@@ -175,6 +174,5 @@ def answered(
     missed = len(beyond) > (1.0 - promised) * len(points) or _over(beyond) > FAR
     verdict = "fails" if missed or not clear else holds
     return Row(
-        family, what, len(points), worst, _over(points), math.nan, verdict, tuple(refusals),
-        len(beyond),
+        family, what, len(points), worst, _over(points), math.nan, verdict, tuple(refusals), beyond,
     )  # fmt: skip
