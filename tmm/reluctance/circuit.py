@@ -212,15 +212,16 @@ def check_circuit(device: Device, gaps: Floats) -> None:
     """
     rod, sleeve = device.rod, device.sleeve
     check_gap(device, float(gaps.max()))
-    top = gaps - NOMINAL_GAP
+    top, widest = gaps - NOMINAL_GAP, widest_circuit(device)
+    smaller = "the gap smaller or " if widest > 0.0 else ""
     reach = (
         f"sleeve.collar_thickness = {sleeve.collar_thickness * 1e3:g} mm to the flange at "
         f"rod.flange_position = {rod.flange_position * 1e3:g} mm, of which the network knows no "
-        "circuit; make the gap smaller or the collar thinner"
+        f"circuit; make {smaller}the collar thinner"
     )
     for wrong, words in (
         (gaps <= 0.0, "leaves no gap; use a positive one"),
-        (gaps >= widest_circuit(device), f"brings {reach}"),
+        (gaps >= widest, f"brings {reach}"),
         (top + sleeve.length <= rod.flange_position, "lifts the flange below the sleeve's end"),
     ):
         if wrong.any():

@@ -232,7 +232,15 @@ def test_covered_part_of_the_bore():
                 coil={"length": 0.1e-3},
             ),
             0.2e-3,
-            "gap = 0.2 mm brings sleeve.collar_thickness",
+            "gap = 0.2 mm brings sleeve.collar_thickness .*; make the gap smaller or the collar",
+        ),
+        (
+            collared(
+                sleeve={"collar_thickness": 2.6e-3, "collar_radius": 0.95e-3},
+                coil={"length": 0.1e-3},
+            ),
+            0.02e-3,
+            "gap = 0.02 mm brings sleeve.collar_thickness = 2.6 mm .*; make the collar thinner",
         ),
     ],
 )
