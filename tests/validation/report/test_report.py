@@ -24,7 +24,7 @@ from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.design import length_section
 from tactgen.validation.studies.uncertainty import propagation
-from tactgen.validation.view.browser import find_browser
+from tactgen.validation.view.browser import find_browser, run_browser
 from tactgen.validation.view.formats import (
     engineering,
     percent,
@@ -314,6 +314,26 @@ def test_a_report_prints(prototype, tmp_path):
         ink = (np.frombuffer(dots, np.uint8).reshape(height, width) < 220).any(axis=1)
         # the foot with the page's number apart
         assert np.flatnonzero(ink[: int(0.93 * height)])[-1] > 0.5 * height
+
+
+def test_no_table_is_wider_than_the_page(tmp_path):
+    """Headings of several words and lists of names wrap: 1 px and a fraction are rounding."""
+    browser = find_browser()
+    if browser is None:
+        pytest.skip("no Chromium on this machine")
+    template = (Path(report.__file__).parent / "templates" / "page.html").read_text("utf-8")
+    heads = "".join(f'<th class="n">a heading of several words {k}</th>' for k in range(7))
+    cells = '<td class="n">+12.34 %</td>' * 7
+    names = '<td rowspan="2">tip displacement, tip velocity, detection ratio, load force</td>'
+    body = (
+        f"<main><table><tr><th>share</th>{heads}</tr><tr>{names}{cells}</tr><tr>{cells}</tr></table>"
+        "<script>const of = (name) => document.querySelector(name).getBoundingClientRect();"
+        "document.title = of('table').right - of('main').right + 56;</script></main>"
+    )
+    page = tmp_path / "page.html"
+    page.write_text(re.search("<style>.*?</style>", template, re.DOTALL)[0] + body, "utf-8")
+    done = run_browser(browser, page.as_uri(), "--dump-dom", "--window-size=1100,700")
+    assert abs(float(re.search("<title>(.*?)</title>", done.stdout)[1])) < 2.0
 
 
 def said(*command):
