@@ -15,14 +15,15 @@
     const e = Math.max(-15, Math.min(9, 3 * Math.floor(Math.log10(Math.abs(size)) / 3)));
     return [10 ** -e, prefixes[e] + unit];
   }
+  const digits = (value, most) => String(Number(value.toPrecision(most)));  // 15, and not 15.000
   function withBar(value, bar, unit) {
     if (value === null) return "no value";
     const [factor, named] = scaled(value, unit);
     if (!bar) return (value * factor).toPrecision(6) + " " + named;
     if (bar < 1e-7 * Math.abs(value))
       return (value * factor).toPrecision(7) + " " + named + " (±" + (bar / Math.abs(value)).toExponential(0) + " relative)";
-    const digits = Math.max(0, Math.min(12, 1 - Math.floor(Math.log10(bar * factor))));
-    return (value * factor).toFixed(digits) + " ± " + (bar * factor).toFixed(digits) + " " + named;
+    const decimals = Math.max(0, Math.min(12, 1 - Math.floor(Math.log10(bar * factor))));
+    return (value * factor).toFixed(decimals) + " ± " + (bar * factor).toFixed(decimals) + " " + named;
   }
   function nearest(values, at) {
     let best = 0;
@@ -41,7 +42,7 @@
       Object.assign(input, { type: "range", min: 0, max: stops[n].length - 1, id: "slider-" + n });
       input.value = stops[n].indexOf(now[n]);
       const say = () => {
-        const [factor, unit] = scaled(now[n], axis.unit), text = (now[n] * factor).toPrecision(5) + " " + unit;
+        const [factor, unit] = scaled(now[n], axis.unit), text = digits(now[n] * factor, 5) + " " + unit;
         shown.textContent = " " + text; input.setAttribute("aria-valuetext", text);
       };
       input.addEventListener("input", () => { now[n] = stops[n][input.value]; say(); draw(); });
@@ -104,8 +105,8 @@
     for (let i = 0; i <= 4; i++) {
       const x = x0 + (i / 4) * (x1 - x0), y = y0 + (i / 4) * (y1 - y0);
       add("line", { x1: left, x2: width - 20, y1: py(y), y2: py(y), stroke: "#d8dfe6" });
-      add("text", { x: left - 8, y: py(y) + 4, "text-anchor": "end", "font-size": 13 }, (y * fy).toPrecision(4));
-      add("text", { x: px(x), y: height - bottom + 18, "text-anchor": "middle", "font-size": 13 }, (x * fx).toPrecision(4));
+      add("text", { x: left - 8, y: py(y) + 4, "text-anchor": "end", "font-size": 13 }, digits(y * fy, 4));
+      add("text", { x: px(x), y: height - bottom + 18, "text-anchor": "middle", "font-size": 13 }, digits(x * fx, 4));
     }
     add("text", { x: (left + width) / 2, y: height - 6, "text-anchor": "middle", "font-size": 13 },
       data.axes[along].key + (ux ? " (" + ux + ")" : ""));
