@@ -206,8 +206,11 @@ def test_unknown_part_is_refused():
         pytest.param("superlu", True, marks=pytest.mark.heavy),
     ],
 )
-def test_solver_on_a_small_matrix(tmp_path, lossy, library):
-    """The size asked for is met, the answer is right, every step took time and memory."""
+def test_solver_on_a_small_matrix(tmp_path, lossy, library, approved):
+    """The size asked for is met, the answer is right, every step took time and memory.
+
+    Times of two releases compare only while the matrix is the same.
+    """
     path = str(tmp_path / "matrix.npz")
     potentials = solver.write_matrix(12_000, lossy, path)
     found = solver.measured(path, library)
@@ -217,6 +220,7 @@ def test_solver_on_a_small_matrix(tmp_path, lossy, library):
     assert min(found[step] for step in (solver._FIRST, solver._AGAIN, solver._SOLVE)) > 0.0
     assert found["memory"] > 1e7
     assert found["negative"] in (-1, potentials)
+    approved(f"{found['unknowns']:.0f} unknowns, {found['entries']:.0f} entries, {potentials}")
 
 
 def test_a_measurement_that_fails_takes_no_other_along(monkeypatch):

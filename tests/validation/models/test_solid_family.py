@@ -18,7 +18,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.checks.coverage import solid as coverage
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.bimorph.family import solid_family, surplus
+from tactgen.validation.models.bimorph.family import answers, solid_family, surplus
 from tactgen.validation.models.bimorph.family.many import _points, for_many
 from tactgen.validation.models.bimorph.family.values import family_values
 from tactgen.validation.scene.scene import load_scene
@@ -27,6 +27,7 @@ QUANTITIES = (
     "short_circuit_frequencies", "open_circuit_frequencies", "coupling_factor",
     "static_tip_displacement", "capacitance_free", "capacitance_blocked",
 )  # fmt: skip
+AT_REST, MODES = QUANTITIES[3:], QUANTITIES[:1]
 RANGE = {"bimorph.length": (12e-3, 16e-3)}
 SCENE = ("support.kind=spring", "accuracy=0.1", "modes=2")
 QUICK = (
@@ -129,18 +130,37 @@ def test_a_frequency_beyond_the_basis_is_refused():
         family_values(own, family, {"bimorph.length": np.array([14e-3])}, ["tip_velocity"])
 
 
-def test_fewer_shapes_say_the_same_within_the_bars(family):
-    """For one support and load, on members that were not looked at."""
+@pytest.fixture(scope="module")
+def few(family):
+    """Return for one support and load a scene, and the shapes that some quantities need there."""
     own = scene("load.kind=spring_damper", "load.stiffness=200 N/m")
-    few = for_many(own, family, QUANTITIES)
-    assert few.fine.motions["bending_x"].size < 0.8 * family.fine.motions["bending_x"].size
+    return own, {asked: for_many(own, family, asked) for asked in (QUANTITIES, AT_REST, MODES)}
+
+
+@pytest.mark.parametrize("asked", [QUANTITIES, AT_REST, MODES], ids=["all", "at rest", "modes"])
+def test_fewer_shapes_say_the_same_within_the_bars(family, few, asked):
+    """On members that were not looked at; rest alone and modes alone need fewer than both."""
+    own, kept = few
+    few = kept[asked]
+    more = kept[QUANTITIES] if asked != QUANTITIES else family
+    assert few.fine.motions["bending_x"].size < more.fine.motions["bending_x"].size
     at = {"bimorph.length": np.linspace(12e-3, 16e-3, 7)}
-    fewer, whole = (family_values(own, each, at, QUANTITIES) for each in (few, family))
-    for name in QUANTITIES:
+    fewer, whole = (family_values(own, each, at, asked) for each in (few, family))
+    for name in asked:
         apart = np.abs(fewer[name].value - whole[name].value)
         assert (apart <= fewer[name].basis + whole[name].basis).all(), name
         enough = np.maximum(1.15 * whole[name].bar, 0.05 * own.accuracy * np.abs(whole[name].value))
         assert (fewer[name].bar <= enough).all(), name
+
+
+@pytest.mark.parametrize(("members", "taken"), [(1000, "whole"), (1001, "few")])
+def test_fewer_shapes_are_looked_for_where_that_pays(monkeypatch, members, taken):
+    monkeypatch.setattr(answers, "solid_family", lambda *_: "whole")
+    monkeypatch.setattr(answers, "for_many", lambda *_: "few")
+    assert answers.reduce_family(scene(), RANGE, MODES, members).family == taken
+
+
+def test_responses_over_frequency_need_all_shapes(family):
     assert for_many(scene("frequency=100"), family, ("tip_displacement",)) is family
 
 

@@ -45,10 +45,12 @@ def test_beam_elements_are_right_or_say_how_many_they_would_need():
         beam.elements_for(scene.device, 1e9)
 
 
-def test_the_machines_edges():
+def test_the_machines_edges(every_point, monkeypatch, approved):
     """Nine corners and edges of the map, and three places outside it."""
+    points = every_point(monkeypatch)
     row = machine.edge_row(True)
     assert (row.points, len(row.refusals), row.verdict) == (18, 3, "holds or says why not")
+    approved("\n".join([row.family, row.what, *points, *row.refusals]))
 
 
 @pytest.mark.heavy

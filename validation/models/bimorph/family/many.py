@@ -53,7 +53,11 @@ def for_many(
     }
     circuits = {c for row in rows if isinstance(row.read, ModalReadout) for c in row.read.circuits}
     at_rest = any(not isinstance(row.read, ModalReadout) for row in rows)
-    counts = family.counts(scene.modes)
+    counts = {  # at rest nothing moves in a class of motion without ports
+        motion: count
+        for motion, count in family.counts(scene.modes).items()
+        if circuits or family.fine.motions[motion].has_ports
+    }
     levels = [
         replace(level, motions={motion: level.motions[motion] for motion in counts})
         for level in (family.fine, family.coarse)
