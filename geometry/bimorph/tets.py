@@ -257,7 +257,7 @@ def _first_good_mesh(
     left = options.time_limit
     thinnest = thinnest_feature(solids)
     deflection = _DEFLECTION * thinnest
-    tessellation = tessellate(solids, deflection, angle=0.5)
+    tessellation = tessellate(solids, deflection)
     _refuse_too_thin(tessellation, thinnest)
     surface = stretching.squeezed(tessellation.points)
     length, field = _edge_lengths(surface, root, options, sizing)

@@ -93,7 +93,7 @@ class Tessellation:
     faces: tuple[Face, ...]
 
 
-def tessellate(solids: dict[str, cq.Solid], deflection: float, angle: float) -> Tessellation:
+def tessellate(solids: dict[str, cq.Solid], deflection: float, angle: float = 0.5) -> Tessellation:
     """Triangulate fused solids.
 
     Parameters

@@ -162,7 +162,7 @@ def _first_good_mesh(device: Device, meshing: ActuatorMeshing) -> Mesh:
     """Return the first mesh that passes all checks, with a tighter envelope each time."""
     solids = actuator_solids(device, meshing)
     thinnest = thinnest_feature(solids)
-    tessellation = tessellate(solids, _DEFLECTION * thinnest, angle=0.5)
+    tessellation = tessellate(solids, _DEFLECTION * thinnest)
     diagonal = float(np.linalg.norm(np.ptp(tessellation.points, axis=0)))
     sizing = _sizing(device, meshing, tessellation.points, _MARGIN * diagonal)
     for attempt in range(_ATTEMPTS):

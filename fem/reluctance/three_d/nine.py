@@ -29,6 +29,8 @@ from tactgen.geometry.store.values import storable
 _DOWN = np.array([0.0, 0.0, -1.0])
 #: Air around a rod with its winding.
 SHELL = ("near", "air")
+#: How finely each of the nine is divided.
+_CELL = Cell(refinement=0.5, layers=2)
 
 
 @storable
@@ -69,7 +71,7 @@ def nine_forces(
     SolverError
         If a field does not converge.
     """
-    solids = nine_solids(device, currents, gap, pitch, cell or Cell(refinement=0.5, layers=2))
+    solids = nine_solids(device, currents, gap, pitch, cell or _CELL)
     weights = motion_weights(solids[0])
     pulls = [
         [vertical_forces(potential(solid), weights) for solid in solids]

@@ -33,6 +33,8 @@ from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
 GENERATOR = Device(bimorph=Bimorph(tab_length=0.4e-3))
 #: Finer at the root.
 GRADED = TetMeshing(edge_length=0.8e-3, root_edge_length=0.2e-3, grading=0.3)
+#: The rod's lower end (m): 0.5 mm of head, 0.2 mm of gap and 4.7 mm from there.
+BOTTOM = -5.4e-3
 ON_ROD = ("piezo_top", "piezo_bottom", "shim", "glue", "rod")
 
 
@@ -197,7 +199,7 @@ def test_generator_meshes(regions, root):
     assert area(mesh, "tip") == pytest.approx(b.thickness * b.width, rel=1e-9)
     # straight triangles fall short of the flange's circle
     assert area(mesh, "base") == pytest.approx(np.pi * rod.flange_radius**2, rel=0.02)
-    assert np.abs(mesh.points[mesh.faces["base"], 2] + 4.0e-3).max() <= 1e-12
+    assert np.abs(mesh.points[mesh.faces["base"], 2] - BOTTOM).max() <= 1e-12
     assert jacobian_coefficients(mesh.points[mesh.cells]).min() > 0.0
     shown = squeezed(GENERATOR, "rod", mesh.points)
     assert smallest_dihedral_angles(shown[mesh.cells[:, :4]]).min() > 3.0
@@ -271,7 +273,7 @@ def test_options_out_of_range_are_explained(options, message):
 
 def test_raw_mesh_that_misses_a_region_is_refused():
     solids = fuse(build_solids(Device(), ("piezo_top", "shim"), "alone"))
-    surface = tessellate(solids, deflection=0.02, angle=0.5)
+    surface = tessellate(solids, deflection=0.02)
     cube = sizing_along_z(np.array([[-2.0, -2.0, -2.0], [2.0, 2.0, 22.0]]), np.ones_like)
     with pytest.raises(MeshError, match="lie on no face of the CAD model"):
         conform(cube.points, cube.tets, solids, surface, 0.01, {}, curved=True)
@@ -395,3 +397,23 @@ def test_lengths_grow_from_the_root_on_both_sides():
     np.testing.assert_allclose(field.lengths[inside][within], wanted[within], rtol=1e-12)
     assert (distance[within] == 0.0).any()
     assert (wanted[within] < 0.8).sum() > (distance[within] == 0.0).sum()
+
+
+def test_named_faces_are_where_the_rods_parts_end():
+    """Across the thickness the electrodes; along z the tip and, of the rod, its lower end (mm)."""
+    faces = tets._named_faces(GENERATOR, "rod", ON_ROD)
+    b = GENERATOR.bimorph
+    along_x, along_z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+    found = {
+        name: (face.plane.normal, pytest.approx(face.plane.offset, rel=1e-12))
+        for name, face in faces.items()
+    }
+    outer, inner = 0.5e3 * b.thickness, 0.5e3 * b.shim_thickness
+    assert found == {
+        "electrode_top_outer": (along_x, outer), "electrode_top_inner": (along_x, inner),
+        "electrode_bottom_outer": (along_x, -outer), "electrode_bottom_inner": (along_x, -inner),
+        "tip": (along_z, 1e3 * (GENERATOR.ceramic_base + b.length)),
+        "base": (along_z, 1e3 * BOTTOM),
+    }  # fmt: skip
+    assert faces["base"].regions == ("rod",)
+    assert faces["tip"].regions == ("piezo_top", "piezo_bottom", "shim")

@@ -10,8 +10,11 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Bimorph, Device, Support
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam import parametric
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
 from tactgen.tmm.beam.sensitivities import derivatives, logarithmic_sensitivities, values
@@ -330,3 +333,14 @@ def test_every_quantity_is_differentiable_by_default_keys():
         found = derivatives(PAPER, read, None, np.array([100.0]))
         assert set(found) == set(KEYS)
         assert all(np.isfinite(v).all() for v in found.values())
+
+
+def test_a_piece_is_made_of_its_dimensions():
+    """Length, radius and the layers at both ends, each in its place."""
+    tapered = Device(bimorph=Bimorph(width_profile="0 mm: 2.1 mm, 20 mm: 1 mm"))
+    pieces = beam_pieces(tapered, Support(kind="rod"))
+    assert any(piece.ends for piece in pieces)
+    for piece in pieces:
+        sizes = parametric._dimensions(piece)
+        assert parametric._with_dimensions(piece, sizes) == piece
+        assert len(sizes) == 8

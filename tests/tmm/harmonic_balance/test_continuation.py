@@ -93,12 +93,16 @@ def test_without_damping_a_branch_passes_beside_the_backbone():
 
 
 def test_a_branch_that_is_too_long_says_so():
-    """The points met are kept."""
+    """The points met are kept, and each is told as it is met."""
+    told = []
     oscillator = cases.driven_duffing()
     start = steady_orbit(oscillator, 0.5, 1.0, resolution=ROUGH)
-    branch = follow(oscillator, start, "omega", 0.5, 1.6, resolution=ROUGH, most=7)
+    branch = follow(
+        oscillator, start, "omega", 0.5, 1.6, resolution=ROUGH, most=7, announce=told.append
+    )
     assert branch.ended == "the branch was left after 7 points"
     assert len(branch.orbits) == 7
+    assert branch.orbits == (start, *told)
 
 
 def test_what_nothing_holds_is_refused():

@@ -146,7 +146,7 @@ def box_in_a_box():
     planes = np.linspace(-1.5, 1.5, 7)
     mesh = box_tetrahedra(planes, planes, planes, np.zeros((6, 6, 6), dtype=int), ("any",))
     assert field.tets.shape[1] == 4
-    return solids, tessellate(solids, deflection=0.02, angle=0.5), mesh.points, mesh.cells
+    return solids, tessellate(solids, deflection=0.02), mesh.points, mesh.cells
 
 
 def test_flat_tetrahedron_inside_is_cured(box_in_a_box):

@@ -78,8 +78,8 @@ class Marcher:
         """Return the three runs over steps whose local errors are below `local`."""
         chosen, coarse = self.choose(first, longest, local)
         longer, of_coarse = paired(chosen)
-        coarsest, ends = self.follow(first, longer, parts=1, after=2.0 / 7.0, rough=True)
-        fine, of_fine = self.follow(first, chosen, parts=2, after=3.0 / 7.0)
+        coarsest, ends = self.follow(first, longer, parts=1, share=(2 / 7, 3 / 7), rough=True)
+        fine, of_fine = self.follow(first, chosen, parts=2, share=(3 / 7, 1.0))
         return Passes(coarsest, coarse, fine, ends, of_coarse, of_fine)
 
     def choose(self, first: State, longest: float, local: float) -> tuple[list[Piece], Run]:
@@ -126,19 +126,20 @@ class Marcher:
         pieces: Sequence[Piece],
         parts: int,
         *,
-        after: float = 0.0,
+        share: tuple[float, float] = (0.0, 1.0),
         rough: bool = False,
     ) -> tuple[Run, Bools]:
         """Return the run with each given step cut in parts, and which times end a given step.
 
         Parameters
         ----------
-        after : float
-            Share of the whole work that is done before.
+        share : (float, float)
+            Of the whole work, what is done before and afterwards.
         rough : bool
             Whether it may leave what is known of the coil: it only judges another run.
         """
         record, state, shared = Record(self._system), first, []
+        done, all_done = share
         for inside, start, ends in pieces:
             state = self._jumped(state, start, inside, record)
             shared.append(True)
@@ -150,7 +151,7 @@ class Marcher:
                         self._keep(record, at, new, flow, inside, rough=rough)
                         state = new
                         shared.append(part == parts and at == time)
-                self._announce(after + parts / 3.5 * end / self._until)
+                self._announce(done + (all_done - done) * end / self._until)
         return record.run(), np.array(shared)
 
     def _first_level(self, state: State, longest: float) -> int:

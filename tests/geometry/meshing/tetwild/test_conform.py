@@ -168,6 +168,31 @@ def test_a_tetrahedron_that_putting_back_flattens_is_left_out(pair):
         np.testing.assert_allclose(getattr(mesh, name), getattr(plain, name), atol=1e-15)
 
 
+def test_a_mesh_that_is_torn_is_refused(pair):
+    """A face that neither another element nor the air shares is no part of the surface."""
+    raw, cells = in_air(*box_points())
+    with pytest.raises(MeshError, match="do not share their faces"):
+        conform(raw, cells[:-1], *pair, SLACK, {}, curved=True)
+
+
+def test_a_flat_element_that_nothing_cures_is_refused(pair):
+    """Between the two boxes, whose diagonals differ: its corners are theirs, and cannot move."""
+    points, tets = box_points()
+    below = tets[(tets % 3).max(axis=1) == 1]
+    above = tets[(tets % 3).min(axis=1) == 1]
+    turned = (above + 6) % 12  # to the other side along x, which turns them inside out
+    between = points[:, 2] == 1.0
+    first, second = np.flatnonzero(between)[[0, 3]], np.flatnonzero(between)[[1, 2]]
+    points[first, 2] -= 0.5 * OFF
+    points[second, 2] += 0.5 * OFF
+    flat = np.array([[*first, *second]])
+    if tet_volumes(points[flat])[0] < 0.0:
+        flat = flat[:, [1, 0, 2, 3]]
+    raw, cells = in_air(points, np.concatenate([below, turned[:, [1, 0, 2, 3]], flat]))
+    with pytest.raises(MeshError, match="1 elements have angles below 3 degrees"):
+        conform(raw, cells, *pair, SLACK, {}, curved=True)
+
+
 def sector(h):
     """Return the area of a sector of angle `h` whose arc is the parabola through its middle."""
     return 0.5 * np.sin(h) + 4.0 / 3.0 * np.sin(h / 2.0) * (1.0 - np.cos(h / 2.0))

@@ -73,7 +73,17 @@ def test_a_hardening_spring_swings_in_its_period(amplitude):
     """Duffing's quarter period within the run's own error bar, over the speed at the crossing."""
     quarter = 0.25 * duffing_period(amplitude)
     system = oscillator(CubicSpring(1.0, 1.0), scale=amplitude)
-    found = simulate(system, Sources(), 1.2 * quarter, position=amplitude * ONE, accuracy=1e-4)
+    told = []
+    found = simulate(
+        system, Sources(), 1.2 * quarter, position=amplitude * ONE, accuracy=1e-4,
+        announce=told.append,
+    )  # fmt: skip
+    # shares of the work as it goes on, from the start again in each round
+    assert told[-1] == pytest.approx(1.0)
+    assert 0.0 <= told[0] < 0.1
+    steps = np.diff(told)
+    assert (steps < 0.0).sum() == found.rounds - 1
+    assert 0.0 < steps.max() < 0.05
     x = found.outputs["x"]
     off = zero_crossing(found.run.time, x) - quarter
     speed = math.sqrt(amplitude**2 + 0.5 * amplitude**4)

@@ -1,12 +1,15 @@
 """A reduced family against members that are solved on their own bricks."""
 
+import itertools
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.ports import ports_from_blocks, static_multiport
-from tactgen.fem.bimorph.reduction.parametric import compression
+from tactgen.fem.bimorph.reduction.parametric import builder, compression
 from tactgen.fem.bimorph.reduction.parametric.answers import (
     family_modes,
     family_statics,
@@ -14,6 +17,7 @@ from tactgen.fem.bimorph.reduction.parametric.answers import (
     softest,
     static_states,
 )
+from tactgen.fem.bimorph.reduction.parametric.builder import FamilyBuilder
 from tactgen.fem.bimorph.reduction.parametric.compression import compressed
 from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
 from tactgen.fem.bimorph.reduction.parametric.family import build_family
@@ -220,3 +224,16 @@ def test_shapes_of_less_than_the_least_energy_are_left_out():
     shapes = compression._shapes(columns, 1e-3)
     assert shapes.shape == (4, 2)
     np.testing.assert_allclose(np.abs(shapes).sum(axis=1), [1.0, 1.0, 0.0, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize(("keys", "asked"), [(1, 2), (2, 2), (3, 4)])
+def test_a_family_begins_near_corners_without_a_common_edge(keys, asked):
+    """A share of the half range from the middle; of one key both ends, else every second corner."""
+    low, high = np.array([1.0, 10.0, -3.0])[:keys], np.array([2.0, 30.0, 5.0])[:keys]
+    ranges = dict(enumerate(zip(low, high, strict=True)))
+    points = np.array(FamilyBuilder.beginning(SimpleNamespace(ranges=ranges)))
+    corners = (2.0 * points - low - high) / (high - low)
+    np.testing.assert_allclose(np.abs(corners), builder._NEAR, rtol=1e-12)
+    assert len(np.unique(corners > 0.0, axis=0)) == asked
+    edges = [(one != other).sum() for one, other in itertools.combinations(corners > 0.0, 2)]
+    assert set(edges) == {1 if keys == 1 else 2}
