@@ -77,6 +77,7 @@ def test_a_named_face_that_no_cell_has():
     """Faces are found by their corners, whatever their order."""
     mesh = SimpleNamespace(facets=np.array([[0, 0, 0, 1], [1, 1, 2, 2], [2, 3, 3, 3]]))
     assert _facets(mesh, np.array([[3, 1, 0], [2, 1, 3]])).tolist() == [1, 3]
+    assert _facets(mesh, np.zeros((0, 3), dtype=int)).tolist() == []
     with pytest.raises(ValueError, match="not a face of the mesh"):
         _facets(mesh, np.array([[0, 1, 1]]))
 

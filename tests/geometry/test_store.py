@@ -247,15 +247,25 @@ def full(*_):
     raise OSError(28, "No space left on device")
 
 
+def odd(*_):
+    raise OSError("odd")
+
+
 @pytest.mark.parametrize(
     ("obstacle", "reason"),
-    [("a file in the way", "file exists"), ("full disk", "no space left on device")],
+    [
+        ("a file in the way", "file exists"),
+        ("full disk", "no space left on device"),
+        ("a fault without a number", "odd"),
+    ],
 )
 def test_what_cannot_be_kept_is_said_once(folder, obstacle, reason, monkeypatch, capsys):
     """The run goes on."""
     if obstacle == "full disk":
         folder.mkdir()
         monkeypatch.setattr(Path, "write_bytes", full)
+    elif obstacle == "a fault without a number":
+        monkeypatch.setattr(store, "_make_room", odd)
     else:
         folder.write_text("")
     calls = []

@@ -416,4 +416,6 @@ def test_named_faces_are_where_the_rods_parts_end():
         "base": (along_z, 1e3 * BOTTOM),
     }  # fmt: skip
     assert faces["base"].regions == ("rod",)
+    alone = tets._named_faces(Device(), "alone", ("piezo_top", "shim"))
+    assert (alone["base"].plane.normal, alone["base"].plane.offset) == (along_z, 0.0)
     assert faces["tip"].regions == ("piezo_top", "piezo_bottom", "shim")

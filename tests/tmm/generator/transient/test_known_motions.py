@@ -8,7 +8,7 @@ import pytest
 from scipy.special import ellipk
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient import march, passes
+from tactgen.tmm.generator.transient import march, passes, step
 from tactgen.tmm.generator.transient.laws import CubicSpring, RoughPoint, Stop
 from tactgen.tmm.generator.transient.march import simulate, simulate_steps
 from tactgen.tmm.generator.transient.newton import StepTooLongError
@@ -384,3 +384,13 @@ def test_runs_that_lead_nowhere_are_refused(monkeypatch):
     for _ in ("in the second pass", "in the first"):
         with pytest.raises(InputError, match="settle"):
             run()
+
+
+def test_factors_of_few_step_lengths_are_kept(monkeypatch):
+    """What a run comes back to is there; of one that never does, no more than so many."""
+    monkeypatch.setattr(step, "_KEPT", 3)
+    stepper = step.Stepper(oscillator(CubicSpring(1.0, 1.0)))
+    for h in (1e-3, 2e-3, 3e-3, 4e-3):
+        found = stepper._factored(h)
+        assert stepper._factors[h] is found
+    assert set(stepper._factors) == {4e-3}
