@@ -145,3 +145,27 @@ def test_bars_hold_a_better_field_anywhere(seed, monkeypatch):
         for name, (near, bar) in given.items():
             off = abs(float(near[0]) - getattr(point, name))
             assert off <= float(bar[0]) + getattr(point.errors, name), (key, asked, name)
+
+
+def test_a_range_beyond_what_is_kept_is_tabled_together_with_it(monkeypatch):
+    """So that the one kept entry serves both; a range within it is tabled no more."""
+    made = []
+
+    class Held:
+        ranges = {"gap": (1e-4, 2e-4)}  # noqa: RUF012
+
+        def covers(self, wanted):
+            low, high = wanted["gap"]
+            return self.ranges["gap"][0] <= low and high <= self.ranges["gap"][1]
+
+    def kept(*given, serves, **_):
+        held = Held()
+        return held if serves(held) else given[3]()
+
+    monkeypatch.setattr(family, "kept", kept)
+    monkeypatch.setattr(family, "field_tables", lambda _, wanted, announce: made.append(wanted))
+    scene, _ = load_scene("reluctance", SETS)
+    found = family.point_family(scene, {"gap": (1.2e-4, 1.8e-4)})
+    assert (found.ranges, made) == (Held.ranges, [])
+    family.point_family(scene, {"gap": (1.5e-4, 2.5e-4)})
+    assert made == [{"gap": (1e-4, 2.5e-4)}]

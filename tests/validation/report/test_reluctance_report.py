@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.export.files import normal_actuator_solids, scene_solids
 from tactgen.validation.report.normal_actuator import NormalActuator
 from tactgen.validation.report.page import write_report
+from tactgen.validation.report.sections.reluctance import _deviations
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 
@@ -389,3 +391,18 @@ def test_solids_are_those_of_the_actuator_asked_about():
         (scene.bimorph.shim_thickness + 2 * slot) * (scene.bimorph.width + 2 * slot) * r.slot_depth
     )
     assert rod.Volume() * 1e-9 == pytest.approx(full - cut, rel=1e-6)
+
+
+def test_deviations_are_those_of_the_network_from_the_field():
+    """Over all currents and gaps; of one alone there are none."""
+    field = SimpleNamespace(force=lambda current, gap: current * gap)
+    network = SimpleNamespace(force=lambda current, gap: (1.0 + 0.1 * gap) * current * gap)
+    actuator = SimpleNamespace(
+        maps={"network": network, "axisymmetric": field}, currents=np.array([1.0, 2.0]),
+        gaps=np.array([3.0, 4.0, 5.0]),
+    )  # fmt: skip
+    found = _deviations(actuator)
+    assert found["table"] == pytest.approx(0.1 * np.array([[3.0, 4.0, 5.0]] * 2))
+    assert (found["currents"] is actuator.currents, found["gaps"] is actuator.gaps) == (True, True)
+    actuator.maps.pop("axisymmetric")
+    assert _deviations(actuator) is None

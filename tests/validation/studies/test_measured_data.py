@@ -129,7 +129,7 @@ HEAD = "frequency (Hz),velocity (mm/s)\n"
         (HEAD + "10,1e30\n20,2\n", ['"1e30"', "not a possible velocity", "check the value"]),
         (HEAD + "1e9,1\n2e9,2\n", ['"1e9"', "not a possible frequency"]),
         (
-            "frequency (Hz),velocity (m/s),uncertainty (m/s)\n1,2,3\n2,3,0\n",
+            "frequency (Hz),velocity (m/s),uncertainty (m/s)\n1,2,1e-9\n2,3,0\n",
             ["uncertainty at 2 Hz", "not above 0"],
         ),
         ("frequency (Hz),velocity (m/s),weight\n1,2,3\n2,3,-1\n", ["weight at 2 Hz is negative"]),
