@@ -96,6 +96,11 @@ def test_stations_of_two_divisions_correspond_by_their_height():
         return np.stack([share**3 + p[:, 0], share**2 * p[:, 1], 1.0 - share], axis=1)
 
     assert lattice.of(field(longer.points, 3.0)) == pytest.approx(field(base.points, 2.0))
+    # through three stations goes no more than a parabola
+    few, parabola = mesh(3.0, 3), [1.0, 1.0, 0.5]
+    assert _Lattice(base, few).of(few.points**2 * parabola) == pytest.approx(
+        (base.points * [1.0, 1.0, 1.5]) ** 2 * parabola
+    )
     same = _Lattice(base, mesh(3.0, 6))
     assert same.points == pytest.approx(lattice.points)
     assert same.of(base.points) == pytest.approx(base.points)

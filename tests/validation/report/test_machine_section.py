@@ -235,7 +235,9 @@ def test_the_run_in_time(up, monkeypatch, approved):
     monkeypatch.setattr(large_motion, "_UNTIL", 2e-4)
     monkeypatch.setattr(large_motion, "_QUICK_ACCURACY", 0.3)
     shown = large_motion.TIME.context(up)
-    assert shown["phases"][0].name == "pressed"
+    (phase,) = shown["phases"]
+    assert phase.name == "pressed"
+    assert shown["order"] == {"pressed": phase.amplitude}
     assert shown["pull_in"].value == pytest.approx(0.1185, rel=0.01)
     assert shown["film"].count('class="tr tr-within"') == 1
     assert shown["still"].startswith("data:image/png")

@@ -28,7 +28,7 @@ from tactgen.validation.studies.uncertainty.propagation import (
 )
 from tactgen.validation.studies.uncertainty.section import section
 from tactgen.validation.studies.uncertainty.table import sensitivity_columns
-from tactgen.validation.studies.uncertainty.varied_keys import left_out
+from tactgen.validation.studies.uncertainty.varied_keys import _kink, left_out
 
 GROUPS = [
     group
@@ -389,3 +389,16 @@ def test_columns_of_one_scene():
 def test_all_that_is_said_of_headline_numbers(prototype, approved):
     shown = ("static tip displacement", "peak tip velocity")
     approved(described([list(prototype), *(prototype[label] for label in shown)]))
+
+
+@pytest.mark.parametrize(
+    ("sets", "key", "words"),
+    [
+        ([], "bimorph.length", "a piece of the row of beams"),
+        (["bimorph.width_profile=0mm:2.1mm,14mm:1mm"], "bimorph.length", "bimorph.width_profile w"),
+        (["bimorph.width_profile=0mm:2.1mm,14mm:1mm"], "rod.length", "a piece of the row of beams"),
+    ],
+)
+def test_what_stands_against_a_change_is_the_profile_or_a_piece(sets, key, words):
+    """Profiles end at the ceramic's edge: they stand against another length alone."""
+    assert _kink(load_scene("prototype", sets)[0], key).startswith(words)
