@@ -43,6 +43,6 @@ UNANSWERED: tuple[Unanswered, ...] = (
     Unanswered(
         "NASA's example of a grid convergence index (0.97050, 0.96854, 0.96178)",
         "error bars here are no grid convergence index: how they are made stands beside each, and "
-        "`tactgen coverage` judges them",
+        "tactgen coverage judges them",
     ),
 )

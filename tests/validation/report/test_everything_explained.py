@@ -77,8 +77,8 @@ def _bending(quantity):
 def test_causes_leave_at_most_a_fifth_of_a_percent(name):
     """All is explained by measured causes: none in words alone, and 0.2 % left at most.
 
-    But for where the rod rests, which is not in proportion to the pull: at 130 mA the network draws
-    it down and the field does not, as their pull-in currents say.
+    But for where the rod rests and what it presses with there, which is not in proportion to the
+    pull.
     """
     asked, count = SCENES[name]
     study = Study(*load_scene(name, ["frequency=100Hz", *asked]), lambda _: None, quick=False)
