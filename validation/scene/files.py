@@ -19,15 +19,20 @@ _LONGEST_NAME = 100
 _DEEPEST = 4
 
 
+def built_in_texts() -> dict[str, str]:
+    """Return the names of the built-in scenes with their files' texts."""
+    folder = resources.files("tactgen.validation.scene") / "scenes"
+    return {
+        entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8")
+        for entry in sorted(folder.iterdir(), key=lambda e: e.name)
+        if entry.name.endswith(".toml")
+    }
+
+
 def built_in_scenes() -> dict[str, str]:
     """Return the names of the built-in scenes with their descriptions."""
-    folder = resources.files("tactgen.validation.scene") / "scenes"
-    found = {}
-    for entry in sorted(folder.iterdir(), key=lambda e: e.name):
-        if entry.name.endswith(".toml"):
-            text = tomllib.loads(entry.read_text(encoding="utf-8"))
-            found[entry.name.removesuffix(".toml")] = str(text.get("description", ""))
-    return found
+    texts = built_in_texts().items()
+    return {name: str(tomllib.loads(text).get("description", "")) for name, text in texts}
 
 
 def read_scene(name: str) -> tuple[dict[str, Any], str]:
@@ -38,12 +43,9 @@ def read_scene(name: str) -> tuple[dict[str, Any], str]:
     InputError
         If there is no such scene or it is not TOML.
     """
-    known = built_in_scenes()
+    known = built_in_texts()
     if name in known:
-        text = (resources.files("tactgen.validation.scene") / "scenes" / f"{name}.toml").read_text(
-            "utf-8"
-        )
-        return tomllib.loads(text), f"scene {name}"
+        return tomllib.loads(known[name]), f"scene {name}"
     path = Path(name)
     if not _is_there(path):
         raise InputError(

@@ -12,6 +12,7 @@ import numpy as np
 from tactgen.geometry.store.store import kept
 from tactgen.validation.checks.coverage import PARTS
 from tactgen.validation.checks.coverage.result import Judged, Row, rows
+from tactgen.validation.scene.files import built_in_texts
 
 #: What computes answers and is loaded by names in strings.
 _CODE = ("tactgen.validation.models", "tactgen.fem", "tactgen.tmm")
@@ -46,13 +47,30 @@ class Part:
         return all(row.holds for row in self.rows)
 
 
+def judged_once(kind: str, of: tuple[object, ...], module: str, work: Callable[[], Any]) -> Any:
+    """Return what `work` gives, from the store if this code has judged the same before.
+
+    A run that was stopped so goes on where it was.
+
+    Parameters
+    ----------
+    kind : str
+        What the store lists it as.
+    of : tuple
+        What is judged, with the seed that it is drawn by.  The built-in scenes count, too: all is
+        made of them.
+    module : str
+        What judges.
+    """
+    return kept(kind, (*of, built_in_texts()), (module, *_CODE), work)
+
+
 def run_parts(
     names: Sequence[str], devices: int | None, seed: int, announce: Callable[[str], None]
 ) -> list[Part]:
     """Judge as many random devices for each part; each device has a stream of its own.
 
-    So more devices of a seed are the same ones and others besides.  Each is kept in the store: a
-    run that was stopped goes on with its seed where it was.
+    So more devices of a seed are the same ones and others besides.
     """
     found = []
     for name in names:
@@ -66,6 +84,6 @@ def run_parts(
                 judge = getattr(importlib.import_module(module), function)
                 return tuple(judge(np.random.default_rng([seed, number])))
 
-            answers += kept("coverage", (name, seed, number), (module, *_CODE), work)
+            answers += judged_once("coverage", (name, seed, number), module, work)
         found.append(Part(name, what, seed, count, tuple(answers)))
     return found

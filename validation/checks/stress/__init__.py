@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from tactgen.geometry.store.store import kept
+from tactgen.validation.checks.coverage.run import judged_once
 from tactgen.validation.checks.stress.result import Row, Stress
 
 #: Name of each part and the module that runs it.
@@ -24,8 +24,6 @@ PARTS = {
     "random": "tactgen.validation.checks.stress.driven.at_random",
     "faults": "tactgen.validation.checks.stress.faults.run",
 }
-#: What computes answers and is loaded by names in strings.
-_CODE = ("tactgen.validation.models", "tactgen.fem", "tactgen.tmm")
 
 #: By name, what gives the rows of a family, told whether a few points will do.
 Families = Mapping[str, Callable[[bool], Row | list[Row]]]
@@ -78,7 +76,7 @@ def run_parts(
             of: tuple[object, ...], work: Callable[[], Any],
             name: str = name, module: str = module,
         ) -> Any:  # fmt: skip
-            return kept("stress", (name, *of, seed), (module, *_CODE), work)
+            return judged_once("stress", (name, *of, seed), module, work)
 
         part = importlib.import_module(module)
         found.append(part.run(Asked(quick, seed, announce, keep)))

@@ -245,6 +245,14 @@ def test_a_stopped_run_goes_on(told):
     assert len(told) == len(set(told)) == len(found.answers) == 5
 
 
+def test_what_was_judged_of_other_scenes_is_judged_again(told, monkeypatch):
+    """The built-in scenes are no code, and steer every answer."""
+    run.run_parts(["beam"], 2, 7, lambda _: None)
+    monkeypatch.setattr(run, "built_in_texts", lambda: {"paper": "name = 'another'"})
+    run.run_parts(["beam"], 2, 7, lambda _: None)
+    assert told[:2] == told[2:]
+
+
 @pytest.mark.parametrize(
     ("judge", "model"),
     [
