@@ -5,17 +5,34 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tactgen.fem.reluctance.axisymmetric.field import MagneticField
 from tactgen.fem.reluctance.axisymmetric.force import virtual_work_force
-from tactgen.geometry.arrays import Floats
+from tactgen.fem.reluctance.iron import reluctivity_tensor
+from tactgen.geometry.arrays import Bools, Floats, Ints
 from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.steel_law import MU0
 from tactgen.tmm.reluctance.gap_permeance import pole_radii
 
-if TYPE_CHECKING:
-    from tactgen.fem.reluctance.axisymmetric.field import MagneticField
+
+@dataclass(frozen=True)
+class _Changes(MagneticField):
+    """What a field changes by as its current grows, per share of the current: a linear field.
+
+    Attributes
+    ----------
+    tensor : (n_e, n_q, 2, 2) float
+        dH/dB of the field that changes (m/H).
+    """
+
+    tensor: Floats
+
+    @cached_property
+    def field_strength(self) -> Floats:
+        """The change of H (A/m) at the quadrature points, (n_e, n_q, 2)."""
+        return np.asarray((self.tensor @ self.flux_density[..., None])[..., 0])
 
 
 @dataclass(frozen=True)
@@ -45,6 +62,14 @@ class FieldReading:
         return float(self.field.flux_linkage[0])
 
     @cached_property
+    def changes(self) -> FieldReading:
+        """The same of what the field changes by, as if it grew so from nothing."""
+        field = self.field
+        tensor = reluctivity_tensor(field.discretisation.iron, field.flux_density)
+        of = field.discretisation, field.currents, field.tangent @ field.currents, field.tangent
+        return FieldReading(self.device, self.gap, _Changes(*of, 0, tensor))
+
+    @cached_property
     def gap_mmf(self) -> float:
         """The mean mmf (A) between the pole's faces."""
         inner, outer = pole_radii(self.device)
@@ -54,6 +79,21 @@ class FieldReading:
         between = (z > 0.0) & (z < self.gap)
         return float(strength[between] @ np.diff(grid.z)[between])
 
+    @property
+    def gap_slope(self) -> float:
+        """The permeance that the gap gains as it widens (H/m), if nothing else makes the pull."""
+        return -2.0 * self.pull / self.gap_mmf**2
+
+    @cached_property
+    def permeabilities(self) -> dict[str, float]:
+        """The one relative permeability of each region of iron that would take what it takes."""
+        regions = self.field.discretisation.grid.regions
+        found = {}
+        for name in (region.name for region in regions if region.curve is not None):
+            b, volumes = (of[self._cells(name)] for of in (self.field.flux_density, self._volumes))
+            found[name] = float((b**2).sum(axis=-1).ravel() @ volumes.ravel())
+        return {name: of / (MU0 * self.taken_by(name)) for name, of in found.items()}
+
     def flux(self, radius: float) -> Callable[[Floats | float], Floats]:
         """Return the flux (Wb) up through the circle of a radius (m) by the circle's height (m).
 
@@ -61,19 +101,26 @@ class FieldReading:
         """
         from scipy.interpolate import PchipInterpolator
 
-        d = self.field.discretisation
-        levels, row = np.unique(d.reference.levels.round(12), return_inverse=True)
-        weights = np.bincount(row, d.reference.weights)
-        inside = int(np.argmin(np.abs(d.grid.r - radius)))
-        per_point = self.field.flux_density[..., 1] * d.volumes
-        heights = np.diff(d.grid.z)
-        columns = per_point.reshape(d.grid.r.size - 1, heights.size, -1)[:inside].sum(axis=0)
-        rows = np.stack([columns[:, row == n].sum(axis=1) for n in range(levels.size)], axis=1)
-        z = d.grid.z[:-1, None] + heights[:, None] * levels
+        inside = self._centres < radius
         found: Callable[[Floats | float], Floats] = PchipInterpolator(
-            z.ravel(), (rows / (weights * heights[:, None])).ravel()
+            *self._rows(self.field.flux_density[..., 1], inside)
         )
         return found
+
+    def taken_below(self, name: str) -> Callable[[Floats | float], Floats]:
+        """Return ∫H·B dV (J) over what of a region lies below a height (m), by that height."""
+        from scipy.interpolate import PchipInterpolator
+
+        density = np.zeros_like(self._product)
+        density[self._cells(name)] = self._product[self._cells(name)]
+        z, rows = self._rows(density, np.ones_like(self._centres, dtype=bool))
+        there = np.flatnonzero(rows)
+        first, last = there[0], there[-1] + 1
+        taken = PchipInterpolator(z[first:last], rows[first:last]).antiderivative()
+        lines = self.field.discretisation.grid.z
+        points = z.size // (lines.size - 1)
+        low, high = lines[first // points], lines[last // points]
+        return lambda height: np.asarray(taken(np.clip(height, low, high)) - taken(low))
 
     def drop_along_sleeve(self, z: Floats) -> Floats:
         """Return the mmf (A) that the sleeve's wall takes from its top down to heights z (m)."""
@@ -85,18 +132,50 @@ class FieldReading:
 
     def taken_by(self, *names: str) -> float:
         """Return ∫H·B dV (J) over regions: the flux times the mmf that each of its tubes takes."""
+        cells = self._cells(*names)
+        return float((self._product[cells] * self._volumes[cells]).sum())
+
+    @property
+    def _volumes(self) -> Floats:
+        return self.field.discretisation.volumes
+
+    @cached_property
+    def _product(self) -> Floats:
+        """H·B at the quadrature points (J/m³)."""
+        return np.asarray((self.field.field_strength * self.field.flux_density).sum(axis=-1))
+
+    @property
+    def _centres(self) -> Floats:
+        """Radii (m) of the middles of the grid's columns."""
+        r = self.field.discretisation.grid.r
+        return np.asarray(0.5 * (r[1:] + r[:-1]))
+
+    def _cells(self, *names: str) -> Ints:
+        """Return the cells of regions."""
         d = self.field.discretisation
         wanted = [n for n, region in enumerate(d.grid.regions) if region.name in names]
-        cells = np.isin(d.cell_labels, wanted)
-        product = (self.field.field_strength[cells] * self.field.flux_density[cells]).sum(axis=-1)
-        return float((product * d.volumes[cells]).sum())
+        return np.flatnonzero(np.isin(d.cell_labels, wanted))
+
+    def _rows(self, density: Floats, columns: Bools) -> tuple[Floats, Floats]:
+        """Return heights (m) of rows of points, and a density's integral over some columns there.
+
+        Per length of height: of (n_e, n_q) values at the quadrature points.
+        """
+        d = self.field.discretisation
+        levels, row = np.unique(d.reference.levels.round(12), return_inverse=True)
+        weights = np.bincount(row, d.reference.weights)
+        heights = np.diff(d.grid.z)
+        per_point = (density * d.volumes).reshape(columns.size, heights.size, -1)
+        summed = per_point[columns].sum(axis=0)
+        rows = np.stack([summed[:, row == n].sum(axis=1) for n in range(levels.size)], axis=1)
+        z = d.grid.z[:-1, None] + heights[:, None] * levels
+        return z.ravel(), (rows / (weights * heights[:, None])).ravel()
 
     def _mean_strength(self, inner: float, outer: float) -> Floats:
         """Return the mean H_z (A/m) of each row of cells between two radii (m)."""
         d = self.field.discretisation
-        r = 0.5 * (d.grid.r[1:] + d.grid.r[:-1])
-        columns = (r > inner) & (r < outer)
-        shape = r.size, d.grid.z.size - 1
+        columns = (self._centres > inner) & (self._centres < outer)
+        shape = columns.size, d.grid.z.size - 1
         moment, volume = (
             of.sum(axis=1).reshape(shape)[columns].sum(axis=0)
             for of in (self.field.field_strength[..., 1] * d.volumes, d.volumes)

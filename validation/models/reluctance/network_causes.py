@@ -1,9 +1,9 @@
 """Why the network's number is not the field's: named causes, each measured, and what they leave.
 
 The network is told what it does not know, one thing after the other, by the field that it is held
-against and by one with perfect iron, in which air alone decides
-(validation.models.reluctance.told_by_field).  A cause's share is what its telling changes.  The
-shares need not add up to the difference: what they leave is the test of them.
+against, by one with perfect iron, in which air alone decides, and by one whose iron has one
+permeability in each part (validation.models.reluctance.told_by_field).  A cause's share is what its
+telling changes.  The shares need not add up to the difference: what they leave is the test of them.
 """
 
 from __future__ import annotations
@@ -190,7 +190,9 @@ def _told(device: Device, steel: FieldReading) -> Iterator[tuple[str, str, Circu
     """Yield name and meaning of each cause, and the network told of all causes so far."""
     current, gap = steel.current, steel.gap
     telling = ToldByField(steel)
-    perfect = ToldByField(FieldReading(device, gap, _field(device, current, gap, perfect=True)))
+    even = steel.permeabilities
+    of_perfect = _field(device, current, gap, dict.fromkeys(even, _PERFECT))
+    perfect = ToldByField(FieldReading(device, gap, of_perfect))
     air = perfect.air(_network(device, current, gap, perfect=True))
     told = telling.flux_outside(_network(device, current, gap))
     yield (
@@ -210,10 +212,11 @@ def _told(device: Device, steel: FieldReading) -> Iterator[tuple[str, str, Circu
         "the tubes beside the pole's faces have other widths, and change otherwise with the gap",
         told,
     )
-    told = telling.gap_of_steel(told, perfect)
+    slope = FieldReading(device, gap, _field(device, current, gap, even)).gap_slope
+    told = telling.gap_of_steel(told, perfect, slope)
     yield (
         "steel at the gap",
-        "full steel drives less flux through far tubes, whose permeance the gap hardly changes",
+        "steel parts flux between the tubes otherwise than perfect iron, and changes of it more so",
         told,
     )
     told = telling.flux_beside_shaft(told)
@@ -270,14 +273,19 @@ def _read(point: _Point) -> dict[str, float]:
     }
 
 
-def _field(device: Device, current: float, gap: float, *, perfect: bool = False) -> MagneticField:
+def _field(
+    device: Device, current: float, gap: float, permeabilities: Mapping[str, float] | None = None
+) -> MagneticField:
+    """Return the field, of steel or of iron with one relative permeability by region."""
     from tactgen.fem.reluctance.axisymmetric.field import solve_field
     from tactgen.fem.reluctance.axisymmetric.space import discretise
     from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, graded_grid
     from tactgen.geometry.reluctance.section_regions import actuator_regions
 
     regions = actuator_regions(device, gap)
-    if perfect:
-        regions = tuple(replace(r, curve=r.curve and linear(_PERFECT)) for r in regions)
+    if permeabilities:
+        regions = tuple(
+            replace(r, curve=r.curve and linear(permeabilities[r.name])) for r in regions
+        )
     grid = graded_grid(regions, OUTER_RADIUS)
     return solve_field(discretise(grid, _ORDER), np.array([current]))

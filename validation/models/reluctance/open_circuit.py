@@ -51,8 +51,11 @@ class Circuit:
         Of these (1/H), and by the gap.
     turns, d_turns : (n,) array
         What drives each unknown flux.
-    beside : float
-        Inductance (H) of flux that the winding links and the shaft does not carry.
+    to_changes : (R,) array
+        Reluctances of air to changes of flux, as multiples of those to flux: a change may leave
+        full steel elsewhere.
+    beside, beside_changes : float
+        Inductance (H) of flux that the winding links and the shaft does not carry; of changes.
     """
 
     current: float
@@ -66,7 +69,9 @@ class Circuit:
     d_reluctance: Floats
     turns: Floats
     d_turns: Floats
+    to_changes: Floats
     beside: float = 0.0
+    beside_changes: float = 0.0
 
     @classmethod
     def of(cls, ladder: Ladder, current: float) -> Circuit:
@@ -84,20 +89,24 @@ class Circuit:
             ladder.d_reluctance[0],
             ladder.turns[0],
             ladder.d_turns[0],
+            np.ones(n + 1),
         )
 
     def solved(self) -> Answer:
         """Return what the circuit does."""
         guess = 0.0 if self.curve is None else self.curve.field_strength(np.array(_GUESSED_AT))
-        start = self._air() + self._iron(guess / _GUESSED_AT * self.length / self.area)
+        start = self._air(self.reluctance) + self._iron(
+            guess / _GUESSED_AT * self.length / self.area
+        )
         flux = minimise(self, np.linalg.solve(start, self.current * self.turns)).x
-        response = np.linalg.solve(self.hessian(flux).toarray(), self.turns)
+        changes = self._air(self.reluctance * self.to_changes) + self._incremental_iron(flux)
+        response = np.linalg.solve(changes, self.turns)
         return Answer(
             flux,
             coenergy=0.5 * self.beside * self.current**2 - self.value(flux),
             flux_linkage=self.beside * self.current + float(self.turns @ flux),
             force=self.slope(flux),
-            incremental_inductance=self.beside + float(self.turns @ response),
+            incremental_inductance=self.beside_changes + float(self.turns @ response),
         )
 
     def value(self, x: Floats) -> float:
@@ -121,10 +130,7 @@ class Circuit:
 
     def hessian(self, x: Floats) -> Sparse:
         """Return the incremental reluctances (n, n) in 1/H."""
-        if self.curve is None:
-            return csr_matrix(self._air())
-        slope = self.curve.slope(np.abs(self._flux_density(x)))
-        return csr_matrix(self._air() + self._iron(slope * self.length / self.area))
+        return csr_matrix(self._air(self.reluctance) + self._incremental_iron(x))
 
     def slope(self, x: Floats) -> float:
         """Return ∂Π/∂g at fixed fluxes, the pull (N)."""
@@ -132,8 +138,14 @@ class Circuit:
         iron = float((self.area * self.d_length) @ self._energy_density(x))
         return air + iron - self.current * float(self.d_turns @ x)
 
-    def _air(self) -> Floats:
-        return np.asarray(self.across.T @ (self.reluctance[:, None] * self.across))
+    def _air(self, reluctance: Floats) -> Floats:
+        return np.asarray(self.across.T @ (reluctance[:, None] * self.across))
+
+    def _incremental_iron(self, x: Floats) -> Floats:
+        if self.curve is None:
+            return np.zeros((x.size, x.size))
+        slope = self.curve.slope(np.abs(self._flux_density(x)))
+        return self._iron(slope * self.length / self.area)
 
     def _iron(self, reluctance: Floats) -> Floats:
         return np.asarray(self.carried.T @ (reluctance[:, None] * self.carried))

@@ -1,7 +1,8 @@
 """What a field tells the network's circuit, one thing that it does not know after the other.
 
-It is told permeances, lengths of iron and an inductance, never a flux or a pull at the point that
-is explained: what the circuit then answers there is still its own, and can still be wrong.
+It is told permeances, to flux and to its changes, lengths of iron and an inductance, never a flux
+or a pull at the point that is explained: what the circuit then answers there is still its own, and
+can still be wrong.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ class Air:
     at_flange : (k,) array
         Of the rungs beside the flange and of the one at its top.
     at_gap, d_at_gap : float
-        Of the working gap without the tubes outside, and by the gap (H/m).
+        Of the working gap without the tubes outside, and what all permeance that its mmf drives
+        gains as it widens (H/m).
     """
 
     at_flange: Floats
@@ -80,13 +82,7 @@ class ToldByField:
         Each runs from the head to an element of the sleeve, across whose wall it sees the gap's
         mmf and what the sleeve takes on the way down to it.
         """
-        reading, sleeve = self.reading, self.device.sleeve
-        edges = self._sleeve_edges
-        outside = reading.flux(sleeve.outer_radius)(edges)
-        landing = np.diff(outside)
-        landing[0] += outside[0]
-        mmf = reading.gap_mmf + reading.drop_along_sleeve(0.5 * (edges[1:] + edges[:-1]))
-        permeance = np.maximum(landing / mmf, _LEAST)
+        edges, permeance = self._sleeve_edges, self._permeance_outside
         tubes, elements, n = permeance.size, circuit.area.size, circuit.turns.size
         spared = np.tril(np.ones((tubes, tubes)), -1) + 0.5 * np.eye(tubes)
         carried = np.zeros((elements + _BELOW, n + tubes))
@@ -107,6 +103,9 @@ class ToldByField:
             d_reluctance=np.append(circuit.d_reluctance, none),
             turns=np.append(circuit.turns, none),
             d_turns=np.append(circuit.d_turns, none),
+            to_changes=np.append(
+                circuit.to_changes, permeance / self._of_changes._permeance_outside
+            ),
         )
         slope = -circuit.d_reluctance[n] / circuit.reluctance[n] ** 2
         return self._with_gap(told, self._inside_sleeve, slope)
@@ -132,9 +131,7 @@ class ToldByField:
         at_flange = np.append(np.diff(in_flange, prepend=0.0), rest) / -over[: top + 1]
         outside = mmf * (1.0 / circuit.reluctance[gap + 1 :]).sum()
         at_gap = (flux - leaving[at + 1 :].sum() - outside) / mmf
-        told = self._with_gap(self.air_at_flange(circuit, at_flange), at_gap, 0.0)
-        missing = reading.pull - told.solved().force
-        return Air(at_flange, at_gap, -2.0 * missing / mmf**2)
+        return Air(at_flange, at_gap, reading.gap_slope)
 
     def air_at_flange(self, circuit: Circuit, permeance: Floats) -> Circuit:
         """Return the circuit with the permeances of the rungs at the flange."""
@@ -143,19 +140,51 @@ class ToldByField:
         return replace(circuit, reluctance=reluctance)
 
     def air_at_gap(self, circuit: Circuit, air: Air) -> Circuit:
-        """Return the circuit with the working gap's permeance."""
-        return self._with_gap(circuit, air.at_gap, air.d_at_gap)
+        """Return the circuit with the working gap's permeance, which alone changes with the gap.
 
-    def gap_of_steel(self, circuit: Circuit, perfect: ToldByField) -> Circuit:
+        Seen from the rod, iron and turns stay where they are; what the sleeve's top takes along
+        lies at the gap's mmf.
+        """
+        still = replace(
+            circuit,
+            d_length=np.zeros_like(circuit.d_length),
+            d_reluctance=np.zeros_like(circuit.d_reluctance),
+            d_turns=np.zeros_like(circuit.d_turns),
+        )
+        return self._with_gap(still, air.at_gap, air.d_at_gap)
+
+    def gap_of_steel(self, circuit: Circuit, perfect: ToldByField, slope: float) -> Circuit:
         """Return the circuit whose gap has as much less permeance as steel makes of perfect iron.
 
         Both are what crosses at the sleeve's top per mmf of the faces, which alone is less than
-        the gap's with the tubes beside it; the slope stays.
+        the gap's with the tubes beside it.
+
+        Parameters
+        ----------
+        slope : float
+            What permeance steel gains as the gap widens (H/m).
         """
         n = self._gap_rung
-        slope = -circuit.d_reluctance[n] / circuit.reluctance[n] ** 2
         changed = self._inside_sleeve - perfect._inside_sleeve
-        return self._with_gap(circuit, 1.0 / circuit.reluctance[n] + changed, slope)
+        told = self._with_gap(circuit, 1.0 / circuit.reluctance[n] + changed, slope)
+        to_changes = circuit.to_changes.copy()
+        to_changes[n] = self._inside_sleeve / self._of_changes._inside_sleeve
+        return replace(told, to_changes=to_changes)
+
+    @cached_property
+    def _of_changes(self) -> ToldByField:
+        """What the field's changes with the current tell."""
+        return ToldByField(self.reading.changes)
+
+    @cached_property
+    def _permeance_outside(self) -> Floats:
+        """Permeances (H) of the tubes to the sleeve's elements, from its lower end up."""
+        reading, edges = self.reading, self._sleeve_edges
+        outside = reading.flux(self.device.sleeve.outer_radius)(edges)
+        landing = np.diff(outside)
+        landing[0] += outside[0]
+        mmf = reading.gap_mmf + reading.drop_along_sleeve(0.5 * (edges[1:] + edges[:-1]))
+        return np.asarray(np.maximum(landing / mmf, _LEAST))
 
     @cached_property
     def _inside_sleeve(self) -> float:
@@ -167,12 +196,18 @@ class ToldByField:
 
     def flux_beside_shaft(self, circuit: Circuit) -> Circuit:
         """Return the circuit whose winding links the flux at its turns, not the shaft's."""
+        changes = self._of_changes._beside_shaft
+        return replace(circuit, beside=self._beside_shaft, beside_changes=changes)
+
+    @cached_property
+    def _beside_shaft(self) -> float:
+        """Inductance (H) of what the winding links and the shaft does not carry."""
         reading, coil = self.reading, self.device.coil
         top = reading.gap - NOMINAL_GAP - coil.position
         points, weights = np.polynomial.legendre.leggauss(64)
         in_shaft = reading.flux(self.device.rod.radius)(top - 0.5 * coil.length * (1.0 + points))
         missing = reading.flux_linkage - coil.turns * float(0.5 * weights @ in_shaft)
-        return replace(circuit, beside=missing / reading.current)
+        return missing / reading.current
 
     def flange_foot(self, circuit: Circuit) -> Circuit:
         """Return the circuit whose shaft reaches into the flange as far as flux spreads there."""
@@ -192,7 +227,10 @@ class ToldByField:
         )
 
     def flux_in_iron(self, circuit: Circuit) -> Circuit:
-        """Return the circuit whose rod and sleeve take the mmf that they take in the field."""
+        """Return the circuit whose rod and sleeve take the mmf that they take in the field.
+
+        The shaft beside the sleeve element by element: nearly full steel is uneven along it.
+        """
         reading, places, sleeve = self.reading, self.places, self.device.sleeve
         below = 0.5 * (self._sleeve_edges[1:] + self._sleeve_edges[:-1])[:_BELOW]
         head = np.zeros(places.sleeve.size - 2 * self._path_cells)
@@ -204,11 +242,17 @@ class ToldByField:
             for radius in (self.device.rod.radius, sleeve.inner_radius, sleeve.outer_radius)
         )
         flux = np.where(of_sleeve, inside - outside, shaft)
+        taken = reading.taken_below("rod")
+        above = reading.taken_by("rod", "head") - float(taken(0.0))
+        along, of_head = np.split(np.flatnonzero(of_rod), [-head.size])
+        parts = [
+            (of_head, above),
+            (np.flatnonzero(of_sleeve), reading.taken_by("sleeve", "collar")),
+        ]
+        parts += zip(along[:, None], np.diff(taken(places.ends))[along], strict=True)
         length = circuit.length.copy()
-        for part, names in ((of_rod, ("rod", "head")), (of_sleeve, ("sleeve", "collar"))):
-            elements = np.flatnonzero(part)
-            rule = self._by_rule(circuit, elements, flux[elements]).sum()
-            length[elements] *= reading.taken_by(*names) / rule
+        for elements, share in parts:
+            length[elements] *= share / self._by_rule(circuit, elements, flux[elements]).sum()
         return replace(circuit, length=length)
 
     @property
