@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 #: Where numbers are places and sizes of what is drawn.
 DRAWN = (
-    "validation/view", "validation/report/figures", "validation/book", "validation/checks/setup",
+    "validation/view", "validation/report/figures", "validation/book", "validation/checks/drawings",
 )  # fmt: skip
 #: A longer table is written by its rows.
 LONG = 120

@@ -66,7 +66,7 @@ class RodMeshing:
     share: float = 1e-4
 
 
-#: A family of divisions for refinement studies, see :data:`geometry.bimorph.brick_family.LEVELS`.
+#: A family of divisions for refinement studies, see :data:`geometry.bimorph.bimorph_bricks.LEVELS`.
 #: What tells most is the shim near the bond and the bond itself, across both: a lower degree on
 #: more intervals there is worth more than a higher one on few.
 ROD_LEVELS = (

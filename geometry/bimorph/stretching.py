@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Axis, Bricks
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.errors import InputError
@@ -25,7 +25,7 @@ LENGTHS = ("length", "width", "tab_length", "bare_below", "bare_above")
 #: Those across the layers: the thinner, the more bricks everything else must have.
 THICKNESSES = ("piezo_thickness", "shim_thickness", "glue_thickness")
 
-#: Divisions like those of :data:`geometry.bimorph.brick_family.LEVELS`, about as accurate, with
+#: Divisions like those of :data:`geometry.bimorph.bimorph_bricks.LEVELS`, about as accurate, with
 #: polynomials of nodes and all their products: the sums of a family are products along the axes
 #: (about 2, 5, 13, 27 and 52 thousand unknowns for a plain bimorph).
 LEVELS = (

@@ -11,7 +11,7 @@ import pytest
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.elements.nedelec import ElementTetEdge2
 from tactgen.fem.reluctance.axisymmetric.two_orders import two_orders
-from tactgen.geometry.bimorph.brick_family import bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import bimorph_bricks
 from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece

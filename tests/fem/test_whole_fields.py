@@ -13,7 +13,7 @@ from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.bimorph.states import driven_state, mode_states
 from tactgen.fem.reluctance.axisymmetric.actuator import solve_map
 from tactgen.fem.reluctance.three_d.actuator import solve_solid
-from tactgen.geometry.bimorph.brick_family import bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_bricks
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support

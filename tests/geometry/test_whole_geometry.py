@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_bricks, rod_parts
 from tactgen.geometry.bimorph.stretching import LEVELS as LONG_LEVELS
@@ -22,7 +22,7 @@ from tactgen.geometry.device.winding import winding
 from tactgen.geometry.display.bill import bill_of_parts, total_mass
 from tactgen.geometry.display.clearances import clearances, footprint
 from tactgen.geometry.display.layout import axes, display_parts, levels, spacer_axes
-from tactgen.geometry.display.units import drawn_units
+from tactgen.geometry.display.scattered_units import drawn_units
 from tactgen.geometry.display.wiring import wiring
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.cell_tets import Cell, cell_mesh

@@ -13,7 +13,7 @@ from pathlib import Path
 
 #: Folders in which numbers are positions and sizes of what is drawn.
 LOOKS = (
-    "validation/view", "validation/report/figures", "validation/book", "validation/checks/setup",
+    "validation/view", "validation/report/figures", "validation/book", "validation/checks/drawings",
 )  # fmt: skip
 #: Programs that are not installed for the tests.
 ABSENT = ("validation/bench/bimorph/peers",)

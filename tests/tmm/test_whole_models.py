@@ -31,8 +31,9 @@ from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import axial_forces, position_loop, resting_place
 from tactgen.tmm.generator.small_signal import axial_poles, linearised
 from tactgen.tmm.generator.stops import stops_of
+from tactgen.tmm.ports.loads.finger import finger_impedance, finger_stiffness
 from tactgen.tmm.ports.springs_dampers_masses import finger_chain
-from tactgen.tmm.ports.terminations import attach, ends_of, finger_impedance, finger_stiffness
+from tactgen.tmm.ports.terminations import attach, ends_of
 from tactgen.tmm.reluctance.circuit import FULL, ONE_GAP, circuit
 from tactgen.tmm.reluctance.coil_heat import (
     largest_rms_current,

@@ -8,7 +8,7 @@ import pytest
 from tactgen.fem.bimorph.reduction.extremes import extremes
 from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
-from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.ports.multiport import respond
 from tactgen.tmm.ports.terminations import attach

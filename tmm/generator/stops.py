@@ -2,6 +2,7 @@
 
 The lift u is 0 where the upper stop carries the contact's reference load, positive upwards; the
 working gap is then the device's `gap`, else gap + u.  At u = −stroke the lower stop carries it.
+What a stop loses over time: :mod:`tmm.generator.transient.laws`.
 """
 
 from __future__ import annotations

@@ -19,9 +19,9 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.ends import Law, TipLoad
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.ports.loads.finger import FINGER_RANGE, finger_impedance, finger_stiffness
 from tactgen.tmm.ports.loads.measured_law import MeasuredLaw
 from tactgen.tmm.ports.loads.passive_fit import Dictionary, PassiveFit, passive_fit
-from tactgen.tmm.ports.terminations import FINGER_RANGE, finger_impedance, finger_stiffness
 
 #: Points over the finger's range to which its load is fitted.
 _POINTS = 200

@@ -17,7 +17,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError

@@ -8,7 +8,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.validation.checks.case import Case
-from tactgen.validation.checks.setup.drawing import Drawing, Line, Mark
+from tactgen.validation.checks.drawings.drawing import Drawing, Line, Mark
 from tactgen.validation.view.figures import (
     AMBER,
     BLUE,

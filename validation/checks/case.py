@@ -14,7 +14,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.validation.checks.row import Check, Tier
 
 if TYPE_CHECKING:
-    from tactgen.validation.checks.setup.drawing import Drawing
+    from tactgen.validation.checks.drawings.drawing import Drawing
 
 
 @dataclass(frozen=True)

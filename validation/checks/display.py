@@ -9,7 +9,7 @@ from tactgen.fem.reluctance.three_d.nine import NineForces, nine_forces
 from tactgen.geometry.device.parameters import Display
 from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import levels
-from tactgen.geometry.display.units import drawn_units
+from tactgen.geometry.display.scattered_units import drawn_units
 from tactgen.geometry.reluctance.nine_tets import UNITS
 from tactgen.tmm.display.field import between_heads, network_forces
 from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-from tactgen.validation.checks.setup import bodies, machines
-from tactgen.validation.checks.setup.drawing import Drawing
+from tactgen.validation.checks.drawings import bodies, machines
+from tactgen.validation.checks.drawings.drawing import Drawing
 
 
 class Problem(NamedTuple):

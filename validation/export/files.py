@@ -14,8 +14,8 @@ from tactgen.geometry.files import written_whole
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.plan import asks_display
+from tactgen.validation.export.check_place import check_place
 from tactgen.validation.export.ports import check_state_space, write_port_files
-from tactgen.validation.export.targets import check_place
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.validation.engine.plan import asks_display
-from tactgen.validation.export.targets import check_place
+from tactgen.validation.export.check_place import check_place
 from tactgen.validation.fields.gather import MAGNETIC, Request, default_models, gather, with_fields
 from tactgen.validation.fields.result import FieldResult, State
 from tactgen.validation.fields.standing import standing

@@ -20,7 +20,7 @@ from tactgen.geometry.store.values import fingerprint
 #: What makes a reduction.
 _MADE_OF = (
     "tactgen.fem.bimorph.reduction.kept_reductions",
-    "tactgen.fem.bimorph.refinement.brick_surplus",
+    "tactgen.fem.bimorph.error_estimate.brick_surplus",
 )
 
 

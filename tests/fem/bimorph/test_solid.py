@@ -12,7 +12,7 @@ from tactgen.fem.bimorph.motions import classify
 from tactgen.fem.bimorph.ports import direct_multiport, static_multiport
 from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
-from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Bimorph, Device, Piezo, Shim, Support
 from tactgen.tmm.ports import invariants, multiport

@@ -10,9 +10,9 @@ import pytest
 from skfem import BilinearForm
 from skfem.helpers import grad
 
+from tactgen.fem.bimorph.error_estimate.error_indicator import goal_errors
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.ports import static_multiport
-from tactgen.fem.bimorph.refinement.error_indicator import goal_errors
 from tactgen.fem.bimorph.skfem_body import SkfemBody
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.bimorph.system import materials, volts_per_unit

@@ -27,7 +27,7 @@ from tactgen.geometry.display.layout import (
     support_spacer_axes,
     unit_names,
 )  # fmt: skip
-from tactgen.geometry.display.units import drawn_units
+from tactgen.geometry.display.scattered_units import drawn_units
 from tactgen.geometry.display.wiring import coplanar_capacitance, wiring
 from tactgen.geometry.errors import InputError
 

@@ -20,7 +20,7 @@ from tactgen.tmm.beam.printed_formulas import (
 )
 from tactgen.tmm.beam.section.section import section
 from tactgen.tmm.beam.transfer.timoshenko import dynamic_stiffness
-from tactgen.tmm.ports.terminations import finger_impedance
+from tactgen.tmm.ports.loads.finger import finger_impedance
 from tactgen.validation.checks.cases import reference_beam as reference
 
 DEVICE = Device()

@@ -1,8 +1,7 @@
-"""Support and load: the paper's constants, their limits, and the guard on the finger's fit."""
+"""Support and load at the ports."""
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq, minimize_scalar
 
 from tactgen.geometry.device.parameters import Beam, Device, Load, Support
 from tactgen.tmm.beam.transfer import transfer_matrix as tmm
@@ -15,53 +14,6 @@ FREQUENCIES = np.array([0.0, 10.0, 300.0, 1000.0])
 def tip(support, load, frequencies=FREQUENCIES):
     port = tmm.multiport(Device(), support, Beam(), frequencies)
     return respond(t.attach(port, t.ends_of(support, load)), {"voltage": 50.0}).motion["w_tip"]
-
-
-def test_finger_as_stored(state_space):
-    """Impedance, stiffness and damping of the fit at seven frequencies, to 1e-14."""
-    for key, stored in state_space["finger"].items():
-        f = np.array([float(key)])
-        assert t.finger_impedance(f)[0] == pytest.approx(complex(*stored["impedance"]), rel=1e-14)
-        if t.FINGER_RANGE[0] <= f[0] <= t.FINGER_RANGE[1]:
-            stiffness, damping = t.finger_spring_damper(f)
-            assert stiffness[0] == pytest.approx(stored["stiffness"], rel=1e-13)
-            assert damping[0] == pytest.approx(stored["damping"], rel=1e-14)
-
-
-def test_finger_extremes():
-    """Stiffness peaks at 889 Hz with 735.6 N/m, damping is least at 313 Hz with 0.486 Ns/m.
-
-    The paper's text says about 750 N/m near 900 Hz and a minimum between 200 and 400 Hz.
-    """
-    stiff = minimize_scalar(
-        lambda f: -t.finger_spring_damper(np.array([f]))[0][0], bounds=(500, 1000), method="bounded"
-    )
-    soft = minimize_scalar(
-        lambda f: t.finger_spring_damper(np.array([f]))[1][0], bounds=(100, 800), method="bounded"
-    )
-    # values to the digits stated
-    assert (stiff.x, -stiff.fun) == (pytest.approx(889, abs=0.5), pytest.approx(735.6, abs=0.05))
-    assert (soft.x, soft.fun) == (pytest.approx(313, abs=0.5), pytest.approx(0.486, abs=5e-4))
-
-
-def test_raw_fit_leaves_physics_beyond_its_range():
-    """Beyond 1183 Hz the raw fit's stiffness is negative, beyond 1705 Hz it creates energy."""
-    negative = brentq(lambda f: t.finger_impedance(np.array([f])).imag[0], 1000, 1500)
-    active = brentq(lambda f: t.finger_impedance(np.array([f])).real[0], 1500, 2000)
-    assert (negative, active) == (pytest.approx(1183, abs=1), pytest.approx(1705, abs=1))
-    assert t.finger_impedance(np.array([1800.0])).real[0] < 0.0
-
-
-def test_finger_is_held_outside_its_range():
-    """Outside 10–1000 Hz the constants stay those of the nearer end, so the finger is passive."""
-    low, high = t.finger_spring_damper(np.array([10.0, 1000.0])), t.FINGER_RANGE
-    for f, end in ((0.0, 0), (1.0, 0), (9.99, 0), (1000.01, 1), (1800.0, 1), (1e5, 1)):
-        stiffness, damping = t.finger_spring_damper(np.array([f]))
-        assert (stiffness[0], damping[0]) == (low[0][end], low[1][end])
-    z = t.finger_stiffness(np.linspace(0.0, 1e4, 2001))
-    assert (z.imag >= 0.0).all()
-    assert (z.real > 0.0).all()
-    assert high == (10.0, 1000.0)
 
 
 def test_outside_of_the_range_is_reported():

@@ -8,7 +8,7 @@ from unpainted import placed
 from tactgen.validation.book import figures
 from tactgen.validation.book.sketch import _drawn
 from tactgen.validation.book.statistics import Scatter
-from tactgen.validation.checks.setup.drawing import Drawing, Line, Mark, rectangle
+from tactgen.validation.checks.drawings.drawing import Drawing, Line, Mark, rectangle
 
 DRAWING = Drawing(
     areas=(

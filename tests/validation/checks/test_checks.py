@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from approved import measured_text
 
-from tactgen.geometry.bimorph.brick_family import LEVELS
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS
 from tactgen.validation.checks import bimorph_measurements
 from tactgen.validation.checks.amplitude import AMPLITUDE_CHECKS
 from tactgen.validation.checks.bimorph import CHECKS

@@ -10,7 +10,7 @@ from tactgen.validation.checks import bimorph_measurements as bimorph
 from tactgen.validation.checks import motion_measurements as motion
 from tactgen.validation.checks import team20
 from tactgen.validation.checks.cases.magnetics import scaled_actuator
-from tactgen.validation.checks.known import iron, short_beams
+from tactgen.validation.checks.known import iron, special_beams
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.models.generator import phases as run_phases
 from tactgen.validation.models.generator.phases import Phase
@@ -155,9 +155,9 @@ def test_loaded_deflections_and_their_slopes(branches, monkeypatch):
 def test_the_peak_of_one_mode_is_found_from_three_points(monkeypatch):
     """Of an oscillator 0.2 % away from the printed frequency, damped like the beam."""
     own, damping = 1.002 * 42.65, 0.02
-    monkeypatch.setattr(short_beams, "_deep_beam_at", lambda f: abs(
+    monkeypatch.setattr(special_beams, "_deep_beam_at", lambda f: abs(
         1.0 / (own**2 - f**2 + 2j * damping * own**2)))  # fmt: skip
-    assert short_beams._deep_beam_peak() == pytest.approx(own, rel=1e-4)
+    assert special_beams._deep_beam_peak() == pytest.approx(own, rel=1e-4)
 
 
 def test_a_stretched_ball_has_the_factor_of_its_shape():

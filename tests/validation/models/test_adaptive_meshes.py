@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from approved import described
 
-from tactgen.fem.bimorph.refinement.error_indicator import GoalError
+from tactgen.fem.bimorph.error_estimate.error_indicator import GoalError
 from tactgen.geometry.bimorph import tets
 from tactgen.geometry.cad.tessellation import Cylinder, Plane, tessellate
 from tactgen.geometry.errors import MeshError
@@ -20,7 +20,7 @@ from tactgen.geometry.meshing.tetwild.run import sizing_along_z, sizing_at_point
 from tactgen.geometry.meshing.tetwild.sizing import Sizing, limited_growth, sizing_for
 from tactgen.geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
 from tactgen.geometry.store.values import fingerprint
-from tactgen.validation.engine.refinement import SAFETY, two_mesh_factor
+from tactgen.validation.engine.error_bars import SAFETY, two_mesh_factor
 from tactgen.validation.models.bimorph import adaptive_meshes
 from tactgen.validation.models.bimorph.adaptive_meshes import (
     AdaptedPair,

@@ -9,7 +9,7 @@ from approved import described
 
 from tactgen.fem.bimorph.ports import direct_multiport
 from tactgen.fem.bimorph.solid import assemble
-from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.device.parameters import Piezo
 from tactgen.tmm.beam.section.laminate import laminate_section

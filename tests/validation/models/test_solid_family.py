@@ -11,7 +11,7 @@ from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.reduction.parametric.answers import family_modes
 from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
-from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.stretching import LEVELS, dividing, stretched
 from tactgen.geometry.errors import InputError

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from approved import page_text
 
-from tactgen.tmm.ports.terminations import finger_impedance
+from tactgen.tmm.ports.loads.finger import finger_impedance
 from tactgen.validation.report.page import templates
 from tactgen.validation.report.sections.load import load_section
 from tactgen.validation.report.study import Study

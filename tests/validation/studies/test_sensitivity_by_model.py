@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from approved import described
 
-from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.circuit import CELLS, FULL, circuit
 from tactgen.tmm.reluctance.flux_ladder import solve as solve_ladder

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tactgen.geometry.arrays import Ints
-from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 from tactgen.geometry.device.parameters import Device

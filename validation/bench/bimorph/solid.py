@@ -26,7 +26,7 @@ from tactgen.validation.bench.bimorph.timing import SolidTiming
 from tactgen.validation.bench.bimorph.ways import Level, own, ways
 from tactgen.validation.bench.result import Bench, Target
 from tactgen.validation.bench.work_precision import Point, front, time_at_error
-from tactgen.validation.engine.refinement import BRICK_FACTOR
+from tactgen.validation.engine.error_bars import BRICK_FACTOR
 
 #: Converged J1 as four public codes agree on it on identical meshes (deflection in m/V, f1
 #: to f4 in Hz), and to how much (relative).

@@ -19,7 +19,7 @@ from tactgen.fem.bimorph.ports import ports_from_blocks
 from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
 from tactgen.fem.bimorph.system import SolidSystem
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks, Held
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.tmm.ports.multiport import Multiport, respond

@@ -16,9 +16,9 @@ from tactgen.tmm.beam.section.section import Section
 from tactgen.tmm.beam.section.tapered import segmented
 from tactgen.validation.checks.case import Answer, Case, case, nth
 from tactgen.validation.checks.cases.fineness import cached, segments
-from tactgen.validation.checks.known import short_beams
-from tactgen.validation.checks.setup.drawing import Mark
-from tactgen.validation.checks.setup.strips import at_tip, strip, tapered
+from tactgen.validation.checks.drawings.drawing import Mark
+from tactgen.validation.checks.drawings.strips import at_tip, strip, tapered
+from tactgen.validation.checks.known import special_beams
 
 #: Stiffness of a "rigid" support over EI/L³, and shear stiffness of a beam without shear over
 #: EI/L²: errors of their inverse.
@@ -301,4 +301,4 @@ _SMITS = case(
     setup=partial(strip, 20.0, (("piezo", 0.26), ("piezo", 0.26))),
 )  # fmt: skip
 
-CASES: tuple[Case, ...] = (*_UNIFORM, _FV5, *_TAPERS, _SMITS, *short_beams.CASES)
+CASES: tuple[Case, ...] = (*_UNIFORM, _FV5, *_TAPERS, _SMITS, *special_beams.CASES)

@@ -21,7 +21,7 @@ from tactgen.validation.checks.cases.boxes import (
     statics,
 )
 from tactgen.validation.checks.cases.fineness import cached
-from tactgen.validation.checks.setup.sections import section
+from tactgen.validation.checks.drawings.sections import section
 
 #: Half length, half height and width (m); slope of the stress over the height (N/m³).
 LENGTH, HEIGHT, _WIDTH = 1e-3, 0.5e-3, 0.2e-3

@@ -14,8 +14,8 @@ from tactgen.geometry.device.materials import PiezoTensors, isotropic_stiffness
 from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.cases.boxes import Box, Held, Load, Where, even, stacked, statics
 from tactgen.validation.checks.cases.fineness import cached
-from tactgen.validation.checks.setup.drawing import Mark
-from tactgen.validation.checks.setup.strips import strip
+from tactgen.validation.checks.drawings.drawing import Mark
+from tactgen.validation.checks.drawings.strips import strip
 
 
 def expanding(modulus: float, strain: float) -> Material:

@@ -18,8 +18,8 @@ from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid
 from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.cases.fineness import cached, counted, degree
+from tactgen.validation.checks.drawings.bodies import rings
 from tactgen.validation.checks.known import ideal_gap
-from tactgen.validation.checks.setup.bodies import rings
 
 _FIELD = "axisymmetric field, quadrilaterals of order 4 on a graded grid, walls far away"
 

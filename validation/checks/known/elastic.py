@@ -27,9 +27,9 @@ from tactgen.validation.checks.cases.boxes import (
 )
 from tactgen.validation.checks.cases.cube_cells import hexahedra
 from tactgen.validation.checks.cases.fineness import cached, counted, intervals
+from tactgen.validation.checks.drawings.sections import section
+from tactgen.validation.checks.drawings.strips import tapered
 from tactgen.validation.checks.known import seven_layers
-from tactgen.validation.checks.setup.sections import section
-from tactgen.validation.checks.setup.strips import tapered
 
 _BRICKS = "bricks of the model solid"
 

@@ -13,7 +13,7 @@ from tactgen.tmm.reluctance.coenergy.fit import fit
 from tactgen.tmm.reluctance.coenergy.map import Samples
 from tactgen.tmm.reluctance.switching import Switching, switching
 from tactgen.validation.checks.case import Answer, Case, case
-from tactgen.validation.checks.setup.machines import ideal_gap
+from tactgen.validation.checks.drawings.machines import ideal_gap
 
 _TURNS, _AREA, _GAP, _STIFFNESS = 500.0, 4e-6, 0.2e-3, 100.0
 

@@ -20,7 +20,7 @@ from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
 from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.cases.fineness import cached, counted, intervals, size
 from tactgen.validation.checks.cases.magnetics.sphere_mesh import RADIUS, sphere_mesh
-from tactgen.validation.checks.setup.bodies import in_uniform_field, slotted_gap
+from tactgen.validation.checks.drawings.bodies import in_uniform_field, slotted_gap
 
 _FIELD = "scalar potential, quadratic tetrahedra"
 _PERMEABILITY = 1000.0

@@ -24,8 +24,8 @@ from tactgen.validation.checks.cases.boxes import (
     statics,
 )
 from tactgen.validation.checks.cases.fineness import cached
+from tactgen.validation.checks.drawings.sections import section
 from tactgen.validation.checks.known import bimetal, shear_beam
-from tactgen.validation.checks.setup.sections import section
 
 #: Length of the half wave (m), and the thickness of each layer (m) of three bimorphs.
 _LENGTH = 20e-3

@@ -17,10 +17,10 @@ from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.validation.checks.case import Answer, Case, Refinement, case
 from tactgen.validation.checks.cases.boxes import Box, Held, Where, even, natural_frequencies
 from tactgen.validation.checks.cases.manufactured import quarter_wave_error
+from tactgen.validation.checks.drawings.drawing import Drawing
+from tactgen.validation.checks.drawings.sections import section
 from tactgen.validation.checks.known import smooth_fields
 from tactgen.validation.checks.known.laminates import bending_bimorph
-from tactgen.validation.checks.setup.drawing import Drawing
-from tactgen.validation.checks.setup.sections import section
 
 #: The lowest natural frequency (Hz) of the bimorph below; see case CYL2.
 _BENDING = 6981.984969234867

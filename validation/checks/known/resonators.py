@@ -26,8 +26,8 @@ from tactgen.validation.checks.cases.boxes import (
     statics,
 )
 from tactgen.validation.checks.cases.fineness import cached
+from tactgen.validation.checks.drawings.sections import section
 from tactgen.validation.checks.known.bent_strip import BENT
-from tactgen.validation.checks.setup.sections import section
 
 _IEEE = "IEEE Std 176-1987, in closed form"
 _BRICKS = "bricks of the model solid, general supports and electrodes"

@@ -19,7 +19,7 @@ from tactgen.validation.checks.cases.boxes import (
     statics,
 )
 from tactgen.validation.checks.cases.fineness import cached
-from tactgen.validation.checks.setup.sections import section
+from tactgen.validation.checks.drawings.sections import section
 
 _LAYERS = (1e-4, 1e-4, 1e-4, 4e-4, 1e-4, 1e-4, 1e-4)
 _FIBRES = ("fibres along z", "fibres along y")

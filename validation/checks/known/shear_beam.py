@@ -10,8 +10,8 @@ from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.geometry.device.piezo_library import LIBRARY
 from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.cases.boxes import Box, Held, Where, graded, statics
+from tactgen.validation.checks.drawings.sections import section
 from tactgen.validation.checks.known.resonators import poled
-from tactgen.validation.checks.setup.sections import section
 
 _LOW, _HIGH, _PATCH = 8e-3, 10e-3, (55e-3, 65e-3)
 

@@ -21,9 +21,9 @@ from tactgen.validation.checks.cases.magnetics.manufactured_fields import (
     cylinder,
     rings_error,
 )
-from tactgen.validation.checks.setup.bodies import rings
-from tactgen.validation.checks.setup.sections import section
-from tactgen.validation.checks.setup.strips import strip
+from tactgen.validation.checks.drawings.bodies import rings
+from tactgen.validation.checks.drawings.sections import section
+from tactgen.validation.checks.drawings.strips import strip
 
 _STRANG = "G. Strang, G. J. Fix, An Analysis of the Finite Element Method, ch. 3 and 6"
 

@@ -11,14 +11,14 @@ from tactgen.fem.bimorph.ports import direct_multiport
 from tactgen.fem.bimorph.reduction.krylov import port_error, reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Bimorph, Device, Glue
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.result import Row, answered
 from tactgen.validation.checks.stress.solid_exact import static_values
-from tactgen.validation.engine.refinement import BRICK_FACTOR, least_difference
+from tactgen.validation.engine.error_bars import BRICK_FACTOR, least_difference
 
 _NAMES = ("tip", "capacitance", "f1")
 #: Levels of the division that is judged, of the one that judges it, and of the reference.

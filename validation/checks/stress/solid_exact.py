@@ -12,7 +12,7 @@ from tactgen.fem.bimorph.ports import static_multiport
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.bimorph.system import SolidSystem
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Axis, Bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.materials import Piezoceramic

@@ -82,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _show_run(options: argparse.Namespace) -> int:
     """Write the page of a run's file, which says itself what it is of."""
-    from tactgen.validation.export.targets import check_place
+    from tactgen.validation.export.check_place import check_place
     from tactgen.validation.studies.transient.film import write_film_page
 
     given = {name: getattr(options, name) for name in _OF_A_SCENE}

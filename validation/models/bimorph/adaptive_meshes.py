@@ -1,7 +1,8 @@
 """Meshes of tetrahedra refined where the goals need it, until the wanted accuracy is met.
 
-Coarse mesh, solution, estimate, finer mesh.  The estimate (fem.bimorph.refinement.error_indicator)
-says where to refine and when to stop; the last mesh and an earlier one give the error bars.
+Coarse mesh, solution, estimate, finer mesh.  The estimate
+(fem.bimorph.error_estimate.error_indicator) says where to refine and when to stop; the last mesh
+and an earlier one give the error bars.
 Every mesh is kept on disk under its geometry and sizes, so a study that was stopped goes on
 where it was.
 """
@@ -19,11 +20,11 @@ from tactgen.geometry.device.layout import Standing
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.tetwild.mesher import Mesher
 from tactgen.geometry.meshing.tetwild.sizing import Sizing, sizing_for
-from tactgen.validation.engine.refinement import SAFETY, two_mesh_factor
+from tactgen.validation.engine.error_bars import SAFETY, two_mesh_factor
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.bimorph.refinement.error_indicator import GoalError
+    from tactgen.fem.bimorph.error_estimate.error_indicator import GoalError
     from tactgen.fem.bimorph.system import SolidSystem
 
 #: Edge length of the first mesh, in thicknesses of the shim, and shortest edge of any, relative to
@@ -258,7 +259,7 @@ def _import_solvers() -> None:
     import scipy.sparse.linalg  # noqa: F401
     import skfem  # noqa: F401
 
-    import tactgen.fem.bimorph.refinement.error_indicator
+    import tactgen.fem.bimorph.error_estimate.error_indicator
     import tactgen.fem.bimorph.solid  # noqa: F401
 
 
@@ -283,7 +284,7 @@ def _finer(
 
 def _solved(scene: Scene, mesh: Mesh) -> Solved:
     """Solve on a mesh, and estimate errors."""
-    from tactgen.fem.bimorph.refinement.error_indicator import goal_errors
+    from tactgen.fem.bimorph.error_estimate.error_indicator import goal_errors
     from tactgen.fem.bimorph.solid import assemble
 
     system = assemble(scene.device, mesh, lossy=False)

@@ -6,7 +6,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.ports.multiport import Multiport
-from tactgen.validation.engine.refinement import least_difference
+from tactgen.validation.engine.error_bars import least_difference
 
 
 def least_at_rest(fine: Multiport, coarse: Multiport) -> Floats:

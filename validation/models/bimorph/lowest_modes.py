@@ -20,7 +20,7 @@ from tactgen.fem.solvers.threads import side_by_side
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.store.values import storable
-from tactgen.validation.engine.refinement import cancelling
+from tactgen.validation.engine.error_bars import cancelling
 
 if TYPE_CHECKING:
     from tactgen.fem.bimorph.system import SolidSystem, Surplus

@@ -19,8 +19,8 @@ from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.tmm.beam.transfer.scattering import Element
 from tactgen.tmm.ports.multiport import Multiport, Response, respond
 from tactgen.tmm.ports.terminations import attach
+from tactgen.validation.engine.error_bars import SAFETY
 from tactgen.validation.engine.model import Modes, Refined
-from tactgen.validation.engine.refinement import SAFETY
 from tactgen.validation.models.bimorph.model import BeamTheoryModel
 
 #: Ratio of a size at both ends of a segment from which on its order is not that of a smooth

@@ -12,7 +12,7 @@ from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 from tactgen.fem.bimorph.motions import Motion
-from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_parts
@@ -23,7 +23,7 @@ from tactgen.geometry.device.checks import (
 )
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.refinement import (
+from tactgen.validation.engine.error_bars import (
     ROD_FACTOR,
     ROD_GAIN,
     SAFETY,
@@ -100,7 +100,7 @@ class BrickPair:
         """Gives the polynomials of one degree more that the finer bricks lack; not on the rod."""
         if isinstance(self.meshes[0], BrickParts):
             return None
-        from tactgen.fem.bimorph.refinement.brick_surplus import BrickSurplus
+        from tactgen.fem.bimorph.error_estimate.brick_surplus import BrickSurplus
 
         return cache(BrickSurplus(self.device, self.meshes[0]).of)
 

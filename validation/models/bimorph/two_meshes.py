@@ -19,8 +19,8 @@ from tactgen.geometry.arrays import Bools, Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
+from tactgen.validation.engine.error_bars import SAFETY, least_difference
 from tactgen.validation.engine.model import Modes, Refined
-from tactgen.validation.engine.refinement import SAFETY, least_difference
 from tactgen.validation.models.bimorph.at_rest import least_at_rest
 from tactgen.validation.models.bimorph.lowest_modes import (
     MeshModes,

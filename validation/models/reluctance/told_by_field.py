@@ -207,7 +207,7 @@ class ToldByField:
         points, weights = np.polynomial.legendre.leggauss(64)
         in_shaft = reading.flux(self.device.rod.radius)(top - 0.5 * coil.length * (1.0 + points))
         missing = reading.flux_linkage - coil.turns * float(0.5 * weights @ in_shaft)
-        return missing / reading.current
+        return float(missing / reading.current)
 
     def flange_foot(self, circuit: Circuit) -> Circuit:
         """Return the circuit whose shaft reaches into the flange as far as flux spreads there."""

@@ -8,9 +8,10 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.device.load_table import LoadTable
+from tactgen.tmm.ports.loads.finger import FINGER_RANGE, finger_impedance
+from tactgen.tmm.ports.loads.finger_fit import finger_form
 from tactgen.tmm.ports.loads.measured_law import MeasuredLaw, continued
-from tactgen.tmm.ports.loads.papers_formula import finger_form
-from tactgen.tmm.ports.terminations import FINGER_RANGE, finger_impedance, tip_stiffness
+from tactgen.tmm.ports.terminations import tip_stiffness
 from tactgen.validation.catalogue.bimorph import LOAD_FORCE, LOAD_POWER
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report.sections.section import Context

@@ -29,7 +29,7 @@ from tactgen.fem.bimorph.reduction.parametric.training_set import (
 from tactgen.fem.bimorph.system import SolidSystem, materials
 from tactgen.fem.solvers.threads import side_by_side
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.stretching import dividing, stretched
 from tactgen.geometry.device.parameters import Device

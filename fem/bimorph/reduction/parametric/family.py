@@ -18,7 +18,7 @@ from tactgen.fem.bimorph.reduction.parametric.builder import FamilyBuilder
 from tactgen.fem.bimorph.reduction.parametric.expansion import Expansion
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members, ReducedMotion
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.store.values import storable
 

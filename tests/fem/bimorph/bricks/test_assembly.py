@@ -13,7 +13,7 @@ from tactgen.fem.bimorph.ports import static_multiport
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.bimorph.symmetry import lumped
 from tactgen.fem.bimorph.system import materials
-from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Axis
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim

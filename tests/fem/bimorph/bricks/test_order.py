@@ -6,7 +6,7 @@ import pytest
 from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.bricks.order import elimination_order
 from tactgen.fem.solvers.linear_solver import factorise
-from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.device.parameters import Bimorph, Device
 
 BIMORPHS = ({}, {"tab_length": 1e-3}, {"bare_below": 1e-3, "glue_thickness": 20e-6})

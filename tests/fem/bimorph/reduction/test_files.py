@@ -11,7 +11,7 @@ from tactgen.fem.bimorph.reduction.files import read_ports, write_ports
 from tactgen.fem.bimorph.reduction.kept_reductions import made_from, reduced_solid
 from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
-from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.device.parameters import Bimorph, Device, Piezo
 from tactgen.geometry.errors import InputError
 from tactgen.validation.export.files import export

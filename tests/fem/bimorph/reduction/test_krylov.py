@@ -9,7 +9,7 @@ from tactgen.fem.bimorph.reduction.extremes import _GRID, extremes, motions, sta
 from tactgen.fem.bimorph.reduction.krylov import port_error, reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.solvers.linear_solver import factorise
-from tactgen.geometry.bimorph.brick_family import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Device, Load, Piezo, Support
 from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error

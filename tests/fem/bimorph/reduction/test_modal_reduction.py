@@ -6,7 +6,7 @@ import pytest
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.reduction.modal_reduction import modal_model
 from tactgen.fem.bimorph.solid import assemble
-from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.store.values import from_bytes, to_bytes

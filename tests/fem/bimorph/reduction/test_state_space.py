@@ -13,7 +13,7 @@ from tactgen.fem.bimorph.reduction.state_space_file import (
     write_state_space,
 )
 from tactgen.fem.bimorph.solid import assemble
-from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Device, Load, Support
 from tactgen.tmm.ports.terminations import ends_of

@@ -6,10 +6,10 @@ import pytest
 from tactgen.geometry.bimorph.ends import Ends, TipLoad
 from tactgen.geometry.device.load_table import LoadTable
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.ports.loads.finger import finger_impedance
+from tactgen.tmm.ports.loads.finger_fit import finger_form
 from tactgen.tmm.ports.loads.measured_law import MeasuredLaw, continued, disturbed
-from tactgen.tmm.ports.loads.papers_formula import finger_form
 from tactgen.tmm.ports.loads.passive_fit import passive_fit
-from tactgen.tmm.ports.terminations import finger_impedance
 
 BAND = np.geomspace(10.0, 1000.0, 40)
 

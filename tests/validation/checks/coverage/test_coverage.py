@@ -10,7 +10,7 @@ import pytest
 
 from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.ports import direct_multiport
-from tactgen.geometry.bimorph.brick_family import bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import bimorph_bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.network_pull import network_pull

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from approved import answered
 
-from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.families import find_families
 from tactgen.validation.engine.results import Quantity

@@ -6,14 +6,14 @@ import re
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import solid_family
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
 from tactgen.validation.studies.whatif.shown import page as pages
-from tactgen.validation.studies.whatif.shown import summary
+from tactgen.validation.studies.whatif.shown import text_table
 from tactgen.validation.studies.whatif.shown.page import write_page
 
 QUICK = (
@@ -103,18 +103,18 @@ def test_a_study_over_words_has_no_picture_and_says_why(tmp_path):
     study, page, data = written(tmp_path, "load.kind=none,finger")
     assert data is None
     assert "<p>No picture: no axis is a number" in page
-    assert summary.heading(study, STATIC[0]) == STATIC[0]
-    assert summary.heading(study, "capacitance_free") == "capacitance_free"
+    assert text_table.heading(study, STATIC[0]) == STATIC[0]
+    assert text_table.heading(study, "capacitance_free") == "capacitance_free"
 
 
 def test_a_long_table_is_thinned_and_says_so(monkeypatch):
     """The first and the last line stay."""
-    monkeypatch.setattr(summary, "_SHOWN", 3)
+    monkeypatch.setattr(text_table, "_SHOWN", 3)
     values, _ = scene_values("prototype", ["modes=1"])
     study = run_study(
         Statement("prototype", values, ("bimorph.length=14mm:18mm:5",), ("lumped",), STATIC)
     )
-    _, *lines, last = summary.table_lines(study)
+    _, *lines, last = text_table.table_lines(study)
     assert [line.split()[0] for line in lines] == ["14", "16", "18"]
     assert last == "3 of 5 lines are shown; --out STUDY writes all"
 

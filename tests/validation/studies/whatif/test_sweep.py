@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.models.bimorph import solid

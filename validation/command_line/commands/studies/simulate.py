@@ -193,7 +193,7 @@ def _write(options: argparse.Namespace, found: Simulation, announce: Callable[[s
 
 def _check_files(options: argparse.Namespace) -> None:
     """Refuse what would fail only after the run."""
-    from tactgen.validation.export.targets import check_place
+    from tactgen.validation.export.check_place import check_place
 
     for option, path, suffix in (
         ("out", options.out, ".nc"),

@@ -181,9 +181,9 @@ def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
 def _write(
     folder: Path, study: Study, found: Verdict | None, announce: Callable[[str], None]
 ) -> None:
+    from tactgen.validation.studies.whatif.shown.csv_table import write_tidy
     from tactgen.validation.studies.whatif.shown.netcdf import write_netcdf
     from tactgen.validation.studies.whatif.shown.page import write_page
-    from tactgen.validation.studies.whatif.shown.tidy import write_tidy
 
     write_tidy(folder, study)
     write_netcdf(folder, study)
@@ -195,7 +195,7 @@ def _show(
     options: argparse.Namespace, study: Study, found: Verdict | None, choice: Choice | None
 ) -> None:
     from tactgen.validation.studies.whatif.aim.wording import as_values, sentences
-    from tactgen.validation.studies.whatif.shown.summary import table_lines
+    from tactgen.validation.studies.whatif.shown.text_table import table_lines
 
     warnings = study.warnings
     warn(warnings[:_WARNINGS])

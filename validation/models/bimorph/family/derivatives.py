@@ -18,7 +18,7 @@ import numpy as np
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily, tangent_family
 from tactgen.geometry.arrays import Floats, Numbers
-from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.bimorph.stretching import LEVELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.derivatives import (
@@ -28,7 +28,7 @@ from tactgen.validation.engine.derivatives import (
     extrapolated,
     noise,
 )
-from tactgen.validation.engine.refinement import BRICK_FACTOR
+from tactgen.validation.engine.error_bars import BRICK_FACTOR
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.models.bimorph.family.solid_family import (
     MOTIONS,

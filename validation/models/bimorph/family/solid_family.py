@@ -20,7 +20,7 @@ from tactgen.fem.bimorph.reduction.parametric.answers import FamilyModes, family
 from tactgen.fem.bimorph.reduction.parametric.expansion import GROUPS
 from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily, build_family
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.stretching import LEVELS, piece_lengths
 from tactgen.geometry.errors import InputError
@@ -29,7 +29,7 @@ from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.readout import ModalReadout
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.costs import record
-from tactgen.validation.engine.refinement import FAMILY_FACTOR
+from tactgen.validation.engine.error_bars import FAMILY_FACTOR
 from tactgen.validation.models.bimorph.family.surplus import FamilySurplus, family_surplus
 from tactgen.validation.models.bimorph.solid import SolidModel, level_for
 from tactgen.validation.scene.scene import Scene

@@ -19,7 +19,7 @@ from tactgen.tmm.ports.multiport import Multiport, in_series, round_off
 from tactgen.tmm.ports.readout import ModalReadout, Readout
 from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.refinement import FAMILY_FACTOR
+from tactgen.validation.engine.error_bars import FAMILY_FACTOR
 from tactgen.validation.models.bimorph.family.mixed_form import MixedForm
 from tactgen.validation.models.bimorph.family.solid_family import RESPONSE_FACTOR, SolidFamily
 from tactgen.validation.scene.scene import Scene

@@ -14,7 +14,7 @@ from tactgen.validation.scene.scene import Scene, checked_scene, load_scene, sce
 from tactgen.validation.studies.whatif.answers import Answer
 from tactgen.validation.studies.whatif.asked.choice import chosen
 from tactgen.validation.studies.whatif.asked.statement import FILE, Statement, read_statement
-from tactgen.validation.studies.whatif.shown import tidy
+from tactgen.validation.studies.whatif.shown import csv_table
 
 #: Longest list of frequencies that is shown whole.
 _LISTED = 6
@@ -113,7 +113,7 @@ def _scene(
     records = (
         record
         for q in solution.quantities
-        for record in tidy.records_of({}, q.model, q.name, Answer("ok", "", (q,)))
+        for record in csv_table.records_of({}, q.model, q.name, Answer("ok", "", (q,)))
     )
     numbers, missing = _numbered(tuple(_text(cell) for cell in r.cells) for r in records)
     return Side(name, _inputs(scene, origins), numbers, missing, scene, ())
@@ -122,12 +122,12 @@ def _scene(
 def _study(folder: Path) -> Side:
     statement = read_statement(folder)
     scene = checked_scene({**statement.values, "models": list(statement.models)})
-    path = folder / tidy.FILE
+    path = folder / csv_table.FILE
     try:
         with path.open(newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))
         head, axes = rows[0], len(statement.axes)
-        if tuple(head[axes:]) != tidy.COLUMNS:
+        if tuple(head[axes:]) != csv_table.COLUMNS:
             raise ValueError("other columns")
         numbers, missing = _numbered(
             (tuple(zip(head[:axes], row[:axes], strict=True)), *row[axes:]) for row in rows[1:]
@@ -176,7 +176,7 @@ def _numbered(
         point: tuple[tuple[str, str], ...] = ()
         if row and isinstance(row[0], tuple):
             point, row = row[0], row[1:]
-        cells = dict(zip(tidy.COLUMNS, (str(cell) for cell in row), strict=True))
+        cells = dict(zip(csv_table.COLUMNS, (str(cell) for cell in row), strict=True))
         key = Key(point, cells["quantity"], cells["model"], cells["frequency"], cells["index"])
         if cells["value"] == "":
             missing[key] = cells["reason"]

@@ -17,7 +17,7 @@ from tactgen.validation.studies.whatif.asked.axes import Axis
 from tactgen.validation.studies.whatif.asked.scene_field import scene_field
 from tactgen.validation.studies.whatif.run import Study
 from tactgen.validation.studies.whatif.shown.representative import representative
-from tactgen.validation.studies.whatif.shown.summary import heading
+from tactgen.validation.studies.whatif.shown.text_table import heading
 from tactgen.validation.view.figures import (
     AMBER,
     BLUE,

@@ -18,7 +18,7 @@ from tactgen.fem.bimorph.reduction.parametric.growing import GrowingBasis
 from tactgen.fem.bimorph.reduction.parametric.products import Shapes, TermProducts
 from tactgen.fem.bimorph.reduction.parametric.sketch import SKETCHES, random_loads
 from tactgen.fem.bimorph.system import materials, volts_per_unit
-from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.stretching import stretched
 from tactgen.geometry.device.parameters import Device
 

@@ -22,7 +22,7 @@ from tactgen.fem.bimorph.reduction.parametric.compression import compressed
 from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
 from tactgen.fem.bimorph.reduction.parametric.family import build_family
 from tactgen.fem.bimorph.reduction.parametric.training_set import at_rest
-from tactgen.geometry.bimorph.brick_family import BrickMeshing
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.stretching import dividing, stretched
 from tactgen.geometry.device.parameters import Device

@@ -27,8 +27,8 @@ from tactgen.validation.checks.cases.boxes import (
     natural_frequencies,
 )
 from tactgen.validation.checks.cases.fineness import cached, segments
-from tactgen.validation.checks.setup.sections import section
-from tactgen.validation.checks.setup.strips import pushed, root_of_share, strip, tapered
+from tactgen.validation.checks.drawings.sections import section
+from tactgen.validation.checks.drawings.strips import pushed, root_of_share, strip, tapered
 
 #: Shear stiffness of a beam without shear over EI/L²; bending stiffness of one without bending
 #: over GA L².

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactgen.validation.checks.setup.drawing import Area, Drawing, Line, Mark, Point, rectangle
+from tactgen.validation.checks.drawings.drawing import Area, Drawing, Line, Mark, Point, rectangle
 
 if TYPE_CHECKING:
     from tactgen.geometry.reluctance.section_grid import Region

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tactgen.fem.bimorph.error_estimate.error_indicator import goal_errors
 from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.ports import static_multiport
-from tactgen.fem.bimorph.refinement.error_indicator import goal_errors
 from tactgen.fem.bimorph.solid import assemble
-from tactgen.geometry.bimorph.brick_family import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.meshing.tetwild.tagging import TET_FACES

@@ -1,4 +1,4 @@
-"""Numerical error bars of the solid model: two meshes, and what their difference says.
+"""Numerical error bars: two meshes, or a mesh and its residual, and what they say.
 
 The grid convergence index (Roache 1994) with an assumed order or gain and its safety factor.
 """

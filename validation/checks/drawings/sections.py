@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.validation.checks.setup.drawing import (
+from tactgen.validation.checks.drawings.drawing import (
     Area,
     Drawing,
     Line,

@@ -4,7 +4,7 @@ A goal is a product of two solutions of one symmetric system: tip motion per vol
 response to U tested with the response to F_tip, compliance and capacitance are each response
 tested with itself, a natural frequency its mode with itself.  Its error is then a(e_i, e_j)
 of the two solutions' errors, so no further dual problem is solved; what each solution misses
-is estimated by :mod:`fem.bimorph.refinement.cubic_surplus`.
+is estimated by :mod:`fem.bimorph.error_estimate.cubic_surplus`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.fem.bimorph.refinement.cubic_surplus import cubic_surplus
+from tactgen.fem.bimorph.error_estimate.cubic_surplus import cubic_surplus
 from tactgen.fem.bimorph.system import SolidSystem
 from tactgen.fem.solvers.linear_solver import refined_solution
 from tactgen.geometry.arrays import Floats, Sparse

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from tactgen.geometry.reluctance import team20
-from tactgen.validation.checks.setup.bodies import ellipse, rings
-from tactgen.validation.checks.setup.drawing import Area, Drawing, Line, Mark, Point, rectangle
-from tactgen.validation.checks.setup.strips import Root, strip
+from tactgen.validation.checks.drawings.bodies import ellipse, rings
+from tactgen.validation.checks.drawings.drawing import Area, Drawing, Line, Mark, Point, rectangle
+from tactgen.validation.checks.drawings.strips import Root, strip
 
 if TYPE_CHECKING:
     from tactgen.geometry.device.parameters import Device

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph import stretching
-from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.validation.checks.coverage.result import PROMISED, median_width
 from tactgen.validation.checks.coverage.solid import judged, varied_cases
-from tactgen.validation.engine.refinement import (
+from tactgen.validation.engine.error_bars import (
     LEAST_HALVED,
     SAFETY,
     SURPLUS_FACTOR,

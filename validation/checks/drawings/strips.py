@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from tactgen.validation.checks.setup.drawing import Area, Drawing, Line, Mark, rectangle
+from tactgen.validation.checks.drawings.drawing import Area, Drawing, Line, Mark, rectangle
 
 Root = Literal["held", "hinge", "springs", "turning spring"]
 #: Points along a tapered edge.

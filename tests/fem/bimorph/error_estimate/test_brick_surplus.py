@@ -7,13 +7,13 @@ import pytest
 
 from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.bricks.matrices import brick_matrices
+from tactgen.fem.bimorph.error_estimate.brick_surplus import BrickSurplus
 from tactgen.fem.bimorph.modes import eigenpairs, natural_modes
 from tactgen.fem.bimorph.ports import static_multiport, static_multiports
 from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
 from tactgen.fem.bimorph.reduction.modal_reduction import modal_model
-from tactgen.fem.bimorph.refinement.brick_surplus import BrickSurplus
 from tactgen.fem.bimorph.system import materials
-from tactgen.geometry.bimorph.brick_family import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.tmm.ports.multiport import respond

@@ -1,1 +1,0 @@
-"""Where a mesh of the solid must be finer."""
