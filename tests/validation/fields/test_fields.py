@@ -175,9 +175,7 @@ def test_beams_carry_the_potential_linearly(results):
         assert not potential[points_of_regions(result.mesh)["shim"]].any()
 
 
-def test_a_field_that_a_model_lacks_is_said(results):
-    with pytest.raises(InputError, match=r'tmm has no field "stress"; it has displacement, pot'):
-        results["tmm"].field(results["tmm"].states[0], "stress")
+def test_what_a_model_lacks_is_said(results):
     with pytest.raises(InputError, match=r'state "mode 9" is unknown to the model tmm'):
         results["tmm"].state("mode 9")
     assert results["solid"].has == tuple(
