@@ -304,10 +304,10 @@ def test_whatif(stand_in, told_of, capsys):
         "warnings": made["warnings"][:8],
         "counts": replace(counts, together=0, walked=0),
     }
-    for writer in ("netcdf:write_netcdf", "page:write_page", "tidy:write_tidy"):
+    for writer in ("netcdf:write_netcdf", "page:write_page", "csv_table:write_tidy"):
         stand_in(f"studies.whatif.shown.{writer}")
     stand_in("studies.whatif.shown.pictures:study_picture", "<svg/>")
-    stand_in("studies.whatif.shown.summary:table_lines", ["the table"])
+    stand_in("studies.whatif.shown.text_table:table_lines", ["the table"])
     stand_in("studies.whatif.aim.best:verdict", "a verdict")
     stand_in("studies.whatif.aim.wording:sentences", ["what is best"])
     stand_in("studies.whatif.aim.wording:as_values", {"best": 1})

@@ -8,7 +8,7 @@ from approved import described
 from scipy.optimize import minimize_scalar
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports import terminations
+from tactgen.tmm.ports.loads import finger
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report.page import templates
@@ -437,10 +437,10 @@ def test_finger_sensitivity(paper, wide, monkeypatch):
     """A factor on the finger's whole impedance is one on its stiffness and one on its damping."""
     scene, origins = paper
     rows = {row.key: np.array(row.slopes) for row in dependences(wide, origins)}
-    designs, impedance = [], terminations.finger_impedance
+    designs, impedance = [], finger.finger_impedance
     for s in (1.01, 0.99):
         with monkeypatch.context() as changed:
-            changed.setattr(terminations, "finger_impedance", lambda f, s=s: s * impedance(f))
+            changed.setattr(finger, "finger_impedance", lambda f, s=s: s * impedance(f))
             designs.append(design(scene, WIDE))
     expected = slopes_again(designs)
     assert rows["load.stiffness"] + rows["load.damping"] == pytest.approx(
