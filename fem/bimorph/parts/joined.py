@@ -109,7 +109,7 @@ class _Joined:
         def with_losses() -> SolidSystem:
             of_ends = (end.stiffness + 1j * end.losses for end in (foot, tip))
             lossy = place.joined(stretch.stiffness(lossy=True), *of_ends)
-            return replace(lossless, stiffness=lossy, related=_refused, with_losses=None)
+            return replace(lossless, stiffness=lossy, related=_refused)
 
         return replace(lossless, with_losses=with_losses) if motion == "bending_x" else lossless
 

@@ -3,15 +3,20 @@
 import argparse
 import json
 import os
+import resource
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import Mock
 
+import numpy as np
 import pytest
 
+from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
+from tactgen.validation.bench import one_core, solver
 from tactgen.validation.bench import reluctance as magnetics
-from tactgen.validation.bench import solver
 from tactgen.validation.bench.bimorph import beam
 from tactgen.validation.bench.bimorph.beam import BeamTiming
 from tactgen.validation.bench.one_core import on_one_core, peak_memory
@@ -48,6 +53,24 @@ def test_a_failed_measurement_is_explained():
         on_one_core("os", "no_such_measurement")
     with pytest.raises(InputError, match=r"_exit could not be finished \(no message\); "):
         on_one_core("os", "_exit", 3)
+
+
+@pytest.mark.parametrize(("system", "unit"), [("linux", 1024), ("darwin", 1)])
+def test_memory_without_proc_is_what_getrusage_counts(monkeypatch, system, unit):
+    """Kilobytes, but bytes on macOS (the manual pages of getrusage)."""
+    said = SimpleNamespace(ru_maxrss=7)
+    monkeypatch.setattr(one_core, "_kilobytes", Mock(side_effect=OSError))
+    monkeypatch.setattr(resource, "getrusage", lambda who: said)
+    monkeypatch.setattr(one_core.sys, "platform", system)
+    assert peak_memory() == 7 * unit
+
+
+@pytest.mark.parametrize("unknowns", [15_000, 26_000])
+def test_bricks_of_the_solver_are_as_many_as_asked(unknowns):
+    """But for one brick along z (340 unknowns at two layers)."""
+    bricks = solver._bricks(Device(), unknowns)
+    inside = bricks.nodes_of("piezo") & ~np.logical_or(*bricks.electrodes())
+    assert 3 * bricks.used().sum() + inside.sum() == pytest.approx(unknowns, abs=340)
 
 
 def test_memory_of_a_million_points():

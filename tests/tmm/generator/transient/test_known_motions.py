@@ -362,6 +362,10 @@ def test_runs_that_lead_nowhere_are_refused(monkeypatch):
     def run(system=spring, **sources):
         return simulate(system, Sources(**sources), 4.0, position=ONE, accuracy=1e-4)
 
+    with monkeypatch.context() as patch:
+        patch.setattr(march, "MOST_STEPS", 99)  # no step is longer than a hundredth
+        with pytest.raises(InputError, match=r"changes within .* need more than 99 steps; ask for"):
+            run()
     coil = replace(circuit(1.0, 1.0).coil, largest_current=0.5)
     with pytest.raises(InputError, match="beyond the 500 mA to which the co-energy map goes"):
         run(replace(circuit(1.0, 1.0), coil=coil), coil=Constant(1.0))

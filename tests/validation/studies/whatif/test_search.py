@@ -14,6 +14,7 @@ from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import solid_family
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.whatif import answers
+from tactgen.validation.studies.whatif.search import points
 from tactgen.validation.studies.whatif.search.found import Found
 from tactgen.validation.studies.whatif.search.ranges import Range
 
@@ -78,6 +79,17 @@ def test_what_cannot_be_met_is_said_with_what_comes_nearest(capsys):
     assert out.startswith("No point of the ranges meets all aims by lumped; this one comes nearest")
     assert "bimorph.length = 10 mm" in out
     assert re.search(r">= 5 kHz: margin -3\.\d+ kHz \(±.*; before: margin -4\.\d+ kHz \(±", out)
+
+
+def test_ranges_without_any_answer_are_refused(capsys):
+    """As a what-if of the same points would give none; the first reason is said."""
+    asked = ["--vary", LONG, "--aim", "maximise static_tip_displacement", "--set", "load.kind=none"]
+    given = SimpleNamespace(judged=None, reason="no such piezo", at={})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(points.Points, "ask", lambda self, shares: [given] * len(shares))
+        assert cli.main(["design", "prototype", *asked]) == 2
+    said = capsys.readouterr().err
+    assert said == "tactgen: no point of the ranges has an answer: no such piezo\n"
 
 
 def test_the_solid_is_searched_on_one_reduced_basis(capsys, own_store, monkeypatch):
