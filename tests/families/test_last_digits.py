@@ -41,15 +41,10 @@ def last_digits_off(scene):
 def test_no_answer_leaves_its_bar(name, overrides):
     scene, _ = load_scene(name, overrides)
     found = (solve(which).quantities for which in (scene, last_digits_off(scene)))
-    shares = {}
     for before, after in zip(*found, strict=True):
         allowed = BARS * before.uncertainty
         allowed = allowed + SPACINGS * np.finfo(float).eps * np.abs(before.value)
         moved = np.nan_to_num(np.abs(after.value - before.value))
         within = moved <= np.nan_to_num(allowed, nan=np.inf)
-        shares.setdefault(before.model, {})[before.name] = float(within.mean())
-    # bars of the beam elements are estimates from four answers: of one quantity some entries may
-    # leave theirs, another one on each processor, but one in twenty of all that a model says
-    for model, share in shares.items():
-        assert min(share.values()) > 0.5, (model, share)
-        assert np.mean(list(share.values())) >= PROMISED, (model, share)
+        # of the many entries of a matrix one in twenty may: bars of the beam elements are estimates
+        assert within.mean() >= PROMISED, (before.name, before.model)
