@@ -18,9 +18,11 @@ SCENES = (
     ("display", ("models=tmm", "frequency=10,870", "quantities=crosstalk_beside,frequency_spread")),
     ("reluctance", ("models=network",)),
 )
-#: Rounding of an answer that is read off without loss, in spacings of doubles; and how many bars an
-#: answer may move by: both answers are off by their own.
-SPACINGS, BARS = 8.0, 2.0
+#: Rounding of an answer that is read off without loss, in spacings of doubles.
+SPACINGS = 8.0
+#: Models whose bars of rounding are estimates from a few evaluations: they promise most entries, and
+#: which one leaves its own is of the processor.  By how many bars none may, as in the stress run.
+ESTIMATES, MOST = ("beam",), 3.0
 
 
 def last_digits_off(scene):
@@ -41,10 +43,18 @@ def last_digits_off(scene):
 def test_no_answer_leaves_its_bar(name, overrides):
     scene, _ = load_scene(name, overrides)
     found = (solve(which).quantities for which in (scene, last_digits_off(scene)))
+    estimated = []
     for before, after in zip(*found, strict=True):
-        allowed = BARS * before.uncertainty
+        # both answers are off by their own
+        allowed = before.uncertainty + after.uncertainty
         allowed = allowed + SPACINGS * np.finfo(float).eps * np.abs(before.value)
         moved = np.nan_to_num(np.abs(after.value - before.value))
-        within = moved <= np.nan_to_num(allowed, nan=np.inf)
-        # of the many entries of a matrix one in twenty may: bars of the beam elements are estimates
-        assert within.mean() >= PROMISED, (before.name, before.model)
+        allowed = np.maximum(np.nan_to_num(allowed, nan=np.inf), np.finfo(float).tiny)
+        beyond = np.ravel(moved / allowed)
+        if before.model in ESTIMATES:
+            estimated += [*beyond]
+        assert beyond.max() <= (MOST if before.model in ESTIMATES else 1.0), (
+            before.name,
+            before.model,
+        )
+    assert not estimated or np.mean(np.array(estimated) <= 1.0) >= PROMISED
