@@ -73,7 +73,7 @@ def judged_at_rest(system: SolidSystem, surplus: Surplus) -> tuple[Floats, Float
     return work, np.array([of[2:, 2:] for of in gained])
 
 
-def _judged(system: SolidSystem, surplus: Surplus) -> tuple[Blocks, Floats, Floats]:
+def _judged(system: SolidSystem, surplus: Surplus) -> tuple[Blocks, Numbers, Numbers]:
     """Return the mixed form at rest, and what lacking functions add (5, 5)."""
     x = _states(system, 0.0)
     residuals = -surplus.residuals(x.astype(float))[0]

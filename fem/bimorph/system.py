@@ -48,11 +48,11 @@ class Surplus(Protocol):
         """What they add to the tip's displacement and rotation (w, 2)."""
         ...
 
-    def residuals(self, states: Floats) -> tuple[Floats, Floats]:
+    def residuals(self, states: Numbers) -> tuple[Numbers, Numbers]:
         """Return K x and M x (w, k) of states (n, k); at Ω the residual is f − K x + Ω² M x."""
         ...
 
-    def products(self, residuals: Floats) -> tuple[Floats, Floats]:
+    def products(self, residuals: Numbers) -> tuple[Numbers, Numbers]:
         """Return r_iᵀ K⁻¹ r_j (k, k) of residuals (w, k), K the functions' own stiffness.
 
         Of displacements, and of potentials, whose K counts as positive.

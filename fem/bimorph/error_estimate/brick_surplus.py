@@ -20,7 +20,7 @@ from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.symmetry import Unknowns
 from tactgen.fem.bimorph.system import materials, volts_per_unit
 from tactgen.fem.solvers.linear_solver import Factor, factorise
-from tactgen.geometry.arrays import Floats, Ints, Sparse
+from tactgen.geometry.arrays import Floats, Ints, Numbers, Sparse
 from tactgen.geometry.bimorph.bricks import Axis, Bricks
 from tactgen.geometry.device.parameters import Device
 
@@ -36,7 +36,7 @@ class MotionSurplus:
     place : (4 n,) int array
         Where these values are among those of one degree more.
     stiffness, mass : (w, 4 n⁺) sparse
-        Lacking functions against all of one degree more.
+        Lacking functions against all of one degree more; the stiffness complex where it has losses.
     lacking : (w,) int array
         Which of these they are.
     tip : (w, 2) array
@@ -50,22 +50,26 @@ class MotionSurplus:
     lacking: Ints
     tip: Floats
 
-    def residuals(self, states: Floats) -> tuple[Floats, Floats]:
-        """Return K x and M x (w, k) of states (m + 3, k); the residual is f − K x + Ω² M x."""
+    def residuals(self, states: Numbers) -> tuple[Numbers, Numbers]:
+        """Return K x and M x (w, k) of states (m + 3, k); the residual is f − K x + Ω² M x.
+
+        A solid with losses needs K with them: a share 1/Q of K x alone may exceed the residual.
+        """
         values = self.unknowns.ports @ states[-PORTS:]
         values[self.unknowns.index] += states[:-PORTS]
-        spread = np.zeros((self.stiffness.shape[1], states.shape[1]))
+        spread = np.zeros((self.stiffness.shape[1], states.shape[1]), dtype=states.dtype)
         spread[self.place] = values
         return self.stiffness @ spread, self.mass @ spread
 
-    def products(self, residuals: Floats) -> tuple[Floats, Floats]:
+    def products(self, residuals: Numbers) -> tuple[Numbers, Numbers]:
         """Return r_iᵀ K⁻¹ r_j (k, k) of residuals (w, k), K the lacking functions' stiffness.
 
-        Of displacements, and of potentials, whose K counts as positive.
+        Of displacements, and of potentials, whose K counts as positive.  An estimate needs no
+        losses in this K.
         """
         potential = self.lacking % 4 == 3
         moved, charged = (
-            residuals[of].T @ factor.solve(residuals[of])
+            _product(factor, residuals[of])
             for of, factor in zip((~potential, potential), self._factors, strict=True)
         )
         return moved, -charged
@@ -76,7 +80,7 @@ class MotionSurplus:
 
         Taken apart, since what the two miss is of opposite sign in energy and may cancel.
         """
-        own, potential = self.stiffness[:, self.lacking], self.lacking % 4 == 3
+        own, potential = self.stiffness[:, self.lacking].real, self.lacking % 4 == 3
         first, second = (factorise(own[of][:, of].tocsr()) for of in (~potential, potential))
         return first, second
 
@@ -84,8 +88,8 @@ class MotionSurplus:
 class BrickSurplus:
     """All products that bricks of one degree more have besides; hierarchic, with plain sections."""
 
-    def __init__(self, device: Device, bricks: Bricks) -> None:
-        known = materials(device, bricks.regions, device.piezo.ceramic(), lossy=False)
+    def __init__(self, device: Device, bricks: Bricks, *, lossy: bool = False) -> None:
+        known = materials(device, bricks.regions, device.piezo.ceramic(), lossy=lossy)
         self._bricks, self._richer = bricks, _one_degree_more(bricks)
         self._unit = volts_per_unit(known)
         axes = zip(bricks.axes, self._richer.axes, strict=True)
@@ -114,6 +118,15 @@ class BrickSurplus:
             lacking=lacking,
             tip=tip_functionals(self._richer)[lacking],
         )
+
+
+def _product(factor: Factor, residuals: Numbers) -> Numbers:
+    """Return rᵀ K⁻¹ r of a real factor and residuals (w, k) that may be complex."""
+    if not np.iscomplexobj(residuals):
+        return np.asarray(residuals.T @ factor.solve(residuals))
+    parts = factor.solve(np.hstack([residuals.real, residuals.imag]))
+    real, imaginary = np.hsplit(parts, 2)
+    return np.asarray(residuals.T @ (real + 1j * imaginary))
 
 
 def _one_degree_more(bricks: Bricks) -> Bricks:

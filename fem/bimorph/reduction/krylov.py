@@ -19,7 +19,7 @@ from tactgen.fem.bimorph.reduction.port_model import PortModel
 from tactgen.fem.bimorph.reduction.projection import project
 from tactgen.fem.bimorph.system import SolidSystem, Surplus
 from tactgen.fem.solvers.linear_solver import Factor, factorise
-from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
 
@@ -60,7 +60,7 @@ class ReducedSolid:
     range: tuple[float, float]
     error: float
     unknowns: int
-    missing: Floats | None = None
+    missing: Numbers | None = None
 
     def multiport(self, frequencies: Floats) -> Multiport:
         """Return D(Ω) (n, 5, 5)."""

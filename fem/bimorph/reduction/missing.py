@@ -11,7 +11,7 @@ import numpy as np
 
 from tactgen.fem.bimorph.reduction.port_model import PortModel
 from tactgen.fem.bimorph.system import Surplus
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.tmm.ports.port import BIMORPH
 
@@ -22,23 +22,23 @@ _TIP = slice(2, 4)
 _SIGNS = np.array([1.0, 1.0, 1.0, 1.0, -1.0])
 
 
-def missing_products(states: Floats, surplus: Surplus) -> Floats:
+def missing_products(states: Numbers, surplus: Surplus) -> Numbers:
     """Return the products r_iᵀ K_w⁻¹ r_j (2, 2 k + 8, 2 k + 8) of displacements, of potentials.
 
     Of K x and of M x of every unknown of a reduced solid, then of the tip's two functionals.
 
     Parameters
     ----------
-    states : (n, k + 3) array
+    states : (n, k + 3) array, complex if the solid has losses
         What the solid's unknowns are per unknown of the reduced one.
     surplus : Surplus
-        The functions that the solid lacks.
+        The functions that the solid lacks, with the losses that it has.
     """
     return np.stack(surplus.products(np.hstack([*surplus.residuals(states), surplus.tip])))
 
 
 def richer_multiports(
-    model: PortModel, missing: Floats, frequencies: Floats
+    model: PortModel, missing: Numbers, frequencies: Floats
 ) -> tuple[Multiport, Multiport]:
     """Return D(Ω) (n, 5, 5) with displacements that the solid lacks; with potentials.
 

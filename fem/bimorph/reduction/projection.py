@@ -15,7 +15,7 @@ from tactgen.fem.bimorph.bordered import PORTS
 from tactgen.fem.bimorph.reduction.port_model import PortModel, undamped_modes
 from tactgen.fem.bimorph.system import SolidSystem
 from tactgen.fem.solvers.sparse_rows import wide_product
-from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Sparse
+from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Numbers, Sparse
 
 Wide = NDArray[Any]
 
@@ -35,12 +35,12 @@ class Projection:
     fine, coarse : PortModel
         On the whole basis; without the last block of every chain.
     states : (n, k + 3) array
-        What the solid's unknowns y are, per unknown of `fine`; losses left out.
+        What the solid's unknowns y are, per unknown of `fine`; complex if the solid has losses.
     """
 
     fine: PortModel
     coarse: PortModel
-    states: Floats
+    states: Numbers
 
 
 def project(system: SolidSystem, chains: list[list[Complex]]) -> Projection:
@@ -74,7 +74,7 @@ def project(system: SolidSystem, chains: list[list[Complex]]) -> Projection:
     tip = np.zeros((s, 2))
     tip[:k] = u.T @ system.tip[:-PORTS]
 
-    def kept(of_u: int, of_p: int) -> tuple[PortModel, Floats]:
+    def kept(of_u: int, of_p: int) -> tuple[PortModel, Numbers]:
         # what the first vectors span, in terms of the turned ones
         basis = np.eye(s)[:, k - of_u :]
         basis[:k, :of_u] = turn[:of_u].T
@@ -83,7 +83,9 @@ def project(system: SolidSystem, chains: list[list[Complex]]) -> Projection:
         change[s : s + of_p, basis.shape[1] :] = np.eye(of_p)
         stiffness, potentials = _condensed(change.T @ whole @ change, of_p)
         model, graded = _graded(stiffness, basis.T @ mass @ basis, basis.T @ tip)
-        return model, change @ np.vstack([graded, potentials.real.astype(float) @ graded])
+        # potentials that lose follow displacements with a lag
+        held = potentials.astype(complex) if system.lossy else potentials.real.astype(float)
+        return model, change @ np.vstack([graded, held @ graded])
 
     (fine, parts_of_fine), (coarse, _) = kept(k, p.shape[1]), kept(few_u, few_p)
     return Projection(fine, coarse, _spread(u, p) @ parts_of_fine)

@@ -121,6 +121,11 @@ class AdaptedPair:
         return
 
     @property
+    def lacking_lossy(self) -> None:
+        """Nothing, either."""
+        return
+
+    @property
     def static_factor(self) -> float:
         """Error bar of static quantities per difference between the two meshes."""
         return self._factor(self._static, _MOST_GAIN)

@@ -105,6 +105,16 @@ class BrickPair:
         return cache(BrickSurplus(self.device, self.meshes[0]).of)
 
     @property
+    def lacking_lossy(self) -> Callable[[], Surplus] | None:
+        """Gives the same with losses, of bending in x: what judges the response."""
+        bricks = self.meshes[0]
+        if isinstance(bricks, BrickParts):
+            return None
+        from tactgen.fem.bimorph.error_estimate.brick_surplus import BrickSurplus
+
+        return lambda: BrickSurplus(self.device, bricks, lossy=True).of("bending_x")
+
+    @property
     def static_factor(self) -> float:
         """Error bar of all that is answered per difference from what judges it."""
         if isinstance(self.meshes[0], BrickParts):

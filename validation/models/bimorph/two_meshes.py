@@ -9,7 +9,6 @@ from abc import abstractmethod
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -54,6 +53,10 @@ class MeshPair(Protocol):
     @property
     def lacking(self) -> Callable[[Motion], Surplus] | None:
         """What gives functions that the finer mesh lacks, which then judge it."""
+
+    @property
+    def lacking_lossy(self) -> Callable[[], Surplus] | None:
+        """What gives the same with losses, of bending in x, which then judge the response."""
 
     @property
     def static_factor(self) -> float:
@@ -187,14 +190,13 @@ class TwoMeshModel(BimorphModel):
         """Return the solid on the finer (0) or the coarser mesh (1), reduced to its ports."""
         from tactgen.fem.bimorph.reduction.kept_reductions import reduced_solid
 
-        lacking = None if which else self.mesh_pair.lacking
         return reduced_solid(
             self.scene.device,
             self.meshes()[which],
             self.frequencies,
             tolerance=1e-3 * self.scene.accuracy,
             lossless=self.systems()[which],
-            lacking=lacking and partial(lacking, "bending_x"),
+            lacking=None if which else self.mesh_pair.lacking_lossy,
         )
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
