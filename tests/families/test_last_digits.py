@@ -20,8 +20,8 @@ SCENES = (
 )
 #: Rounding of an answer that is read off without loss, in spacings of doubles.
 SPACINGS = 8.0
-#: Models whose bars of rounding are estimates from a few evaluations: they promise most entries, and
-#: which one leaves its own is of the processor.  By how many bars none may, as in the stress run.
+#: Models whose bars of rounding are estimates from a few evaluations: they promise most entries,
+#: and which one leaves its own is of the processor.  By how many bars none may, as in the stress run.
 ESTIMATES, MOST = ("beam",), 3.0
 
 
