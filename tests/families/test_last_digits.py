@@ -21,7 +21,7 @@ SCENES = (
 #: Rounding of an answer that is read off without loss, in spacings of doubles.
 SPACINGS = 8.0
 #: Models whose bars of rounding are estimates from a few evaluations: they promise most entries,
-#: and which one leaves its own is of the processor.  By how many bars none may, as in the stress run.
+#: and which one leaves its own is of the processor.  By how many bars none may, as under stress.
 ESTIMATES, MOST = ("beam",), 3.0
 
 
