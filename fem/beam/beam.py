@@ -114,6 +114,7 @@ def assemble(
     lossy: bool,
     halvings: int = 0,
     unit: float = 1.0,
+    shift: float = 0.0,
 ) -> BeamMatrices:
     """Assemble the row of beams, `elements` shared out by waves, rounded up in each piece.
 
@@ -124,12 +125,15 @@ def assemble(
     unit : float
         How many units of force and charge make a newton and a coulomb.  It goes in before the
         elements are summed: another one changes nothing but how every sum is rounded.
+    shift : float
+        By what part of an element the nodes inside of a piece lie higher: little of it changes
+        little but what lengths are rounded to, which is alike in all units.
     """
     from skfem import Basis, ElementLinePp, LinearForm, asm
 
     pieces = beam_pieces(device, support)
     beams = [piece for piece in pieces if piece.section != "bond"]
-    mesh, piece_of, joints = row_mesh(pieces, device.bimorph, elements, halvings)
+    mesh, piece_of, joints = row_mesh(pieces, device.bimorph, elements, halvings, shift)
     w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
     shares = _shares(w_space, piece_of)
     constants = unit * np.concatenate(

@@ -23,7 +23,11 @@ def thinnest(piece: Piece, bimorph: Bimorph) -> float:
 
 
 def row_mesh(
-    pieces: Sequence[Piece], bimorph: Bimorph, elements: int, halvings: int = 0
+    pieces: Sequence[Piece],
+    bimorph: Bimorph,
+    elements: int,
+    halvings: int = 0,
+    shift: float = 0.0,
 ) -> tuple[Any, Ints, list[tuple[int, float]]]:
     """Return the line mesh from base to tip, the beam of each element, and the joints.
 
@@ -31,7 +35,8 @@ def row_mesh(
     the root of its thickness, and so does its share of the elements.
 
     `elements` are shared out, rounded up in each piece; then each is halved so many times:
-    a mesh and its halved one differ in every piece.
+    a mesh and its halved one differ in every piece.  Nodes inside of a piece lie `shift` elements
+    higher than evenly.
 
     A joint is a node, whose successor lies at the same height and which no element connects
     to it, and the depth of the slot (m).
@@ -49,7 +54,8 @@ def row_mesh(
             nodes.append(nodes[-1])
             continue
         count = math.ceil(elements * share / total) * 2**halvings
-        nodes += list(nodes[-1] + np.linspace(0.0, piece.length, count + 1)[1:])
+        inside = piece.length * (np.arange(1, count) + shift) / count
+        nodes += [*(nodes[-1] + inside), nodes[-1] + piece.length]
         cells += [(last + i, last + i + 1) for i in range(count)]
         piece_of += count * [beams]
         beams += 1

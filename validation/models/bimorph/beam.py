@@ -23,11 +23,12 @@ _HALVINGS = 2
 #: Order that is counted with at most.  Twice the elements' is what the energy's error goes to in
 #: the limit (case BEAMO); with one wave in six elements it is between 7 and 10.
 _ORDER = 8
-#: Rounding is seen by summing and solving the finest elements again in other units (N, C; not a
-#: power of two, which would round alike).  Twice the mean distance to four others covers 98 of 100
-#: errors if each of the five has its own.
-_UNITS, _OF_MEAN = (1.1, 1.3, 1.7, 1.9), 2.0
-_SHARE = _OF_MEAN / len(_UNITS)
+#: Rounding is seen by summing and solving the finest elements again, in other units (N, C; not a
+#: power of two, which would round alike) and with nodes by so much of an element elsewhere (what
+#: their lengths are rounded to is alike in all units).  Twice the mean distance to four others
+#: covers 98 of 100 errors if each of the five has its own.
+_OTHERWISE, _OF_MEAN = ((1.1, 0.03), (1.3, -0.05), (1.7, 0.07), (1.9, -0.02)), 2.0
+_SHARE = _OF_MEAN / len(_OTHERWISE)
 
 
 class BeamModel(BeamTheoryModel):
@@ -37,7 +38,7 @@ class BeamModel(BeamTheoryModel):
     _METHOD = (
         "difference from half as many elements, gain in error as seen from a quarter of them to "
         f"half (at most {2**_ORDER}), safety factor {SAFETY}; and for rounding {_OF_MEAN:g} "
-        f"times the mean distance to {len(_UNITS)} evaluations in other units"
+        f"times the mean distance to {len(_OTHERWISE)} evaluations in other units and nodes"
     )
 
     def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
@@ -100,17 +101,17 @@ class BeamModel(BeamTheoryModel):
         ]
 
     def _rounded(self, number: int, *, lossy: bool) -> Iterator[BeamMatrices]:
-        """Return the finest elements again, each time in other units."""
-        for unit in _UNITS:
-            yield self._assembled(number, lossy=lossy, halvings=_HALVINGS, unit=unit)
+        """Return the finest elements again, each time in other units and a little elsewhere."""
+        for unit, shift in _OTHERWISE:
+            yield self._assembled(number, lossy=lossy, halvings=_HALVINGS, unit=unit, shift=shift)
 
     def _assembled(
-        self, number: int, *, lossy: bool, halvings: int, unit: float = 1.0
+        self, number: int, *, lossy: bool, halvings: int, unit: float = 1.0, shift: float = 0.0
     ) -> BeamMatrices:
         from tactgen.fem.beam import beam
 
         s, coarsest = self.scene, math.ceil(number / 2**_HALVINGS)
         return beam.assemble(
             s.device, s.support, s.beam,
-            elements=coarsest, halvings=halvings, lossy=lossy, unit=unit,
+            elements=coarsest, halvings=halvings, lossy=lossy, unit=unit, shift=shift,
         )  # fmt: skip
