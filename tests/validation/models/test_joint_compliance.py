@@ -84,6 +84,16 @@ def test_solid_compliance_is_one(tabs):
         assert np.linalg.eigvalsh(m / np.sqrt(np.outer(np.diag(m), np.diag(m))))[0] > 0.0
 
 
+def test_whatever_holds_the_bimorph_the_tab_is_clamped(tabs):
+    """In the rod as on springs: the tab alone is meant."""
+    lengths, known = tabs
+    for kind in ("rod", "spring"):
+        held = scene(f"support.kind={kind}", "bimorph.tab_length=2.5 mm")
+        found = tab_by_bricks(held, lengths[:2], lambda _: None, level=0)
+        for one, other in zip(found, known, strict=False):
+            np.testing.assert_array_equal(one.matrix, other.matrix)
+
+
 def test_length_of_the_ceramic_does_not_matter():
     """The support is a property of the root: seen through 20 mm of ceramic it is the same."""
     long, short = scene("bimorph.tab_length=1.6 mm"), scene()

@@ -131,7 +131,9 @@ def _root_case(
     bimorph = scene.bimorph.model_copy(
         update={"length": ceramic, "tab_length": tab, "bare_below": 0.0, "bare_above": 0.0}
     )
-    changed = scene.model_copy(update={"bimorph": bimorph})
+    # whatever holds the scene's own bimorph: here the tab alone is meant
+    clamped = scene.support.model_copy(update={"kind": "clamped"})
+    changed = scene.model_copy(update={"bimorph": bimorph, "support": clamped})
     held = "shim" if shim_only and tab == 0.0 else "layers"
     return SolidCase(changed, held=held, level=level)  # type: ignore[arg-type]
 
