@@ -9,7 +9,6 @@ from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 from tactgen.validation.engine.model import Modes
 from tactgen.validation.models.bimorph import lowest_modes, solid
-from tactgen.validation.models.bimorph.two_meshes import _matched
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -52,7 +51,7 @@ def test_where_others_are_lower_more_modes_are_asked_until_one_bends_in_x():
 def test_matched_modes_are_of_one_class_where_there_is_one_and_none_is_taken_twice():
     fine = Modes(np.array([100.0, 110.0, 120.0]), ("bending_x", "torsion", "bending_x"))
     coarse = Modes(np.array([113.0, 104.0]), ("bending_x", "torsion"))
-    found = _matched(fine, coarse)
+    found = lowest_modes.matched(fine, coarse)
     assert found.classes == fine.classes
     np.testing.assert_array_equal(found.frequencies, [113.0, 104.0, np.nan])
 

@@ -17,10 +17,11 @@ import numpy as np
 from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.modal_model import BareMode, ModalModel
 from tactgen.fem.solvers.threads import side_by_side
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Bools, Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.store.values import storable
-from tactgen.validation.engine.error_bars import cancelling
+from tactgen.validation.engine.error_bars import cancelling, least_difference
+from tactgen.validation.engine.model import Modes
 
 if TYPE_CHECKING:
     from tactgen.fem.bimorph.system import SolidSystem, Surplus
@@ -184,3 +185,42 @@ def _reach(modes: list[BareMode], count: int) -> float:
     """Return the frequency up to which modes are wanted: `count`, and one that bends in x."""
     first = next((m.frequency for m in modes if m.kind == "bending_x"), 0.0)
     return max(modes[min(count, len(modes)) - 1].frequency, first)
+
+
+def only(of: Bools, fine: Modes, coarse: Modes) -> Modes:
+    """Return the coarse modes where `of` (n,) says so, the fine ones elsewhere."""
+    return Modes(np.where(of, coarse.frequencies, fine.frequencies), fine.classes)
+
+
+def least_apart(fine: Modes, coarse: Modes) -> dict[str, float]:
+    """Return the relative difference that the modes of each class count with at least.
+
+    A mode that is alone in its class has all others for neighbours.
+    """
+    kinds, found = np.array(fine.classes), {}
+    for kind in dict.fromkeys(fine.classes):
+        of = kinds == kind
+        near = of if of.sum() > 1 else np.ones_like(of)
+        found[kind] = float(least_difference(fine.frequencies[near], coarse.frequencies[near]))
+    return found
+
+
+def moved(fine: Modes, least: dict[str, float]) -> Modes:
+    """Return the modes moved by what each of its class counts with at least."""
+    shares = np.array([least[kind] for kind in fine.classes])
+    return Modes(fine.frequencies * (1.0 + shares), fine.classes)
+
+
+def matched(fine: Modes, coarse: Modes) -> Modes:
+    """Pair coarse modes with fine ones by class and order, so that like meets like."""
+    left = list(zip(coarse.classes, coarse.frequencies, strict=True))
+    paired = []
+    for kind, frequency in zip(fine.classes, fine.frequencies, strict=True):
+        if not left:
+            paired.append(np.nan)
+            continue
+        same = [entry for entry in left if entry[0] == kind] or left
+        nearest = min(same, key=lambda entry: abs(entry[1] - frequency))
+        left.remove(nearest)
+        paired.append(nearest[1])
+    return Modes(np.array(paired), fine.classes)

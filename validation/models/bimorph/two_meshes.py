@@ -7,18 +7,17 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tactgen.fem.bimorph.motions import Motion
-from tactgen.geometry.arrays import Bools, Floats
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
-from tactgen.validation.engine.error_bars import SAFETY, least_difference
+from tactgen.validation.engine.error_bars import SAFETY
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.models.bimorph.at_rest import least_at_rest
 from tactgen.validation.models.bimorph.lowest_modes import (
@@ -26,57 +25,22 @@ from tactgen.validation.models.bimorph.lowest_modes import (
     all_modes,
     coarse_modes,
     fine_modes,
+    least_apart,
     lowest_modes,
+    matched,
+    moved,
+    only,
 )
 from tactgen.validation.models.bimorph.model import BimorphModel
 
 if TYPE_CHECKING:
     from tactgen.fem.bimorph.reduction.krylov import ReducedSolid
     from tactgen.fem.bimorph.reduction.modal_model import BareMode, ModalModel
-    from tactgen.fem.bimorph.system import SolidSystem, Surplus
+    from tactgen.fem.bimorph.system import SolidSystem
     from tactgen.geometry.bimorph.brick_parts import BrickParts
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
-
-
-class MeshPair(Protocol):
-    """A finer mesh, a coarser one to judge it by, and what their difference says."""
-
-    @property
-    def meshes(self) -> tuple[Mesh | Bricks | BrickParts, Mesh | Bricks | BrickParts]:
-        """The finer and the coarser mesh."""
-
-    @property
-    def systems(self) -> tuple[SolidSystem, SolidSystem]:
-        """The lossless systems on them."""
-
-    @property
-    def lacking(self) -> Callable[[Motion], Surplus] | None:
-        """What gives functions that the finer mesh lacks, which then judge it."""
-
-    @property
-    def lacking_lossy(self) -> Callable[[], Surplus] | None:
-        """What gives the same with losses, of bending in x, which then judge the response."""
-
-    @property
-    def static_factor(self) -> float:
-        """Error bar of static quantities per difference from what judges them."""
-
-    @property
-    def response_factor(self) -> float:
-        """Error bar of the response per difference from what judges it."""
-
-    @property
-    def static_share(self) -> float:
-        """Relative error that static quantities count with at least, and the response besides."""
-
-    @property
-    def mode_factors(self) -> tuple[float, float]:
-        """The same of frequencies: of bending in x, and of the other classes of motion."""
-
-    @property
-    def method(self) -> str:
-        """How the error bars come about, for the reader."""
+    from tactgen.validation.models.bimorph.meshes import MeshPair
 
 
 @storable
@@ -96,7 +60,7 @@ class SolidModes:
     static_share : float
         Relative error that static quantities count with at least.
     mode_factors : (float, float)
-        The same of frequencies, see :class:`MeshPair`.
+        The same of frequencies, see :class:`~tactgen.validation.models.bimorph.meshes.MeshPair`.
     method : str
         How the error bars come about.
     """
@@ -217,10 +181,10 @@ class TwoMeshModel(BimorphModel):
             beside = self._beside(fine, open_circuit=open_circuit)
             return Refined(fine, coarser, modal.method, rounding, beside=beside)
         (coarse,) = judges
-        least = _least(fine, coarse)
+        least = least_apart(fine, coarse)
         if open_circuit:
             # the same as of short circuit: what moves both alike says nothing of their coupling
-            least |= _least(*self._judged(open_circuit=False))
+            least |= least_apart(*self._judged(open_circuit=False))
         bending, others = modal.mode_factors
         bends = np.array(fine.classes) == "bending_x"
         stiffer = fine.frequencies.copy()
@@ -233,9 +197,9 @@ class TwoMeshModel(BimorphModel):
             rounding[bends] += np.maximum(modal.static_share * added - apart, 0.0)
         parts = ((bends, bending), (~bends, others))
         coarser = tuple(
-            (_only(of, fine, other), factor)
+            (only(of, fine, other), factor)
             for of, factor in parts
-            for other in (coarse, _moved(fine, least))
+            for other in (coarse, moved(fine, least))
         )
         coarser += ((Modes(stiffer, fine.classes), modal.static_factor),)
         return Refined(fine, coarser, modal.method, rounding)
@@ -265,7 +229,7 @@ class TwoMeshModel(BimorphModel):
             Modes(np.array([m.frequency for m in of]), tuple(m.kind for m in of))
             for of in (found, *(partners or [coarse]))
         )
-        return fine, *(_matched(fine, other) for other in others)
+        return fine, *(matched(fine, other) for other in others)
 
     def motions(self, *, open_circuit: bool) -> dict[Motion, int]:
         """Return how many of the lowest modes of :meth:`modes` each class of motion has."""
@@ -308,42 +272,3 @@ class TwoMeshModel(BimorphModel):
         """Return what rounding of the stiffness matrix does to the tip's static compliance."""
         compliance = np.linalg.inv(port.block("w_tip", "psi_tip").stiffness[0])[0, 0]
         return float(abs(compliance) * self.systems()[0].spurious_stiffness)
-
-
-def _only(of: Bools, fine: Modes, coarse: Modes) -> Modes:
-    """Return the coarse modes where `of` (n,) says so, the fine ones elsewhere."""
-    return Modes(np.where(of, coarse.frequencies, fine.frequencies), fine.classes)
-
-
-def _least(fine: Modes, coarse: Modes) -> dict[str, float]:
-    """Return the relative difference that the modes of each class count with at least.
-
-    A mode that is alone in its class has all others for neighbours.
-    """
-    kinds, found = np.array(fine.classes), {}
-    for kind in dict.fromkeys(fine.classes):
-        of = kinds == kind
-        near = of if of.sum() > 1 else np.ones_like(of)
-        found[kind] = float(least_difference(fine.frequencies[near], coarse.frequencies[near]))
-    return found
-
-
-def _moved(fine: Modes, least: dict[str, float]) -> Modes:
-    """Return the modes moved by what each of its class counts with at least."""
-    shares = np.array([least[kind] for kind in fine.classes])
-    return Modes(fine.frequencies * (1.0 + shares), fine.classes)
-
-
-def _matched(fine: Modes, coarse: Modes) -> Modes:
-    """Pair coarse modes with fine ones by class and order, so that like meets like."""
-    left = list(zip(coarse.classes, coarse.frequencies, strict=True))
-    paired = []
-    for kind, frequency in zip(fine.classes, fine.frequencies, strict=True):
-        if not left:
-            paired.append(np.nan)
-            continue
-        same = [entry for entry in left if entry[0] == kind] or left
-        nearest = min(same, key=lambda entry: abs(entry[1] - frequency))
-        left.remove(nearest)
-        paired.append(nearest[1])
-    return Modes(np.array(paired), fine.classes)
