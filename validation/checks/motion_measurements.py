@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.transient.laws import CubicSpring, RoughPoint
 from tactgen.tmm.generator.transient.march import simulate_steps
 from tactgen.tmm.generator.transient.system import Coil, Element, System
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square, Step
 from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
 from tactgen.validation.checks.cases.fineness import steps
+from tactgen.validation.checks.cases.magnetics.actuator_field import field_point
+from tactgen.validation.engine.results import Measured
 
 if TYPE_CHECKING:
     from tactgen.validation.models.generator.phases import Phase
@@ -83,14 +86,18 @@ def generator_imbalance() -> float:
     return found.answer.run.worst_imbalance
 
 
-def pull_in_current() -> float:
-    """Return the current (A) that pulls the rod down from its upper stop, by the network."""
-    from tactgen.tmm.generator.network_pull import network_pull
-    from tactgen.tmm.reluctance.switching import switching
-    from tactgen.validation.scene.scene import load_scene
+def pull_in_current() -> Measured:
+    """Return the current (A) that pulls the rod down from its upper stop, by the field.
 
-    device = load_scene("paper", [])[0].device
-    return switching(device, network_pull(device)).pull_in
+    There its pull is the preload; nearer to the lower stop it grows faster than the spring's force.
+    """
+    device, low, high = Device(), 0.12, 0.13
+    weak, strong = (field_point(device, current).force for current in (low, high))
+    slope = (strong - weak) / (high - low)
+    current = low + (device.spring.preload - weak) / slope
+    found = field_point(device, current)  # the pull is not quite straight between them
+    current += (device.spring.preload - found.force) / slope
+    return Measured(current, found.errors.force / slope)
 
 
 def rise_time() -> float:
