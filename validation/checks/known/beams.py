@@ -101,11 +101,11 @@ _UNIFORM = (
         "Simply supported beam (ANSYS VM50)",
         "80 in, E = 30e6 psi, I = 1.3333 in⁴, 1.124 lb per inch over 386 in/s²: first frequency.",
         model=_TMM,
-        source="ANSYS Verification Manual, VM50",
-        tolerance=1e-4,
-        reason="five printed digits",
-        answers=[Answer("The first frequency is printed as 28.766 Hz.", 28.766, "Hz",
-                        _vm50)],
+        source="π/(2 L²) √(EI/m); ANSYS Verification Manual, VM50, prints 28.766 Hz",
+        tolerance=1e-7,
+        reason=_CLOSED,
+        answers=[Answer("The first frequency is that of the closed form.", 0.5 * math.pi / 80.0**2
+                        * math.sqrt(30e6 * 4.0 / 3.0 / (1.124 / 386.0)), "Hz", _vm50)],
         setup=partial(strip, 80.0, (("beam", 2.0),), root="hinge",
                       tip=(at_tip(80.0, 2.0, "hinge"),), unit="in"),
     ),
@@ -145,14 +145,16 @@ _FV5 = case(
     answers=[
         *(
             Answer(f"Flexural frequency {at + 1}, simply supported, is NAFEMS'.", value, "Hz",
-                   nth(_deep, at, True, 2), 2e-3,
-                   "NAFEMS' elements take another shear factor (the closed form gives 42.645)")
-            for at, value in enumerate((42.650, 148.15))
+                   nth(_deep, at, True, 2), tolerance, reason)
+            for at, (value, tolerance, reason) in enumerate((
+                (42.650, 2e-4, "printed 1.2e-4 above the closed form with Cowper's factor, 42.645"),
+                (148.15, 4e-5, "half a unit of the fifth printed digit"),
+            ))
         ),
         *(
             Answer(f"Frequency {at + 1}, clamped-free, is the exact one.", value, "Hz",
-                   nth(_deep, at, False, 3), 4e-6, "six printed digits")
-            for at, value in enumerate((15.6727, 84.5597, 201.5408))
+                   nth(_deep, at, False, 3), 1e-8, "nine digits of the reference")
+            for at, value in enumerate((15.6727306, 84.5597454, 201.540821))
         ),
     ],
     setup=partial(strip, 10.0, (("beam", 2.0),), root="hinge",
@@ -223,7 +225,8 @@ _TAPERS = (
         "A slender cantilever of constant breadth whose height falls to zero at the tip: "
         "ω L² √(ρ A0/(E I0)).",
         model=_TMM + " of tapered segments",
-        source="G. Kirchhoff (1882): roots of J1 I2 + J2 I1 = 0",
+        source="G. Kirchhoff, Monatsber. Akad. Berlin 1879; Gesammelte Abhandlungen, 1882, p. "
+        "339: roots of J1 I2 + J2 I1 = 0",
         tolerance=6e-4,
         reason=_POINT + ": 4e-4 in the third mode",
         answers=[
@@ -236,14 +239,15 @@ _TAPERS = (
     case(
         "BREADTH",
         "Breadth that tapers to a point",
-        "The same with constant height and a breadth that falls to zero.",
+        "A slender cantilever of constant height whose breadth falls linearly to zero at the "
+        "tip: ω L² √(ρ A0/(E I0)).",
         model=_TMM + " of tapered segments",
-        source="Ritz's method with nine terms",
-        tolerance=2e-4,
-        reason=_POINT,
+        source="roots of the power series of (x w″)″ = λ² x w",
+        tolerance=2e-5,
+        reason=_POINT + ": 1e-5 in the third mode",
         answers=[
-            Answer(f"Mode {at + 1} is Ritz's.", value, "1", partial(_sharp, 1.0, at))
-            for at, value in enumerate((7.15646336, 31.0413039, 75.4866751))
+            Answer(f"Mode {at + 1} is that of the series.", value, "1", partial(_sharp, 1.0, at))
+            for at, value in enumerate((7.15646336, 31.0413039, 75.4866029))
         ],
         setup=partial(tapered, 1.0, 1.0, _to_a_point, unit="", height="y"),
     ),

@@ -18,6 +18,11 @@ from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid
 from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.cases.fineness import cached, counted, degree
+from tactgen.validation.checks.cases.magnetics.coaxial_coils import (
+    between_windings,
+    mutual_inductance,
+    mutual_inductance_slope,
+)
 from tactgen.validation.checks.drawings.bodies import rings
 from tactgen.validation.checks.known import ideal_gap
 
@@ -53,19 +58,23 @@ def _loop_windings() -> tuple[Region, ...]:
     )
 
 
+_LOW, _HIGH = _loop_windings()
 _LOOPS = case(
     "LOOPS",
     "Two coaxial circular loops",
     "Loops of 0.20 and 0.25 m radius, 0.10 m apart, 1 A in each, of 1 mm wire.",
     model=_FIELD,
-    source="Maxwell's elliptic integrals (F. W. Grover, Inductance Calculations, example 24)",
-    tolerance=5e-5,
-    reason="the wire's section, a third of (wire/distance)² = 1e-4; walls at eighty radii 2e-6",
+    source="Maxwell's elliptic integrals, their mean over the wires' square sections; of thin "
+    "wires F. W. Grover, Inductance Calculations, example 24",
     answers=[
-        Answer("Their mutual inductance is Maxwell's.", 2.48787359e-7, "H",
-               lambda: float(_loops().incremental_inductance[0, 1])),
-        Answer("They attract each other with Maxwell's force.", -1.8509047e-6, "N",
-               lambda: virtual_work_force(_loops())),
+        Answer("Their mutual inductance is Maxwell's.",
+               between_windings(_LOW, _HIGH, mutual_inductance), "H",
+               lambda: float(_loops().incremental_inductance[0, 1]), 5e-6,
+               "walls at eighty radii, 2e-6"),
+        Answer("They attract each other with Maxwell's force.",
+               between_windings(_LOW, _HIGH, mutual_inductance_slope), "N",
+               lambda: virtual_work_force(_loops()), 5e-5,
+               "the mesh across a wire of 1/200 of its radius"),
     ],
     setup=lambda: rings(_loop_windings()),
 )  # fmt: skip
