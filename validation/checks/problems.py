@@ -120,7 +120,7 @@ PROBLEMS = {
         "An actuator with a collar, solved elsewhere",
         "A reluctance actuator of this kind with a collar on its sleeve, of nonlinear steel: pull"
         " and flux linkage per turn at two currents, by a program that shares nothing with this "
-        "one.",
+        "one. That solution is not published; the device is stated in full in the source.",
         _AXISYMMETRIC,
         machines.collared_actuator,
     ),
@@ -177,14 +177,14 @@ PROBLEMS = {
         "A mass on a hardening spring, a coil on a stepped voltage, a mass that bounces off a "
         "rough surface without loss; then the whole generator: what its sources gave is what it "
         "holds and lost, and when its rod arrives in the run of the paper's Fig 16.",
-        "the steps of tactgen simulate",
+        "the steps of tactgen simulate; for the pull from the upper stop model axisymmetric",
         partial(machines.oscillator, law="k x + g x³"),
     ),
     ("amplitude", "HB"): Problem(
         "Oscillators whose large motions are known",
         "Free: a mass on a linear and a cubic spring, and on a spring that is stiffer to one "
-        "side. Driven: Duffing's oscillator (mass 1, damping ratio 0.05, stiffness 1, cubic 0.1, "
-        "force 0.18): its peak and the two frequencies at which it jumps.",
+        "side. Driven: Duffing's oscillator ẍ + 0.05 ẋ + x + 0.1 x³ = 0.18 cos Ωt (damping ratio "
+        "0.025): its peak and the two frequencies at which it jumps.",
         "harmonic balance with as many harmonics as the motion asks for",
         partial(machines.oscillator, law="k x + f(x)"),
     ),

@@ -109,7 +109,8 @@ _KNOWN: tuple[Check, ...] = (
             f"ACT-{letter}{1 + number}", "code verification",
             f"The field of an actuator with a collar has the {name} found by another program at "
             f"{current * 1e3:g} mA.",
-            known[place], unit, "axisymmetric solution made apart from this project", 1e-3,
+            known[place], unit, "axisymmetric solution by a program that shares nothing with this "
+            "one, not published", 1e-3,
             "the accuracy wanted; the other program states 3e-4 and 1e-4 of its own",
             partial(measure, current),
         )

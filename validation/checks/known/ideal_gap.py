@@ -47,7 +47,9 @@ CASES: tuple[Case, ...] = (
             Answer("It snaps at 13.734 mA.", 0.0137341938, "A", lambda: _snap().pull_in),
             Answer("It had moved by a third of the gap.", _GAP / 3.0, "m",
                    lambda: _GAP - _snap().pull_in_gap, 5e-3,
-                   "flat about its maximum: an error of the current is squared there"),
+                   "the current is at a maximum there: an error ε of the place costs it only ε², "
+                   "so the place is known to the root of the current's error at best, √(1e-5) = "
+                   "3e-3"),
         ],
         setup=ideal_gap,
     ),

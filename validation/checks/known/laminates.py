@@ -127,8 +127,10 @@ _CYLINDRICAL = tuple(
 
 _DRIVEN = case(
     "CYL4",
-    "The same bimorph driven by a wave of voltage",
-    "The thin one of these, at rest: 1 V sin(π z/L) on the upper face, 0 V on the lower.",
+    "Piezoelectric bimorph in cylindrical bending, driven by a wave of voltage",
+    "Two PZT-5A layers of 0.385 mm poled towards each other, one half wave of 20 mm between simple "
+    "supports with φ = 0, no strain across the width, at rest: 1 V sin(π z/L) on the upper face, 0 "
+    "V on the lower.",
     model="bricks of the model solid, general supports",
     source=_EXACT,
     tolerance=1e-6,
@@ -256,8 +258,9 @@ _PVDF_K2 = 0.046**2 / (2e9 * 12.0 * EPS0 + 0.046**2)
 _PVDF = case(
     "PVDF",
     "PVDF bimorph: what the field's own variation is worth",
-    "The bimorph of case HP with the potential as electrostatics has it, quadratic through each "
-    "layer, over that with a linear one: deflection at 60 mm.",
+    "The bimorph of case HP, 100 x 5 x 1 mm of two layers of PVDF poled oppositely, E = 2 GPa, ν = "
+    "0, e31 = 0.046 C/m², ε = 12 ε0, 1 V across both, with the potential as electrostatics has it, "
+    "quadratic through each layer, over that with a linear one: deflection at 60 mm.",
     model="bricks of the model solid",
     source="a layer stiffened by 1/(1 − k²) about its own middle: (1 − k²)/(1 − 3/4 k²)",
     tolerance=1e-5,

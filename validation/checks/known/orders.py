@@ -120,7 +120,9 @@ _ROD = _orders(_Problem(
 _BIMORPH = _orders(_Problem(
     "CYLO",
     "Orders on the bimorph in cylindrical bending",
-    "Case CYL2 with bricks of equal length and one degree along z.",
+    "The bimorph of case CYL2, two PZT-5A layers of 1 mm poled towards each other, one half wave "
+    "of 20 mm, both faces at 0 V: first bending frequency on bricks of equal length and one degree "
+    "along z.",
     _bimorph_error,
     {2: 6, 3: 3},
     lambda _: _PRINTED,

@@ -39,7 +39,8 @@ def collared(**changes: dict[str, float]) -> Device:
 
 
 #: Gap (m), and by current (A) the pull (N) and the flux linkage per turn (Wb), by an axisymmetric
-#: solution made apart from this project; it states 0.03 % and 0.01 % as its own error.
+#: solution that is not published, of a program that shares nothing with this one; it states 0.03 %
+#: and 0.01 % as its own error.
 GAP = 0.2e-3
 KNOWN = {0.13: (110.0507e-3, 2.278879e-6), 0.05: (37.9644e-3, 1.376275e-6)}
 
