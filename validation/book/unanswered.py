@@ -33,10 +33,6 @@ UNANSWERED: tuple[Unanswered, ...] = (
         "all models of the bimorph are linear; small deflections are the cases VM35 and VM144",
     ),
     Unanswered(
-        "Smits, Dalke and Cooney's matrix: its row and column of uniform pressure",
-        "no model of the bimorph has a pressure on it; the other entries are the case SMITS",
-    ),
-    Unanswered(
         "ANSYS VM183: two masses on springs",
         "its answer is the solution of two equations, of which every response here has more",
     ),

@@ -12,9 +12,9 @@ import numpy as np
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.transient.laws import CubicSpring, RoughPoint
 from tactgen.tmm.generator.transient.march import simulate_steps
-from tactgen.tmm.generator.transient.system import Coil, Element, System
+from tactgen.tmm.generator.transient.system import Element, System
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square, Step
-from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
+from tactgen.validation.checks.cases.coil_circuit import run_of_coil
 from tactgen.validation.checks.cases.fineness import steps
 from tactgen.validation.checks.cases.magnetics.actuator_field import field_point
 from tactgen.validation.engine.results import Measured
@@ -34,18 +34,6 @@ UNTIL = 7e-3
 PERIOD_AND_HALF = 15e-3
 
 
-class _Inductor:
-    """A constant inductance (H)."""
-
-    def __init__(self, inductance: float) -> None:
-        self.inductance = inductance
-
-    def at(self, current: float, gap: float) -> CoenergyPoint:
-        """Return W' = L i²/2 and its derivatives, whatever the gap."""
-        linkage = self.inductance * current
-        return CoenergyPoint(0.5 * linkage * current, linkage, 0.0, self.inductance, 0.0, 0.0)
-
-
 def _one_mass(mass: float, element: Element) -> System:
     return System(mass * _UNIT, 0.0 * _UNIT, 0.0 * _UNIT, 0.0 * _ONE, 0.0 * _ONE, 0.0, (element,))
 
@@ -63,11 +51,7 @@ def vm156_period() -> float:
 
 def vm207_current() -> float:
     """Return the current (A) after 10 ms."""
-    coil = Coil(_Inductor(0.01274), 0.0 * _ONE, 1.0, 5.991, "voltage")
-    zero = 0.0 * _ONE
-    system = System(_UNIT, 0.0 * _UNIT, _UNIT, zero, zero, 0.0, (), (), coil)
-    run = simulate_steps(system, Sources(coil=Step(12.0)), 0.01, steps(500))
-    return float(run.current[-1])
+    return float(run_of_coil(0.01274, 5.991, Step(12.0), 0.01, 500).current[-1])
 
 
 def rough_bounce() -> float:

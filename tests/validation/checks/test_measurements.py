@@ -10,7 +10,8 @@ from tactgen.validation.checks import bimorph_measurements as bimorph
 from tactgen.validation.checks import motion_measurements as motion
 from tactgen.validation.checks import team20
 from tactgen.validation.checks.cases.magnetics import scaled_actuator
-from tactgen.validation.checks.known import iron, special_beams
+from tactgen.validation.checks.known import special_beams
+from tactgen.validation.checks.known.magnetics import iron
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.models.generator import phases as run_phases
 from tactgen.validation.models.generator.phases import Phase

@@ -1,4 +1,4 @@
-"""Elastic bodies with known answers: cube, plates, torsion, rods: the solid without a field."""
+"""Elastic bodies with known answers: cube, torsion, rods, membrane: the solid without a field."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from tactgen.validation.checks.cases.cube_cells import hexahedra
 from tactgen.validation.checks.cases.fineness import cached, counted, intervals
 from tactgen.validation.checks.drawings.sections import section
 from tactgen.validation.checks.drawings.strips import tapered
-from tactgen.validation.checks.known import seven_layers
+from tactgen.validation.checks.known import plates, seven_layers
 
 _BRICKS = "bricks of the model solid"
 
@@ -68,6 +68,24 @@ _RUS = case(
         Answer(f"Mode {mode} of the free cube is that of the Ritz series.", value, "1",
                nth(_cube, mode - 1))
         for mode, value in ((1, 1.77126), (2, 1.77126), (3, 2.38518), (5, 2.38518), (6, 2.42566))
+    ],
+    setup=section(_unit_cube, unit="a"),
+)  # fmt: skip
+
+_LAME = case(
+    "LAME",
+    "Lamé modes of a free cube",
+    "A free cube of edge a with ν = 0.3: three modes in which all sections across an edge move "
+    "alike in their own plane, without change of volume; ω a √(ρ/E).",
+    model=_BRICKS + ", one brick of degree 7",
+    source="G. Lamé, Leçons sur la théorie mathématique de l'élasticité (1852): ω a = √2 π c_s of "
+    "shear waves, whatever ν",
+    tolerance=5e-8,
+    reason="half a cosine by a polynomial of degree 7",
+    answers=[
+        Answer(f"Mode {mode} of the free cube is Lamé's.", math.pi / math.sqrt(1.3), "1",
+               nth(_cube, mode - 1))
+        for mode in (9, 10, 11)
     ],
     setup=section(_unit_cube, unit="a"),
 )  # fmt: skip
@@ -148,120 +166,6 @@ _VM61 = case(
 )  # fmt: skip
 
 
-#: The thin plate's √(D/(ρ h))/a² (rad/s).
-_THIN = math.sqrt(200e9 * 0.05**2 / (12.0 * (1.0 - 0.3**2) * 8000.0)) / 10.0**2
-
-
-def plate(*held: Held, through: int = 2, along: int = 6) -> Box:
-    """Return NAFEMS' plate: 10 x 10 x 0.05 m, E = 200 GPa, 8000 kg/m³; x is its normal."""
-    side = even(10.0, 2, along)
-    return _block((_centred(0.05, 1, through), side, side), 200e9, 0.3, 8000.0, *held)
-
-
-def clamped_plate() -> Box:
-    """Return the plate clamped at z = 0, graded there and towards the edges that meet it."""
-    across = graded([0.0, 0.1, 1.0, 5.0, 9.0, 9.9, 10.0], 5)
-    along = graded([0.0, 0.1, 0.6, 3.0, 10.0], 5)
-    axes = (_centred(0.05, 1, 2), across, along)
-    return _block(axes, 200e9, 0.3, 8000.0, Held(Where(z=0.0), ("x", "y", "z")))
-
-
-def _supported_plate() -> Box:
-    edges = [
-        edge
-        for at in (0.0, 10.0)
-        for edge in (Held(Where(y=at), ("x", "z")), Held(Where(z=at), ("x", "y")))
-    ]
-    return plate(*edges, through=3, along=8)
-
-
-@cached
-def _supported() -> Floats:
-    return natural_frequencies(_supported_plate(), 8)
-
-
-@cached
-def free_plate() -> Floats:
-    """Return the lowest frequencies (Hz) of the plate without supports."""
-    return natural_frequencies(plate(), 8, loose=6, near=0.3)
-
-
-@cached
-def cantilever_plate() -> Floats:
-    """Return ω a² √(ρh/D) of the plate clamped along one edge."""
-    return 2.0 * np.pi * natural_frequencies(clamped_plate(), 6) / _THIN
-
-
-def _mindlin(m: int, n: int) -> float:
-    """Return the frequency (Hz) of the simply supported plate with m and n half waves.
-
-    The lower root of (S k² − M ω²)(D k² + S − J ω²) = (S k)², κ = 5/(6 − ν) in the shear stiffness.
-    """
-    h, nu, square = 0.05, 0.3, (m**2 + n**2) * (math.pi / 10.0) ** 2
-    bending = 200e9 * h**3 / (12.0 * (1.0 - nu**2))
-    shear = 5.0 / (6.0 - nu) * 200e9 / (2.0 * (1.0 + nu)) * h
-    mass, turning = 8000.0 * h, 8000.0 * h**3 / 12.0
-    b = shear * square * turning + mass * (bending * square + shear)
-    c = shear * bending * square**2
-    omega = math.sqrt(2.0 * c / (b + math.sqrt(b**2 - 4.0 * mass * turning * c)))
-    return omega / (2.0 * math.pi)
-
-
-_PLATES = (
-    case(
-        "P13H",
-        "Thin plate, simply supported (NAFEMS test 13H)",
-        "10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, hard simple supports.",
-        model=_BRICKS + ", 2 x 2 of degree 8, one of degree 3 through the thickness",
-        source="R. D. Mindlin's plate in closed form, κ = 5/(6 − ν); thin-plate theory, as NAFEMS "
-        "R0015 test 13 prints it (2.377 to 15.449 Hz), is 9e-5 to 6e-4 higher",
-        tolerance=5e-6,
-        reason="half waves by polynomials of degree 8, 2e-7; with this κ Mindlin's plate is the "
-        "solid one to 1e-8",
-        answers=[
-            Answer(f"Frequency {at} is Mindlin's with {m} and {n} half waves.",
-                   _mindlin(m, n), "Hz", nth(_supported, at - 1))
-            for at, m, n in ((1, 1, 1), (2, 1, 2), (4, 2, 2), (5, 1, 3), (7, 2, 3))
-        ],
-        setup=section(_supported_plate, unit="m", plane=("z", "y")),
-    ),
-    case(
-        "FV12",
-        "Free thin square plate (NAFEMS FV12)",
-        "A square plate of 10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, without supports.",
-        model=_BRICKS + ", 2 x 2 of degree 6, one of degree 2 through the thickness",
-        source="converged thin-plate values, ω a² √(ρh/D) = 13.468, 19.596, 24.270, 34.801, "
-        "61.093, 63.686; the first three are also NAFEMS R0015, FV12",
-        tolerance=1e-3,
-        reason="a plate of h/a = 1/200: shear, rotation and the twist of its free edges take 4e-4 "
-        "to 8e-4",
-        answers=[
-            Answer(f"Frequency {at + 7} of the free plate is the thin plate's.",
-                   value * _THIN / (2.0 * math.pi), "Hz", nth(free_plate, at))
-            for at, value in enumerate(
-                (13.4682, 19.5961, 24.2702, 34.8009, 34.8009, 61.0932, 61.0932, 63.6861)
-            )
-        ],
-        setup=section(plate, unit="m", plane=("z", "y")),
-    ),
-    case(
-        "FV16",
-        "Cantilevered thin square plate (NAFEMS FV16)",
-        "A square plate of 10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, clamped along one "
-        "edge: ω a² √(ρh/D).",
-        model=_BRICKS + ", 3 x 3 of degree 6, one of degree 2 through the thickness",
-        source="converged thin-plate values; NAFEMS' printed targets are up to 1 % higher",
-        tolerance=3e-3,
-        reason="a plate of h/a = 1/200, and the clamp's singular corners",
-        answers=[
-            Answer(f"Frequency {at + 1} is the converged thin plate's.", value, "1",
-                   nth(cantilever_plate, at))
-            for at, value in enumerate((3.47101, 8.50629, 21.28409, 27.19874, 30.95460, 54.18437))
-        ],
-        setup=section(clamped_plate, unit="m", plane=("z", "y")),
-    ),
-)  # fmt: skip
-
 # --- a membrane -------------------------------------------------------------------------------
 
 #: Length, height of the root and of the tip, thickness (m).
@@ -314,4 +218,4 @@ _FV32 = case(
     setup=partial(tapered, _LONG, _ROOT, _height, unit="m", body="membrane"),
 )  # fmt: skip
 
-CASES: tuple[Case, ...] = (_RUS, _TORSION, _VM61, *_PLATES, _FV32, *seven_layers.CASES)
+CASES: tuple[Case, ...] = (_RUS, _LAME, _TORSION, _VM61, *plates.CASES, _FV32, *seven_layers.CASES)

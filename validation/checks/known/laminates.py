@@ -12,7 +12,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import EPS0, PiezoTensors, isotropic_stiffness
 from tactgen.geometry.device.piezo_library import LIBRARY
-from tactgen.validation.checks.case import Answer, Case, case
+from tactgen.validation.checks.case import Answer, Case, case, nth
 from tactgen.validation.checks.cases.boxes import (
     Box,
     Held,
@@ -25,7 +25,7 @@ from tactgen.validation.checks.cases.boxes import (
 )
 from tactgen.validation.checks.cases.fineness import cached
 from tactgen.validation.checks.drawings.sections import section
-from tactgen.validation.checks.known import bimetal, shear_beam
+from tactgen.validation.checks.known import bimetal, shear_beam, smits_pressure
 
 #: Length of the half wave (m), and the thickness of each layer (m) of three bimorphs.
 _LENGTH = 20e-3
@@ -81,14 +81,14 @@ def _bending_frequency(thickness: float, grounded: bool) -> float:
 
 
 @cached
-def _driven() -> tuple[float, float]:
+def _driven(thickness: float) -> Floats:
     """Return w and D_x at the lower face's crest with 1 V sin(π z/L) on the upper one."""
-    box = bending_bimorph(_THIN, volts=1.0)
+    box = bending_bimorph(thickness, volts=1.0)
     state = statics(box)
     w = state.mean(Where(x=0.0, z=0.5 * _LENGTH), "x").real
     # the charge of the whole lower face, per width; the mean of a sine is 2/π of its crest
     charge = state.force(Where(x=0.0), "phi").real / (1e-3 * 0.5 * _LENGTH)
-    return w, charge * np.pi / 2.0
+    return np.array([w, charge * np.pi / 2.0])
 
 
 _CYLINDRICAL = tuple(
@@ -125,23 +125,30 @@ _CYLINDRICAL = tuple(
 )  # fmt: skip
 
 
-_DRIVEN = case(
-    "CYL4",
-    "Piezoelectric bimorph in cylindrical bending, driven by a wave of voltage",
-    "Two PZT-5A layers of 0.385 mm poled towards each other, one half wave of 20 mm between simple "
-    "supports with φ = 0, no strain across the width, at rest: 1 V sin(π z/L) on the upper face, 0 "
-    "V on the lower.",
-    model="bricks of the model solid, general supports",
-    source=_EXACT,
-    tolerance=1e-6,
-    reason=_SMOOTH,
-    answers=[
-        Answer("The lower face's crest moves as the exact solution does.", -4.29692165364606e-8,
-               "m", lambda: _driven()[0]),
-        Answer("The electric displacement at that crest is exact.", -1.56662847218356e-5, "C/m^2",
-               lambda: _driven()[1]),
-    ],
-    setup=section(bending_bimorph, _THIN, volts=1.0),
+_DRIVEN = tuple(
+    case(
+        name,
+        "Piezoelectric bimorph in cylindrical bending, driven by a wave of voltage, L/H = "
+        f"{_LENGTH / (2 * thickness):.3g}",
+        f"Two PZT-5A layers of {thickness * 1e3:g} mm poled towards each other, one half wave of "
+        "20 mm between simple supports with φ = 0, no strain across the width, at rest: 1 V "
+        "sin(π z/L) on the upper face, 0 V on the lower.",
+        model="bricks of the model solid, general supports",
+        source=_EXACT,
+        tolerance=1e-6,
+        reason=_SMOOTH,
+        answers=[
+            Answer("The lower face's crest moves as the exact solution does.", motion, "m",
+                   nth(_driven, 0, thickness)),
+            Answer("The electric displacement at that crest is exact.", charge, "C/m^2",
+                   nth(_driven, 1, thickness)),
+        ],
+        setup=section(bending_bimorph, thickness, volts=1.0),
+    )
+    for name, thickness, motion, charge in (
+        ("CYL4", _THIN, -4.29692165364606e-8, -1.56662847218356e-5),
+        ("CYL5", _THICK, -8.42981467454552e-10, -2.14853285936959e-6),
+    )
 )  # fmt: skip
 
 
@@ -275,9 +282,10 @@ _PVDF = case(
 
 CASES: tuple[Case, ...] = (
     *_CYLINDRICAL,
-    _DRIVEN,
+    *_DRIVEN,
     _PAGANO,
     *bimetal.CASES,
     _PVDF,
     *shear_beam.CASES,
+    *smits_pressure.CASES,
 )

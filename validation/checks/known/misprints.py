@@ -14,13 +14,13 @@ from tactgen.validation.checks.case import Answer, Case, case, nth
 from tactgen.validation.checks.cases.oscillators import period_of_vm156
 from tactgen.validation.checks.drawings.machines import bimorph, oscillator
 from tactgen.validation.checks.drawings.sections import section
-from tactgen.validation.checks.known.elastic import (
+from tactgen.validation.checks.known.laminates import pvdf, pvdf_deflection
+from tactgen.validation.checks.known.plates import (
     cantilever_plate,
     clamped_plate,
     free_plate,
     plate,
 )
-from tactgen.validation.checks.known.laminates import pvdf, pvdf_deflection
 from tactgen.validation.checks.known.resonators import CUBE
 from tactgen.validation.checks.paper.audit import Audit, audit
 from tactgen.validation.scene.scene import load_scene

@@ -9,7 +9,8 @@ from approved import described
 
 from tactgen.validation.checks.drawings import machines
 from tactgen.validation.checks.drawings.sections import _Section
-from tactgen.validation.checks.known import beams, coils, elastic, resonators, seven_layers
+from tactgen.validation.checks.known import beams, elastic, resonators, seven_layers
+from tactgen.validation.checks.known.magnetics import coils
 from tactgen.validation.checks.verification import GROUPS, group_cases
 from tactgen.validation.scene.scene import load_scene
 

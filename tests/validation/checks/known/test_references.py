@@ -12,7 +12,7 @@ from scipy.special import ellipe, ellipk
 
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.piezo_library import LIBRARY
-from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.device.steel_law import MU0, TEAM20
 from tactgen.validation.checks.cases.exact_laminate import (
     Laminate,
     Layer,
@@ -20,17 +20,17 @@ from tactgen.validation.checks.cases.exact_laminate import (
     static_state,
 )
 from tactgen.validation.checks.cases.magnetics import coaxial_coils
+from tactgen.validation.checks.cases.magnetics.sphere_in_field import exact_flux_density
 from tactgen.validation.checks.known import (
     beams,
     bent_strip,
     bimetal,
-    coils,
     elastic,
-    iron,
     laminates,
     resonators,
 )
 from tactgen.validation.checks.known.laminates import ply
+from tactgen.validation.checks.known.magnetics import coils, iron
 
 
 def references(module, case):
@@ -127,10 +127,11 @@ def test_cylindrical_bending(case, thickness):
     assert natural_frequency(exact, free, grounded=(False, False)) == pytest.approx(free, rel=1e-9)
 
 
-def test_driven_cylindrical_bending():
+@pytest.mark.parametrize(("case", "thickness"), [("CYL4", 0.385e-3), ("CYL5", 2.5e-3)])
+def test_driven_cylindrical_bending(case, thickness):
     """The state at the lower face with a wave of 1 V on the upper one: [.., w, .., D] there."""
-    low, _ = static_state(bimorph(0.385e-3), pressure=(0.0, 0.0), faces=(0.0, 1.0))
-    assert [float(low[1]), float(low[5])] == pytest.approx(references(laminates, "CYL4"), rel=1e-12)
+    low, _ = static_state(bimorph(thickness), pressure=(0.0, 0.0), faces=(0.0, 1.0))
+    assert [float(low[1]), float(low[5])] == pytest.approx(references(laminates, case), rel=1e-12)
 
 
 def test_pagano():
@@ -259,6 +260,23 @@ def test_supported_plate():
         assert float(exact) == pytest.approx(value, rel=2e-8)
 
 
+def test_smits_under_pressure():
+    """SMITSP: moments of the load, and of a volt, integrated along Bernoulli's beam."""
+    length, width, h, modulus, d31 = 20e-3, 2.1e-3, 0.26e-3, 1 / 16.4e-12, -171e-12
+    stiffness = modulus * width * (2 * h) ** 3 / 12
+    lost = np.polynomial.Polynomial([length, -1.0])  # what of the beam is beyond a station
+    slope = (0.5 * width * lost**2 / stiffness).integ()
+    bend = slope.integ()
+    volt = np.polynomial.Polynomial([-modulus * d31 * width * h**2 / (2 * h) / stiffness]).integ(2)
+    exact = [
+        bend(length),
+        slope(length),
+        width * bend.integ()(length),
+        width * volt.integ()(length),
+    ]
+    assert references(laminates, "SMITSP") == pytest.approx(exact, rel=1e-12)
+
+
 def test_smits():
     """The entries without pressure in closed form for two layers of thickness h in series."""
     length, width, h = 20e-3, 2.1e-3, 0.26e-3
@@ -369,6 +387,44 @@ def test_loops():
     shares = np.array([1.0, 4.0, 1.0]) / 6.0
     exact = [np.einsum("abcd,a,b,c,d", f(a, b, d - zero), *[shares] * 4) for f in functions]
     assert references(coils, "LOOPS") == pytest.approx(exact, rel=1e-10)
+
+
+def test_image():
+    """IMAGE: the mean over both sections by Simpson's rule; the pull as the slope of the gain."""
+    points = np.linspace(-0.01, 0.01, 9)
+    shares = np.array([1, 4, 2, 4, 2, 4, 2, 4, 1]) / 24
+    radii = 0.2 + points
+
+    def gain(height):
+        a, b, low, high = np.meshgrid(radii, radii, points, points)
+        mutual = coaxial_coils.mutual_inductance(a, b, 2 * height + high - low)
+        return 999 / 1001 * np.einsum("abcd,a,b,c,d", mutual, *[shares] * 4)
+
+    # energy i² L/2 at twice the speed of the image
+    pull = (gain(0.05 + 1e-5) - gain(0.05 - 1e-5)) / 4e-5
+    assert references(coils, "IMAGE") == pytest.approx([gain(0.05), pull], rel=1e-7)
+
+
+def test_saturated_ball():
+    """SATBALL: the linear ball of the permeability that the steel has at that flux density."""
+    for b in references(iron, "SATBALL"):
+        permeability = float(b / (MU0 * TEAM20.field_strength(np.array(b))))
+        assert b == pytest.approx(600e3 * exact_flux_density(permeability), rel=1e-12)
+
+
+def test_lame():
+    """u = (0, cos πy sin πz, −sin πy cos πz) has no divergence, no load on a face, and c_t²."""
+    omega = math.sqrt(2) * math.pi * math.sqrt(1 / (2 * 1.3))  # of E = ρ = a = 1
+    assert references(elastic, "LAME") == pytest.approx([omega] * 3, rel=1e-12)
+
+
+def test_driven_plate():
+    """P13HD: its first mode alone is 16 q/(π² ρ h ω² 2 ζ); the others take 5e-5 in the middle."""
+    omega = math.pi**2 * 2 * math.sqrt(200e9 * 0.05**2 / (12 * 0.91 * 8000)) / 100
+    alone = 16 * 100 / (math.pi**2 * 8000 * 0.05 * omega**2 * 0.04)
+    (value,) = references(elastic, "P13HD")
+    assert value == pytest.approx(alone, rel=1e-4)
+    assert value == pytest.approx(45.42e-3, rel=4e-4)  # as printed
 
 
 def test_nagaoka():

@@ -21,6 +21,7 @@ from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.cases.fineness import cached, counted, intervals, size
 from tactgen.validation.checks.cases.magnetics.sphere_mesh import RADIUS, sphere_mesh
 from tactgen.validation.checks.drawings.bodies import in_uniform_field, slotted_gap
+from tactgen.validation.checks.known.magnetics import saturated_ball
 
 _FIELD = "scalar potential, quadratic tetrahedra"
 _PERMEABILITY = 1000.0
@@ -183,4 +184,4 @@ _CARTER = case(
     setup=partial(slotted_gap, 1.0, _DEEP),
 )  # fmt: skip
 
-CASES: tuple[Case, ...] = (_SHELL, _SPHEROID, _CARTER)
+CASES: tuple[Case, ...] = (_SHELL, _SPHEROID, *saturated_ball.CASES, _CARTER)
