@@ -66,7 +66,7 @@ def all_columns(
                 f"model {model} gives none of {', '.join(scene.quantities)}; leave it out, or add "
                 "a --quantity that it gives"
             )
-        exact = [name for name in given if model == "tmm" and _by_tmm(name)]
+        exact = [name for name in given if model == "tmm" and _by_tmm(scene, name)]
         if exact:
             own = scene.model_copy(update={"quantities": tuple(exact)})
             columns += sensitivity_columns(own, keys)
@@ -79,10 +79,13 @@ def all_columns(
     return columns, omitted
 
 
-def _by_tmm(name: str) -> bool:
-    """Return whether the transfer-matrix model's exact derivatives, or their refusal, serve."""
+def _by_tmm(scene: Scene, name: str) -> bool:
+    """Return whether the transfer-matrix model's exact derivatives, or their refusal, serve.
+
+    They know a contact as the springs that it is at rest, and not what these are made of.
+    """
     row = QUANTITIES[name]
-    return is_differentiable(row) or row.unit == "SI"
+    return (is_differentiable(row) and scene.support.kind != "contact") or row.unit == "SI"
 
 
 def model_columns(

@@ -18,6 +18,7 @@ import numpy as np
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.tmm.beam.parametric import parameter_keys
 from tactgen.tmm.beam.transfer.transfer_matrix import is_tapered
+from tactgen.validation.scene.idle_keys import idle
 from tactgen.validation.scene.parameter_list import show
 from tactgen.validation.scene.ranges import ranges
 from tactgen.validation.scene.scene import Scene
@@ -105,6 +106,9 @@ def uncertain_parameters(scene: Scene) -> tuple[UncertainParameter, ...]:
         group_name, name = key.split(".")
         group = getattr(scene, group_name)
         spread = known.get(key)
+        # springs that stand for a contact are no parameters of the scene
+        if idle(scene, key):
+            continue
         if spread is not None and spread.high > spread.low:
             info = type(group).model_fields[name]
             low, high = show(spread.low, info), show(spread.high, info)

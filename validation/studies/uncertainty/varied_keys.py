@@ -15,6 +15,8 @@ from tactgen.validation.scene.scene import Scene, scene_keys
 
 #: Groups that no one-dimensional model of the lateral actuator reads.
 _ELSEWHERE = ("coil", "sleeve", "spring", "steel", "mesh", "limits")
+#: Groups that say what the springs of a contact are.
+_CONTACT = ("contact", "guide")
 
 
 def chosen_keys(scene: Scene, device: Actuator, asked: Iterable[str]) -> tuple[str, ...]:
@@ -58,9 +60,11 @@ def _omission(scene: Scene, device: Actuator, key: str) -> str:
         return f"bimorph.{profile} gives it"
     if isinstance(value, Profile) and value:
         return "its points are not varied"
-    if isinstance(value, float) and value and not idle(scene, key) and _has_kink(device, key):
-        return _kink(scene, key)
-    return ""
+    if not isinstance(value, float) or not value or idle(scene, key):
+        return ""
+    if group in _CONTACT and scene.support.kind == "contact":
+        return "the contact is held as the springs that it is at rest; tactgen whatif varies it"
+    return _kink(scene, key) if _has_kink(device, key) else ""
 
 
 def not_a_number(scene: Scene, key: str) -> str:

@@ -105,7 +105,8 @@ def run(options: argparse.Namespace) -> int:
             uncertain = parameter_uncertainty(scene, announce=announce)
     warn(load_warnings(scene, scene.quantities) + level_warnings(scene, scene.quantities))
     warn(field_warnings(scene, scene.quantities) + slenderness_warnings(scene, scene.models))
-    if options.sobol or ("tmm" in scene.models and not options.key):
+    exact = "tmm" in scene.models and scene.support.kind != "contact"
+    if options.sobol or (exact and not options.key):
         omitted = [left_out(scene, actuator(scene)), *omitted]
     for sentence in filter(None, omitted):
         say(f"note: {sentence}")
