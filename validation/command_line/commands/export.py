@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.common import Commands, scene_options
+from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
 
 
 def add(commands: Commands) -> None:
@@ -64,6 +64,10 @@ def run(options: argparse.Namespace) -> int:
             "--ports FILE.npz, --state-space FILE.npz, --fields FILE.vtu, --animated-glb FILE.glb, "
             "--fmu FILE.fmu, --machine FILE.npz"
         )
+    if "fmu" in wanted:
+        from tactgen.validation.models.generator.transient import support_warnings
+
+        warn(support_warnings(scene))
     with announcer() as announce:
         for path in export(scene, wanted, announce):
             print(path)

@@ -115,6 +115,18 @@ def run_scene(
     return Simulation(scene, found, answer, forces)
 
 
+def support_warnings(scene: Scene) -> tuple[str, ...]:
+    """Say that the machine in time stands on its rod, whatever holds the scene's bimorph."""
+    kind = scene.support.kind
+    if kind == "contact":
+        return ()
+    sentence = (
+        f'support.kind = "{kind}" is left out: in time the bimorph stands on its rod, which the '
+        "spring presses to its stop; write support.kind = contact to say so"
+    )
+    return (sentence,)
+
+
 def scene_machine(
     scene: Scene,
     *,

@@ -35,6 +35,7 @@ from tactgen.validation.models.generator.transient import (
     run_scene,
     scene_machine,
     scene_modes,
+    support_warnings,
 )
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.transient.files import TITLE, write_run
@@ -261,7 +262,7 @@ def test_a_run_that_nothing_drives_says_so(capsys):
 
 
 def test_what_a_run_is_warned_of(capsys, monkeypatch):
-    """A load whose law is not met, bars beyond what was asked for, a rod through its sleeve."""
+    """Another support, a load whose law is not met, wide bars, a rod through its sleeve."""
     run = SimpleNamespace(time=np.array([0.0, 1e-3, 2e-3, 3e-3]))
     found = SimpleNamespace(
         load_misfit=0.02, sideways=np.array([0.0, 1e-6, 3e-6, 2.5e-6]), flange_gap=2e-6,
@@ -270,7 +271,8 @@ def test_what_a_run_is_warned_of(capsys, monkeypatch):
     monkeypatch.setattr(transient, "run_scene", lambda *_, **__: found)
     monkeypatch.setattr(simulate, "_print", lambda _: None)
     assert main(["simulate", "paper", "--voltage", "1 V", "--accuracy", "0.1"]) == 0
-    load, bars, rod = capsys.readouterr().err.splitlines()
+    support, load, bars, rod = capsys.readouterr().err.splitlines()
+    assert 'support.kind = "spring" is left out' in support
     assert load.endswith("which only take energy; they are up to 2 % off its law of frequency")
     assert "the accuracy of 0.1 holds until 1.5 ms" in bars
     assert "from 2 ms on the flange is up to 3 um off the middle, through the sleeve 2 um" in rod
@@ -442,3 +444,11 @@ def test_a_run_of_other_phases_is_refused(tmp_path):
         file.title, file.phases = TITLE.encode(), b"up down"
     with pytest.raises(InputError, match=r"\(its phases have other names\); write it with"):
         read_film(path)
+
+
+@pytest.mark.parametrize("kind", ["spring", "clamped", "contact"])
+def test_what_holds_the_bimorph_elsewhere_is_said_to_be_left_out(kind):
+    """In time it stands on its rod: a clamp or springs would pass unnoticed."""
+    warnings = support_warnings(load_scene("paper", [f"support.kind={kind}"])[0])
+    assert len(warnings) == (kind != "contact")
+    assert all(f'support.kind = "{kind}" is left out' in sentence for sentence in warnings)

@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.tmm.generator.transient.waveform import Constant, Sources
     from tactgen.tmm.reluctance.coenergy.files import read_map
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.models.generator.transient import run_scene
+    from tactgen.validation.models.generator.transient import run_scene, support_warnings
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.studies.transient.waveforms import AMPERES, VOLTS, parsed
 
@@ -73,6 +73,7 @@ def run(options: argparse.Namespace) -> int:
             pull=read_map(options.map) if options.map else None,
             announce=announce,
         )
+    warn(support_warnings(scene))
     if voltage.waveform == coil.waveform == Constant(0.0):
         volts = f"{scene.drive.voltage:g} V sine 100 Hz"
         warn([f'nothing drives it; give --voltage or --coil, for example --voltage "{volts}"'])
