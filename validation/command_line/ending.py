@@ -1,13 +1,15 @@
 """Told to end, by Ctrl-C, SIGTERM or a terminal that closes: unwind, so that no half file stays.
 
 Not amid the loading of a compiled module, though: one that is interrupted in its initialisation
-makes an error of its own of it, or crashes.  The end then waits until it is loaded.
+makes an error of its own of it, or crashes.  The end then waits until it is loaded.  Nor where
+Python lets no error out, as an object goes: there it is raised again a little later.
 """
 
 from __future__ import annotations
 
 import contextlib
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from importlib.machinery import ExtensionFileLoader
@@ -50,6 +52,13 @@ def unwound_when_told_to_end() -> Iterator[None]:
         else:
             raise ToldToEnd(told)
 
+    def passed_over(raised: sys.UnraisableHookArgs) -> None:
+        if isinstance(raised.exc_value, ToldToEnd):
+            signal.setitimer(_TIMER, _AGAIN)
+        else:
+            hook(raised)
+
+    hook, sys.unraisablehook = sys.unraisablehook, passed_over
     heard = [number for number in _SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
     before = {number: signal.signal(number, end) for number in (*heard, _LOOK)}
     try:
@@ -60,6 +69,7 @@ def unwound_when_told_to_end() -> Iterator[None]:
         raise
     finally:
         signal.setitimer(_TIMER, 0.0)
+        sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
 

@@ -64,6 +64,10 @@ def stated(options: argparse.Namespace, before: Statement | None = None) -> Stat
     # a scene that asks for all has chosen none: the headline ones, which cost a study the least
     named = {key: of for key, of in values.items() if key != "quantities" or "all" not in of}
     models, quantities = chosen(named, options.model, options.quantity, base)
+    if before is not None and not before.by_accuracy:
+        # a study that is gone on with grows: what it holds stays beside what is new
+        models = tuple(dict.fromkeys((*before.models, *models)))
+        quantities = tuple(dict.fromkeys((*before.quantities, *quantities)))
     samples = (
         whole_number(options.sample, "--sample", 1, _MOST_SAMPLES, "16")
         if options.sample is not None

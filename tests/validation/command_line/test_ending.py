@@ -120,6 +120,41 @@ def test_an_error_that_a_library_makes_of_the_signal_is_the_end():
         signal.signal(signal.SIGTERM, before)
 
 
+def test_a_signal_while_an_object_goes_is_the_end_as_well():
+    """Python passes over what is raised there; without a second look the work would go on."""
+
+    class Going:
+        def __del__(self):
+            os.kill(os.getpid(), signal.SIGTERM)
+            sum(range(10_000))  # until the handler has run
+
+    told, hook = [], sys.unraisablehook
+    try:
+        with ending.unwound_when_told_to_end():
+            del_me = Going()
+            del del_me
+            for _ in range(10_000):
+                sum(range(10_000))
+    except ending.ToldToEnd as end:
+        told = end.args
+    assert told == (signal.SIGTERM,)
+    assert sys.unraisablehook is hook
+
+
+def test_other_errors_while_an_object_goes_are_reported_as_ever(monkeypatch):
+    seen = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda raised: seen.append(raised.exc_type))
+
+    class Going:
+        def __del__(self):
+            raise ValueError("gone")
+
+    with ending.unwound_when_told_to_end():
+        del_me = Going()
+        del del_me
+    assert seen == [ValueError]
+
+
 def test_what_is_ignored_stays_ignored():
     """A job in the background of a script does not hear the terminal's Ctrl-C."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)

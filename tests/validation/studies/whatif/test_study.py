@@ -15,7 +15,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif import answers, schedule, workers
 from tactgen.validation.studies.whatif.answers import Question
-from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.asked.statement import Statement, read_statement
 from tactgen.validation.studies.whatif.run import run_study
 from tactgen.validation.studies.whatif.shown.dataset import dataset
 
@@ -330,3 +330,18 @@ def test_a_study_over_frequency_is_a_sweep():
         study, answers=tuple({"tmm": answers.Answer("refused", "why")} for _ in study.answers)
     )
     assert dataset(unanswered).variables == {}
+
+
+def test_a_study_that_is_gone_on_with_keeps_what_it_held(tmp_path):
+    """Another model and another quantity stand beside those of before."""
+    folder = str(tmp_path / "study")
+    asked = ["--vary", "bimorph.length=14mm,16mm", "--quantity", "capacitance_free"]
+    assert main(["whatif", "prototype", *asked, "--model", "lumped", "--out", folder]) == 0
+    more = ["--model", "tmm", "--quantity", "capacitance_blocked"]
+    assert main(["whatif", "--resume", "--out", folder, *more]) == 0
+    statement = read_statement(tmp_path / "study")
+    assert statement.models == ("lumped", "tmm")
+    assert statement.quantities == ("capacitance_free", "capacitance_blocked")
+    text = (tmp_path / "study" / "study.csv").read_text(encoding="utf-8")
+    assert "lumped" in text
+    assert "tmm" in text
