@@ -1,9 +1,8 @@
-"""Two meshes of one solid: what judges the finer one, and which pair a scene is solved on."""
+"""Which of the two field models can take a scene, and the meshes that it is solved on."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
@@ -13,54 +12,13 @@ from tactgen.geometry.meshing.mirror import whole_mesh
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.bimorph.motions import Motion
-    from tactgen.fem.bimorph.system import SolidSystem, Surplus
+    from tactgen.validation.models.bimorph.two_meshes import MeshPair
 
 #: Why the solid on its rod is in no picture.
 NOT_SHOWN = (
     'with support.kind = "rod" the model solid reduces rod and tab to what the bimorph feels of '
     "them and has no fields there; ask for pictures with --model cad"
 )
-
-
-class MeshPair(Protocol):
-    """A finer mesh, a coarser one to judge it by, and what their difference says."""
-
-    @property
-    def meshes(self) -> tuple[Mesh | Bricks | BrickParts, Mesh | Bricks | BrickParts]:
-        """The finer and the coarser mesh."""
-
-    @property
-    def systems(self) -> tuple[SolidSystem, SolidSystem]:
-        """The lossless systems on them."""
-
-    @property
-    def lacking(self) -> Callable[[Motion], Surplus] | None:
-        """What gives functions that the finer mesh lacks, which then judge it."""
-
-    @property
-    def lacking_lossy(self) -> Callable[[], Surplus] | None:
-        """What gives the same with losses, of bending in x, which then judge the response."""
-
-    @property
-    def static_factor(self) -> float:
-        """Error bar of static quantities per difference from what judges them."""
-
-    @property
-    def response_factor(self) -> float:
-        """Error bar of the response per difference from what judges it."""
-
-    @property
-    def static_share(self) -> float:
-        """Relative error that static quantities count with at least, and the response besides."""
-
-    @property
-    def mode_factors(self) -> tuple[float, float]:
-        """The same of frequencies: of bending in x, and of the other classes of motion."""
-
-    @property
-    def method(self) -> str:
-        """How the error bars come about, for the reader."""
 
 
 def mesh_pair(scene: Scene) -> MeshPair:

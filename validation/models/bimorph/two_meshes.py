@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -36,11 +37,50 @@ from tactgen.validation.models.bimorph.model import BimorphModel
 if TYPE_CHECKING:
     from tactgen.fem.bimorph.reduction.krylov import ReducedSolid
     from tactgen.fem.bimorph.reduction.modal_model import BareMode, ModalModel
-    from tactgen.fem.bimorph.system import SolidSystem
+    from tactgen.fem.bimorph.system import SolidSystem, Surplus
     from tactgen.geometry.bimorph.brick_parts import BrickParts
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
-    from tactgen.validation.models.bimorph.meshes import MeshPair
+
+
+class MeshPair(Protocol):
+    """A finer mesh, a coarser one to judge it by, and what their difference says."""
+
+    @property
+    def meshes(self) -> tuple[Mesh | Bricks | BrickParts, Mesh | Bricks | BrickParts]:
+        """The finer and the coarser mesh."""
+
+    @property
+    def systems(self) -> tuple[SolidSystem, SolidSystem]:
+        """The lossless systems on them."""
+
+    @property
+    def lacking(self) -> Callable[[Motion], Surplus] | None:
+        """What gives functions that the finer mesh lacks, which then judge it."""
+
+    @property
+    def lacking_lossy(self) -> Callable[[], Surplus] | None:
+        """What gives the same with losses, of bending in x, which then judge the response."""
+
+    @property
+    def static_factor(self) -> float:
+        """Error bar of static quantities per difference from what judges them."""
+
+    @property
+    def response_factor(self) -> float:
+        """Error bar of the response per difference from what judges it."""
+
+    @property
+    def static_share(self) -> float:
+        """Relative error that static quantities count with at least, and the response besides."""
+
+    @property
+    def mode_factors(self) -> tuple[float, float]:
+        """The same of frequencies: of bending in x, and of the other classes of motion."""
+
+    @property
+    def method(self) -> str:
+        """How the error bars come about, for the reader."""
 
 
 @storable
@@ -60,7 +100,7 @@ class SolidModes:
     static_share : float
         Relative error that static quantities count with at least.
     mode_factors : (float, float)
-        The same of frequencies, see :class:`~tactgen.validation.models.bimorph.meshes.MeshPair`.
+        The same of frequencies, see :class:`MeshPair`.
     method : str
         How the error bars come about.
     """
