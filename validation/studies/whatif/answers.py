@@ -7,7 +7,7 @@ family of scenes gives the same answers here.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -162,6 +162,21 @@ def keep(asked: Question, found: Answer, *, retry: bool = False) -> Answer:
     return kept(
         _kind(asked), asked.inputs, _made_of(asked.model), lambda: found, serves=_serving(retry)
     )
+
+
+def refuse_if_no_scene(points: int, found: Collection[Answer]) -> None:
+    """Refuse a study, with the first reason, if all that its points have found is refusals.
+
+    Raises
+    ------
+    InputError
+        If no point makes a scene.
+    """
+    if all(each.status == "refused" for each in found):
+        said = "the only point makes no scene"
+        if points > 1:
+            said = f"none of the {points} points makes a scene"
+        raise InputError(f"{said}: {next(iter(found)).reason}")
 
 
 def reason(error: Exception) -> str:

@@ -9,11 +9,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.families import Box
 from tactgen.validation.engine.plan import check_models
-from tactgen.validation.studies.whatif.answers import Answer, recall
+from tactgen.validation.studies.whatif.answers import Answer, recall, refuse_if_no_scene
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.by_family import answers_by_family
 from tactgen.validation.studies.whatif.by_walk import answers_by_walk
@@ -117,9 +116,7 @@ def run_study(
     answers, counts = answers_at(
         statement, points, processes, announce, retry=retry, scheduler=scheduler
     )
-    every = [found for each in answers for found in each.values()]
-    if all(found.status == "refused" for found in every):
-        raise InputError(f"none of the {len(points)} points makes a scene: {every[0].reason}")
+    refuse_if_no_scene(len(points), [found for each in answers for found in each.values()])
     return Study(statement, points, answers, counts)
 
 

@@ -16,7 +16,7 @@ from tactgen.validation.engine.families import (
 from tactgen.validation.engine.plan import check_models, make_plan
 from tactgen.validation.engine.prospects import Prospect, stage_prospects, total
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.whatif.answers import Answer, Question, recall
+from tactgen.validation.studies.whatif.answers import Answer, Question, recall, refuse_if_no_scene
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.by_walk import routes
 from tactgen.validation.studies.whatif.questions import questions, scenes_nearby
@@ -143,7 +143,7 @@ def plan_study(
     Raises
     ------
     InputError
-        If the axes cannot be used, or a quantity has no model.
+        If the axes cannot be used, no point of them makes a scene, or a quantity has no model.
     """
     check_models(statement.models, statement.quantities)
     points = tuple(statement.points())
@@ -160,6 +160,9 @@ def plan_study(
             in_blocks[model].append(basis)
             covered |= {(number, model) for number in part.numbers}
     asked = questions(statement, points, nearby, covered, announce)
+    refusals = [given for given in asked.at.values() if isinstance(given, Answer)]
+    if len(refusals) == len(points) * len(statement.models):
+        refuse_if_no_scene(len(points), refusals)
     found = []
     for model in statement.models:
         own = {n: q for n, q in asked.different.items() if q.model == model}

@@ -89,7 +89,7 @@ def test_values_that_make_no_scene_are_refused_and_the_others_go_on(solved):
     assert statuses == ["ok", "refused"]
     assert "bimorph.bare_above" in study.answers[1]["tmm"].reason
     assert study.counts.refused == 1
-    with pytest.raises(InputError, match=r"none of the 1 points makes a scene: .*bare_above"):
+    with pytest.raises(InputError, match=r"the only point makes no scene: .*bare_above"):
         run_study(statement("bimorph.bare_above=15mm"))
 
 

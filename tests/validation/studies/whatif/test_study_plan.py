@@ -88,6 +88,22 @@ def test_refusals_as_of_the_study(vary, words, capsys):
     assert words in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("vary", "words"),
+    [
+        ("bimorph.length=14mm:22mm:3", "none of the 3 points makes a scene: frequency = "),
+        ("bimorph.length=14mm", "the only point makes no scene: frequency = "),
+    ],
+)
+@pytest.mark.parametrize("command", ["plan", "whatif"])
+def test_points_of_which_none_makes_a_scene_are_refused_alike(command, vary, words, capsys):
+    asked = [command, "--vary", vary, "--model", "tmm", "--frequency", "abc"]
+    assert main(asked) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert words in err
+
+
 def test_costs_in_words(approved):
     """Of walks, of what they share and of points alone: recorded, kept, or not known."""
     plain = PlannedWalk("9 points, each from the last", 9, None, "", False, None)

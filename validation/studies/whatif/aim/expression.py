@@ -13,6 +13,7 @@ from __future__ import annotations
 import operator
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -36,6 +37,9 @@ _EXAMPLE = 'write for example "min_over(tip_displacement / threshold) >= 1"'
 THRESHOLD = "threshold"
 #: Deepest nesting of parentheses and signs.
 _DEEPEST = 50
+
+#: Dividing by a quantity that is 0 at a point leaves that point without a value: no warning.
+_UNSPOKEN = np.errstate(divide="ignore", invalid="ignore")
 
 #: A value with its unit, from the quantities of one point by name.
 Node = Callable[[dict[str, Quantity]], Any]
@@ -88,6 +92,7 @@ class Aim:
     left: Node
     right: Node | None
 
+    @_UNSPOKEN
     def margin(self, known: dict[str, Quantity]) -> float:
         """Return how much better than asked a point is, in SI units; of a goal how good.
 
@@ -116,6 +121,7 @@ class Aim:
         return self.sign * float(number.ravel()[0])
 
     @property
+    @_UNSPOKEN
     def unit(self) -> str:
         """SI unit of the margin: as a quantity has it, else of base units; 1 for a pure number."""
         ones = {
@@ -163,6 +169,8 @@ class _Parser:
         self.tokens = self._split(text)
         self.place = self.depth = 0
         self.quantities: dict[str, None] = {}
+        #: How many names have values of their own at each point: quantities and the threshold.
+        self.named = 0
 
     def aim(self) -> Aim:
         goal = _GOALS.get(self._peek()[1])
@@ -211,17 +219,32 @@ class _Parser:
         return InputError(f"the aim {quoted(self.text)} {what}; {remedy}")
 
     def _sum(self) -> Node:
-        return self._chain(self._product, {"+": operator.add, "-": operator.sub})
+        found = self._product()
+        while self._peek()[1] in ("+", "-"):
+            join = operator.add if self._peek()[1] == "+" else operator.sub
+            self.place += 1
+            found = _joined(join, found, self._product())
+        return found
 
     def _product(self) -> Node:
-        return self._chain(self._factor, {"*": operator.mul, "/": operator.truediv})
+        found = self._factor()
+        while self._peek()[1] in ("*", "/"):
+            if self._take("*"):
+                found = _joined(operator.mul, found, self._factor())
+            else:
+                found = _joined(operator.truediv, found, self._divisor())
+        return found
 
-    def _chain(self, part: Callable[[], Node], signs: dict[str, Callable[[Any, Any], Any]]) -> Node:
-        found = part()
-        while self._peek()[0] == "sign" and self._peek()[1] in signs:
-            join = signs[self._peek()[1]]
-            self.place += 1
-            found = _joined(join, found, part())
+    def _divisor(self) -> Node:
+        """Return what a division divides by, unless it is 0 at every point."""
+        import pint
+
+        self.place += 1
+        before = self.named
+        found = self._factor()
+        with suppress(pint.DimensionalityError):  # which the margin explains
+            if self.named == before and not found({}).magnitude:
+                raise self._refused("divides by 0", "write another value there")
         return found
 
     def _factor(self) -> Node:
@@ -275,6 +298,7 @@ class _Parser:
             inner = self._sum()
             self._close()
             return _applied(_FUNCTIONS[name], inner)
+        self.named += 1
         if name == THRESHOLD:
             return _threshold
         if name not in QUANTITIES:

@@ -19,7 +19,7 @@ def sentences(study: Study, found: Verdict) -> list[str]:
     """Return how many points meet the aims, and the best of them."""
     total = len(found.judged)
     if not total:
-        return ["no point has all the quantities that the aims name"]
+        return ["no point can be judged: at each, what the aims name is missing or not finite"]
     conditions = [aim.text for aim in found.aims if aim.kind == "condition"]
     lines = []
     if conditions:
