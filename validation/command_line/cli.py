@@ -91,6 +91,8 @@ class _Parser(argparse.ArgumentParser):
         found, left = super().parse_known_args(args, namespace)
         if left:
             self.error(f"unrecognized arguments: {' '.join(left)}")
+        for action in self._actions:
+            _refuse_empty(action, getattr(found, action.dest, None))
         return found, left
 
     def error(self, message: str) -> NoReturn:
@@ -159,8 +161,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         usable_streams()
         with unwound_when_told_to_end(), contextlib.suppress(SystemExit):  # --help
             options = _parser(_command(arguments)).parse_args(arguments)
-            _refuse_empty(options)
             scene = getattr(options, "scene", "")
+            scene = "paper" if scene is None else scene
             _check_settings()
             _spare_imports()
             code = options.run(options)
@@ -180,17 +182,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
-def _refuse_empty(options: argparse.Namespace) -> None:
+def _refuse_empty(action: argparse.Action, value: object) -> None:
     """Refuse an option without a value, which would be as good as not there, and a file "-"."""
-    for name, value in vars(options).items():
-        # scenes, measurements and frequencies have words of their own
-        if not isinstance(value, str) or name in _SPOKEN_OF:
-            continue
-        option = name.replace("_", "-")
-        if not value.strip():
-            raise InputError(f"--{option} is empty; give it a value or leave it out")
-        if value == "-":
-            raise InputError(f'--{option} = "-" is no name of a file; name one')
+    # scenes, measurements and frequencies have words of their own
+    if not isinstance(value, str) or action.dest in _SPOKEN_OF:
+        return
+    name = next(reversed(action.option_strings), action.metavar or action.dest)
+    if not value.strip():
+        remedy = "give it a value" if action.required else "give it a value or leave it out"
+        raise InputError(f"{name} is empty; {remedy}")
+    if value == "-":
+        raise InputError(f'{name} = "-" is no name of a file; name one')
 
 
 def _command(arguments: Sequence[str] | None) -> str | None:

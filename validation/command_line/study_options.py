@@ -84,8 +84,18 @@ def stated(options: argparse.Namespace, before: Statement | None = None) -> Stat
             if options.seed is not None else base.seed
         ),
     )  # fmt: skip
+    check_seed(options.seed, samples)
     free = not names_models(values, options.model, base)
     return replace(found, by_accuracy=free and asks_accuracy(found))
+
+
+def check_seed(seed: str | None, samples: int) -> None:
+    """Refuse a seed of samples that are not drawn."""
+    if seed is not None and not samples:
+        raise InputError(
+            f"--seed {quoted(seed)} is of samples, and none are drawn; add --sample 16, or leave "
+            "it out"
+        )
 
 
 def whole_number(text: str, option: str, least: int, most: int, example: str) -> int:

@@ -47,7 +47,12 @@ def read_scene(name: str) -> tuple[dict[str, Any], str]:
     if name in known:
         return tomllib.loads(known[name]), f"scene {name}"
     path = Path(name)
-    if not _is_there(path):
+    if name and _is_there(path) and path.is_dir():
+        raise InputError(
+            f"scene {quoted(name)} is a folder; name a scene file in it, for example "
+            f"{quoted(str(path / 'mine.toml'))}, or a built-in scene: {', '.join(known)}"
+        )
+    if not (name and _is_there(path)):
         raise InputError(
             f"scene {quoted(name)} is neither a readable file nor a built-in scene"
             f"{nearest(name, known)}; built in are {', '.join(known)}"
@@ -70,7 +75,7 @@ def read_scene(name: str) -> tuple[dict[str, Any], str]:
 
 def _is_there(path: Path) -> bool:
     try:
-        return path.exists() and not path.is_dir()
+        return path.exists()
     except (OSError, ValueError):  # a name too long, or with a zero byte
         return False
 

@@ -95,6 +95,9 @@ def test_view(stand_in, told_of):
         "view --run r.nc",
         "view --run r.nc --out page.html --open",
         "view --run r.nc --out page.txt",
+        "view paper --run r.nc",
+        "view --state S --out page.html",
+        "view --field F",
     ]
     of_scene = (
         "model tmm",

@@ -15,11 +15,16 @@ if TYPE_CHECKING:
 Commands = Any
 
 
-def scene_options(parser: argparse.ArgumentParser, default: str = "paper") -> None:
+#: The scene where none is named.
+PAPER = "paper"
+
+
+def scene_options(parser: argparse.ArgumentParser, default: str | None = PAPER) -> None:
     """Add the scene and its overrides."""
     parser.add_argument(
-        "scene", nargs="?", default=default, help=f"file or built-in name (default {default})"
-    )
+        "scene", nargs="?", default=default,
+        help=f"file or built-in name (default {default or PAPER})",
+    )  # fmt: skip
     parser.add_argument(
         "--set",
         action="append",

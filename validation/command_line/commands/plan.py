@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import (
     Commands,
     asked_overrides,
@@ -15,6 +16,7 @@ from tactgen.validation.command_line.json_output import print_json
 from tactgen.validation.command_line.study_options import (
     AXES,
     axis_options,
+    check_seed,
     stated,
     under_accuracy,
 )
@@ -39,6 +41,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     if options.vary or options.sample is not None:
         return _of_study(options)
+    _refuse_unused(options)
     from tactgen.validation.command_line.contract import under_contract
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.plan import make_plan
@@ -67,6 +70,13 @@ def run(options: argparse.Namespace) -> int:
             print(sentence)
         print_plan(scene.name, plan, prospects)
     return 0
+
+
+def _refuse_unused(options: argparse.Namespace) -> None:
+    """Refuse what is said of axes where there is none."""
+    if options.zip:
+        raise InputError("--zip combines axes, and none is stated; add --vary, or leave it out")
+    check_seed(options.seed, samples=0)
 
 
 def _of_study(options: argparse.Namespace) -> int:

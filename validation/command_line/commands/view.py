@@ -7,16 +7,17 @@ import webbrowser
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
+from tactgen.validation.command_line.commands.common import PAPER, Commands, scene_options, warn
 
 #: Options that ask something of a scene, which a run's file has answered.
-_OF_A_SCENE = ("model", "frequency", "lengths", "png", "gif", "mp4", "state", "field")
+_OF_A_SCENE = ("scene", "model", "frequency", "lengths", "png", "gif", "mp4", "state", "field")
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("view", help="see modes and fields move, in one HTML page")
-    scene_options(parser)
+    # None, so that a scene beside --run is seen
+    scene_options(parser, default=None)
     parser.add_argument(
         "--model", action="append", metavar="NAME", help="may be repeated; two stand side by side"
     )
@@ -53,6 +54,8 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     if options.of_run:
         return _show_run(options)
+    options.scene = PAPER if options.scene is None else options.scene
+    _refuse_unused(options)
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.export.view import Look, harmonic_frequencies, view
     from tactgen.validation.scene.idle_keys import scene_warnings
@@ -80,6 +83,18 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _refuse_unused(options: argparse.Namespace) -> None:
+    """Refuse a state or colour that no still or film is asked to have: the page has them all."""
+    if options.png or options.gif or options.mp4:
+        return
+    for name in ("state", "field"):
+        if value := getattr(options, name):
+            raise InputError(
+                f'--{name} "{value}" is of a still or a film, and none is asked for; add --png '
+                f"FILE.png, or leave --{name} out, since the page lets you choose"
+            )
+
+
 def _show_run(options: argparse.Namespace) -> int:
     """Write the page of a run's file, which says itself what it is of."""
     from tactgen.validation.export.check_place import check_place
@@ -90,7 +105,8 @@ def _show_run(options: argparse.Namespace) -> int:
     for name, value in given.items():
         if value:
             raise InputError(
-                f"--run {options.of_run} shows a run as it is, without --{name}; leave that out "
+                f"--run {options.of_run} shows a run as it is, without "
+                f"{'a scene' if name == 'scene' else f'--{name}'}; leave that out "
                 "(films of a run: tactgen simulate --gif or --mp4)"
             )
     page = Path(options.out or "run.html")

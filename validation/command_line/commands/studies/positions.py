@@ -77,11 +77,17 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _models(asked: list[str] | None, of_scene: tuple[str, ...]) -> tuple[str, ...]:
-    from tactgen.validation.catalogue.models import models_of
+    from tactgen.validation.catalogue.models import MODELS, models_of
     from tactgen.validation.scene.wording import choices
 
     known = models_of("reluctance")
     if asked:
+        for name in ",".join(asked).split(","):
+            if name.strip() in MODELS and name.strip() not in known:
+                raise InputError(
+                    f'--model "{name.strip()}" is of the bimorph, and positions are of the normal '
+                    f"actuator; name one of {', '.join(known)}"
+                )
         return choices(",".join(asked), known, "model", "--model")
     return tuple(name for name in of_scene if name in known) or known[:1]
 
