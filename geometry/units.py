@@ -63,6 +63,14 @@ class SI(float):
     """A number known to be in SI units already, such as a library value."""
 
 
+class OutOfRange(ValueError):
+    """What is wrong with an SI number, to follow it in a sentence; `shown` is it with its unit."""
+
+    def __init__(self, what: str, shown: str) -> None:
+        super().__init__(what)
+        self.shown = shown
+
+
 @cache
 def unit_registry() -> pint.UnitRegistry[Any]:
     """Return the one registry of units."""
@@ -134,7 +142,12 @@ class Unit:
             except OverflowError:
                 number = math.inf
         # limiting cases, such as no shear or no shim, are open to Python callers
-        return self._in_range(number, limited=bool((info.context or {}).get("units_required")))
+        try:
+            return self._in_range(number, limited=bool((info.context or {}).get("units_required")))
+        except ValueError as error:
+            if isinstance(value, SI):
+                raise OutOfRange(str(error), self.show(number)) from None
+            raise
 
     def parse(self, text: str, *, bare: bool = False) -> float:
         """Return what a text says in SI units; `bare` takes a number without a unit for SI.

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
-from tactgen.geometry.units import quoted
+from tactgen.geometry.units import OutOfRange, quoted
 
 
 def one_line(text: str) -> str:
@@ -59,4 +59,5 @@ def sentence(error: ValidationError) -> str:
         message = f'is not text; write it in quotes, for example {key} = "text"'
     else:
         message = f"cannot be used ({first['msg']}); see the file that tactgen init writes"
-    return one_line(f"{key} = {quoted(value)} {message}")
+    shown = cause.shown if isinstance(cause, OutOfRange) else quoted(value)
+    return one_line(f"{key} = {shown} {message}")

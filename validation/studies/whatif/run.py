@@ -73,10 +73,15 @@ class Study:
         Sentences that differ in their numbers alone are one.
         """
         found: dict[str, list[str]] = {}
+        unbounded = [a.key for a in self.statement.axes if a.drawn and a.drawn.kind == "normal"]
         for _, model, each in self.rows:
             texts = list(each.warnings)
             if each.status != "ok":
-                texts.append(f"{model} has no answer: {each.reason}")
+                text = f"{model} has no answer: {each.reason}"
+                for key in unbounded:
+                    if each.reason.startswith(f"{key} = "):
+                        text += f", or draw {key} with a smaller deviation"
+                texts.append(text)
             for text in texts:
                 found.setdefault(_NUMBER.sub("#", text), []).append(text)
         total = len(self.points)

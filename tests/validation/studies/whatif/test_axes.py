@@ -72,7 +72,10 @@ def test_what_cannot_be_an_axis_is_refused(text, words):
     ("text", "words"),
     [
         ("gap=normal(200um,10V)", "which is not a length"),
-        ("gap=normal(200um,-1um)", "must be above 0"),
+        ("gap=normal(200um,-1um)", '"-1um" must be above 0; write for example 2%'),
+        ("gap=normal(200um,-2%)", '"-2%" must be above 0; write for example 2%'),
+        ("gap=lognormal(200um,0%)", '"0%" must be above 0; write for example 2%'),
+        ("gap=normal(200um,1.2.3%)", "cannot be read as a length"),
         ("gap=uniform(220um,180um)", "runs backwards"),
         ("gap=lognormal(200um,10um)", "share of the median"),
         ("gap=200um,210um", "no axis can be drawn from"),

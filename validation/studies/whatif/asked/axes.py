@@ -137,7 +137,7 @@ def _range(field: SceneField, text: str, *, sampled: bool) -> Axis:
                          "begin above 0")  # fmt: skip
     if len(parts) == 2:
         if not sampled:
-            raise InputError(f"{where} says not at how many values; write "
+            raise InputError(f"{where} does not say at how many values; write "
                              f"{field.key}={parts[0]}:{parts[1]}:5, or add --sample N")  # fmt: skip
         kind: Literal["uniform", "loguniform"] = "loguniform" if logarithmic else "uniform"
         return Axis(field.key, text, field.unit, (), Distribution(kind, start, stop))
@@ -163,7 +163,7 @@ def _distributed(field: SceneField, text: str, name: str, arguments: str, *, sam
         raise InputError(f"{where} cannot be drawn: {field.key} is not a number on a scale; name "
                          "its values, parted by commas")  # fmt: skip
     if not sampled:
-        raise InputError(f"{where} says not how many are drawn; add for example --sample 16")
+        raise InputError(f"{where} does not say how many are drawn; add for example --sample 16")
     first = _value(field, parts[0])
     if name in ("uniform", "loguniform"):
         second = _value(field, parts[1])
@@ -179,7 +179,7 @@ def _distributed(field: SceneField, text: str, name: str, arguments: str, *, sam
 def _deviation(field: SceneField, text: str, mean: float, *, relative: bool) -> float:
     """Return a standard deviation: in the key's unit, or as a share such as ``5 %``."""
     where = f"--vary {field.key}: the standard deviation {quoted(text)}"
-    share = re.fullmatch(r"([0-9.]+(?:e-?[0-9]+)?)\s*(%?)", text)
+    share = re.fullmatch(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e-?[0-9]+)?)\s*(%?)", text)
     try:
         if share and (share[2] or relative or not field.unit):
             number = float(share[1]) * (0.01 if share[2] else 1.0)
@@ -191,5 +191,5 @@ def _deviation(field: SceneField, text: str, mean: float, *, relative: bool) -> 
     except ValueError as error:
         raise InputError(f"{where} {error}") from None
     if not found > 0.0:
-        raise InputError(f"{where} must be above 0")
+        raise InputError(f"{where} must be above 0; write for example 2%")
     return found
