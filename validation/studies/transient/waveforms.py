@@ -136,9 +136,8 @@ def _level(piece: str, option: str, text: str, units: tuple[Unit, ...]) -> tuple
             return _within(value, unit, option, text, "the level"), unit
     if len(units) > 1:
         last = "is no level in volts or amperes"
-    raise InputError(
-        f"{option} {quoted(text)}: {quoted(piece.strip())} {last}; such as {_EXAMPLES}"
-    )
+    such_as = ", or a waveform such as " if "; " in last else "; write a waveform such as "
+    raise InputError(f"{option} {quoted(text)}: {quoted(piece.strip())} {last}{such_as}{_EXAMPLES}")
 
 
 def _value(piece: str, unit: Unit, option: str, text: str, name: str) -> float:
@@ -151,18 +150,10 @@ def _value(piece: str, unit: Unit, option: str, text: str, name: str) -> float:
 
 def _within(value: float, unit: Unit, option: str, text: str, name: str) -> float:
     """Refuse what the unit's bounds exclude."""
-    small, large = unit.limits or (0.0, math.inf)
-    wrong = (
-        (unit.at_least is not None and value < unit.at_least)
-        or (unit.above is not None and value <= unit.above)
-        or (unit.below is not None and value >= unit.below)
-        or (value != 0.0 and not small <= abs(value) <= large)
-    )
-    if wrong:
-        raise InputError(
-            f"{option} {quoted(text)}: {name} = {value:g} {unit.si} is out of range; write for "
-            f'example "{unit.example}"'
-        )
+    try:
+        unit.check(value)
+    except ValueError as error:
+        raise InputError(f"{option} {quoted(text)}: {name} = {unit.show(value)} {error}") from None
     return value
 
 
@@ -180,8 +171,8 @@ def _sampled(path: str, option: str, units: tuple[Unit, ...]) -> Written:
     known = {("current" if unit is AMPERES else "voltage"): unit for unit in units}
     if len(named) != 2 or named[0] != "time" or named[1] not in known:
         raise InputError(
-            f"{name} has the columns {', '.join(rows[0][1])}; {remedy.removeprefix('give a CSV ')}"
-            f" are needed, the second as one of {', '.join(known)}"
+            f"{name} has the columns {', '.join(rows[0][1])}; give the columns time (s) and "
+            + " or ".join(f"{what} ({unit.si})" for what, unit in known.items())
         )
     scales = []
     for match, unit in zip(headers, (SECONDS, known[named[1]]), strict=True):
