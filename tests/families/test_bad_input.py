@@ -293,7 +293,7 @@ def test_design_of_any_keys(refused, arguments, message):
         (["--plot", ""], "--plot is empty"),
         (["--lengths", "20:40mm"], 'lengths: "20" has no unit'),
         (["--lengths", "20mm:40kg"], "which is not a length"),
-        (["--lengths", "40mm:20mm"], "do not rise"),
+        (["--lengths", "40mm:20mm"], "must rise and start above 0 mm"),
         (["--lengths", "-1mm:20mm"], "must be greater than 0 mm"),
         (["--aim", "longest"], '--aim "longest" is neither shortest nor margin'),
         (["--model", "solid"], "--model goes with --vary"),

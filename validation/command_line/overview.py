@@ -47,7 +47,8 @@ def print_overview(solution: Solution) -> None:
         head, *body = part.rows
         _print_rows([head if len(parts) > 1 else ("", *head[1:]), *body], labels)
         if part.idle:
-            print(f"0 by symmetry, without current, or without a load: {', '.join(part.idle)}")
+            why = "by symmetry, or without voltage, current, coupling or load"
+            print(f"0 {why}: {', '.join(part.idle)}")
         if number < len(parts) - 1:
             print()
     print(

@@ -75,6 +75,6 @@ class Aim:
         short, long = self.lengths
         if not 0.0 < short < long:
             raise InputError(
-                f"lengths = {1e3 * short:g} mm to {1e3 * long:g} mm do not rise from above 0 mm; "
-                "write for example --lengths 20mm:40mm"
+                f"lengths = {1e3 * short:g} mm to {1e3 * long:g} mm must rise and start above "
+                "0 mm; write for example --lengths 20mm:40mm"
             )

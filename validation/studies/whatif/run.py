@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -196,10 +195,10 @@ def _all_answers(
     """Yield the answers to all jobs; those that another process is at are waited for last."""
     if not jobs:
         return
-    start, total, done = time.monotonic(), len(jobs), 0
+    total, done = len(jobs), 0
 
     def stage(text: str) -> None:
-        announce(f"{done} of {total} answers{_left(start, done, total)}: {text}")
+        announce(f"{done} of {total} answers: {text}")
 
     announce(f"0 of {total} answers")
     for patient in (False, True):
@@ -215,7 +214,7 @@ def _all_answers(
                 elsewhere.append(jobs[places[number]])
                 continue
             done += 1
-            announce(f"{done} of {total} answers{_left(start, done, total)}")
+            announce(f"{done} of {total} answers")
             yield number, answered
         jobs = elsewhere
         if not jobs:
@@ -226,11 +225,10 @@ def _told(
     found: Iterator[Found], total: int, announce: Callable[[str], None]
 ) -> Iterator[tuple[int, Answer]]:
     """Yield the answers from a cluster, and say how many there are."""
-    start = time.monotonic()
     announce(f"0 of {total} answers")
     for done, (number, answered) in enumerate(found, start=1):
         assert answered is not None
-        announce(f"{done} of {total} answers{_left(start, done, total)}")
+        announce(f"{done} of {total} answers")
         yield number, answered
 
 
@@ -239,13 +237,3 @@ def _processes(jobs: list[Job]) -> int:
     if all(MODELS[job.asked.model].quick for job in jobs):
         return 1
     return len(os.sched_getaffinity(0))
-
-
-def _left(start: float, done: int, total: int) -> str:
-    """Return the time that is left in words, from the time that was taken."""
-    if not done:
-        return ""
-    seconds = (time.monotonic() - start) * (total - done) / done
-    return (
-        f", about {seconds:.0f} s left" if seconds < 120 else f", about {seconds / 60:.0f} min left"
-    )

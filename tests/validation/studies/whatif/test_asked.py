@@ -49,3 +49,18 @@ def test_one_number_stands_for_poles():
     shown = representative(poles)
     assert shown.value == abs(poles.value[0])
     assert "size of the first" in shown.what
+
+
+@pytest.mark.parametrize("command", ["design", "whatif"])
+def test_the_remedy_for_an_idle_model_is_one_that_the_command_has(command, capsys):
+    """`design` has no --quantity."""
+    options = {
+        "design": ["bimorph.length=14mm:22mm", "--aim", "maximise static_tip_displacement"],
+        "whatif": ["bimorph.length=14mm,22mm", "--quantity", "static_tip_displacement"],
+    }
+    asked = [command, "paper", "--model", "network", "--vary", *options[command]]
+    assert main(asked) == 2
+    said = capsys.readouterr().err
+    assert "model network gives none of static_tip_displacement; leave it out, or ask for" in said
+    assert "such as magnetic_force" in said
+    assert "--quantity" not in said

@@ -128,7 +128,7 @@ def test_two_scenes_without_a_common_answer(capsys, tmp_path):
     same = ("--set", "bimorph.length=14mm", "--frequency", "100")  # so no devices are drawn
     code, out, _ = compared(capsys, "prototype", magnet, *same, "--out", tmp_path)
     assert code == 0
-    assert "no answer is on both sides; name quantities" in out
+    assert "no answer is on both sides; ask both for one quantity by one model" in out
     assert "no answer is on both sides" in (tmp_path / "compare.html").read_text("utf-8")
     rows = {line.split()[0]: line.split()[1:] for line in out.splitlines() if line.strip()}
     assert rows["models"] == ["tmm", "network"]

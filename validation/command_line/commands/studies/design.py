@@ -248,7 +248,7 @@ def _print(scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence
               f"{lowest[1]:>9} {row['margin']:>14.4g} {row['margin_at']:>6.4g} Hz")  # fmt: skip
     columns = decided_lengths(found)
     if not columns:
-        print("\nThe length is an end of the range and depends on no parameter.")
+        print("\nThe length is at an end of the range and depends on no parameter.")
         return
     print("\npercent by which a length changes per percent of a parameter")
     heads = " ".join(f"{1e3 * length:>9.5g} mm" for length, _ in columns)

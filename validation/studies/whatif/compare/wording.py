@@ -12,8 +12,8 @@ from tactgen.validation.view.formats import percent, with_bar
 
 #: Where no quantity of the one is one of the other by the same model.
 NOTHING_SHARED = (
-    "no answer is on both sides; name quantities and models that both have with --quantity and "
-    "--model"
+    "no answer is on both sides; ask both for one quantity by one model (of scenes with --quantity "
+    "and --model, of studies where tactgen whatif makes them)"
 )
 
 

@@ -102,7 +102,7 @@ def sentences(found: Found) -> list[str]:
         edge = ", nearer to the edge than the error bar" if near else ""
         before = shown(aim, *present.margins[n]) if present else "unknown"
         lines.append(f"  {aim.text}: {shown(aim, margin, bar)}{edge}; before: {before}")
-    lines += [f"{key} is an end of its range, beyond which there may be better"
+    lines += [f"{key} is at an end of its range, beyond which there may be better"
               for key in found.at_end if any(aim.kind == "goal" for aim in found.aims)]  # fmt: skip
     basis = f", {found.together} of their answers given together" if found.together else ""
     lines.append(f"{found.tried} points tried{basis}.")
