@@ -94,7 +94,8 @@ def _of_study(options: argparse.Namespace) -> int:
         print_json(found)
     else:
         over = ", ".join(statement.columns)
-        print(f"study of {statement.scene}: {statement.size} points over {over}")
+        points = f"{statement.size} point{'s' if statement.size > 1 else ''}"
+        print(f"study of {statement.scene}: {points} over {over}")
         for model in models:
             print("\n".join(model.sentences))
     return 0

@@ -121,7 +121,7 @@ class PlannedModel:
     @property
     def sentences(self) -> tuple[str, ...]:
         """For the reader."""
-        counts = [f"{self.model}: {self.points} points"]
+        counts = [f"{self.model}: {self.points} point{'s' if self.points > 1 else ''}"]
         counts += [f"{self.refused} refused"] if self.refused else []
         counts += [f"{self.kept} answers kept from before"] if self.kept else []
         if self.alone:

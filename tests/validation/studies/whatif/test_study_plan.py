@@ -88,6 +88,12 @@ def test_refusals_as_of_the_study(vary, words, capsys):
     assert words in capsys.readouterr().err
 
 
+def test_one_point_is_one(own_store, capsys):
+    assert main(["plan", "paper", "--vary", "bimorph.length=14mm", "--model", "tmm"]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("study of paper: 1 point over bimorph.length\ntmm: 1 point, 1 solved")
+
+
 @pytest.mark.parametrize(
     ("vary", "words"),
     [
