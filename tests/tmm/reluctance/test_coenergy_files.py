@@ -67,7 +67,7 @@ def test_other_files_are_refused(pull, tmp_path):
         ("half.nc", "not a whole netcdf file"),
         ("text.nc", "not a whole netcdf file"),
         ("empty.nc", "not a whole netcdf file"),
-        ("other.nc", "not a co-energy map"),
+        ("other.nc", "not a co-energy map: .*; give a file that tactgen export --map wrote"),
         ("none.nc", "no such file"),
     ):
         with pytest.raises(InputError, match=words):

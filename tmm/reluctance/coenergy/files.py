@@ -91,7 +91,10 @@ def read_map(path: str | Path) -> CoenergyMap:
 
 def _samples(file: Any, path: Path) -> Samples:
     if _text(file, "title") != TITLE:
-        raise InputError(f'{path} is not a co-energy map: its title is not "{TITLE}"')
+        raise InputError(
+            f'{path} is not a co-energy map: its title is not "{TITLE}"; give a file that tactgen '
+            "export --map wrote"
+        )
     found: dict[str, Floats | None] = {}
     for name, dimensions, unit, _ in _VARIABLES:
         variable = file.variables.get(name)
