@@ -224,11 +224,14 @@ def test_names_that_are_no_file_are_refused(name):
     assert str(caught.value).isprintable()
 
 
-def test_a_folder_is_called_one(tmp_path):
+def test_a_folder_is_called_one(tmp_path, monkeypatch):
+    # by a short name: long ones are shortened in what is said
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine").mkdir()
     with pytest.raises(InputError) as caught:
-        load_scene(str(tmp_path))
+        load_scene("mine")
     said = str(caught.value)
-    assert said.startswith(f'scene "{tmp_path}" is a folder; name a scene file in it')
+    assert said.startswith('scene "mine" is a folder; name a scene file in it')
     assert said.count("\n") == 0
 
 
