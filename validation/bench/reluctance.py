@@ -103,7 +103,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
     """Measure everything on one core; some three minutes, or under one if `quick`."""
     started = time.perf_counter()
     announce("magnetics: reference")
-    reference = on_one_core(__name__, "point_of", *((5, 1.5, 1) if quick else (6, 2.0, 1)))
+    reference = on_one_core(__name__, "point_of", *((6, 1.5, 1) if quick else (6, 2.0, 1)))
     finest = 1.4 if quick else 0.8
     forces = [at["force"] for at in _team20(finest, announce).values()]
     middle, half = 0.5 * sum(forces), 0.5 * abs(forces[0] - forces[1])
