@@ -47,7 +47,7 @@ SEGMENTS = Kind(
     "half as many segments",
     "twice as many segments",
     "segments",
-    "the square of a segment's length",
+    "the fourth power of a segment's length, less where the taper ends in a point",
 )
 STEPS = Kind("half as many steps", "twice as many steps", "steps in time", "the square of the step")
 LEVEL = Kind(

@@ -11,19 +11,19 @@ import numpy as np
 from tactgen.fem.reluctance.three_d.problem import MagneticSolid, SampledSolid, sample
 from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
 from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
-from tactgen.geometry.device.steel_law import MU0, linear
+from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve, linear
 from tactgen.validation.checks.cases.fineness import counted
 from tactgen.validation.checks.cases.magnetics.sphere_mesh import OUTER, RADIUS, sphere_mesh
 
 Potential = type[VectorPotential] | type[ScalarPotential]
 
 
-def sampled_ball(n: int, permeability: float, *, curved: bool = True) -> SampledSolid:
+def sampled_ball(n: int, iron: MagnetisationCurve, *, curved: bool = True) -> SampledSolid:
     """Return the problem on `n` intervals per edge, for a field of 1 A/m along z."""
     return sample(
         MagneticSolid(
             sphere_mesh(n, curved=curved),
-            {"ball": linear(permeability)},
+            {"ball": iron},
             lambda points: np.broadcast_to([0.0, 0.0, 1.0], points.shape),
             flux_normal=("z_low", "outer"),
             copies=8,
@@ -41,7 +41,7 @@ def ball_error(
     potential: Potential, n: int, *, curved: bool = True, permeability: float = 1000.0
 ) -> tuple[float, float]:
     """Return the relative error of B in the ball: of its mean and in the mean square."""
-    solid = sampled_ball(n, permeability, curved=curved)
+    solid = sampled_ball(n, linear(permeability), curved=curved)
     solver = potential(solid)
     counted(solver.size)
     field = solver.solve(1.0)

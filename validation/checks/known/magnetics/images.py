@@ -61,7 +61,7 @@ CASES: tuple[Case, ...] = (
         model="axisymmetric field, quadrilaterals of order 4 on a graded grid, walls at a hundred "
         "radii",
         source="image current (µr − 1)/(µr + 1) (J. D. Jackson, Classical Electrodynamics, 3rd "
-        "ed., section 5.12), by Maxwell's elliptic integrals over both sections",
+        "ed., ch. 5), by Maxwell's elliptic integrals over both sections",
         tolerance=1e-5,
         reason="the mesh and walls at a hundred radii, 2e-6 each",
         answers=[
