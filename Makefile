@@ -7,7 +7,7 @@ PACKAGES := geometry fem tmm validation
 # as the command line does for itself: small products gain nothing from more threads
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help setup report report-quick docs test test-heavy test-elsewhere test-witnesses approve lint format lock clean
+.PHONY: help setup report report-quick docs test test-heavy test-witnesses lint format lock clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-14s %s\n", $$1, $$2}' Makefile
@@ -39,10 +39,6 @@ test: $(READY) ## run the tests, less the heavy ones
 test-heavy: $(READY) ## run the heavy tests
 	$(BIN)/pytest -m heavy
 
-test-elsewhere: $(READY) ## run the tests as processors with fewer instructions would
-	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python tests/elsewhere.py --numprocesses auto \
-		--dist loadfile --no-loadscope-reorder
-
 PEERS := .venv-peers
 ASKED = import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]\
 ["optional-dependencies"]["peers"], sep="\n")
@@ -57,10 +53,6 @@ $(PEERS)/.ready: $(READY) pyproject.toml
 test-witnesses: $(PEERS)/.ready ## let public programs solve random devices beside this one
 	TACTGEN_PEERS=$(CURDIR)/$(PEERS)/bin/python $(BIN)/pytest -m heavy -s tests/witnesses \
 		tests/validation/bench/test_witnesses.py
-
-approve: $(READY) ## write approved outputs anew, of TESTS=… or all; read the diff before you commit
-	$(BIN)/pytest --approve $(TESTS)
-	$(BIN)/python tests/elsewhere.py --loosen $(TESTS)
 
 lint: $(READY) ## check style, types and layering
 	$(BIN)/ruff check

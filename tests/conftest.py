@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 
 import pytest
-from approved import approved, approved_line, pytest_addoption  # noqa: F401
 from hypothesis import settings
 
 # the workers of pytest-xdist are the parallelism: with two threads in each of two they wait for

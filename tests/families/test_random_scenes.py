@@ -27,13 +27,6 @@ def test_a_second_model_bears_out_any_answer():
     assert min(row.points for row in rows) > 10
 
 
-def test_what_is_drawn(approved):
-    """Machines and bimorphs, up to six keys beside their sizes, one to three frequencies."""
-    drawn = [at_random.draw(np.random.default_rng([7, number])) for number in range(40)]
-    approved("\n".join(f"{name} {'; '.join(overrides)}" for name, overrides in drawn))
-    assert {name for name, _ in drawn} == {"generator", "prototype"}
-
-
 @pytest.mark.parametrize("quick", [True, False])
 def test_a_run_is_told_with_its_statement(monkeypatch, quick):
     """So many scenes; how long one may take is said."""

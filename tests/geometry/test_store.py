@@ -476,14 +476,6 @@ def test_killed_at_any_moment(folder, tmp_path, kills):
     assert len(finished) >= len(kept)
 
 
-def write_package(root, **files):
-    for name, text in files.items():
-        path = root / (name.replace("__", "/") + ".py")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-    return root
-
-
 @pytest.fixture
 def project(tmp_path, monkeypatch):
     """A small project in place of this one."""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from approved import in_text
+from pages import blank_figures
 
 from tactgen.validation.checks.stress import beam
 from tactgen.validation.checks.stress.result import Approach, ErrorMap, Point, Stress, judged
@@ -168,10 +168,10 @@ def made_up_stress(monkeypatch):
 
 @pytest.fixture
 def undrawn(monkeypatch):
-    """Write a report's figures as text, for tests of its words: drawing takes most of its time."""
+    """Write a report's figures blank, for tests of its words: drawing takes most of its time."""
     from tactgen.validation.view import pictures
 
-    in_text(monkeypatch)
+    blank_figures(monkeypatch)
     monkeypatch.setattr(pictures, "solids_picture", lambda _: b"")
 
 

@@ -220,32 +220,6 @@ def test_unknown_part_is_refused():
         command.run(options(only=["tm"]))
 
 
-@pytest.mark.parametrize(
-    ("library", "lossy"),
-    [
-        ("auto", True),
-        pytest.param("superlu", False, marks=pytest.mark.heavy),
-        pytest.param("auto", False, marks=pytest.mark.heavy),
-        pytest.param("superlu", True, marks=pytest.mark.heavy),
-    ],
-)
-def test_solver_on_a_small_matrix(tmp_path, lossy, library, approved):
-    """The size asked for is met, the answer is right, every step took time and memory.
-
-    Times of two releases compare only while the matrix is the same.
-    """
-    path = str(tmp_path / "matrix.npz")
-    potentials = solver.write_matrix(12_000, lossy, path)
-    found = solver.measured(path, library)
-    # those held at the planes of symmetry and the base are not foreseen
-    assert found["unknowns"] == pytest.approx(12_000, rel=0.2)
-    assert found["error"] < 1e-6
-    assert min(found[step] for step in (solver._FIRST, solver._AGAIN, solver._SOLVE)) > 0.0
-    assert found["memory"] > 1e7
-    assert found["negative"] in (-1, potentials)
-    approved(f"{found['unknowns']:.0f} unknowns, {found['entries']:.0f} entries, {potentials}")
-
-
 def test_a_measurement_that_fails_takes_no_other_along(monkeypatch):
     """What does not fit into memory is named under the table; the rest is there."""
     row = {"unknowns": 9, "entries": 81, solver._FIRST: 3.0, solver._AGAIN: 1.0, solver._SOLVE: 0.1,
@@ -271,21 +245,3 @@ def test_a_part_without_a_measurement_is_refused(monkeypatch):
     monkeypatch.setattr(solver, "on_one_core", alone)
     with pytest.raises(InputError, match=r"Not measured: .*out of memory"):
         solver.run(quick=True, announce=lambda _: None)
-
-
-def test_solver_part(monkeypatch, told):
-    """One row per step, way and size; a count of pivots that is off is not met."""
-    measured = {
-        "unknowns": 9, "entries": 81, solver._FIRST: 3.0, solver._AGAIN: 1.0, solver._SOLVE: 0.1,
-        "memory": 1e6, "error": 1e-8, "negative": 4,
-    }  # fmt: skip
-
-    def alone(module, function, *arguments):
-        return 3 if function == "write_matrix" else dict(measured)
-
-    monkeypatch.setattr(solver, "on_one_core", alone)
-    part = solver.run(quick=True, announce=lambda _: None)
-    assert {row.case for row in part.timings} == {solver._FIRST, solver._AGAIN, solver._SOLVE}
-    assert [target.met for target in part.targets] == [True, False, True]
-    assert time_error_plot(part.timings).count("superlu, complex") >= 1
-    told(part)

@@ -4,7 +4,6 @@ import math
 from dataclasses import replace
 
 import pytest
-from approved import described
 
 from tactgen.validation.book import convergence
 from tactgen.validation.book.figures import Curve
@@ -56,21 +55,6 @@ def test_levels_are_asked_to_the_third_or_the_last_that_differs(drawn):
     coarser[3] = level(3, 5.0, new=False)
     convergence.converged([row_of(level(0, 2.0, count=50))])
     assert [curve.sizes for curve in kept[-1][0]] == [[50, 40, 30], [40, 30]]
-
-
-def test_what_has_no_coarser_level_is_shown_with_the_one_finer(drawn, approved):
-    """The finest is the first, errors are against the reference, changes by the largest value."""
-    asked, kept, coarser = drawn
-    coarser[-1] = level(-1, 2.0002, count=80)
-    found = convergence.converged([row_of(level(0, -2.5, count=20))])
-    assert asked == [1, -1]
-    curves, measure, tolerance = kept[0]
-    assert (measure, tolerance) == ("unknowns", 1e-2)
-    assert curves == [
-        Curve("error", [80, 20], [pytest.approx(1e-4), pytest.approx(2.25)]),
-        Curve("change to the finest", [20], [pytest.approx(4.5002 / 2.5)]),
-    ]
-    approved(described(found))
 
 
 @pytest.mark.parametrize("reference", [0.0, (1.0, 2.0)])

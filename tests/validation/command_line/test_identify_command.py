@@ -5,14 +5,13 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from approved import figure_text
 
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.identification.curve_model import curve_model
 from tactgen.validation.studies.identification.identify import identify
 from tactgen.validation.studies.identification.measured_data import read_measured
-from tactgen.validation.studies.identification.plot import draw, write_plot
+from tactgen.validation.studies.identification.plot import write_plot
 
 
 def run(capsys, *arguments):
@@ -119,31 +118,6 @@ def test_plots(capsys, sweep, tmp_path):
     assert ET.parse(first).getroot().tag.endswith("svg")
     assert first.read_bytes() == second.read_bytes()
     assert image.read_bytes().startswith(b"\x89PNG")
-
-
-@pytest.mark.parametrize(("phase", "columns"), [(True, 2), (False, 1)])
-def test_plot_shows_data_fit_and_residuals(sweep, phase, columns, approved):
-    """Magnitude and, if measured, phase; below each the residuals with the band of the fit."""
-    data = read_measured(sweep)
-    if not phase:
-        data = read_measured(_magnitudes(sweep))
-    figure = draw(identify(load_scene("prototype")[0], data, ("c_s=0.2N*m/rad", "d_s")))
-    assert len(figure.axes) == 2 * columns
-    approved(figure_text(figure))
-    top = figure.axes[0]
-    lines = {line.get_label(): line for line in top.get_lines()}
-    np.testing.assert_allclose(lines["data"].get_ydata(), 1e3 * np.abs(data.values), rtol=1e-9)
-    assert lines["fit"].get_ydata().max() == pytest.approx(22.8, rel=0.02)  # mm/s, as the truth
-    residuals = figure.axes[columns]
-    assert np.abs(residuals.get_lines()[0].get_ydata()).mean() < 3.0  # % at 2 % noise
-    assert residuals.collections  # the band
-
-
-def _magnitudes(sweep):
-    path = sweep.with_name("magnitudes.csv")
-    lines = sweep.read_text(encoding="utf-8").splitlines()
-    path.write_text("\n".join(line.rsplit(",", 1)[0] for line in lines), encoding="utf-8")
-    return path
 
 
 def test_help_says_what_the_data_must_be(capsys):

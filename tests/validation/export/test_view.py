@@ -3,8 +3,6 @@
 import html
 
 import pytest
-from approved import page_text
-from unpainted import as_text, unpainted
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
@@ -13,55 +11,9 @@ from tactgen.validation.export.inline_view import show
 from tactgen.validation.export.view import Look, _models, harmonic_frequencies, view
 from tactgen.validation.fields import lengths
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.view import browser, films
+from tactgen.validation.view import browser
 
 QUICK = ["j1", "--set", "models=tmm", "--set", "modes=2"]
-
-
-@pytest.fixture
-def unsaved(monkeypatch):
-    """Return what pictures are told to draw; of films, what they were given stands there too."""
-    kept = unpainted(monkeypatch)
-
-    def saved(path, images, shown, repeats):
-        kept.append(
-            f"film {path.name}: {len(images)} pictures of {images[0].size}, {shown}, {repeats}"
-        )
-        path.write_bytes(b"film")
-
-    monkeypatch.setattr(films, "_FRAMES", 3)
-    monkeypatch.setattr(films, "save_film", saved)
-    monkeypatch.setattr(films.shutil, "which", lambda _: "ffmpeg")
-    return kept
-
-
-def in_words(kept):
-    """Return the size of each picture and what is written into it, once."""
-    lines = as_text(kept).splitlines()
-    return dict.fromkeys(line for line in lines if line.startswith(("stage", "text", "film")))
-
-
-def test_all_that_is_written(tmp_path, capsys, unsaved, approved):
-    """Their paths on stdout; state and colour that were asked for, the page's own stills."""
-    files = {kind: tmp_path / f"v.{kind}" for kind in ("png", "gif", "mp4")}
-    options = [text for kind, path in files.items() for text in (f"--{kind}", str(path))]
-    page = tmp_path / "v.html"
-    arguments = ["view", *QUICK, "--frequency", "500", "--out", str(page), *options]
-    assert main([*arguments, "--state", "500 Hz", "--field", "u_x"]) == 0
-    assert capsys.readouterr().out.splitlines() == [str(page), *map(str, files.values())]
-    text = page.read_text(encoding="utf-8")
-    assert '"name":"500 Hz"' in text
-    assert files["png"].read_bytes().startswith(b"\x89PNG")
-    approved("\n".join([page_text(text), *in_words(unsaved)]))
-
-
-def test_what_a_look_takes(tmp_path, unsaved, approved):
-    """Nothing asked: the first state by part, driven states at the first mode and half of it."""
-    said = []
-    files = {"out": tmp_path / "v.html", "png": tmp_path / "v.png"}
-    scene, _ = load_scene("j1", ["models=tmm,beam", "modes=1"])
-    assert view(scene, Look(), files, said.append) == list(files.values())
-    approved("\n".join([*said, page_text(files["out"].read_text("utf-8")), *in_words(unsaved)]))
 
 
 def test_a_slider_of_the_length_moves_the_bimorph_alone(tmp_path, monkeypatch):
@@ -79,7 +31,7 @@ def test_a_slider_of_the_length_moves_the_bimorph_alone(tmp_path, monkeypatch):
     assert {"rod", "coil"} < set(stood.mesh.regions)
 
 
-def test_a_notebook_holds_the_page(unsaved):
+def test_a_notebook_holds_the_page():
     """In a frame that asks for no other file."""
     scene, _ = load_scene("j1", ["modes=2"])
     shown = show(scene, ["tmm"], [500.0])

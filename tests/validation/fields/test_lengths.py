@@ -1,11 +1,9 @@
 """Modes over the length: the quantities' numbers, the solved shapes, and what lies between."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from approved import described
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
@@ -39,25 +37,6 @@ def check(scene, model, found):
         assert apart <= mode.bar[k] + q.uncertainty[place]
         seen += 1
     assert seen >= len(q.value) - 2  # those that some length has not among its lowest
-
-
-def test_a_row_over_the_length(approved):
-    """The transfer matrix: every length its own closed form; shapes between five to 0.2 %."""
-    scene, _ = load_scene("j1", ["models=tmm", "modes=2"])
-    found = length_range(scene, "tmm", ENDS, known=4)
-    check(scene, "tmm", found)
-    assert found.missed < 2e-3  # of a polynomial of degree 4 over a range of 1 to 1.7
-    assert found.points[:, :, 2].max(axis=1) == pytest.approx(found.solved)
-    # a length of the polynomials' own is the solution there
-    (own,) = gather(at(scene, float(found.solved[1])), ["tmm"], Request((), "edges"))
-    state = own.state("mode 2, short circuit")
-    shape = np.tensordot(
-        lagrange_weights(found.solved, float(found.solved[1])), found.modes[1].shapes, 1
-    )
-    sign = np.sign(np.vdot(shape, np.real(state.fields["displacement"])))
-    assert sign * shape == pytest.approx(np.real(state.fields["displacement"]), abs=1e-12)
-    modes = [replace(mode, shapes=np.abs(mode.shapes)) for mode in found.modes]
-    approved(described([found.lengths, found.solved, found.points, modes]))
 
 
 def test_what_is_missed_is_measured_between_the_nodes():

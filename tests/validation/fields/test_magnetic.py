@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from approved import described
 
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.fields.gather import Request, gather
-from tactgen.validation.fields.magnetic import Section, flux_lines, revolved, section_of
+from tactgen.validation.fields.magnetic import Section, revolved, section_of
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.view.page.shown import payload
 
@@ -69,25 +68,6 @@ def test_flux_through_the_shaft_is_that_of_the_lines(scene, field):
     line = field.flux_function[edge, np.abs(grid.z - at).argmin()]
     # five pieces over a smooth profile
     assert found == pytest.approx(2.0 * np.pi * line, rel=2e-2)
-
-
-def test_the_number_beside_it_is_the_quantity(scene, opened, approved):
-    (state,) = opened.states
-    force = solve(scene, ["axisymmetric"], ["magnetic_force"]).get("magnetic_force", "axisymmetric")
-    assert state.pull == (float(force.value), float(force.uncertainty))
-    assert state.name == "130 mA, gap 200 µm"
-    assert np.linalg.norm(state.fields["flux_density"], axis=1).max() < 3.0  # saturated steel
-    approved(described([opened.mesh.points, opened.mesh.regions, state]))
-
-
-def test_flux_lines_lie_in_both_faces(field, approved):
-    lines = flux_lines(field, section_of(field))
-    x, y = lines[..., 0], lines[..., 1]
-    assert np.minimum(np.abs(x), np.abs(y)).max() < 1e-15
-    assert (x <= 1e-15).all()
-    assert (y <= 1e-15).all()
-    assert len(lines) > 500
-    approved(described([len(lines), np.abs(lines)]))
 
 
 def test_a_large_result_goes_into_the_page_by_its_surface(opened):

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from approved import described
 
 from tactgen.fem.bimorph.error_estimate.error_indicator import GoalError
 from tactgen.geometry.bimorph import tets
@@ -46,17 +45,6 @@ def test_uniform_errors_ask_for_uniformly_finer_elements():
         assert np.ptp(np.log(lengths)) < 1e-12
         assert lengths[0] < last
         last = lengths[0]
-
-
-def test_elements_to_blame_become_finer_than_the_rest(approved):
-    """An element with a large share gets short edges, one far away with none keeps its own."""
-    mesh = uniform_box(10)
-    centre = mesh.points[mesh.cells].mean(axis=1)
-    errors = np.where(np.linalg.norm(centre, axis=1) < 0.15e-3, 1.0, 1e-9)
-    sizing = sizing_for(mesh, errors, 0.1 * errors.sum(), shortest=0.0, most=1e9)
-    approved(described(sizing))
-    distance = np.linalg.norm(sizing.points, axis=1)
-    assert sizing.lengths[distance.argmin()] < 0.5 * sizing.lengths[distance.argmax()]
 
 
 def test_number_of_elements_is_limited():
@@ -362,11 +350,3 @@ def test_classes_that_are_no_goal_count_by_unknowns():
     bending, others = AdaptedPair(fine, coarse).mode_factors
     assert bending < others == pytest.approx(two_mesh_factor(1.5, 2.0), rel=1e-12)
     assert np.isfinite(AdaptedPair(coarse, coarse).mode_factors).all()
-
-
-def test_all_that_pairs_say(approved):
-    names = ("static_factor", "mode_factors", "static_share", "largest_bar", "method")
-    coarse = solved_with(3_000, 1e-2, capacitance=3e-2, bending_2=5e-2)
-    fine = [solved_with(9_000, 4e-3), solved_with(20_000, 1e-3, tip_compliance=9e-3)]
-    pairs = [AdaptedPair(each, coarse) for each in fine]
-    approved(described([{name: getattr(pair, name) for name in names} for pair in pairs]))

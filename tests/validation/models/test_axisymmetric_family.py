@@ -2,21 +2,15 @@
 
 import numpy as np
 import pytest
-from approved import answered
 
 from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.families import find_families
-from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.reluctance import field
 from tactgen.validation.models.reluctance.family import axisymmetric as family
 from tactgen.validation.models.reluctance.family import field_tables
 from tactgen.validation.scene.keys import value_of, with_values
-from tactgen.validation.scene.scene import load_scene, scene_values
-from tactgen.validation.studies.whatif import answers
-from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.study_plan import plan_study
+from tactgen.validation.scene.scene import load_scene
 
 NAMES = ("magnetic_force", "flux_linkage", "coenergy", "inductance", "incremental_inductance")
 SETS = ["models=axisymmetric", "accuracy=10%"]
@@ -28,51 +22,6 @@ def coarse(own_store, monkeypatch):
     for module in (field, field_tables):
         monkeypatch.setattr(module, "REFINEMENTS", ((0.0, 0.5),))
     monkeypatch.setattr(family, "_PLACES", (8, 3))  # nine points are enough for a table
-
-
-def stated(*vary, **more):
-    values, _ = scene_values("reluctance", SETS)
-    return Statement("reluctance", values, vary, ("axisymmetric",), NAMES, **more)
-
-
-def hold(point, answer):
-    """Hold what a study says at a point against the same solved alone."""
-    units = {"coil.current": "A"}
-    there = [f"{key}={value!r} {units.get(key, 'm')}" for key, value in point.items()]
-    scene, _ = load_scene("reluctance", [*SETS, *there])
-    for single in solve(scene, ("axisymmetric",), NAMES).quantities:
-        together = next(q for q in answer.quantities if q.name == single.name)
-        assert together.unit == single.unit
-        assert abs(together.value - single.value) <= together.uncertainty + single.uncertainty
-        # tabled, not guessed: no more than as much again is added to a single point's bar
-        assert together.uncertainty <= 2.5 * single.uncertainty, single.name
-
-
-@pytest.mark.parametrize(
-    ("vary", "held"),
-    [
-        ("coil.length=1.4mm:1.62mm:9", (1, 8)),
-        pytest.param("rod.radius=0.56mm:0.64mm:9", (3, 8), marks=pytest.mark.heavy),
-        pytest.param("gap=0.1mm:0.25mm:9", (0, 4), marks=pytest.mark.heavy),
-        pytest.param("coil.current=50mA:200mA:9", (2, 6), marks=pytest.mark.heavy),
-    ],
-)
-def test_a_study_takes_one_table_and_says_so(vary, held, monkeypatch, approved):
-    statement = stated(vary)
-    before = plan_study(statement)[0].bases[0].sentence
-    assert "a table of fields" in before
-    assert "not built yet" in before
-    said = []
-    with monkeypatch.context() as alone:
-        alone.setattr(answers, "solve", lambda *_: pytest.fail("a point was solved alone"))
-        study = run_study(statement, 1, said.append)
-    assert any(f"9 points differ in {vary.partition('=')[0]} only" in text for text in said)
-    assert "which is kept" in plan_study(statement)[0].bases[0].sentence
-    rows = list(study.rows)
-    for number in held:
-        point, _, answer = rows[number]
-        hold(point, answer)
-    approved("\n".join([before, *said, *(answered(answer.quantities) for _, _, answer in rows)]))
 
 
 def test_edges_that_pass_another_divide_the_range():

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from approved import answered, described
 
 from tactgen.fem.reluctance.axisymmetric import actuator
 from tactgen.fem.reluctance.axisymmetric.actuator import FieldErrors, FieldPoint, solve_point
@@ -13,9 +12,7 @@ from tactgen.fem.reluctance.axisymmetric.walk import FieldWalk
 from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
 from tactgen.tmm.reluctance.map_range import map_grid
-from tactgen.tmm.reluctance.switching import spring_force
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.engine.costs import recorded
 from tactgen.validation.engine.families import find_families
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.reluctance import field
@@ -73,65 +70,6 @@ def closed(own_store, monkeypatch):
     few = partial(map_grid, currents=7, gaps=6)
     monkeypatch.setattr("tactgen.tmm.reluctance.map_range.map_grid", few)
     return maps
-
-
-def test_a_dimension_takes_a_table_of_maps_and_says_so(closed, monkeypatch, approved):
-    """Currents and positions are those of the closed form at each point, from five maps."""
-    asked = stated("rod.radius=0.56mm:0.64mm:7", quantities=STROKE)
-    (before,) = plan_study(asked)
-    assert (before.alone, before.walks[0].points) == (0, 7)
-    first, shared = before.sentences[1:]
-    assert "7 points over rod.radius are solved one after another" in first
-    assert "their cost is not recorded yet" in first
-    assert "a table of co-energy maps over rod.radius, for pull_in_current" in shared
-    assert "magnetic_force" not in shared
-    never_alone(monkeypatch)
-    study = run_study(asked, 1)
-    assert study.counts.walked == 7
-    assert sorted(closed) == pytest.approx(
-        0.6e-3 + 0.04e-3 * np.array([-1.0, -(0.5**0.5), 0.0, 0.5**0.5, 1.0])
-    )
-    for point, _, answer in study.rows:
-        scene, _ = load_scene("reluctance", [*SETS, f"rod.radius={point['rod.radius']!r} m"])
-        device, found = scene.device, {q.name: q for q in answer.quantities}
-        for name, gap in (
-            ("pull_in_current", device.gap), ("holding_current", device.spring.stop_gap),
-        ):  # fmt: skip
-            against = float(spring_force(device, gap))
-            exact = (gap + offset(device)) * np.sqrt(2.0 * against / 4e-6)
-            # half the force's bar, and what the last step of the secant was
-            assert abs(found[name].value - exact) <= found[name].uncertainty <= 1e-3 * exact
-        assert found["rod_position"].value < 0.1 * (device.spring.stop_gap - device.gap)
-    approved("\n".join([*before.sentences, *(answered(a.quantities) for _, _, a in study.rows)]))
-    (after,) = plan_study(asked)
-    assert (after.kept, after.walks) == (7, ())
-    more = stated("rod.radius=0.56mm:0.64mm:13", quantities=STROKE)
-    (wider,) = plan_study(more)
-    assert (wider.kept, wider.walks[0].points) == (7, 6)
-    assert wider.walks[0].seconds in recorded().values()
-    run_study(stated("rod.radius=0.57mm,0.61mm", quantities=STROKE), 1)
-    assert len(closed) == 5  # two points would have no table of their own: they read this one
-    run_study(stated("rod.radius=0.55mm,0.605mm", quantities=STROKE), 1)
-    assert len(closed) == 7  # it does not reach so far
-
-
-def test_the_maps_bar_holds_what_lies_between_those_solved(closed, approved):
-    """A table of few maps misses more, and says how much more."""
-    scene, _ = load_scene("reluctance", SETS)
-    errors = []
-    for half in (0.02e-3, 0.06e-3):
-        ranges = {"rod.radius": (0.58e-3 - half, 0.58e-3 + half)}
-        walk.prepare_walk(scene, ranges, STROKE, 9)
-        maps = walk.begin_walk(scene, ranges, STROKE, 9).maps
-        there = with_values(scene, {"rod.radius": 0.58e-3 + 0.4 * half})
-        found = maps.at({"rod.radius": there.rod.radius}, "")
-        for current, gap in ((0.05, 0.03e-3), (0.13, 0.15e-3)):
-            exact = closed_form(there.device, current, gap)
-            off = abs(float(found.force(current, gap)) / exact.force - 1.0)
-            assert off <= found.interpolation_error.force
-        errors.append(found.interpolation_error)
-    assert errors[1].force > 1.5 * errors[0].force
-    approved(described(errors))
 
 
 def test_gap_current_and_spring_share_one_map_without_a_table(closed, monkeypatch):

@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from approved import described
 
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.bimorph.beam import BeamModel
 from tactgen.validation.scene.scene import load_scene
 
 CASES = {
@@ -57,14 +55,3 @@ def test_rounding_of_a_mode_is_its_own():
     assert (np.abs(found.value - exact.value) <= found.uncertainty + exact.uncertainty).all()
     assert relative[0] > 2.0 * relative[1]
     assert relative[:2].max() < 1e-9
-
-
-@pytest.mark.usefixtures("own_store")
-def test_all_that_few_elements_say(approved, monkeypatch):
-    """Four elements, whose bars are far above rounding."""
-    whole = BeamModel._meshes
-    monkeypatch.setattr(BeamModel, "_meshes", lambda self, _, lossy: whole(self, 4, lossy=lossy))
-    scene, _ = load_scene("prototype", ["modes=3", "frequency=7000"])
-    names = ("short_circuit_frequencies", "open_circuit_frequencies", "tip_displacement")
-    found = solve(scene, ("beam",), names).quantities
-    approved(described([(q.name, q.value[-1], q.uncertainty[-1]) for q in found]))

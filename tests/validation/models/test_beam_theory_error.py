@@ -3,7 +3,6 @@
 import random
 
 import pytest
-from approved import described
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.section.laminate import laminate_section
@@ -114,13 +113,3 @@ def test_a_band_holds_no_difference_and_that_of_the_plate():
         assert (found[name].low, found[name].high) == pytest.approx(
             (both[0] - ends, both[1] + ends)
         )
-
-
-def test_all_that_is_said_of_beams(approved):
-    sizes = (((0.26, 0.25), 26, 2.7), ((0.26, 0.25), 5, 0.5), ((0.1, 0.4), 10, 6))
-    scenes = [sized(*size) for size in sizes]
-    approved(
-        described(
-            [(expected_differences(s), end_share(s.bimorph), stubby_warning(s)) for s in scenes]
-        )
-    )

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from approved import described
 
 from tactgen.tmm.beam.transfer import transfer_matrix
 from tactgen.validation.models.bimorph.beam_values import (
@@ -143,9 +142,3 @@ def test_the_ends_have_what_falls_with_the_length():
     whole = Steps(*np.arange(1.0, 7.0))
     ends = EndEffect(whole, Steps(*(0.25 * value for value in whole))).ends
     assert ends == pytest.approx([0.75 * value for value in whole])
-
-
-def test_all_that_a_chain_says(solved, approved):
-    """Its rungs, pairs and branches; where beams stand for solids these are exact."""
-    made = chain()
-    approved(described([made.rungs(), made.pairs(), made.branches(), made.bar]))

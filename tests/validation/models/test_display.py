@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from approved import answered
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import quantities_of
@@ -144,11 +143,6 @@ def test_refusals(override, words):
     with pytest.raises(InputError) as refused:
         make_plan(scene, ("tmm",), CROSSTALK)
     assert all(word in str(refused.value) for word in words)
-
-
-def test_all_that_is_said_of_a_small_display(tuned, approved):
-    found = (answers(CROSSTALK), tuned, answers(FIELD, model="network"))
-    approved("\n".join(answered(each.values()) for each in found))
 
 
 def test_layers_in_series_pass_on_half_the_motion_per_volt():

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from approved import described
 
 from tactgen.geometry.bimorph.rod_bricks import RodMeshing
 from tactgen.tmm.beam.transfer import transfer_matrix
@@ -15,8 +14,6 @@ from tactgen.validation.models.bimorph.bridge import generator
 from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
 from tactgen.validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid
 from tactgen.validation.models.bimorph.joint_compliance import (
-    SupportCompliance,
-    SupportStudy,
     fitted_springs,
     frequency_on,
     joint_by_beam,
@@ -117,29 +114,6 @@ def test_a_study_has_a_joint_where_the_solids_of_a_generator_are(monkeypatch):
     assert np.isnan(alone.free_tab)
     found = support_study(plain, print, SimpleNamespace(free_tab=2e-3, name="joint"))
     assert (found.joint, found.free_tab) == ("joint", 2e-3)
-
-
-def test_tab_for_a_stiffness(tabs, approved):
-    """The length for a stiffness has it; a joint below shortens it; or there is none."""
-    lengths, found = tabs
-    joint = SupportCompliance(np.array([[6e-7, -3e-4], [-3e-4, 1.2]]))
-    study = SupportStudy(scene(), np.array(lengths), found, joint, 1.6e-3)
-    alone, in_rod = study.tab_for(0.24), study.tab_for(0.24, joint=1.2)
-    assert in_rod < alone < 1.6e-3  # EI/c_s, what a beam says
-    # interpolated linearly, and by a cubic
-    assert study.at(alone, in_rod=False).rotational_stiffness == pytest.approx(0.24, rel=1e-2)
-    assert study.at(in_rod, in_rod=True).rotational_stiffness == pytest.approx(0.24, rel=1e-2)
-    assert np.isnan(study.tab_for(0.24, joint=5.0))
-    named = ("lateral_stiffness", "rotational_stiffness", "centre", "lateral_stiffness_at_centre")
-    approved(
-        described(
-            [
-                [(tab.matrix, *(getattr(tab, name) for name in named)) for tab in (*found, joint)],
-                [study.at(1.3e-3, in_rod=in_rod).matrix for in_rod in (False, True)],
-                (alone, in_rod, study.tab_for(0.1), study.tab_for(0.3, joint=1.2)),
-            ]
-        )
-    )
 
 
 def test_beam_on_a_support_is_the_whole():

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from approved import described
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.network_pull import network_pull
@@ -18,10 +17,6 @@ from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.generator.judged_rod import (
     HalvedMap,
-    judged_by_map,
-    judged_by_network,
-    machine_of,
-    of_rod,
     rod_by_network,
 )
 from tactgen.validation.models.reluctance import maps
@@ -102,38 +97,6 @@ def test_contact_and_machine_take_its_pull(field):
     maps._AT_HAND.clear()
     solve(generator("tmm,axisymmetric"), ("tmm",), names)  # from the store
     assert len(field) == 1
-
-
-NUMBERS = (
-    lambda r: float(r.stiffness[2, 2]), lambda r: float(r.stiffness[1, 1]),
-    lambda r: -r.motional, lambda r: r.inductance,
-)  # fmt: skip
-
-
-@pytest.mark.parametrize("history", ["rising", pytest.param("falling", marks=pytest.mark.heavy)])
-def test_bars_of_a_map_cover_what_the_model_itself_says(history, approved):
-    """Stiffness, pull per current and inductance, on either stop; and are no wider than a fifth."""
-    scene = generator("tmm,network", f"coil.history={history}")
-    rod = judged_by_map(scene, scene.pull)
-    better = judged_by_network(scene, scene.pull)
-    for of in NUMBERS:
-        found = of_rod(rod, of)
-        assert abs(found.value - of(better.fine)) <= found.bar < 0.2 * abs(found.value)
-    approved(described([of_rod(rod, of) for of in NUMBERS]))
-
-
-@pytest.mark.parametrize("current", ["50mA", "250mA"])
-def test_bars_of_the_network_cover_what_finer_ladders_say(current, approved):
-    """The same with eight times the map's cells; also in saturated steel bars stay below 5 %."""
-    scene = generator("tmm,network", f"coil.current={current}")
-    place = scene.rest[0]
-    rod = machine_of(scene, scene.pull)
-    finer = DirectPull(scene.device, 8 * CELLS, scene.pull.gap_limits, 8e-3)
-    better = rod_by_network(scene, finer, place)
-    for of in NUMBERS:
-        found = of_rod(rod, of)
-        assert 0.0 < abs(found.value - of(better)) <= found.bar < 0.05 * abs(found.value)
-    approved(described([of_rod(rod, of) for of in NUMBERS]))
 
 
 def test_slopes_that_agree_by_chance_count_as_those_around():

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from approved import described
 
 from tactgen.validation.models.reluctance.family.nested_grid import chebyshev, nested_table
 
@@ -73,13 +72,3 @@ def test_a_bar_is_the_larger_of_its_neighbours():
     table = nested_table(solve, 1, wanted=0.1, most=5)
     bars = table.bar("f", np.array([[-1.0], [-0.1], [0.1], [0.6], [1.0]]))
     assert bars.tolist() == [1.0, 1.0, 2.0, 2.0, 2.0]
-
-
-def test_all_that_tables_say(approved):
-    places = np.array([[-1.0], [-0.4], [0.05], [0.7], [1.0]])
-    found = []
-    for function in (np.exp, np.abs, lambda x: 1.0 / (1.0 + 25.0 * x**2)):
-        for most in (5, 9, 200):
-            table, asked = tabled(function, bar=1e-6, most=most, wanted=1e-4)
-            found.append((len(asked), table.value("f", places), table.bar("f", places)))
-    approved(described(found))

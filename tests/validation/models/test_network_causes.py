@@ -1,11 +1,9 @@
 """Why the network is not the field: what each telling is worth, and how little they leave."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from approved import described
 from scipy.optimize import brentq
 
 from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
@@ -162,39 +160,6 @@ def test_untold_circuit_is_the_network(plain):
         assert getattr(found, name) == pytest.approx(float(getattr(ladder, name)[0, 0]), rel=1e-8)
 
 
-def test_told_circuit_has_one_energy(told):
-    """Linkage and inductance are slopes of the co-energy, with tubes outside and flux beside.
-
-    The inductance as long as changes meet the air that flux does.
-    """
-    same = np.ones_like(told.to_changes)
-    told = replace(told, to_changes=same, beside_changes=told.beside)
-    low, high = (replace(told, current=i).solved() for i in (0.1299, 0.1301))
-    here = told.solved()
-    for slope, of in (("flux_linkage", "coenergy"), ("incremental_inductance", "flux_linkage")):
-        difference = (getattr(high, of) - getattr(low, of)) / 2e-4
-        # second order in a step of 8e-4 of the current; the curve's slope has corners
-        assert getattr(here, slope) == pytest.approx(difference, rel=1e-3)
-
-
-def test_pull_is_the_slope_of_the_coenergy_by_the_gap(told):
-    """Air, iron and turns changed as they change with the gap, the tubes outside as well."""
-    step = 1e-9
-    tubes = 1e9 * np.arange(told.reluctance.size)
-    told = replace(told, d_reluctance=told.d_reluctance + tubes * told.reluctance.min() / 1e9)
-    low, high = (
-        replace(
-            told,
-            length=told.length + by * told.d_length,
-            reluctance=told.reluctance + by * told.d_reluctance,
-            turns=told.turns + by * told.d_turns,
-        ).solved()
-        for by in (-step, step)
-    )
-    slope = (high.coenergy - low.coenergy) / (2.0 * step)
-    assert told.solved().force == pytest.approx(-slope, rel=1e-4)
-
-
 def test_changes_of_a_field_are_a_field(reading):
     """As large as they would be from nothing: the incremental inductance times the current."""
     changes = reading.changes
@@ -216,19 +181,6 @@ def test_iron_of_one_permeability_is_read_back(reading):
     assert float(reading.taken_below("rod")(1.0)) == pytest.approx(
         reading.taken_by("rod"), rel=1e-3
     )
-
-
-def test_air_that_changes_meet_decides_the_incremental_inductance_alone(told):
-    """All else stays; twice the reluctance to changes, less inductance."""
-    firm = replace(told, to_changes=2.0 * told.to_changes).solved()
-    plain = told.solved()
-    assert firm.incremental_inductance < 0.99 * plain.incremental_inductance
-    for name in ("force", "flux_linkage", "coenergy"):
-        assert getattr(firm, name) == getattr(plain, name)
-
-
-def test_all_that_is_said_of_the_difference(causes, approved):
-    approved(described({cause.name: cause.meaning for cause in causes[STRONG]}))
 
 
 def test_shares_of_more_quantities_are_put_together():

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from approved import answered
 
 from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import axial_forces, resting_place, resting_places
@@ -111,12 +110,6 @@ def test_beside_pull_in_and_drop_out_points_decide(wide, narrow, history, around
         # a thousandth of the spring: the flawed map's slope over the way that a stop gives
         assert state.finger_force.value == pytest.approx(place.finger_force, abs=1e-4)
     assert {"upper stop", "lower stop"} <= kinds
-
-
-def test_all_that_is_said_of_a_rod_at_rest(approved):
-    asked = ("coil.current=50mA", "coil.current=115mA", "coil.current=130mA")
-    found = [answers(one, f"coil.history={way}") for one in asked for way in ("rising", "falling")]
-    approved("\n".join(answered(each.values()) for each in found))
 
 
 @pytest.mark.parametrize(

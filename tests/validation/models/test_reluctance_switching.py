@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from approved import described
 
 from tactgen.geometry.device.parameters import Device, Spring
 from tactgen.tmm.generator import network_pull
@@ -159,9 +158,3 @@ def test_a_curve_that_ends_too_early_is_warned_of(tmp_path):
     # little current, little flux: nothing to say
     assert not solved(f"steel.curve={tmp_path}/short.csv", "coil.current=5 mA",
                       quantities=("magnetic_force",)).warnings  # fmt: skip
-
-
-def test_all_that_is_said_of_currents(pull, approved):
-    """Soft, stiff and no spring, one that floats, one that never lets go."""
-    springs = ((0.1, 100.0), (0.02, 1500.0), (1.5, 0.0), (0.0, 0.0), (0.05, 600.0), (0.2, 3000.0))
-    approved(described([switching_currents(device(*spring), pull, at) for spring in springs]))

@@ -1,18 +1,12 @@
 """One co-energy map of a field for all gaps, currents, springs and loads of one geometry."""
 
-from functools import partial
-
 import numpy as np
 import pytest
-from approved import answered
 
 from tactgen.fem.reluctance.axisymmetric import actuator, walk
 from tactgen.fem.reluctance.axisymmetric.actuator import FieldErrors, FieldPoint
-from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene, scene_values
-from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.run import run_study
+from tactgen.validation.scene.scene import load_scene
 
 SETS = ["models=axisymmetric", "accuracy=10%"]
 
@@ -42,29 +36,6 @@ def mapped(own_store, monkeypatch):
     monkeypatch.setattr(actuator, "solve_point", lambda _device, i, g, **_: _point(i, g))
     monkeypatch.setattr(walk.FieldWalk, "at", lambda _self, _device, i, g, _place: _point(i, g))
     return maps
-
-
-@pytest.mark.parametrize(
-    ("turns", "vary", "quantity"),  # turns of its own: a process remembers its last map
-    [
-        (561, "spring.stiffness=90N/m:110N/m:5", "holding_current"),
-        (562, "spring.preload=100mN:111mN:5", "holding_current"),
-        (563, "coil.current=20mA:160mA:5", "rod_position"),
-        (564, "gap=0.18mm:0.2mm:5", "pull_in_current"),
-        (565, "load.normal_force=0N:0.05N:5", "finger_force"),
-    ],
-)
-def test_a_study_of_gap_current_spring_or_load_solves_one_map(
-    turns, vary, quantity, mapped, monkeypatch, approved
-):
-    few = partial(map_grid, currents=7, gaps=6)
-    monkeypatch.setattr("tactgen.tmm.reluctance.map_range.map_grid", few)
-    values, _ = scene_values("reluctance", [*SETS, f"coil.turns={turns}"])
-    study = run_study(Statement("reluctance", values, (vary,), ("axisymmetric",), (quantity,)), 1)
-    found = [answer.quantities[0] for _, _, answer in study.rows]
-    assert len(mapped) == 1
-    assert len({float(each.value) for each in found}) > 1
-    approved(answered(found))
 
 
 def test_another_geometry_has_another_map(mapped):

@@ -5,7 +5,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from approved import answered
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.transfer import transfer_matrix as tmm
@@ -61,23 +60,6 @@ def test_models_of_one_theory_agree():
         assert (off <= 1e-6 * np.abs(exact.value)).all(), name
         at_10_hertz = lumped.value[0] == pytest.approx(exact.value[0], rel=1e-4, abs=1e-30)
         assert at_10_hertz, name
-
-
-def test_supplies(approved):
-    """A voltage supply is the current times the impedance; its poles are one more."""
-    by_current = answers(*HELD)
-    by_voltage = answers(*HELD, "coil.supply=voltage", "coil.source_resistance=100ohm")
-    z = by_voltage["tmm", "coil_impedance"].value
-    np.testing.assert_allclose(z - by_current["tmm", "coil_impedance"].value, 100.0, rtol=1e-9)
-    np.testing.assert_allclose(
-        by_voltage["tmm", "axial_tip_per_coil_voltage"].value * z,
-        by_voltage["tmm", "axial_tip_per_current"].value,
-        rtol=1e-9,
-    )
-    assert by_current["tmm", "axial_poles"].value.size == 2
-    assert by_voltage["tmm", "axial_poles"].value.size == 3
-    assert set(by_voltage["tmm", "axial_poles"].classes) == {"decays"}
-    approved("\n".join([answered(by_current.values()), answered(by_voltage.values())]))
 
 
 def test_cross_transfer_needs_a_tilted_head():

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from approved import described
 
 from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.modes import natural_modes
@@ -222,14 +221,6 @@ def test_bars_of_the_bases_cover_what_they_miss(monkeypatch):
         inside += list(np.abs(found.frequencies[i] - exact) <= found.bars[i] + 2e-7 * exact)
     assert (found.bars <= 1e-4 * found.frequencies).all()
     assert np.mean(inside) >= 0.95
-
-
-def test_all_that_members_say(family, approved):
-    at = {"bimorph.length": np.array([12.2e-3, 14.7e-3, 16e-3])}
-    found = family_values(scene(), family, at, QUANTITIES)
-    said = {name: (v.value, v.bar, v.classes) for name, v in found.items()}
-    counts = (family.counts(2), solid_family.needed(family.coarse, scene(), 2), family.ranges)
-    approved(described([said, counts, family.method]))
 
 
 def test_more_ranges_are_looked_at_in_more_points():

@@ -4,7 +4,7 @@ import pickle
 import re
 
 import pytest
-from approved import page_text
+from pages import page_text
 
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.validation.engine.solve import solve

@@ -1,11 +1,8 @@
 """Levels of credibility follow from rows: each moves when what it is earned by moves."""
 
-import math
-from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
-from approved import described
 
 from tactgen.validation.catalogue.bimorph import COUPLING_FACTOR, STATIC_TIP_DISPLACEMENT
 from tactgen.validation.checks import verification
@@ -80,51 +77,7 @@ def test_no_evidence_earns_nothing():
     assert all(factor.next is not None and factor.next.remedy for factor in nothing)
 
 
-ASSUMED = (*PRINTED[:-1], ParameterRow("j", "", "", "assumed"))
-FIRST_ASSUMED = (ParameterRow("a", "", "", "assumed"), *PRINTED[1:])
 SV, PAP = STATIC_TIP_DISPLACEMENT, "PAP-1"
-
-
-@pytest.mark.parametrize(
-    ("factor", "level", "changed"),
-    [
-        ("code", 3, {"known": (*FULL.known[:2], known("SOL-3", "SOL", heavy=True, status=None))}),
-        ("code", 2, {"known": (*FULL.known[:2], known("SOL-2", "SOL", status=None))}),
-        ("code", 1, {"known": FULL.known[:1]}),  # the solid has no known answer
-        ("code", 1, {"known": (*FULL.known, known("TMM-2", "TMM", status="fail"))}),
-        ("code", 0, {"known": (known("TMM-1", "TMM", status=None),)}),
-        ("solution", 3, {"compared": (compared(SV), compared(COUPLING_FACTOR, share=2e-3))}),
-        ("solution", 2, {"compared": (compared(SV, share=2e-3),)}),
-        ("solution", 1, {"compared": (compared(SV, verdict="differs"),)}),
-        ("solution", 0, {"compared": (compared(SV, share=math.nan),)}),
-        ("validation", 3, {"outcomes": (*FULL.outcomes, measured("PAP-2", "explained"))}),
-        ("validation", 2, {"outcomes": (*FULL.outcomes, measured("PAP-2", "fail"))}),
-        ("validation", 2, {"outcomes": (), "as_it_stands": False}),
-        ("validation", 1, {"compared": (compared(SV, verdict="model form"),)}),
-        ("validation", 0, {"compared": (compared(SV, verdict="differs"),)}),
-        ("validation", 0, {"models": ("tmm", "lumped")}),  # both are beams
-        ("pedigree", 3, {"parameters": ASSUMED}),
-        ("pedigree", 2, {"parameters": FIRST_ASSUMED}),
-        ("pedigree", 1, {"parameters": FIRST_ASSUMED, "uncertainties": (spread("f", a=0.8),)}),
-        ("pedigree", 1, {"uncertainties": ()}),
-        ("pedigree", 0, {"parameters": (ParameterRow("a", "", "", ""),)}),
-        ("uncertainty", 3, {"both_bars": 0}),
-        ("uncertainty", 2, {"uncertainties": (*FULL.uncertainties, spread("not sampled"))}),
-        ("uncertainty", 1, {"uncertainties": ()}),
-        ("robustness", 3, {"uncertainties": (spread("f", **dict.fromkeys("abcdef", 0.1)),)}),
-        ("robustness", 2, {"uncertainties": (spread("f", a=1.0),)}),
-        ("robustness", 1, {"uncertainties": ()}),
-        ("robustness", 0, {"stressed": (SimpleNamespace(family="static", verdict="fails"),)}),
-        ("history", 0, {"outcomes": (measured("PAP-1", "fail"),)}),
-    ],
-)
-def test_a_level_falls_with_its_evidence(factor, level, changed, approved_line):
-    """One thing taken away, and the factor stands where the row below it ends, and says why."""
-    found = next(f for n, f in zip(NAMES, factors(replace(FULL, **changed)), strict=True)
-                 if n == factor)  # fmt: skip
-    told = [f"{'met' if c.met else 'not met'}: {c.found}" for c in found.criteria]
-    approved_line(" | ".join([str(found.level), *told]))
-    assert levels(replace(FULL, **changed))[factor] == level
 
 
 def test_a_level_counts_only_with_all_below():
@@ -161,39 +114,3 @@ def test_a_quick_report_counts_what_was_verified_before(own_store, monkeypatch):
     held = [row.check.id for row in after if row.verdict == "pass"]
     assert held
     assert held == [row.check.id for row in ran if row.verdict == "pass"]
-
-
-#: What earns little, each for a reason of its own; more of a kind than are named.
-MIXED = replace(
-    FULL,
-    accuracy=0.02,
-    known=(
-        *(known(f"TMM-{n}", "TMM", status="fail") for n in range(6)), known("SOL-1", "SOL"),
-        known("SOL-2", "SOL", status=None), known("SOL-3", "SOL", heavy=True, status=None),
-    ),
-    compared=(
-        compared(STATIC_TIP_DISPLACEMENT, share=0.03), compared(COUPLING_FACTOR, verdict="differs"),
-        compared(COUPLING_FACTOR, share=math.nan), compared(COUPLING_FACTOR, verdict="model form"),
-    ),
-    outcomes=tuple(measured(f"PAP-{n}", s) for n, s in enumerate(("pass", "explained", "fail"))),
-    parameters=(*ASSUMED[:5], ParameterRow("x", "", "", ""), ParameterRow("b", "", "", "assumed")),
-    uncertainties=(
-        spread("mostly assumed", b=0.6, a=0.4, c=-0.5), spread("half", b=0.5, a=0.5),
-        spread("little", b=0.05, a=0.95), spread("less", b=0.049, a=1.0), spread("not sampled"),
-    ),
-    both_bars=4,
-    stressed=tuple(
-        SimpleNamespace(family=name, verdict=verdict)
-        for name, verdict in (("static", "holds"), ("slender", "fails"), ("stout", "refuses"))
-    ),
-)  # fmt: skip
-
-
-@pytest.mark.parametrize("name", ["full", "mixed", "none", "changed scene"])
-def test_all_that_the_factors_say(name, approved):
-    """What is asked, found and would help, and which rows it rests on."""
-    evidence = {
-        "full": FULL, "mixed": MIXED, "none": Evidence(models=("tmm",), accuracy=1e-3),
-        "changed scene": replace(FULL, as_it_stands=False, models=("tmm", "network")),
-    }[name]  # fmt: skip
-    approved(described(factors(evidence)))

@@ -1,14 +1,12 @@
 """What lies beside a report is whole and true, and the report can be computed again."""
 
 import json
-import re
 import subprocess
 import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from approved import described, lasting
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import store_folder
@@ -278,20 +276,6 @@ def test_the_metadata_name_what_is_there(sealed, record):
     )
     assert check.returncode == 0
     assert check.stdout.count(b": OK") == 3
-
-
-def test_all_that_lies_beside_a_report(sealed, approved):
-    """Names, units and numbers of the record; entities of the metadata, without their sums."""
-    record = json.loads((sealed / files.FILE).read_text(encoding="utf-8"))
-    graph = json.loads((sealed / CRATE).read_text(encoding="utf-8"))["@graph"]
-    own = {key: value for key, value in record.items() if key not in ("made_by", "written")}
-    passing = (
-        r"[0-9a-f]{40,64}|\d+\.\d+\.\d+|commit:? \S+|(?<=contentSize: ).*|(?<=Time: ).*"
-        r"|(?<=Published: ).*|(?<=Modified: ).*|(?<=seconds: ).*"
-    )
-    plain = [entity for entity in graph if entity["@type"] != "SoftwareApplication"]
-    told = lasting(described([own, plain]))
-    approved(re.sub(passing, "…", told))
 
 
 def test_a_scene_without_a_description_is_said_to_have_none(record):

@@ -7,7 +7,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from approved import described, kept_figures, page_text
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.coenergy.files import read_map
@@ -48,8 +47,7 @@ def reluctance(tmp_path_factory, rough_fields, make_plain):
     with rough_fields(tmp_path_factory.mktemp("rough")) as patch:
         make_plain(patch)
         patch.setattr(reluctance, "_PICTURE", {"order": 2, "refinement": 0.7})
-        figures = kept_figures(patch)
-        return (*make(tmp_path_factory.mktemp("reluctance"), "reluctance"), figures)
+        return make(tmp_path_factory.mktemp("reluctance"), "reluctance")
 
 
 @pytest.fixture(scope="module")
@@ -74,16 +72,9 @@ def test_report_is_complete_and_self_contained(reluctance):
     assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", words(html))
 
 
-def test_all_that_a_report_says(reluctance, approved):
-    """Its words, numbers and figures, as far as its parameters."""
-    html, steps, figures = reluctance
-    approved(page_text(html[: html.index('<h2 id="parameters">')]))
-    approved("\n".join([*figures, *steps]), "figures")
-
-
 def test_report_asks_nothing_of_the_lateral_actuator(reluctance):
     """No stage, section, check or parameter of the bimorph."""
-    html, steps, _ = reluctance
+    html, steps = reluctance
     assert not any(step.split(".")[0] in ("lumped", "tmm", "beam", "solid") for step in steps)
     assert "<td>TMM-1</td>" not in html
     assert "<code>bimorph.length</code>" not in html
@@ -113,7 +104,7 @@ def test_all_that_was_asked_for_is_there(reluctance):
 
 def test_quick_report_solves_no_map_of_the_field(reluctance):
     """The map is the costly part: left out, said so, and single points shown instead."""
-    html, steps, _ = reluctance
+    html, steps = reluctance
     assert "axisymmetric.map" not in steps
     assert "field at single points" in steps
     assert "not in the quick version" in html
@@ -154,31 +145,6 @@ def check_words(text, there, not_there):
     assert [wrong for wrong in not_there if wrong in text] == []
 
 
-@pytest.mark.usefixtures("undrawn")
-@pytest.mark.parametrize(
-    ("overrides", "there", "not_there"),
-    [
-        (
-            ("spring.stiffness=1000 N/m",),
-            ("leaves the upper stop at", "floats, further down", "snaps down"),
-            ("stays at the upper stop",),
-        ),
-        (
-            ("spring.preload=90 mN", "coil.turns=800"),
-            ("this scene sets another preload", "this scene has another circuit"),
-            ("the preload was set to it", "That this number comes out right", "no confirmation"),
-        ),
-        (("spring.preload=0 N", "spring.stiffness=0 N/m"), ("no spring force",), ("snaps",)),
-    ],
-)  # fmt: skip
-def test_words_follow_the_spring(tmp_path, overrides, there, not_there, approved):
-    """What is said of switching, turns and preload is true of this scene, not of the usual one."""
-    html, _ = make(tmp_path, "reluctance", "models=network", *overrides)
-    check_words(words(html), there, not_there)
-    begin, end = (html.index(f'<h2 id="{name}">') for name in ("characteristics", "checks"))
-    approved(page_text(html[begin:end]))
-
-
 @pytest.mark.usefixtures("own_store", "undrawn")
 def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
     """Words instead of a number wherever pull-in is shown, and no picture fails."""
@@ -187,18 +153,6 @@ def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
     html, _ = make(tmp_path, "reluctance", "models=network", "coil.current=40 mA")
     there = ("No current up to 60 mA draws the rod down", "not reached")
     check_words(words(html), there, ("snaps down",))
-
-
-def test_steps_of_the_bridge_add_up(at_a_point, approved):
-    """From nothing to the reference: the steps' sum is zero, each one named and explained."""
-    bridge = at_a_point.bridge
-    assert bridge[-1].name == "the field"
-    assert all(step.meaning for step in bridge)
-    for key in ("force", "flux_linkage"):
-        assert sum(step.step[key] for step in bridge) == pytest.approx(0.0, abs=1e-12)
-        ratio = bridge[0].value[key] / bridge[-1].value[key]
-        assert bridge[0].left[key] == pytest.approx(ratio - 1.0, rel=1e-12)
-    approved(described(bridge))
 
 
 def test_network_is_held_against_the_field(at_a_point):

@@ -235,11 +235,6 @@ def test_a_folder_is_called_one(tmp_path, monkeypatch):
     assert said.count("\n") == 0
 
 
-#: Along the ceramic of the scene paper, which is 20 mm long.
-WIDTHS = "bimorph.width_profile=0mm:2.1mm,20mm:1mm"
-THICKNESSES = "bimorph.piezo_thickness_profile=0mm:0.26mm,20mm:0.2mm"
-
-
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [

@@ -6,11 +6,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from approved import described
 
-from tactgen.validation.studies.identification import curve_fit, profile_likelihood
+from tactgen.validation.studies.identification import curve_fit
 from tactgen.validation.studies.identification.curve_fit import Misfit
-from tactgen.validation.studies.identification.identifiability import statistics
 from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
 
 TRUTH = np.array([3.0, 40.0, 5.0])
@@ -44,14 +42,6 @@ def closed_form(monkeypatch):
 
 
 MODEL = Resonator(np.linspace(1.0, 12.0, 23))
-PARAMETERS = [
-    SimpleNamespace(key=key, start=start, low=low, high=high)
-    for key, start, low, high in (
-        ("drive.voltage", 2.0, 0.5, 50.0),
-        ("support.rotational_stiffness", 90.0, 4.0, 900.0),
-        ("support.rotational_damping", 20.0, 0.5, 60.0),
-    )
-]
 
 
 def measured(*, phase=True, off=0.1):
@@ -79,24 +69,6 @@ def test_slopes_of_a_misfit_are_those_of_its_residuals(noise, phase):
         assert found[:, i] == pytest.approx((up - down) / 2e-5, rel=1e-6, abs=1e-9)  # its square
 
 
-def test_all_that_a_fit_goes_through(approved):
-    """Nodes of the scan; where descents end, and how likely that is."""
-    told = []
-    scan = curve_fit.scan(MODEL, PARAMETERS)
-    told += [scan.points, len(scan.nodes), scan.nodes[[0, 1, 2, -1]], np.unique(scan.nodes[:, 2])]
-    for noise, phase in MISFITS:
-        misfit = Misfit(measured(phase=phase), noise)
-        best, edges = curve_fit.descend(MODEL, misfit, PARAMETERS, scan)
-        residuals = misfit.residuals(MODEL(best))
-        told.append({
-            "of": (noise, phase), "scale": misfit.scale, "unit": misfit.unit_of_noise,
-            "best": best, "edges": edges, "square": float(residuals @ residuals),
-            "surprise": misfit.surprise(residuals),
-        })  # fmt: skip
-        assert best == pytest.approx(TRUTH, rel=0.1)
-    approved(described(told))
-
-
 def test_starts_are_the_best_that_differ():
     """The user's own first; what is no number never; none within a factor of two of another."""
     nodes = np.array([[1.0, 1.0], [4.0, 1.0], [7.9, 1.0], [4.0, 3.0], [64.0, 1.0], [512.0, 1.0]])
@@ -120,35 +92,3 @@ def test_a_value_is_at_a_bound_if_the_data_push_it_there():
         assert found == {0: "low", 2: "high", 6: "high"}
         some = curve_fit._at_bounds(lambda v: v, misfit, parameters, values, [1, 6])
     assert some == {6: "high"}
-
-
-def test_a_value_that_bounds_keep_from_the_best_ends_at_its_bound(approved):
-    """Damping held too large: the others are the best beside it."""
-    parameters = [*PARAMETERS[:2], SimpleNamespace(**{**vars(PARAMETERS[2]), "low": 8.0})]
-    misfit = Misfit(measured(), "relative")
-    best, edges = curve_fit.descend(MODEL, misfit, parameters, curve_fit.scan(MODEL, parameters))
-    assert edges == ["", "", "low"]
-    assert best[2] == 8.0
-    approved(described(best))
-
-
-@pytest.mark.parametrize("index", range(3))
-def test_ends_of_a_profile_cost_what_they_may(index, approved_line):
-    """At each end the others fit worse by quantile² variances; a bound may come first."""
-    misfit = Misfit(measured(off=0.3), "relative")
-    scan = curve_fit.scan(MODEL, PARAMETERS)
-    best, _ = curve_fit.descend(MODEL, misfit, PARAMETERS, scan)
-    residuals = misfit.residuals(MODEL(best))
-    found = statistics(
-        misfit.jacobian(MODEL(best), sensitivities(MODEL, best)), residuals, stated=False
-    )
-    given = {"variance": found.level**2, "quantile": found.quantile}
-    told = []
-    for deviation, far in ((found.deviation[index], 1.0), (np.nan, 1.0), (np.nan, 30.0)):
-        low, high, opened = profile_likelihood.profile_interval(
-            MODEL, misfit, PARAMETERS, best, index, deviation=deviation,
-            **{**given, "quantile": far * found.quantile},
-        )  # fmt: skip
-        told.append(f"{low:.4g} {high:.4g} {opened}")
-        assert low < best[index] < high
-    approved_line(", ".join(told))

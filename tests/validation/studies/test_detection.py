@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from approved import described
 
 from tactgen.geometry.device.parameters import Threshold
 from tactgen.geometry.errors import InputError
@@ -190,16 +189,6 @@ def test_no_wiring_reconciles_model_and_paper(study):
         assert wide.model[wiring, "loaded"][1] > wide.paper.voltages[1]
 
 
-def test_section_of_a_free_scene_uses_the_finger(approved):
-    """The prototype has no load: loaded then means the finger."""
-    scene, _ = load_scene("prototype")
-    found = section(scene, lambda _: None)
-    assert found["loads"]["loaded"] == "under the finger"
-    assert found["plot"].startswith("<svg")
-    approved("\n".join(found["findings"]))
-    assert all("nan" not in sentence for sentence in found["findings"])
-
-
 @pytest.mark.parametrize(
     ("content", "words"),
     [
@@ -214,7 +203,3 @@ def test_tables_that_are_no_threshold(tmp_path, content, words):
     path.write_text(content, encoding="utf-8")
     with pytest.raises(InputError, match=words):
         threshold_of(Threshold(kind="table", file=str(path)))
-
-
-def test_all_that_is_said_of_voltages(study, approved):
-    approved(described(study))

@@ -4,7 +4,6 @@ import re
 
 import numpy as np
 import pytest
-from approved import described
 from scipy.optimize import minimize_scalar
 
 from tactgen.geometry.errors import InputError
@@ -605,8 +604,3 @@ def test_thresholds_are_drawn_in_micrometres_through_their_points():
     assert left < right == pytest.approx(1000.0)
     assert axis.get_xlim() == pytest.approx((10.0, 1000.0))
     assert (axis.get_xlabel(), axis.get_ylabel()) == ("frequency (Hz)", "threshold (µm)")
-
-
-def test_all_that_is_said_of_a_length(paper, wide, approved):
-    rows = [(row.key, row.text, row.slopes, row.assumed) for row in dependences(wide, paper[1])]
-    approved(described([sentences(wide), decided_lengths(wide), rows[:40]]))

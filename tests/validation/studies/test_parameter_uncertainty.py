@@ -5,7 +5,6 @@ import json
 
 import numpy as np
 import pytest
-from approved import described, kept_figures
 
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.materials import PRINTED
@@ -26,7 +25,6 @@ from tactgen.validation.studies.uncertainty.propagation import (
     parameter_uncertainty,
     uncertain_parameters,
 )
-from tactgen.validation.studies.uncertainty.section import section
 from tactgen.validation.studies.uncertainty.table import sensitivity_columns
 from tactgen.validation.studies.uncertainty.varied_keys import _kink, left_out
 
@@ -226,29 +224,6 @@ def test_base_samples():
     assert base_samples(30, 1) == 2
 
 
-def test_section_of_the_report(approved, monkeypatch):
-    """Rows, ranges, a plot, and the most detailed model's numbers beside the model's own."""
-    scene, _ = load_scene("prototype", ["support.kind=clamped"])
-    said = []
-    # a few samples: how many there are in a report is of no concern here
-    rows = parameter_uncertainty(scene, evaluations=60, announce=said.append)
-    drawn = kept_figures(monkeypatch)
-    found = section(scene, solve(scene, ("tmm", "beam"), ("capacitance_free",)), rows)
-    approved("\n".join([*said, *drawn]))
-    assert found["detailed_model"] == "beam"
-    for row in found["uncertainties"]:
-        if row.target.peak:
-            assert row.target.label not in found["detailed"]
-        elif row.target.frequency is not None or row.target.quantity.name == "capacitance_free":
-            value, bar = found["detailed"][row.target.label]
-            # two solutions of one theory, and rounding of the elimination in one of them
-            assert value == pytest.approx(row.value, rel=1e-8)
-            assert bar < 1e-8 * value
-    assert found["left_out"] == ""
-    assert found["contributors_plot"].startswith("<svg")
-    assert len(said) == len(found["uncertainties"])
-
-
 #: Width that falls along the ceramic.
 TAPER = ("--set", "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm")
 
@@ -384,11 +359,6 @@ def test_columns_of_one_scene():
     columns = sensitivity_columns(scene)
     assert [c.frequency for c in columns] == [None, 10.0, 100.0]
     assert len(columns[0].logarithmic) == 20
-
-
-def test_all_that_is_said_of_headline_numbers(prototype, approved):
-    shown = ("static tip displacement", "peak tip velocity")
-    approved(described([list(prototype), *(prototype[label] for label in shown)]))
 
 
 @pytest.mark.parametrize(

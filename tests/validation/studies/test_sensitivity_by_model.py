@@ -5,7 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from approved import described
 
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.errors import InputError
@@ -179,7 +178,3 @@ def test_keys_next_to_whose_values_nothing_fits_are_left_out_and_named():
     assert some == [key for key in every if key != "bimorph.length"]
     assert said.startswith("left out of the parameters by lumped, ")
     assert said.endswith(": bimorph.length")
-
-
-def test_all_that_is_said_of_derivatives(by_solid, approved):
-    approved(described([(d.quantity.name, d.slopes, d.bars, d.method) for d in by_solid]))

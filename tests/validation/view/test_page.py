@@ -8,7 +8,6 @@ import zlib
 
 import numpy as np
 import pytest
-from approved import described, page_text
 
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.fields.gather import Request, gather
@@ -22,8 +21,6 @@ from tactgen.validation.view.page.html import Still, page
 from tactgen.validation.view.page.shown import Block, payload
 from tactgen.validation.view.shading import SHADES, enlargement, shades_of
 
-#: Entries of a result that are places in the packed arrays.
-_BULK = ("points", "cells", "edges", "triangles")
 PHASES = np.arange(8) * np.pi / 4
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg=="
@@ -79,17 +76,6 @@ def test_frequencies_shown_are_the_quantities(seen, data):
         for state, packed in zip(result.states, shown["states"], strict=True):
             if state.kind == "mode":
                 assert packed["text"] == with_bar(state.frequency, state.bar, "Hz")
-
-
-def test_all_that_a_page_knows(data, text, approved):
-    """States, colours, regions with their words, units and sizes; and what the page says."""
-    plain = {key: value for key, value in data.items() if key not in ("blob", "results")}
-    approved(page_text(text) + "\n" + described(plain))
-    for result in data["results"]:
-        kept = {key: value for key, value in result.items() if key not in _BULK}
-        states = [{k: v for k, v in s.items() if k != "arrays"} for s in result["states"]]
-        sizes = {key: result[key] and result[key]["count"] for key in _BULK if key in result}
-        approved(described(kept | {"states": states, "sizes": sizes}), result["model"])
 
 
 def test_a_travelling_part_is_in_the_page(data):

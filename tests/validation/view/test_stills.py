@@ -4,14 +4,12 @@ import io
 
 import numpy as np
 import pytest
-from approved import described
 from PIL import Image
-from unpainted import unpainted
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.view import films
 from tactgen.validation.view.films import check_film, save_film, write_film
-from tactgen.validation.view.shading import SHADES, drawn_size, enlargement, shades_of, words_of
+from tactgen.validation.view.shading import SHADES, drawn_size
 from tactgen.validation.view.stills import Picture, still
 
 SMALL = {"width": 300, "height": 200}
@@ -35,22 +33,8 @@ def test_a_still_is_the_same_twice_and_moves_with_the_phase(seen):
     assert blue * red < 0
 
 
-def test_words_of_every_state_in_every_colour(seen, approved):
-    """Titles, numbers and the ends of scales; lengths of rulers."""
-    told = {
-        f"{result.model}, {state.name}": [
-            words_of(result, state), enlargement(result, state),
-            {shade.key: shade.top(state) for shade in shades_of(result)},
-        ]
-        for result in seen
-        for state in result.states
-    }  # fmt: skip
-    approved(described(told))
-
-
 def test_a_film_is_one_period(seen, tmp_path, monkeypatch):
     """Pictures at even phases from 0, shown without end; what of it goes to ffmpeg."""
-    unpainted(monkeypatch)
     shown, own = [], films.frames
     monkeypatch.setattr(films, "frames", lambda *given: shown.append(given) or own(*given))
     monkeypatch.setattr(films, "_FRAMES", 4)

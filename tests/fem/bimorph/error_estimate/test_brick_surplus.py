@@ -18,7 +18,6 @@ from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.tmm.ports.multiport import respond
 from tactgen.tmm.ports.terminations import attach
-from tests.approved import described
 
 DEVICE = Device(bimorph=Bimorph(length=9e-3, tab_length=1e-3))
 MESHING = BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=8.0, richness=1.5)
@@ -155,29 +154,6 @@ def test_losses_hardly_change_what_responses_miss(surplus):
     lossless, with_losses = np.split(np.array(missed), 2)
     # 3 % of the permittivity and 1/60 of the stiffness, several of which meet in a coupled answer
     assert (np.abs(with_losses / lossless - 1.0) < 0.25).all()
-
-
-def test_what_responses_miss_is_most_of_what_one_degree_more_finds(approved):
-    """At rest, about the first resonance and beyond the second; tip and charge, with losses."""
-    at = np.array([0.0, 3e3, 5e3, 1e4, 3e4])
-    lacking = BrickSurplus(DEVICE, BRICKS, lossy=True).of("bending_x")
-    own, richer = (
-        reduce_to_ports(assemble_bricks(DEVICE, b, lossy=True), at, surplus=of)
-        for b, of in ((BRICKS, lacking), (RICHER, None))
-    )
-    ports = own.multiport(at), richer.multiport(at), *own.richer_multiports(at)
-    told = []
-    for ends in (Ends(), Ends(Springs(3e6, 0.24, 1e-4, 1e-12))):
-        responses = (respond(attach(port, ends), {"voltage": 1.0}) for port in ports)
-        plain, known, *judges = (
-            np.stack([response.motion["w_tip"], response.effort["voltage"]])
-            for response in responses
-        )
-        share = sum(judge - plain for judge in judges) / (known - plain)
-        assert (share.real > 0.6).all()
-        assert (np.abs(share) < 1.3).all()
-        told += [np.abs(judge / plain - 1.0) for judge in judges]
-    approved(described(told))
 
 
 def test_a_reduced_solid_misses_at_rest_what_the_whole_does(surplus, both):

@@ -17,7 +17,6 @@ from tactgen.tmm.ports.terminations import attach, ends_of
 FREQUENCIES = np.array([0.0, 1e-3, 10.0, 445.0, 1000.0, 5000.0, 20000.0])
 OMEGA = 2.0 * np.pi * FREQUENCIES
 SUPPORT = Support()
-CLAMPED = Support(kind="clamped")
 
 
 def beam(length=20e-3, *, lossy=True):

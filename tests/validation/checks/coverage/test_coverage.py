@@ -3,7 +3,6 @@
 import csv
 import itertools
 import json
-import secrets
 
 import numpy as np
 import pytest
@@ -26,10 +25,7 @@ from tactgen.validation.checks.coverage import (
     run,
     scenes,
     solid,
-    taper,
-    tmm,
 )
-from tactgen.validation.checks.coverage.output import table
 from tactgen.validation.checks.coverage.result import (
     MULTIPLES,
     Judged,
@@ -100,22 +96,6 @@ def test_calibration_counts_what_lies_within_so_many_bars():
     assert set(curve[MULTIPLES >= 1.5]) == {1.0}
 
 
-def test_bars_of_beams_hold_on_fresh_devices(approved):
-    """One device of each kind; `tactgen coverage` takes many."""
-    told = []
-    for judge in (
-        tmm.judge, beam.judge, taper.judge, machine.judge_map, machine.judge_motions, in_time.judge,
-    ):  # fmt: skip
-        found = judge(np.random.default_rng([2026, 0]))
-        assert found, judge
-        assert all(one.within for one in found), [one for one in found if not one.within]
-        assert any(one.error > 0.0 for one in found)  # no reference is what it judges
-        told += [judge.__module__, *dict.fromkeys(one.where for one in found)]
-        bars = (f"{one.bar:.2e}" if one.bar > 1e-8 else "rounding" for one in found)
-        told += map("{0.quantity} ±{1}".format, found, bars)
-    approved("\n".join(told))
-
-
 def test_the_networks_own_pull_is_the_maps():
     """Arrays of any shape, slopes with the map's signs, as far as the steel's corners let them."""
     surface = network_pull(Device())
@@ -135,38 +115,6 @@ def test_what_judges_the_solid_finds_the_ports_of_its_bricks(few_bricks):
     found = solid._at_rest(system).stiffness[0]
     size = np.sqrt(np.abs(np.diag(exact)))
     assert (np.abs(found - exact) / np.outer(size, size)).max() < 1e-7
-
-
-@pytest.fixture
-def told(monkeypatch, tmp_path):
-    """Which devices were judged, by the first number of their streams; with a store of its own."""
-    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "store"))
-    numbers = []
-
-    def judge(rng):
-        numbers.append(float(rng.random()))
-        return [Judged("device", "f", numbers[-1], np.float64(0.0))]
-
-    monkeypatch.setattr(beam, "judge", judge)
-    return numbers
-
-
-def test_the_table_says_what_does_not_hold_and_where(approved):
-    """A line a quantity; of bars that are too narrow the worst, and the device it is of."""
-    fine = [Judged("anywhere", "f1", 1e-6, 2e-6)] * 30
-    narrow = [Judged("a long one", "d", 3e-4, 1e-4)] * 30
-    part = run.Part("beam", "beam against tmm", 7, 30, (*fine, *narrow))
-    lines = table([part]).splitlines()
-    assert lines[0] == "beam: beam against tmm; 30 devices, seed 7"
-    rows = {line.split()[0]: line.split()[1:] for line in lines[2:]}
-    assert rows["f1"] == ["1", "30/30", "2", "holds"]
-    assert rows["d"] == ["1", "0/30", "0.33", "fails"]
-    at = next(number for number, line in enumerate(lines) if line.split()[0] == "d")
-    assert lines[at + 1 : at + 3] == [
-        "    worst: 3.0e-04 beside a bar of 1.0e-04", "    at a long one",
-    ]  # fmt: skip
-    assert not any(line.startswith("wide:") for line in lines)
-    approved("\n".join(lines))
 
 
 def test_wide_bars_are_said_in_table_json_and_csv(monkeypatch, capsys, tmp_path):
@@ -199,58 +147,6 @@ def test_references_of_the_solid_are_per_volt_of_the_drive(monkeypatch, few_bric
         assert three[name] == pytest.approx(values, rel=1e-9), name
     free, blocked = (abs(one[f"capacitance_{how}", ""][0]) for how in ("free", "blocked"))
     assert blocked < free < 1e-6
-
-
-def test_a_seed_draws_the_same_devices(told, capsys, tmp_path, monkeypatch):
-    """The second of two devices is that of a run of five; exit code 1 where bars are too narrow."""
-    few = run.run_parts(["beam"], 2, 7, lambda _: None)[0].answers
-    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "another"))
-    many = run.run_parts(["beam"], 5, 7, lambda _: None)[0].answers
-    assert many[:2] == few
-    assert len(told) == 7
-    tmp_path = tmp_path / "out"
-    code = main(["coverage", "--only", "beam", "--devices", "9", "--json", "--out", str(tmp_path)])
-    out, err = capsys.readouterr()
-    out = json.loads(out)
-    assert f"--seed {out['seed']}" in err
-    files = ("verdicts.csv", "coverage.csv", "calibration.svg")
-    assert err.endswith("".join(f"{tmp_path / name}\n" for name in files))
-    assert code == 1
-    assert len(out["answers"][0]["answers"]) == 9
-    assert {path.name for path in tmp_path.iterdir()} == set(files)
-    with (tmp_path / "coverage.csv").open() as file:
-        assert [float(row["relative bar"]) for row in csv.DictReader(file)] == 9 * [0.0]
-
-
-def test_the_largest_seed_that_is_drawn_can_be_given(told, capsys, monkeypatch):
-    monkeypatch.setattr(secrets, "randbelow", lambda below: below - 1)
-    asked = ["coverage", "--only", "beam", "--devices", "1", "--json"]
-    main(asked)
-    seed = json.loads(capsys.readouterr().out)["seed"]
-    main([*asked, "--seed", str(seed)])
-    assert json.loads(capsys.readouterr().out)["seed"] == seed
-
-
-def test_a_stopped_run_goes_on(told):
-    """What was judged with a seed is not judged again."""
-
-    def stopped(text):
-        if "3 of 5" in text:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        run.run_parts(["beam"], 5, 7, stopped)
-    assert len(told) == 2
-    (found,) = run.run_parts(["beam"], 5, 7, lambda _: None)
-    assert len(told) == len(set(told)) == len(found.answers) == 5
-
-
-def test_what_was_judged_of_other_scenes_is_judged_again(told, monkeypatch):
-    """The built-in scenes are no code, and steer every answer."""
-    run.run_parts(["beam"], 2, 7, lambda _: None)
-    monkeypatch.setattr(run, "built_in_texts", lambda: {"paper": "name = 'another'"})
-    run.run_parts(["beam"], 2, 7, lambda _: None)
-    assert told[:2] == told[2:]
 
 
 @pytest.mark.parametrize(

@@ -15,23 +15,6 @@ from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import load_scene
 
 
-def told(row, points):
-    """Return what a family asks, every point of it, and what was refused."""
-    return " | ".join([row.family, row.what, *points, str(row.refusals)])
-
-
-@pytest.mark.parametrize(
-    "family", [lateral._LENGTH, lateral._SUPPORT, lateral._MASS], ids=lambda s: s.family
-)
-def test_lumped_and_exact_spans_agree(family, every_point, monkeypatch, approved_line):
-    """From a micrometre to ten metres, from jelly to rock, from nothing to a kilogram."""
-    points = every_point(monkeypatch)
-    row = lateral._LUMPED.row(family, True)
-    assert row.verdict != "fails", row
-    assert row.points > 3
-    approved_line(told(row, points))
-
-
 def test_beam_elements_are_right_or_say_how_many_they_would_need():
     """Waves too short for dense matrices are refused at once, with what answers instead."""
     row = lateral._BEAM.row(lateral._FREQUENCY, True)
@@ -45,30 +28,12 @@ def test_beam_elements_are_right_or_say_how_many_they_would_need():
         beam.elements_for(scene.device, 1e9)
 
 
-def test_the_machines_edges(every_point, monkeypatch, approved):
-    """Nine corners and edges of the map, and three places outside it."""
-    points = every_point(monkeypatch)
-    row = machine.edge_row(True)
-    assert (row.points, len(row.refusals), row.verdict) == (18, 3, "holds or says why not")
-    approved("\n".join([row.family, row.what, *points, *row.refusals]))
-
-
 @pytest.mark.heavy
 def test_slow_motion_is_the_derivative_of_rest():
     """Two ways to one number: the linear machine at 1 µHz, differences of where the rod rests."""
     row = machine.slow_row(True)
     assert row.verdict == "holds", row
     assert row.worst.bound < 1e-3  # a bar that could hide the effect would prove nothing
-
-
-@pytest.mark.parametrize("family", [holding.HELD[2], holding.HELD[4]], ids=lambda s: s.family)
-def test_the_rod_in_its_bore_and_under_a_finger(family, every_point, monkeypatch, approved_line):
-    """Answers that two models share, or a sentence; at both ends of the range."""
-    points = every_point(monkeypatch)
-    row = machine._PAIR.row(family, True)
-    assert row.verdict != "fails", row
-    assert row.points + len(row.refusals) > 3
-    approved_line(told(row, points))
 
 
 def quantity(values, bars):

@@ -62,37 +62,6 @@ def test_samples_are_read_from_a_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("", "write"),
-        ("10", "has no unit"),
-        ("10 mA sine 200 Hz", "not a voltage"),
-        ("10 V triangle 200 Hz", "cannot be read"),
-        ("10 V sine", "the sine's frequency"),
-        ("10 V sine -5 Hz", "must be greater than 0 Hz"),
-        ("10 V sine 200 Hz duty 0.5", "duty, which sine does not know"),
-        ("10 V sine 200 Hz delay 1 ms delay 2 ms", "delay, twice"),
-        ("10 V sine 200 Hz delay -1 ms", "must be at least 0 s"),
-        ("10 V sine 1e9 Hz", "from 0.001 Hz to 10000000 Hz"),
-        ("nan V", "must be a finite voltage"),
-        ("10 V square 5 Hz duty 2", "must be less than 1"),
-        ("5 V step at 3 ms until 2 ms", "give a later end"),
-        ("5 V step 3 ms", "leave it out"),
-        ("1 V chirp 10 Hz to 1 kHz", "needs the last frequency and the time"),
-        ("delay 3 ms", "write"),
-        ("10 V delay 3 ms", "is no waveform"),
-        ("missing.csv", "cannot be read"),
-    ],
-)
-def test_what_cannot_be_read_gets_one_sentence(text, words, approved_line):
-    with pytest.raises(InputError, match=words) as refused:
-        parsed(text, "--voltage", (VOLTS,))
-    assert "\n" not in str(refused.value)
-    assert str(refused.value).startswith("--voltage ")
-    approved_line(str(refused.value))
-
-
-@pytest.mark.parametrize(
     ("content", "words"),
     [
         ("time (s), current (A)\n0, 1\n", r"give the columns time \(s\) and voltage \(V\)$"),

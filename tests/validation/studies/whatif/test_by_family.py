@@ -2,24 +2,13 @@
 
 import numpy as np
 import pytest
-from approved import answered
 
-from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.families import find_families
 from tactgen.validation.engine.results import Quantity
-from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.bimorph.family import solid_family
-from tactgen.validation.scene.scene import load_scene, scene_values
+from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.whatif import answers, by_family
-from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.run import run_study
 
-QUICK = (
-    BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
-    BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
-)
 MODAL = ("short_circuit_frequencies",)
 
 
@@ -50,29 +39,6 @@ def test_families_are_what_differs_in_the_bimorphs_numbers_only():
 )
 def test_what_is_no_family_is_answered_point_by_point(model, sets, quantities):
     assert find_families(model, scenes(*sets), quantities) == []
-
-
-def test_a_study_takes_the_reduced_basis_and_says_so(own_store, monkeypatch, approved):
-    for module in (solid, solid_family):
-        monkeypatch.setattr(module, "LEVELS", QUICK)
-    quantities = ("short_circuit_frequencies", "static_tip_displacement")
-    values, _ = scene_values("prototype", ["accuracy=0.1", "modes=1"])
-    stated = Statement("prototype", values, ("bimorph.length=14mm:18mm:9",), ("solid",), quantities)
-    said = []
-    with monkeypatch.context() as alone:
-        alone.setattr(answers, "solve", lambda *_: pytest.fail("a point was solved alone"))
-        study = run_study(stated, 1, said.append)
-    assert any("9 points differ in bimorph.length only" in text for text in said)
-    approved("\n".join([*said, *(answered(each.quantities) for _, _, each in study.rows)]))
-    point, _, answer = list(study.rows)[5]
-    scene, _ = load_scene(
-        "prototype", ["accuracy=0.1", "modes=1", f"bimorph.length={point['bimorph.length']!r} m"]
-    )
-    for single in solve(scene, ("solid",), quantities).quantities:
-        together = next(q for q in answer.quantities if q.name == single.name)
-        assert (together.unit, together.classes) == (single.unit, single.classes)
-        apart = np.abs(together.value - single.value)
-        assert (apart <= together.uncertainty + single.uncertainty).all()
 
 
 @pytest.mark.parametrize("refusing", ["answer_family", "accuracy_warnings"])

@@ -5,7 +5,6 @@ import re
 from types import SimpleNamespace
 
 import pytest
-from approved import described, in_text, page_text
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
@@ -154,31 +153,6 @@ def test_a_browser_has_no_complaint(capsys, tmp_path, driven):
     assert "+100.000 %" in found["cells"]
     assert found["pictures"] == ["static tip displacement (µm) over bimorph.length (m)"]
     assert found["wide"] <= 0
-
-
-def test_two_studies_as_they_were_written(capsys, tmp_path, monkeypatch, approved):
-    """Points are matched by the axes' values; nothing is solved again.
-
-    An axis of words is before that of numbers; one length has no answer, one only the other has.
-    """
-    in_text(monkeypatch)
-    monkeypatch.setattr(page, "_devices", lambda *_: [])
-    monkeypatch.chdir(tmp_path)
-    asked = ("--model", "lumped", "--frequency", "100,200", "--vary", "load.kind=none,finger",
-             "--quantity", "static_tip_displacement", "--quantity", "tip_displacement")  # fmt: skip
-    for name, thickness, more in (("a", "0.26mm", ""), ("b", "0.27mm", "18mm,")):
-        lengths = f"bimorph.length=0.5mm,14mm,{more}16mm"
-        asked_of = (*asked, "--vary", lengths, "--set", f"bimorph.piezo_thickness={thickness}")
-        assert main(["whatif", "prototype", *asked_of, "--out", name]) == 0
-    capsys.readouterr()
-    said = [page_text(compared(capsys, "a", other, "--out", ".")[1]) for other in "ab"]
-    said.append(page_text((tmp_path / "compare.html").read_text("utf-8")))
-    found = json.loads(compared(capsys, "a", "b", "--json")[1])
-    approved("\n".join([*said, described(found)]))
-    assert [(each["values"], each["only"]) for each in found["answers"]] == [
-        (4, [0, 2]),
-        (8, [0, 4]),
-    ]
 
 
 def test_what_cannot_be_compared_is_refused(tmp_path, capsys):

@@ -1,7 +1,6 @@
 """The plan of a study: what is kept, what a reduced basis gives and costs, what is solved alone."""
 
 import json
-from dataclasses import replace
 
 import pytest
 
@@ -15,7 +14,7 @@ from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif import study_plan, sweep
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.study_plan import PlannedModel, PlannedWalk, plan_study
+from tactgen.validation.studies.whatif.study_plan import plan_study
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
@@ -108,21 +107,6 @@ def test_points_of_which_none_makes_a_scene_are_refused_alike(command, vary, wor
     out, err = capsys.readouterr()
     assert (out, err.count("\n")) == ("", 1)
     assert words in err
-
-
-def test_costs_in_words(approved):
-    """Of walks, of what they share and of points alone: recorded, kept, or not known."""
-    plain = PlannedWalk("9 points, each from the last", 9, None, "", False, None)
-    walks = [plain, replace(plain, seconds=0.1234)]
-    shared = replace(plain, shared="the samples of a map")
-    walks += [shared, replace(shared, kept=True), replace(shared, shared_seconds=45.67)]
-    planned = [
-        PlannedModel("axisymmetric", 18, 1, 2, 6, (), tuple(walks), 78.91),
-        PlannedModel("axisymmetric", 3, 0, 0, 3, (), (), None),
-        PlannedModel("network", 3, 0, 0, 3, (), (), 78.91),
-        PlannedModel("tmm", 3, 0, 3, 0, (), (), None),
-    ]
-    approved("\n".join(sentence for model in planned for sentence in model.sentences))
 
 
 @pytest.mark.parametrize("many", [9, 1000], ids=["in blocks", "as a family"])
