@@ -27,7 +27,7 @@ for model in models:
     tip, f1 = (found.get(name, model) for name in asked[:2])
     values = float(tip.value.flat[0]), float(f1.value.flat[0])
     bars = tuple(
-        f"{float(np.ravel(q.uncertainty)[0]) / v:.0e}" if q.uncertainty is not None else "-"
+        f"{float(np.ravel(q.error)[0]) / v:.0e}" if q.error is not None else "-"
         for q, v in zip((tip, f1), values, strict=True)
     )
     print(f"{model:8}{values[0] * 1e6:18.3f}{bars[0]:>10}{values[1]:12.2f}{bars[1]:>10}")

@@ -21,7 +21,7 @@ measured = MeasuredCurve(
     kind="velocity",
     frequencies=np.array(scene.frequency),
     values=exact * (1.0 + 0.02 * rng.standard_normal(exact.size)),
-    uncertainty=None,
+    error=None,
     weight=np.ones(exact.size),
 )
 

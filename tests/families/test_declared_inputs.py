@@ -135,7 +135,7 @@ def test_a_key_stands_for_all_that_is_read(
         cold = solve(also, *asked)
         (kept,), (fresh,) = again.quantities, cold.quantities
         np.testing.assert_array_equal(kept.value, fresh.value, err_msg=stage)
-        np.testing.assert_array_equal(kept.uncertainty, fresh.uncertainty, err_msg=stage)
+        np.testing.assert_array_equal(kept.error, fresh.error, err_msg=stage)
 
 
 def test_another_value_is_another_scene():
@@ -173,7 +173,7 @@ def test_an_answer_stands_for_all_that_is_read(name, model, quantities):
     assert first.warnings == also.warnings
     for a, b in zip(first.quantities, also.quantities, strict=True):
         np.testing.assert_array_equal(a.value, b.value)
-        np.testing.assert_array_equal(a.uncertainty, b.uncertainty)
+        np.testing.assert_array_equal(a.error, b.error)
 
 
 def test_what_is_kept_of_growing_amplitudes_goes_by_all_that_it_reads():

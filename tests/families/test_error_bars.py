@@ -26,8 +26,7 @@ def shares(found, exact):
     """Return the largest share of its bar that each quantity's error takes."""
     pairs = [(q, next(e for e in exact if e.name == q.name)) for q in found]
     return {
-        q.name: float(np.max(np.abs(q.value - e.value) / (q.uncertainty + e.uncertainty)))
-        for q, e in pairs
+        q.name: float(np.max(np.abs(q.value - e.value) / (q.error + e.error))) for q, e in pairs
     }
 
 
@@ -82,9 +81,9 @@ def test_coupling_factor_has_what_two_frequencies_leave_of_it(material):
     short, opened, k = solved(
         "tmm", names, f"piezo.material={material}", "load.kind=none", "modes=1"
     )
-    share = float(short.uncertainty[0] / short.value[0] + opened.uncertainty[0] / opened.value[0])
+    share = float(short.error[0] / short.value[0] + opened.error[0] / opened.value[0])
     moved = (1.0 - k.value**2) * share / k.value**2
-    assert 0.5 <= k.uncertainty / (k.value * moved) <= 1.2
+    assert 0.5 <= k.error / (k.value * moved) <= 1.2
 
 
 #: Job J1 on the finest bricks, 230 thousand unknowns: bars of 1 to 13 % of those of level 2.
@@ -102,7 +101,7 @@ def test_bricks_bar():
     Of varied bimorphs a fifth is taken in the middle; three times as narrow it would not hold.
     """
     found = solved("solid", tuple(J1), "mesh.level=2", scene="j1")
-    worst = [np.max(np.abs(q.value - J1[q.name]) / q.uncertainty) for q in found]
+    worst = [np.max(np.abs(q.value - J1[q.name]) / q.error) for q in found]
     assert 0.4 < max(worst) < 1.0
 
 

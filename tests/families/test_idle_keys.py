@@ -23,8 +23,7 @@ FEW = 6
 def numbers(scene):
     """Return every number of a scene with its bar, to the last bit."""
     return {
-        (q.name, q.model): (q.value.tobytes(), q.uncertainty.tobytes())
-        for q in solve(scene).quantities
+        (q.name, q.model): (q.value.tobytes(), q.error.tobytes()) for q in solve(scene).quantities
     }
 
 

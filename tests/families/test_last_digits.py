@@ -46,7 +46,7 @@ def test_no_answer_leaves_its_bar(name, overrides):
     estimated = []
     for before, after in zip(*found, strict=True):
         # both answers are off by their own
-        allowed = before.uncertainty + after.uncertainty
+        allowed = before.error + after.error
         allowed = allowed + SPACINGS * np.finfo(float).eps * np.abs(before.value)
         moved = np.nan_to_num(np.abs(after.value - before.value))
         allowed = np.maximum(np.nan_to_num(allowed, nan=np.inf), np.finfo(float).tiny)

@@ -39,7 +39,7 @@ def values_of(scene, path):
 
 
 def numbers(solution):
-    return [(q.name, q.value.tobytes(), q.uncertainty.tobytes()) for q in solution.quantities]
+    return [(q.name, q.value.tobytes(), q.error.tobytes()) for q in solution.quantities]
 
 
 @settings(max_examples=2)
@@ -86,4 +86,4 @@ def check_pair(name, model, quantities, changes, data, tmp_path_factory):
     assert cold.stages.computed == set(cold.stages.seconds)
     assert numbers(warm) == numbers(cold)
     assert warm.warnings == cold.warnings
-    assert np.isfinite(warm.quantities[0].uncertainty).all()
+    assert np.isfinite(warm.quantities[0].error).all()

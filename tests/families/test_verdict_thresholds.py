@@ -29,7 +29,15 @@ SCENE = load_scene("paper")[0]
 def cell(value, bar, reference, reference_bar):
     """Return what is said of a value of tmm beside a reference of solid."""
     found = [
-        Quantity("static_tip_displacement", m, np.asarray(v), "m", np.asarray(b), "", 0.0)
+        Quantity(
+            name="static_tip_displacement",
+            model=m,
+            value=np.asarray(v),
+            unit="m",
+            error=np.asarray(b),
+            method="",
+            seconds=0.0,
+        )
         for m, v, b in (("tmm", value, bar), ("solid", reference, reference_bar))
     ]
     (row,) = compare(SCENE, found, "bimorph")

@@ -74,7 +74,7 @@ def test_fresh_feet(witness):
         quantities = ("static_tip_displacement", "short_circuit_frequencies")
         own = {q.name: q for q in solve(scene, ["solid"], quantities).quantities}
         for name, key in zip(quantities, ("deflection", "frequency"), strict=True):
-            value, bar = np.ravel(own[name].value)[0], np.ravel(own[name].uncertainty)[0]
+            value, bar = np.ravel(own[name].value)[0], np.ravel(own[name].error)[0]
             apart, other = abs(value - finer[key]), abs(finer[key] - coarse[key])
             print(f"{name}: {apart / value:.1e} of {bar / value:.1e} and {other / value:.1e}")
             assert apart <= bar + other, (name, overrides)

@@ -23,7 +23,7 @@ class AnswerReadout:
     need : str
         The answer that is asked for.
     of : callable
-        Takes the answer, gives a :class:`validation.engine.results.Measured`, or a MeasuredList.
+        Takes the answer, gives a :class:`validation.engine.results.Estimate`, or a Estimate.
     """
 
     need: Need

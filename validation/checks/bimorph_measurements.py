@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tactgen.tmm.ports.loads.finger import finger_spring_damper
 from tactgen.validation.checks.cases.fineness import cached, level
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.scene.scene import Scene, load_scene
 
@@ -27,18 +27,19 @@ def _solved(name: str, models: str, quantities: str, *overrides: str) -> Solutio
 
 
 def _value(name: str, model: str, quantity: str, *overrides: str) -> NDArray[Any]:
-    return _solved(name, model, quantity, *overrides).get(quantity, model).value
+    found: NDArray[Any] = _solved(name, model, quantity, *overrides).get(quantity, model).value
+    return found
 
 
-def _first(name: str, model: str, quantity: str, *overrides: str) -> Measured:
+def _first(name: str, model: str, quantity: str, *overrides: str) -> Estimate:
     """Return a number, or the first of a list, with the model's own bar."""
     return _number(_solved(name, model, quantity, *overrides), model, quantity)
 
 
-def _number(found: Solution, model: str, quantity: str, number: int = 0) -> Measured:
+def _number(found: Solution, model: str, quantity: str, number: int = 0) -> Estimate:
     q = found.get(quantity, model)
-    value, bar = (float(np.ravel(array)[number]) for array in (q.value, q.uncertainty))
-    return Measured(value, bar)
+    value, bar = (float(np.ravel(array)[number]) for array in (q.value, q.error))
+    return Estimate(value, bar)
 
 
 @cached
@@ -72,22 +73,22 @@ def prototype_peak_velocity() -> float:
 _CLAMPED = ("support.kind=clamped", "load.kind=none", "drive.voltage=1V")
 
 
-def clamped_short_circuit() -> Measured:
+def clamped_short_circuit() -> Estimate:
     """First short-circuit frequency of the clamped paper bimorph by TMM (Hz)."""
     return _first("paper", "tmm", "short_circuit_frequencies", *_CLAMPED)
 
 
-def clamped_open_circuit() -> Measured:
+def clamped_open_circuit() -> Estimate:
     """First open-circuit frequency (Hz)."""
     return _first("paper", "tmm", "open_circuit_frequencies", *_CLAMPED)
 
 
-def clamped_static() -> Measured:
+def clamped_static() -> Estimate:
     """Return the static tip displacement at 1 V (m)."""
     return _first("paper", "tmm", "static_tip_displacement", *_CLAMPED)
 
 
-def beam_first_frequency() -> Measured:
+def beam_first_frequency() -> Estimate:
     """First short-circuit frequency by beam elements (Hz)."""
     return _first("paper", "beam", "short_circuit_frequencies", *_CLAMPED)
 
@@ -107,12 +108,12 @@ def finger_damping_start() -> float:
     return float(finger_spring_damper(np.array([10.0]))[1][0])
 
 
-def j1_default_deflection() -> Measured:
+def j1_default_deflection() -> Estimate:
     """Return the static tip displacement of job J1 on the default mesh (m)."""
     return _first("j1", "solid", "static_tip_displacement")
 
 
-def j1_default_first_frequency() -> Measured:
+def j1_default_first_frequency() -> Estimate:
     """First frequency of job J1 on the default mesh (Hz)."""
     return _first("j1", "solid", "short_circuit_frequencies")
 
@@ -123,12 +124,12 @@ def _j1_fine() -> Solution:
     return _solved("j1", "solid", quantities, f"mesh.level={level(4, least=2)}")
 
 
-def j1_fine_deflection() -> Measured:
+def j1_fine_deflection() -> Estimate:
     """Return the static tip displacement of job J1 on the fine mesh (m)."""
     return _number(_j1_fine(), "solid", "static_tip_displacement")
 
 
-def j1_fine_frequency(number: int) -> Measured:
+def j1_fine_frequency(number: int) -> Estimate:
     """Natural frequency `number` (from 0) of job J1 on the fine mesh (Hz)."""
     return _number(_j1_fine(), "solid", "short_circuit_frequencies", number)
 
@@ -145,7 +146,7 @@ def j1_cad_against_bricks() -> float:
         bricks, tetrahedra = (found.get(name, model) for model in ("solid", "cad"))
         assert bricks.classes == tetrahedra.classes
         apart = np.abs(bricks.value - tetrahedra.value)
-        ratios.append(np.max(apart / (bricks.uncertainty + tetrahedra.uncertainty)))
+        ratios.append(np.max(apart / (bricks.error + tetrahedra.error)))
     return float(np.max(ratios))
 
 

@@ -17,7 +17,7 @@ from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square, Step
 from tactgen.validation.checks.cases.coil_circuit import run_of_coil
 from tactgen.validation.checks.cases.fineness import steps
 from tactgen.validation.checks.cases.magnetics.actuator_field import field_point
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 
 if TYPE_CHECKING:
     from tactgen.validation.models.generator.phases import Phase
@@ -70,7 +70,7 @@ def generator_imbalance() -> float:
     return found.answer.run.worst_imbalance
 
 
-def pull_in_current() -> Measured:
+def pull_in_current() -> Estimate:
     """Return the current (A) that pulls the rod down from its upper stop, by the field.
 
     There its pull is the preload; nearer to the lower stop it grows faster than the spring's force.
@@ -81,7 +81,7 @@ def pull_in_current() -> Measured:
     current = low + (device.spring.preload - weak) / slope
     found = field_point(device, current)  # the pull is not quite straight between them
     current += (device.spring.preload - found.force) / slope
-    return Measured(current, found.errors.force / slope)
+    return Estimate(current, found.errors.force / slope)
 
 
 def rise_time() -> float:

@@ -30,7 +30,7 @@ from tactgen.validation.checks.cases.magnetics import (
 from tactgen.validation.checks.cases.magnetics.actuator_field import field_point
 from tactgen.validation.checks.cases.magnetics.long_conductors import conductors
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential, ball_error
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.generator.judged_rod import rod_of
 from tactgen.validation.scene.scene import load_scene
 
@@ -160,18 +160,18 @@ def difference_quotient_ratio(state: int) -> float:
     return (narrow - wide) / (2.0 * step) / _point(state).force
 
 
-def network_over_field_force(state: int) -> Measured:
+def network_over_field_force(state: int) -> Estimate:
     """Force of the network over the field's."""
     found = _point(state)
     return _over(float(_network(state).force[0, 0]), found.force, found.errors.force)
 
 
-def _over(value: float, field: float, bar: float) -> Measured:
+def _over(value: float, field: float, bar: float) -> Estimate:
     """Return a value over that of a field with its bar, of which the quotient has the share."""
-    return Measured(value / field, abs(value / field * bar / field))
+    return Estimate(value / field, abs(value / field * bar / field))
 
 
-def network_over_field_straight_iron() -> Measured:
+def network_over_field_straight_iron() -> Estimate:
     """Return the same at the paper's point with straight iron, µr = 1000."""
     device = Device(steel=Steel(curve="linear", relative_permeability=1000.0))
     current, gap = STATES[0]
@@ -180,22 +180,22 @@ def network_over_field_straight_iron() -> Measured:
     return _over(float(network.force[0, 0]), found.force, found.errors.force)
 
 
-def network_over_field_linkage(state: int) -> Measured:
+def network_over_field_linkage(state: int) -> Estimate:
     """Flux linkage of the network over the field's."""
     found, linkage = _point(state), float(_network(state).flux_linkage[0, 0])
     return _over(linkage, found.flux_linkage, found.errors.flux_linkage)
 
 
-def collared_force(current: float) -> Measured:
+def collared_force(current: float) -> Estimate:
     """Pull of the actuator with a collar (N)."""
     found = collared_actuator.field(current)
-    return Measured(found.force, found.errors.force)
+    return Estimate(found.force, found.errors.force)
 
 
-def collared_linkage(current: float) -> Measured:
+def collared_linkage(current: float) -> Estimate:
     """Flux linkage per turn of the same (Wb)."""
     found, turns = collared_actuator.field(current), collared_actuator.COLLARED.coil.turns
-    return Measured(found.flux_linkage / turns, found.errors.flux_linkage / turns)
+    return Estimate(found.flux_linkage / turns, found.errors.flux_linkage / turns)
 
 
 def largest_held_current() -> float:
@@ -208,13 +208,13 @@ def generator_height() -> float:
     return total_height(load_scene("bimorph_on_rod")[0].device)
 
 
-def paper_force() -> Measured:
+def paper_force() -> Estimate:
     """Pull of the reconstructed device at 130 mA and 0.2 mm by the axisymmetric field (N)."""
     found = _point(0)
-    return Measured(found.force, found.errors.force)
+    return Estimate(found.force, found.errors.force)
 
 
-def spring_over_pull_held() -> Measured:
+def spring_over_pull_held() -> Estimate:
     """Force of the spring over the pull with 50 mA at the lower stop."""
     device = Device()
     gap = device.spring.stop_gap
@@ -222,7 +222,7 @@ def spring_over_pull_held() -> Measured:
     return _over(float(spring_force(device, gap)), found.force, found.errors.force)
 
 
-def spring_over_pull_at_upper_stop() -> Measured:
+def spring_over_pull_at_upper_stop() -> Estimate:
     """Force of the spring over the pull with 120 mA at the upper stop."""
     device = Device()
     found = field_point(device, 120e-3)

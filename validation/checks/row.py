@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 
 Tier = Literal["code verification", "solution verification", "cross-model", "validation"]
 Status = Literal["pass", "fail", "explained"]
@@ -54,7 +54,7 @@ class Check:
     source: str
     tolerance: float
     reason: str
-    measure: Callable[[], float | Measured]
+    measure: Callable[[], float | Estimate]
     explained: str = ""
     known: float = 0.0
     fitted: str = ""
@@ -89,9 +89,9 @@ def run_check(check: Check) -> Outcome:
     return judged(check, value_of(check.measure()))
 
 
-def value_of(measured: float | Measured) -> float:
+def value_of(measured: float | Estimate) -> float:
     """Return a measured value without its bar."""
-    return float(measured.value if isinstance(measured, Measured) else measured)
+    return float(measured.value if isinstance(measured, Estimate) else measured)
 
 
 def judged(check: Check, measured: float) -> Outcome:

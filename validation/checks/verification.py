@@ -21,7 +21,7 @@ from tactgen.validation.checks.case import Case
 from tactgen.validation.checks.cases.fineness import Kind, on_level
 from tactgen.validation.checks.problems import PROBLEMS, Problem
 from tactgen.validation.checks.row import Check, Outcome, judged, value_of
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 
 Verdict = Literal["pass", "explained", "fail", "skipped"]
 #: All verdicts, in the order in which they are counted.
@@ -79,7 +79,7 @@ class Division:
 
     below: int
     value: float
-    bar: float
+    error: float
     kinds: tuple[tuple[str, ...], ...]
     new: bool
     count: int
@@ -114,7 +114,7 @@ class Verified:
     check: Check
     outcome: Outcome | None = None
     found: Division | None = None
-    bar: Bar | None = None
+    error: Bar | None = None
 
     @property
     def seconds(self) -> float | None:
@@ -124,10 +124,10 @@ class Verified:
     @property
     def covered_by(self) -> Literal["", "bar", "bar and tolerance"]:
         """What covers the deviation; nothing where the row has no bar."""
-        if self.outcome is None or self.bar is None:
+        if self.outcome is None or self.error is None:
             return ""
         nearest = _nearest(self.outcome)
-        beyond = abs(self.outcome.measured - nearest) - self.bar.size
+        beyond = abs(self.outcome.measured - nearest) - self.error.size
         if beyond <= 0.0:
             return "bar"
         return "bar and tolerance" if beyond <= self.check.tolerance * abs(nearest) else ""
@@ -156,9 +156,9 @@ class Verified:
             "unit": check.unit,
             "measured": None if found is None else found.measured,
             "reference": check.reference,
-            "bar": None if self.bar is None else self.bar.size,
-            "bar_judged_by": None if self.bar is None else self.bar.judged_by,
-            "covered_by": None if self.bar is None else self.covered_by,
+            "bar": None if self.error is None else self.error.size,
+            "bar_judged_by": None if self.error is None else self.error.judged_by,
+            "covered_by": None if self.error is None else self.covered_by,
             "deviation": None if found is None else found.deviation,
             "source": check.source,
             "tolerance": check.tolerance,
@@ -218,8 +218,8 @@ def verify(
 
 def _bar(group: str, case: Case, check: Check, measured: Division) -> Bar | None:
     """Return a row's bar; None where nothing is divided, and of a row that is an error itself."""
-    if math.isfinite(measured.bar):
-        return Bar(measured.bar, "the model's own")
+    if math.isfinite(measured.error):
+        return Bar(measured.error, "the model's own")
     if measured.kind is None or case.refinement is not None:
         return None
     other = next_division(group, case, check)
@@ -255,7 +255,7 @@ def division(group: str, case: Case, check: Check, below: int = 0) -> Division:
                 if below == 0:
                     raise
                 return Division(below, math.nan, math.nan, (), False, 0, 0.0)
-        bar = measured.bar if isinstance(measured, Measured) else math.nan
+        bar = measured.error if isinstance(measured, Estimate) else math.nan
         kinds = tuple(sorted(tuple(kind) for kind in run.kinds))
         seconds = time.perf_counter() - started
         return Division(below, value_of(measured), bar, kinds, run.new, run.count, seconds)

@@ -118,7 +118,7 @@ def _cell(q: Quantity | None, at: int | tuple[()], *, of_class: bool = False) ->
     if q is None or (isinstance(at, int) and at >= q.value.size):
         return ""
     number = complex(q.value[at])
-    value, bar = abs(number), float(q.uncertainty[at])
+    value, bar = abs(number), float(q.error[at])
     if not np.iscomplexobj(q.value):
         value = float(q.value[at])
     if math.isnan(value):

@@ -66,7 +66,7 @@ def _rows(q: Quantity) -> list[tuple[str, str, str]]:
 
 def _bar(q: Quantity, at: int | tuple[()]) -> str:
     """Return an error bar as a share of its value, in the value's unit where that is zero."""
-    size, bar = float(abs(q.value[at])), float(q.uncertainty[at])
+    size, bar = float(abs(q.value[at])), float(q.error[at])
     if math.isnan(bar) or math.isnan(size):
         return "-"
     return share(bar / size) if size > 0.0 else engineering(bar, q.unit, 2)

@@ -145,7 +145,7 @@ def by_differences(
                     "scene; leave the key out, or the quantity"
                 )
             slope, truncated = extrapolated(np.array([o.value for o in near]), distance)
-            open_ = noise(np.max([o.uncertainty for o in near], axis=0), distance)
+            open_ = noise(np.max([o.error for o in near], axis=0), distance)
             # what is the same to the last bit does not depend on the key
             same = all(np.array_equal(o.value, q.value, equal_nan=True) for o in near)
             slopes[n][key] = slope
@@ -180,6 +180,6 @@ def _distance(quantities: Sequence[Quantity]) -> float:
     shares = [0.0]
     for q in quantities:
         size = np.abs(q.value)
-        known = np.isfinite(size) & (size > 0.0) & np.isfinite(q.uncertainty)
-        shares += list((q.uncertainty[known] / size[known]).ravel())
+        known = np.isfinite(size) & (size > 0.0) & np.isfinite(q.error)
+        shares += list((q.error[known] / size[known]).ravel())
     return float(np.clip(max(shares) ** 0.2, NEAREST, _FAR))

@@ -1,7 +1,7 @@
 """What a model is, of whichever actuator: it answers what quantities are read from.
 
 The answers to "static" and "harmonic" are Refined[Multiport], parallel wiring; to "modes_short"
-and "modes_open" Refined[Modes]; the normal actuator's hold a Measured for each value.
+and "modes_open" Refined[Modes]; the normal actuator's hold an Estimate for each value.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ What is read off the fine result is also read off the coarser ones; the distance
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ from tactgen.validation.catalogue.row import (
     QuantityRow,
 )
 from tactgen.validation.engine.model import Model, Modes, Refined
-from tactgen.validation.engine.results import MeasuredList
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.scene.scene import Scene
 
 Array = NDArray[Any]
@@ -36,17 +36,7 @@ _ROUNDING = 1e-13
 _OF_A_MOMENT = 1e-10
 
 
-@dataclass(frozen=True)
-class Judged:
-    """A number or array with its absolute error bar, how that came about, and modes' classes."""
-
-    value: Array
-    bar: Array
-    method: str
-    classes: tuple[str, ...] | None = None
-
-
-def read(row: QuantityRow, model: Model) -> Judged:
+def read(row: QuantityRow, model: Model) -> Estimate:
     """Return a quantity by a model that gives it."""
     ends = model.scene.ends
     found = _read(row, model, ends)
@@ -55,19 +45,19 @@ def read(row: QuantityRow, model: Model) -> Judged:
     apart = [np.abs(found.value - _read(row, model, other).value) for other in disturbed(ends)]
     if not apart:
         return found
-    bar = found.bar + np.hypot(*apart)
-    return replace(found, bar=bar, method=f"{found.method}; {OF_THE_TABLE}")
+    bar = found.error + np.hypot(*apart)
+    return replace(found, error=bar, method=f"{found.method}; {OF_THE_TABLE}")
 
 
-def _read(row: QuantityRow, model: Model, ends: Ends) -> Judged:
+def _read(row: QuantityRow, model: Model, ends: Ends) -> Estimate:
     """Return a quantity with what holds and loads the actuator."""
     answers = [model.answer(need) for need in row.needs]
     match row.read:
         case AnswerReadout(of=of):
             found = of(answers[0])
-            classes = found.classes if isinstance(found, MeasuredList) else None
-            value, bar = np.asarray(found.value), np.asarray(found.bar)
-            return Judged(value, bar, answers[0].method, classes)
+            classes = found.classes if isinstance(found, Estimate) else None
+            value, bar = np.asarray(found.value), np.asarray(found.error)
+            return Estimate(value, bar, answers[0].method, classes)
         case ModalReadout(combine=None):
             return _frequencies(answers[0], model.scene.modes)
         case ModalReadout():
@@ -85,7 +75,7 @@ def _judge(
     of: Callable[[Any], Any],
     rounding: Any,
     size: Callable[[Array], Array] = np.abs,
-) -> Judged:
+) -> Estimate:
     """Apply `of` to the fine and the coarser results; the bars add, rounding being of `size`."""
     value = np.asarray(of(refined.fine))
     apart = np.zeros(value.shape)
@@ -93,7 +83,7 @@ def _judge(
         apart = apart + factor * np.abs(value - np.asarray(of(coarser)))
     apart = np.maximum(apart, refined.least * size(value))
     bar = apart + size(value) * (rounding + refined.rounding)
-    return Judged(value, np.asarray(bar, dtype=float), refined.method)
+    return Estimate(value, np.asarray(bar, dtype=float), refined.method)
 
 
 def rounding_of_ports(
@@ -106,7 +96,7 @@ def rounding_of_ports(
 
 def _at_ports(
     readout: Readout | PortMatrix, model: Model, refined: Refined[Multiport], ends: Ends
-) -> Judged:
+) -> Estimate:
     scene = model.scene
     static = isinstance(readout, Readout) and readout.static
     ends = ends.lossless if static else ends
@@ -137,7 +127,7 @@ def balanced_size(matrix: Array) -> Array:
     return np.asarray(np.maximum(np.abs(matrix), own[:, :, None] * own[:, None, :]))
 
 
-def _of_tip(readout: Readout, scene: Scene, refined: Refined[Response]) -> Judged:
+def _of_tip(readout: Readout, scene: Scene, refined: Refined[Response]) -> Estimate:
     frequencies = np.asarray(scene.frequency, dtype=float)
 
     def of(response: Response) -> Array:
@@ -148,7 +138,7 @@ def _of_tip(readout: Readout, scene: Scene, refined: Refined[Response]) -> Judge
 
 def _of_ceramic(
     readout: DrivenReadout, model: Model, refined: Refined[Multiport], ends: Ends
-) -> Judged:
+) -> Estimate:
     """Read what the ceramic carries off the tip's motion and the charge."""
     scene = model.scene
     frequencies = np.asarray(scene.frequency, dtype=float)
@@ -160,7 +150,9 @@ def _of_ceramic(
     return _of_response(of, model, refined, ends, _OF_A_MOMENT)
 
 
-def _of_load(readout: LoadReadout, model: Model, refined: Refined[Multiport], ends: Ends) -> Judged:
+def _of_load(
+    readout: LoadReadout, model: Model, refined: Refined[Multiport], ends: Ends
+) -> Estimate:
     """Read what the load takes off the tip's motion."""
     frequencies = np.asarray(model.scene.frequency, dtype=float)
     stiffness, omega = tip_stiffness(ends.tip, frequencies), 2.0 * np.pi * frequencies
@@ -180,7 +172,7 @@ def _of_response(
     ends: Ends,
     rounding: float,
     gain: float = 1.0,
-) -> Judged:
+) -> Estimate:
     """Read something off tip and charge at 1 V, by closed form or ports, whoever gives them."""
     closed = model.closed_form(ends)
     if closed is not None:
@@ -195,13 +187,13 @@ def _of_response(
     return _judge(refined, of_port, gain * by_ports + rounding)
 
 
-def _frequencies(refined: Refined[Modes], count: int) -> Judged:
+def _frequencies(refined: Refined[Modes], count: int) -> Estimate:
     rounding = _ROUNDING + _by_mode(refined)[:count]
     found = _judge(replace(refined, rounding=0.0), lambda m: m.frequencies[:count], rounding)
     return replace(found, classes=refined.fine.classes[:count])
 
 
-def _combination(readout: ModalReadout, answers: Sequence[Refined[Modes]]) -> Judged:
+def _combination(readout: ModalReadout, answers: Sequence[Refined[Modes]]) -> Estimate:
     combine = readout.combine
     assert combine is not None
 
@@ -218,7 +210,7 @@ def _combination(readout: ModalReadout, answers: Sequence[Refined[Modes]]) -> Ju
     )
     rounding = sum((_of_bending(answer) for answer in answers), _ROUNDING)
     found = _judge(together, of, 0.0)
-    return replace(found, bar=found.bar + readout.rounding(float(found.value), rounding))
+    return replace(found, error=found.error + readout.rounding(float(found.value), rounding))
 
 
 def _by_mode(refined: Refined[Modes]) -> Array:

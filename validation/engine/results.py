@@ -15,43 +15,40 @@ Array = NDArray[Any]
 
 @storable
 @dataclass(frozen=True)
-class Measured:
-    """A value with its numerical error bar, both in the same SI unit; nan where there is none."""
+class Estimate:
+    """A number, or an array of them, with its numerical error.
 
-    value: float
-    bar: float
+    Attributes
+    ----------
+    value : float or array
+        In SI units; nan where there is none.
+    error : float or array
+        Absolute numerical error, of the unit and shape of `value`'s magnitude; nan if not known.
+    method : str
+        How the error was estimated, for the reader.
+    classes : tuple of str, optional
+        The class of motion of each value of a list of modes.
+    """
+
+    value: Any
+    error: Any
+    method: str = ""
+    classes: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "value", self.value + 0.0)  # no -0
 
 
 @storable
-@dataclass(frozen=True)
-class MeasuredList:
-    """Values with their error bars (n,), in one SI unit, and of a list the class of each."""
-
-    value: Array
-    bar: Array
-    classes: tuple[str, ...] | None = None
-
-
-@storable
-@dataclass(frozen=True)
-class Quantity:
-    """One number, or array over frequency or mode, by one model.
-
-    `uncertainty` is the numerical one, absolute, of the shape of `value`'s magnitude.
-    """
+@dataclass(frozen=True, kw_only=True)
+class Quantity(Estimate):
+    """An estimate by one model: one number, or an array over frequency or mode."""
 
     name: str
     model: str
-    value: Array
     unit: str
-    uncertainty: Array
-    uncertainty_method: str
-    seconds: float
+    seconds: float = 0.0
     frequency: tuple[float, ...] | None = None
-    classes: tuple[str, ...] | None = None
 
 
 def quantity_json(q: Quantity) -> dict[str, Any]:
@@ -61,8 +58,8 @@ def quantity_json(q: Quantity) -> dict[str, Any]:
         "model": q.model,
         "value": _numbers(q.value),
         "unit": q.unit,
-        "uncertainty": _numbers(q.uncertainty),
-        "uncertainty_method": q.uncertainty_method,
+        "uncertainty": _numbers(q.error),
+        "uncertainty_method": q.method,
         "seconds": q.seconds,
     }
     if q.frequency is not None:

@@ -71,13 +71,13 @@ def _is_deflection(read: object) -> bool:
 def _excess(q: Quantity, accuracy: float) -> str:
     """Return the quantity's name and how wide its bar is, or nothing if it is narrow enough."""
     size = np.abs(q.value)
-    beyond = q.uncertainty > accuracy * size
+    beyond = q.error > accuracy * size
     if not beyond.any():
         return ""
-    if beyond.ndim == 0 and q.uncertainty >= size:
+    if beyond.ndim == 0 and q.error >= size:
         return f"{q.name} (zero within its bar)"
     # no value, no bar: a threshold voltage outside the threshold's range
-    worst = float(np.nanmax(q.uncertainty / np.where(size > 0.0, size, np.inf)))
+    worst = float(np.nanmax(q.error / np.where(size > 0.0, size, np.inf)))
     where = f" at {int(beyond.sum())} of {beyond.size} values" if beyond.ndim else ""
     shown = float(f"{worst:.2g}")
     digits = 2 if shown > accuracy else 4  # so many that it is seen to be beyond

@@ -132,7 +132,7 @@ def _tables(
                 if key not in tables:
                     tables[key] = np.full(lengths.size, np.nan), np.full(lengths.size, np.nan)
                 tables[key][0][n] = by_name[name].value[place]
-                tables[key][1][n] = by_name[name].uncertainty[place]
+                tables[key][1][n] = by_name[name].error[place]
     return tables
 
 

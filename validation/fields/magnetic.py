@@ -94,12 +94,12 @@ def gather_magnetic(
         kind="static",
         circuit="driven",
         frequency=0.0,
-        bar=float("nan"),
+        error=float("nan"),
         fields={
             "flux_density": turn(section.flux_density),
             "magnetic_field": turn(section.field_strength),
         },
-        pull=(float(force.value), float(force.uncertainty)),
+        pull=(float(force.value), float(force.error)),
     )
     lines = flux_lines(field, section) if opened else None
     return FieldResult(scene.name, "axisymmetric", mesh, (state,), 0.0, "field", lines)

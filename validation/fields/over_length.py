@@ -32,7 +32,7 @@ class ModeOverLength:
     motion: str
     place: int
     frequency: Floats
-    bar: Floats
+    error: Floats
     shapes: Floats
 
 

@@ -85,7 +85,7 @@ class State:
     kind: StateKind
     circuit: Circuit
     frequency: float
-    bar: float
+    error: float
     fields: Mapping[str, Array]
     tip: complex = 0.0
     charge: complex = 0.0

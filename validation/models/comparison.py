@@ -59,7 +59,7 @@ class Cell:
 
     model: str
     value: float
-    uncertainty: float
+    error: float
     difference: float
     verdict: Verdict
     why: str
@@ -211,8 +211,8 @@ def _points(share: float) -> str:
 def _first(q: Quantity) -> tuple[float, float]:
     """Return a scalar, or the first bending mode in x of a list, with its error bar."""
     if q.classes is None:
-        return float(q.value), float(q.uncertainty)
+        return float(q.value), float(q.error)
     if "bending_x" not in q.classes:
         return float("nan"), float("nan")
     at = q.classes.index("bending_x")
-    return float(np.asarray(q.value)[at]), float(np.asarray(q.uncertainty)[at])
+    return float(np.asarray(q.value)[at]), float(np.asarray(q.error)[at])

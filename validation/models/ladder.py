@@ -251,7 +251,7 @@ def _error(found: Quantity, reference: Quantity) -> tuple[float, float]:
 
 
 def _comparable(q: Quantity) -> tuple[np.ndarray, np.ndarray]:
-    value, bar = np.atleast_1d(q.value), np.atleast_1d(q.uncertainty)
+    value, bar = np.atleast_1d(q.value), np.atleast_1d(q.error)
     if q.classes is not None:
         bends = np.array(q.classes) == "bending_x"
         value, bar = value[bends], bar[bends]

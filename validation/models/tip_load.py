@@ -10,7 +10,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.ports.loads.measured_law import OF_THE_TABLE, MeasuredLaw
 from tactgen.tmm.ports.terminations import tip_stiffness
-from tactgen.validation.engine.results import MeasuredList
+from tactgen.validation.engine.results import Estimate
 
 #: Rounding of a formula.
 _ROUNDING = 1e-14
@@ -29,7 +29,7 @@ class MeasuredLoad:
         return OF_THE_TABLE if isinstance(self.ends.tip, MeasuredLaw) else "rounding of a formula"
 
     @property
-    def impedance(self) -> MeasuredList:
+    def impedance(self) -> Estimate:
         """Force per velocity (n,) in N s/m; nan at 0 Hz, where nothing moves steadily."""
         omega = 2.0 * np.pi * np.where(self.frequencies > 0.0, self.frequencies, np.nan)
         # a real division: of complex numbers by nan numpy warns
@@ -37,4 +37,4 @@ class MeasuredLoad:
         bar = _ROUNDING * np.abs(value)
         if isinstance(self.ends.tip, MeasuredLaw):
             bar = bar + self.ends.tip.error(self.frequencies) / omega
-        return MeasuredList(value, bar)
+        return Estimate(value, bar)

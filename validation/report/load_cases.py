@@ -57,7 +57,7 @@ class LoadCase:
             "at": float(frequency[at]),
             "first": float(size[first]),
             "first_at": float(frequency[first]),
-            "bar": float(np.max(q.uncertainty[known] / size[known], initial=0.0)),
+            "bar": float(np.max(q.error[known] / size[known], initial=0.0)),
         }
 
 

@@ -188,7 +188,7 @@ def summary(study: Study) -> dict[str, Any]:
         "left_out": _left_out(study),
         "asked": study.asked,
         "bars": len(most_detailed),
-        "missed": sum(c.uncertainty > study.scene.accuracy * abs(c.value) for c in most_detailed),
+        "missed": sum(c.error > study.scene.accuracy * abs(c.value) for c in most_detailed),
         "others_missed": accuracy_warnings(study.scene, study.solution.quantities),
     }
 
@@ -217,6 +217,6 @@ def _spread(rows: Sequence[ComparedRow]) -> dict[str, float]:
     sized = [cell for row in rows if not is_of_rest(row.quantity) for cell in row.cells]
     apart = [abs(c.difference) for c in sized if math.isfinite(c.value)]
     return {
-        "widest": max((c.uncertainty / abs(c.value) for c in cells if c.value), default=0.0),
+        "widest": max((c.error / abs(c.value) for c in cells if c.value), default=0.0),
         "farthest": max((size for size in apart if not math.isnan(size)), default=0.0),
     }

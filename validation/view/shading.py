@@ -159,7 +159,7 @@ def words_of(result: FieldResult, state: State) -> Words:
     if state.kind == "mode":
         coupling = "" if math.isnan(state.coupling) else f" · k = {state.coupling:.3g}"
         short = state.name.split(",")[0]
-        number = with_bar(state.frequency, state.bar, "Hz")
+        number = with_bar(state.frequency, state.error, "Hz")
         detail = MOTIONS[state.motion] + coupling
         return Words(short, number, detail, name, "at a largest displacement of 1 µm")
     if "displacement" not in state.fields:

@@ -160,7 +160,7 @@ def test_published_force_is_that_of_thin_strips():
 def test_long_conductors_repel_as_published():
     """Stress and J x B give the published force, one potential from below, one from above.
 
-    Measured: 0.04 % below and 0.09 % above; at half the mesh size 0.006 % apart.  That the
+    Estimate: 0.04 % below and 0.09 % above; at half the mesh size 0.006 % apart.  That the
     bars are 0.5 mm thick adds 0.02 %, the walls at 100 spacings take 0.01 %.
     """
     low, high = (np.array(conductors(p, 0.7)) for p in (VectorPotential, ScalarPotential))

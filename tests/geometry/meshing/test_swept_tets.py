@@ -25,7 +25,7 @@ def volumes(mesh):
 def test_regions_have_their_volume(layer):
     """Each region's volume is that of its rings, with an error of fourth order in the angle.
 
-    Measured 9e-5 of the volume at 22.5 degrees, 16 times less at half of that.
+    Estimate 9e-5 of the volume at 22.5 degrees, 16 times less at half of that.
     """
     turn = np.pi / 2
     mesh = swept(turn, round(turn / layer))

@@ -42,7 +42,7 @@ def test_peak_and_folds_of_a_driven_duffing_oscillator():
 def test_one_sided_spring(harmonics):
     """The force's kink makes the frequency's error fall at least with the harmonics' third power.
 
-    Measured 1e-7 at 20 harmonics with a spring eleven times as stiff on one side.
+    Estimate 1e-7 at 20 harmonics with a spring eleven times as stiff on one side.
     """
     found = cases.free_on_one_sided(10.0, harmonics)
     guess = Orbit(found.omega, 0.0, found.spectrum)

@@ -58,7 +58,7 @@ def test_fresh_bimorphs(peer):
         scene, _ = load_scene("paper", [*drawn, *clamped])
         own = {q.name: q for q in solve(scene, ["solid"], QUANTITIES).quantities}
         for name, (value, bar) in zip(QUANTITIES, witnessed(peer, scene), strict=True):
-            apart, ours = np.abs(np.atleast_1d(own[name].value) - value), own[name].uncertainty
+            apart, ours = np.abs(np.atleast_1d(own[name].value) - value), own[name].error
             shares = (
                 np.stack(np.broadcast_arrays(apart, ours, bar), axis=-1) / np.abs(value)[:, None]
             )

@@ -11,7 +11,7 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout, QuantityRow
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import load_scene
@@ -40,9 +40,9 @@ ENERGY = QuantityRow(
     "energy of the magnetic field",
     AnswerReadout(
         "magnetic_point",
-        lambda point: Measured(
+        lambda point: Estimate(
             point.current * point.flux_linkage.value - point.coenergy.value,
-            point.current * point.flux_linkage.bar + point.coenergy.bar,
+            point.current * point.flux_linkage.error + point.coenergy.error,
         ),
     ),
 )

@@ -174,7 +174,15 @@ def test_two_models_of_a_job_are_apart_by_so_many_of_both_bars(monkeypatch):
     def get(name, model):
         scale = 1.0 if name == "coupling_factor" else 0.1
         bar = np.full(2, 0.3 if model == "solid" else 0.1)
-        return Quantity(name, model, scale * np.array(values[model]), "1", bar, "", 0.0)
+        return Quantity(
+            name=name,
+            model=model,
+            value=scale * np.array(values[model]),
+            unit="1",
+            error=bar,
+            method="",
+            seconds=0.0,
+        )
 
     asked = []
     monkeypatch.setattr(bimorph, "_solved", lambda *given: asked.append(given) or (

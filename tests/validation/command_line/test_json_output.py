@@ -15,7 +15,7 @@ class Record:
 
     name: str
     values: np.ndarray
-    bar: float
+    error: float
     flags: tuple[bool, ...]
 
 
@@ -25,6 +25,6 @@ def test_any_record_is_one_line_of_valid_json(capsys):
     print_json({"all": [Record("tip", values, math.nan, (True, False))], "count": np.int64(3)})
     out, err = capsys.readouterr()
     assert (err, out.count("\n")) == ("", 1)
-    record = {"name": "tip", "values": [[1.5, None], [None, -2.0]], "bar": None,
+    record = {"name": "tip", "values": [[1.5, None], [None, -2.0]], "error": None,
               "flags": [True, False]}  # fmt: skip
     assert json.loads(out) == {"all": [record], "count": 3}

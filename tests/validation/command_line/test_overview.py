@@ -170,11 +170,19 @@ def test_completion_knows_every_word(capsys):
 
 def test_what_has_no_value_is_said_so():
     """In the overview, in tables, and of its bar."""
-    nothing = Quantity("f", "tmm", np.array([np.nan]), "Hz", np.array([np.nan]), "", 0.0)
+    nothing = Quantity(
+        name="f",
+        model="tmm",
+        value=np.array([np.nan]),
+        unit="Hz",
+        error=np.array([np.nan]),
+        method="",
+        seconds=0.0,
+    )
     assert overview._cell(nothing, 0) == "no value"
     assert overview._cell(nothing, 1) == overview._cell(None, 0) == ""
     assert (tables.format_value(np.nan, "Hz"), tables._bar(nothing, 0)) == ("no value", "-")
-    sure = replace(nothing, value=np.array([2.0]), uncertainty=np.array([0.5]))
+    sure = replace(nothing, value=np.array([2.0]), error=np.array([0.5]))
     assert (tables.format_value(2.0, "Hz"), tables._bar(sure, 0)) == ("2 Hz", "25 %")
     at_zero = replace(sure, value=np.array([0.0]))
     assert tables._bar(at_zero, 0) == "500 mHz"

@@ -35,7 +35,7 @@ def answers(cases):
     found = []
     for name, overrides, quantities in cases:
         scene, _ = load_scene(name, [*overrides, f"quantities={quantities}"])
-        found += [(q.model, q.value, q.uncertainty) for q in solve(scene).quantities]
+        found += [(q.model, q.value, q.error) for q in solve(scene).quantities]
     return found
 
 

@@ -64,7 +64,7 @@ def test_a_mode_alone_in_its_class_is_not_trusted_either(monkeypatch, own_store)
     (found,) = solve(scene, ("solid",), NAMES[2:]).quantities
     at = found.classes.index("bending_y")
     error = abs(found.value[at] - 63618.9)
-    assert 5.0 < error <= found.uncertainty[at] < 5.0 * error
+    assert 5.0 < error <= found.error[at] < 5.0 * error
 
 
 #: The paper's layers clamped, 10 mm long, by level 5, converged to a twentieth of the bars below.
@@ -93,8 +93,8 @@ def test_bars_of_every_kind_are_the_size_of_the_error(monkeypatch, few_bricks):
     scene, _ = load_scene("prototype", [*settings, "frequency=1200,3000", "mesh.level=2"])
     for found in solve(scene, ("solid",), tuple(CLAMPED)).quantities:
         error = np.abs(found.value - np.array(CLAMPED[found.name]))
-        assert (0.8 * error < found.uncertainty).all(), found.name
-        assert (found.uncertainty < 2.0 * error).all(), found.name
+        assert (0.8 * error < found.error).all(), found.name
+        assert (found.error < 2.0 * error).all(), found.name
 
 
 @pytest.mark.parametrize(
@@ -125,11 +125,9 @@ def solved(scene_name, level):
 def against_consensus(level):
     """Quantities of job J1 at a mesh level, with the four-code consensus."""
     static, _, frequencies = solved("j1", level)
-    yield static.value, static.uncertainty, -6.7582e-7, 1e-5
+    yield static.value, static.error, -6.7582e-7, 1e-5
     reference = (1065.96, 3329.10, 6642.85, 16267.0)
-    for value, bar, known in zip(
-        frequencies.value, frequencies.uncertainty, reference, strict=True
-    ):
+    for value, bar, known in zip(frequencies.value, frequencies.error, reference, strict=True):
         yield value, bar, known, 3e-5
 
 
@@ -158,7 +156,7 @@ def test_error_bars_cover_the_known_answer(level):
 def test_each_level_has_the_bars_it_is_chosen_by(scene_name, level):
     """Static deflection, capacitance and the first frequency of the two scenes."""
     for q in solved(scene_name, level):
-        relative = q.uncertainty / abs(q.value)
+        relative = q.error / abs(q.value)
         first = relative if q.value.ndim == 0 else relative[0]
         assert first <= _BRICK_BARS[level - 1]
 
@@ -174,7 +172,7 @@ def test_wanted_accuracy_is_reached(scene_name, accuracy):
     """The mesh chosen for an accuracy, such as the default of 1e-3, has bars within it."""
     scene, _ = load_scene(scene_name, [f"accuracy={accuracy}"])
     for q in solved(scene_name, level_for(scene) + 1):
-        relative = q.uncertainty / abs(q.value)
+        relative = q.error / abs(q.value)
         first = relative if q.value.ndim == 0 else relative[0]
         assert first <= scene.accuracy
 

@@ -54,7 +54,7 @@ def test_force_and_power_follow_from_the_velocity(overrides):
         np.testing.assert_allclose(power.value, expected, rtol=1e-9)
         assert (power.value > 0.0).all()
         # the power goes with the square of the motion; elements' bars are read off each alone
-        relative = power.uncertainty / power.value, v.uncertainty / np.abs(v.value)
+        relative = power.error / power.value, v.error / np.abs(v.value)
         assert model == "beam" or (relative[0] >= 1.5 * relative[1]).all()
 
 
@@ -63,7 +63,7 @@ def test_every_model_takes_imitation_skin():
     found = solved("load.kind=pad", models=("tmm", "beam"), quantities=("load_force",))
     exact, elements = (found.get("load_force", model) for model in ("tmm", "beam"))
     apart = np.abs(exact.value - elements.value)
-    assert (apart <= exact.uncertainty + elements.uncertainty).all()
+    assert (apart <= exact.error + elements.error).all()
     assert found.warnings == ()
 
 

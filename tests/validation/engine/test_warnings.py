@@ -14,8 +14,16 @@ from tactgen.validation.engine.warnings import (
 from tactgen.validation.scene.scene import load_scene
 
 
-def quantity(name, model, value, bar=0.0):
-    return Quantity(name, model, np.asarray(value), "m", np.asarray(bar), "", 0.0)
+def quantity(name, model, value, error=0.0):
+    return Quantity(
+        name=name,
+        model=model,
+        value=np.asarray(value),
+        unit="m",
+        error=np.asarray(error),
+        method="",
+        seconds=0.0,
+    )
 
 
 @pytest.mark.parametrize("name", ["static_tip_displacement", "tip_displacement"])

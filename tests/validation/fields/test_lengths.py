@@ -34,7 +34,7 @@ def check(scene, model, found):
             continue
         place = [n for n, kind in enumerate(q.classes) if kind == mode.motion][mode.place]
         apart = abs(mode.frequency[k] - q.value[place])
-        assert apart <= mode.bar[k] + q.uncertainty[place]
+        assert apart <= mode.error[k] + q.error[place]
         seen += 1
     assert seen >= len(q.value) - 2  # those that some length has not among its lowest
 
@@ -144,7 +144,7 @@ def test_one_family_of_all_lengths_or_none(sizes, known, monkeypatch):
             [
                 SimpleNamespace(
                     name=name, classes=row if name == wanted[0] else None,
-                    value=np.array([10.0, 20.0]) + n, uncertainty=np.array([0.1, 0.2]) + n,
+                    value=np.array([10.0, 20.0]) + n, error=np.array([0.1, 0.2]) + n,
                 )
                 for name in wanted
             ]

@@ -110,9 +110,9 @@ def test_two_dimensions_are_walked_as_solved_alone(coarse, monkeypatch):
         scene, _ = load_scene("reluctance", [*SETS, *there])
         (single,) = solve(scene, ("axisymmetric",), ("magnetic_force",)).quantities
         (walked,) = answer.quantities
-        assert (walked.unit, walked.uncertainty_method) == (single.unit, single.uncertainty_method)
-        assert abs(walked.value - single.value) <= walked.uncertainty + single.uncertainty
-        assert walked.uncertainty <= 2.0 * single.uncertainty
+        assert (walked.unit, walked.method) == (single.unit, single.method)
+        assert abs(walked.value - single.value) <= walked.error + single.error
+        assert walked.error <= 2.0 * single.error
     assert run_study(asked, 1).counts.recalled == 4
 
 
@@ -159,7 +159,7 @@ def test_bars_of_a_walk_hold_a_better_field(seed):
         )
         for quantity, name in zip(given, ("force", "flux_linkage"), strict=True):
             off = abs(float(quantity.value) - getattr(point, name))
-            assert off <= float(quantity.uncertainty) + getattr(point.errors, name)
+            assert off <= float(quantity.error) + getattr(point.errors, name)
 
 
 def test_bars_of_maps_leave_room_for_what_two_orders_share(monkeypatch):

@@ -32,7 +32,7 @@ def test_bars_cover_the_distance_from_tmm(case):
     for name in dict.fromkeys(q.name for q in solution.quantities):
         exact, found = (solution.get(name, model) for model in ("tmm", "beam"))
         distance = np.abs(found.value - exact.value)
-        assert (distance <= found.uncertainty + exact.uncertainty).all(), name
+        assert (distance <= found.error + exact.error).all(), name
 
 
 def test_bars_follow_the_order():
@@ -43,15 +43,15 @@ def test_bars_follow_the_order():
     exact, found = (solution.get("tip_displacement", model) for model in ("tmm", "beam"))
     error = np.abs(found.value - exact.value)
     assert (error > 1e-9 * np.abs(exact.value)).all()
-    assert (error <= found.uncertainty).all()
-    assert (found.uncertainty <= 10.0 * error).all()
+    assert (error <= found.error).all()
+    assert (found.error <= 10.0 * error).all()
 
 
 def test_rounding_of_a_mode_is_its_own():
     """The slowest mode loses most digits; each of them no less than it is off by."""
     solution = solved("paper", "support.kind=clamped", "bimorph.length=40mm", "modes=4")
     exact, found = (solution.get("short_circuit_frequencies", model) for model in ("tmm", "beam"))
-    relative = found.uncertainty / found.value
-    assert (np.abs(found.value - exact.value) <= found.uncertainty + exact.uncertainty).all()
+    relative = found.error / found.value
+    assert (np.abs(found.value - exact.value) <= found.error + exact.error).all()
     assert relative[0] > 2.0 * relative[1]
     assert relative[:2].max() < 1e-9

@@ -40,8 +40,8 @@ def test_cad_agrees_with_bricks_within_both_bars(both):
     for name in names:
         bricks, cad = (both.get(name, model) for model in ("solid", "cad"))
         apart = np.abs(bricks.value - cad.value)
-        assert (apart <= bricks.uncertainty + cad.uncertainty).all(), name
-        assert (cad.uncertainty <= 6e-2 * np.abs(cad.value)).all(), name
+        assert (apart <= bricks.error + cad.error).all(), name
+        assert (cad.error <= 6e-2 * np.abs(cad.value)).all(), name
         assert bricks.classes == cad.classes
 
 
@@ -106,7 +106,7 @@ def test_coupling_factor_counts_with_what_static_numbers_count_with(both):
     k = with_it.value
     # f_open² = f_short² / (1 - k²): of k's relative error, k² / (1 - k²) is in f_open, and comes
     # back as the whole of it, to the next order
-    assert with_it.uncertainty - without.uncertainty == pytest.approx(
+    assert with_it.error - without.error == pytest.approx(
         known.static_share * k, rel=known.static_share
     )
     assert opened.rounding[0] >= known.static_share * k**2 / (1.0 - k**2)
@@ -123,9 +123,7 @@ def test_of_two_signs_of_one_error_the_larger_counts(both):
         stages._results["cad.static"] = replace(static, least=share, rounding=0.0)
         stages._results["cad.modal"] = replace(modal, static_share=share)
         model = make_model("cad", both.scene, stages)
-        bars.append(
-            [float(abs(q.uncertainty / q.value)) for q in (evaluate(n, model) for n in names)]
-        )
+        bars.append([float(abs(q.error / q.value)) for q in (evaluate(n, model) for n in names)])
     none, little, some, twice = np.array(bars)
     assert little == pytest.approx(none, rel=1e-12)
     # what is left of the bar beside the share is rounding
@@ -158,7 +156,7 @@ def test_an_open_circuit_counts_with_the_charge_by_its_own_share_alone(both):
         stages._results["cad.modal"] = replace(known, static_factor=factor, static_share=0.0)
         model = make_model("cad", both.scene, stages)
         found = evaluate("open_circuit_frequencies", model)
-        bars.append((found.uncertainty[0] / found.value[0], evaluate("coupling_factor", model)))
+        bars.append((found.error[0] / found.value[0], evaluate("coupling_factor", model)))
     (without, k_without), (with_it, k_with) = bars
     fine, coarse = (float(a[0]) for a in known.stiffened(both.scene.ends, 1))
     # an open circuit stiffens: f_open² = f_short² (1 + a) and k² = a / (1 + a)
@@ -166,9 +164,7 @@ def test_an_open_circuit_counts_with_the_charge_by_its_own_share_alone(both):
         12.5 * abs(1.0 - np.sqrt((1.0 + coarse) / (1.0 + fine))), rel=1e-6
     )
     k = np.sqrt(coarse / (1.0 + coarse))
-    assert k_with.uncertainty - k_without.uncertainty == pytest.approx(
-        12.5 * abs(k_with.value - k), rel=1e-3
-    )
+    assert k_with.error - k_without.error == pytest.approx(12.5 * abs(k_with.value - k), rel=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,7 @@ def test_models_agree_on_what_passes():
     """Exact beams and beam elements: the same display within the elements' bar and rounding."""
     exact, elements = answers(CROSSTALK), answers(CROSSTALK, model="beam")
     for name, q in exact.items():
-        bar = q.uncertainty + elements[name].uncertainty + 1e-12
+        bar = q.error + elements[name].error + 1e-12
         assert (np.abs(q.value - elements[name].value) <= bar).all(), name
 
 
@@ -104,7 +104,7 @@ def test_pulls_and_crosstalk_hang_together():
     same, alternating, single = (found[q].value for q in FIELD[:3])
     assert alternating < single < same
     assert found["magnetic_crosstalk"].value == pytest.approx((same - alternating) / (8.0 * 50e-3))
-    assert found["magnetic_crosstalk"].uncertainty < 0.01 * found["magnetic_crosstalk"].value
+    assert found["magnetic_crosstalk"].error < 0.01 * found["magnetic_crosstalk"].value
 
 
 @pytest.mark.heavy
@@ -114,11 +114,11 @@ def test_the_field_bears_the_network_out():
     network, field = answers(FIELD, model="network"), answers(FIELD, model="magnetic3d")
     for name in FIELD[:4]:
         assert network[name].value == pytest.approx(field[name].value, rel=0.33), name
-        assert field[name].uncertainty < 0.07 * field[name].value
+        assert field[name].error < 0.07 * field[name].value
     # an undriven neighbour is lifted, far beyond the bar
     lifted = field["passive_pull"]
     assert np.isnan(network["passive_pull"].value)
-    assert lifted.value < -5.0 * lifted.uncertainty < 0.0
+    assert lifted.value < -5.0 * lifted.error < 0.0
 
 
 def test_a_scene_of_one_bimorph_touches_no_display():
@@ -162,4 +162,4 @@ def test_a_first_frequency_is_judged_by_every_coarser_mesh():
     """By its factor each, beside rounding."""
     fine, coarse = (Modes(np.array([value, 900.0]), ("bending_x",) * 2) for value in (100.0, 98.0))
     found = first_frequency(Refined(fine, ((coarse, 0.5), (coarse, 0.25)), "", rounding=1e-3))
-    assert (found.value, found.bar) == (100.0, pytest.approx(0.1 + 0.75 * 2.0, rel=1e-9))
+    assert (found.value, found.error) == (100.0, pytest.approx(0.1 + 0.75 * 2.0, rel=1e-9))

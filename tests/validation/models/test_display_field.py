@@ -98,14 +98,14 @@ def test_the_field_of_an_array_is_the_mean_of_both_potentials(monkeypatch):
         (found.difference, square * 16.0 * BESIDE),
     ):
         assert one.value == pytest.approx(expected)
-        assert one.bar == pytest.approx(0.02 * abs(expected), rel=1e-6)
+        assert one.error == pytest.approx(0.02 * abs(expected), rel=1e-6)
     assert found.single.value == pytest.approx(OWN * square)
-    assert found.single.bar == pytest.approx(0.02)
-    assert (found.passive.value, found.passive.bar) == (0.0, pytest.approx(0.02 / 4.0))
+    assert found.single.error == pytest.approx(0.02)
+    assert (found.passive.value, found.passive.error) == (0.0, pytest.approx(0.02 / 4.0))
     # what one neighbour's current changes: 2 q i
     per = found.per_neighbour()
     assert per.value == pytest.approx(2.0 * BESIDE * 0.05)
-    assert per.bar == pytest.approx(0.02 * abs(per.value))
+    assert per.error == pytest.approx(0.02 * abs(per.value))
 
 
 @pytest.mark.parametrize("wider", [0, 1])
@@ -118,16 +118,16 @@ def test_both_polarities_have_the_share_of_the_one_whose_potentials_are_farther_
     monkeypatch.setattr(array, "array_forces", lambda *_: found)
     monkeypatch.setattr(nine, "nine_forces", nine_forces)
     told = field.by_field(load_scene("display")[0])
-    assert told.same.bar == pytest.approx(0.1 * told.same.value)
-    assert told.alternating.bar == pytest.approx(0.1 * told.alternating.value)
-    assert told.difference.bar == pytest.approx(0.1 * 0.7)
+    assert told.same.error == pytest.approx(0.1 * told.same.value)
+    assert told.alternating.error == pytest.approx(0.1 * told.alternating.value)
+    assert told.difference.error == pytest.approx(0.1 * 0.7)
 
 
 def test_potentials_farther_apart_than_what_is_out_of_balance_are_the_bar():
     one = field._of_nine((1.0, 1.4), (0.02, -0.06), 4)
-    assert (one.value, one.bar) == (pytest.approx(1.2), pytest.approx(0.2))
-    assert field._of_nine((1.0, 1.0), (0.2, 0.6)).bar == pytest.approx(0.4)
-    assert np.isfinite(one.bar)
+    assert (one.value, one.error) == (pytest.approx(1.2), pytest.approx(0.2))
+    assert field._of_nine((1.0, 1.0), (0.2, 0.6)).error == pytest.approx(0.4)
+    assert np.isfinite(one.error)
 
 
 def test_what_a_new_process_knows_to_read():

@@ -177,11 +177,11 @@ CHANGES = (
 def test_generator_in_steps():
     """Solids and beams tell one story from the clamp to the elastic rod."""
     chain = GeneratorChain(scene(), lambda _: None)
-    assert 1e-3 < chain.bar < 1e-2
+    assert 1e-3 < chain.error < 1e-2
     rungs = {rung.name: rung for rung in chain.rungs()}
     assert every_change_softens(rungs)
     # other bricks, not another device: within what both are off
-    assert abs(rungs["bricks of the rod"].step.first_frequency) < chain.bar
+    assert abs(rungs["bricks of the rod"].step.first_frequency) < chain.error
     for name in ("glue", "elastic rod"):
         rung = rungs[name]
         # beams have a rigid head and the tab on springs: a third of the step

@@ -28,7 +28,7 @@ def test_the_model_form_is_measured_on_the_device():
     rungs = {rung.model: rung for rung in ladder(scene, "bimorph", STATIC)}
     coarse = solve(scene, ("solid",), STATIC).quantities[0]
     beam = solve(scene, ("tmm",), STATIC).quantities[0]
-    expected = (abs(beam.value - coarse.value) + coarse.uncertainty) / abs(coarse.value)
+    expected = (abs(beam.value - coarse.value) + coarse.error) / abs(coarse.value)
     assert rungs["tmm"].form == pytest.approx(float(expected), rel=1e-12)
     assert rungs["solid"].form == 0.0
     # what the beam leaves out of this wide short bimorph is percents, not more
@@ -48,7 +48,17 @@ def test_errors_of_lists_and_responses():
     """Of modes bending in x, of a response the worst frequency; too few modes are no answer."""
 
     def quantity(value, bar, classes=None):
-        return Quantity("q", "m", np.array(value), "Hz", np.array(bar), "", 0.0, None, classes)
+        return Quantity(
+            name="q",
+            model="m",
+            value=np.array(value),
+            unit="Hz",
+            error=np.array(bar),
+            method="",
+            seconds=0.0,
+            frequency=None,
+            classes=classes,
+        )
 
     exact = quantity([100.0, 150.0, 300.0], [1.0, 9.0, 3.0], ("bending_x", "torsion", "bending_x"))
     two = quantity([102.0, 300.0], [0.5, 0.0], ("bending_x",) * 2)

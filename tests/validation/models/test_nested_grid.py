@@ -8,12 +8,12 @@ from tactgen.validation.models.reluctance.family.nested_grid import chebyshev, n
 RNG = np.random.default_rng(5)
 
 
-def tabled(function, axes=1, bar=1e-3, wanted=0.1, most=200):
+def tabled(function, axes=1, error=1e-3, wanted=0.1, most=200):
     asked = []
 
     def solve(place):
         asked.append(tuple(place))
-        return {"f": (float(function(*place)), bar)}
+        return {"f": (float(function(*place)), error)}
 
     return nested_table(solve, axes, wanted=wanted, most=most), asked
 
@@ -57,7 +57,7 @@ def test_only_the_axis_that_needs_it_is_refined():
 @pytest.mark.parametrize("most", [5, 9, 17, 33])
 def test_bars_hold_what_the_interpolation_misses(function, most):
     """Stopped anywhere, with solved points that have no error of their own."""
-    table, asked = tabled(function, bar=1e-6, most=most)
+    table, asked = tabled(function, error=1e-6, most=most)
     assert len(asked) <= most
     places = np.linspace(-1.0, 1.0, 401)[:, None]
     off = np.abs(table.value("f", places) - function(places[:, 0]))

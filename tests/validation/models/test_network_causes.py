@@ -11,7 +11,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.reluctance.circuit import FULL, circuit
 from tactgen.tmm.reluctance.flux_ladder import solve
 from tactgen.tmm.reluctance.network import network_samples
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.reluctance import network_causes as network_causes_module
 from tactgen.validation.models.reluctance.field_reading import FieldReading
 from tactgen.validation.models.reluctance.network_causes import network_causes, stroke_causes
@@ -101,11 +101,11 @@ def test_flux_outside_is_what_saturation_makes_of_the_shaft(causes):
 
 def test_causes_leave_next_to_nothing_of_switching_currents(monkeypatch):
     """Network's current for the field's pull, over the field's, less 1; a current that is none."""
-    device, none = Device(), Measured(np.nan, np.nan)
+    device, none = Device(), Estimate(np.nan, np.nan)
     stop, current = device.spring.stop_gap, 0.04
     gaps = SimpleNamespace(pull_in_gap=GAP, drop_out_gap=stop)
     monkeypatch.setattr(network_causes_module, "switching", lambda *_: gaps)
-    held = Measured(current, 0.0)
+    held = Estimate(current, 0.0)
     currents = SwitchingCurrents(none, none, held, held, False, 0.0, 0.3)
     found = stroke_causes(device, None, currents)
     pull = solve_point(device, current, stop).force

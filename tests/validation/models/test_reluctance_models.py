@@ -41,7 +41,13 @@ def test_the_grid_is_refined_until_the_bar_is_met(accuracy, bar, tried):
 
 def quantity(value, bar):
     return Quantity(
-        "magnetic_force", "axisymmetric", np.asarray(value), "N", np.asarray(bar), "", 0.0
+        name="magnetic_force",
+        model="axisymmetric",
+        value=np.asarray(value),
+        unit="N",
+        error=np.asarray(bar),
+        method="",
+        seconds=0.0,
     )
 
 

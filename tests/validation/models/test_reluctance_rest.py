@@ -12,7 +12,7 @@ from tactgen.tmm.reluctance.coenergy.map import MapError
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import switching
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.reluctance import rest_causes as rest_causes_module
 from tactgen.validation.models.reluctance.network_causes import ToldPull
@@ -48,7 +48,7 @@ def test_force_is_spring_less_the_models_own_pull():
     left = scene.spring.preload - float(pull.value)
     # the place is 0.1 um below the nominal gap: 190 N/m of pull and 100 N/m of spring
     assert float(force.value) == pytest.approx(left, abs=1e-4)
-    assert float(force.uncertainty) == pytest.approx(float(pull.uncertainty), rel=1e-2)
+    assert float(force.error) == pytest.approx(float(pull.error), rel=1e-2)
 
 
 def test_the_bars_cover_the_map_made_finer():
@@ -58,7 +58,7 @@ def test_the_bars_cover_the_map_made_finer():
     finer = fit(network_samples(device, *map_grid(device, 26, 24)))
     places = resting_places(axial_forces(device, finer), 60e-3)
     off = np.abs(found.value - [place.lift for place in places])
-    assert (off <= found.uncertainty).all()
+    assert (off <= found.error).all()
 
 
 class Flawed:
@@ -100,7 +100,7 @@ def test_beside_pull_in_and_drop_out_points_decide(wide, narrow, history, around
         driven = device.model_copy(update={"coil": coil})
 
         def point(i, gap):
-            force = Measured(float(exact.force(i, gap)), 0.0)
+            force = Estimate(float(exact.force(i, gap)), 0.0)
             return SimpleNamespace(force=force, beyond_table=0.0)
 
         state = resting_state(driven, Flawed(exact, wide, narrow), point, history, 0.0)
@@ -138,7 +138,7 @@ def test_shares_of_the_pulls_causes_lead_from_rest_to_rest(monkeypatch, current,
 
     monkeypatch.setattr(rest_causes_module, "told_pulls", told_pulls)
     field = places(1.0)
-    sure = (Measured(one, 0.0) for one in (field.lift, field.finger_force, field.contact_force))
+    sure = (Estimate(one, 0.0) for one in (field.lift, field.finger_force, field.contact_force))
     state = RestingState(*sure, None, field.kind, 0.0)
     model = SimpleNamespace(scene=scene, map=lambda: exact, rest=lambda: state)
     first, second = rest_causes_module.rest_causes(model)

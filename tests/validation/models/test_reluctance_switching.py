@@ -10,7 +10,7 @@ from tactgen.tmm.generator import network_pull
 from tactgen.tmm.reluctance.coenergy.fit import fit
 from tactgen.tmm.reluctance.coenergy.map import Samples
 from tactgen.tmm.reluctance.network import network_samples
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import as_json, solve
 from tactgen.validation.models.reluctance.point import MagneticPoint
 from tactgen.validation.models.reluctance.switching import switching_currents
@@ -35,9 +35,9 @@ def pull():
 
 def at(current, gap):
     force = C * current**2 / (2.0 * (gap + G0) ** 2)
-    none = Measured(0.0, 0.0)
+    none = Estimate(0.0, 0.0)
     return MagneticPoint(
-        current, gap, Measured(force, BAR * force), none, none, none, "closed form", 0.0
+        current, gap, Estimate(force, BAR * force), none, none, none, "closed form", 0.0
     )
 
 
@@ -56,7 +56,7 @@ def test_currents_are_those_of_the_points(pull):
         exact = balance(0.1, 100.0, gap)
         assert current.value == pytest.approx(exact, rel=1e-6)
         # what the last step of the secant was stands in the bar, too
-        assert 0.5 * BAR * exact <= current.bar < 0.6 * BAR * exact
+        assert 0.5 * BAR * exact <= current.error < 0.6 * BAR * exact
     assert found.lift_off == found.pull_in
     assert found.drop_out == found.holding
     assert not found.floats
@@ -68,7 +68,7 @@ def test_a_floating_place_is_found_by_its_own_points(pull):
     found = switching_currents(device(preload, stiffness), pull, at)
     fold = 2.0 / 3.0 * (preload / stiffness + 0.2e-3 + G0) - G0
     exact = balance(preload, stiffness, fold)
-    assert abs(found.pull_in.value - exact) <= found.pull_in.bar
+    assert abs(found.pull_in.value - exact) <= found.pull_in.error
     assert found.pull_in.value == pytest.approx(exact, rel=1e-3)
     assert found.lift_off.value == pytest.approx(balance(preload, stiffness, 0.2e-3), rel=1e-6)
     assert found.floats
@@ -84,7 +84,7 @@ def test_what_cannot_be_reached_has_no_value(pull):
 def test_no_spring_needs_no_current(pull):
     """Zero with a bar of zero."""
     found = switching_currents(device(0.0, 0.0), pull, at)
-    assert found.pull_in == found.holding == found.drop_out == Measured(0.0, 0.0)
+    assert found.pull_in == found.holding == found.drop_out == Estimate(0.0, 0.0)
 
 
 def solved(*overrides, quantities=("pull_in_current", "holding_current", "drop_out_current")):
@@ -105,7 +105,7 @@ def test_the_network_switches_where_its_force_balances(current):
         q = solution.get(name, "network")
         force = network_samples(built, np.array([float(q.value)]), np.array([gap])).force[0, 0]
         assert force == pytest.approx(against, rel=1e-5)
-        assert float(q.uncertainty) < 2e-3 * float(q.value)
+        assert float(q.error) < 2e-3 * float(q.value)
     assert float(solution.get("drop_out_current", "network").value) == float(
         solution.get("holding_current", "network").value
     )

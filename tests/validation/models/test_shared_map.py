@@ -51,7 +51,7 @@ def test_currents_are_those_of_the_closed_form(mapped):
         scene, _ = load_scene("reluctance", [*SETS, f"spring.stiffness={stiffness} N/m"])
         found = solve(scene, ("axisymmetric",), ("pull_in_current",)).quantities[0]
         exact = np.sqrt(2.0 * scene.spring.preload / 4e-6) * (scene.gap + 3e-4)
-        assert abs(found.value - exact) <= found.uncertainty
+        assert abs(found.value - exact) <= found.error
     assert len(mapped) == 1
 
 

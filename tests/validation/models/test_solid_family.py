@@ -63,7 +63,7 @@ def compare(names, point, family):
     for name in names:
         quantity = single.get(name, "solid")
         assert found[name].value[0].shape == np.shape(quantity.value)
-        bars = found[name].bar[0] + quantity.uncertainty
+        bars = found[name].error[0] + quantity.error
         apart[name] = float(np.max(np.abs(found[name].value[0] - quantity.value) / bars))
         if quantity.classes:
             assert tuple(found[name].classes[0]) == quantity.classes
@@ -87,7 +87,7 @@ def test_bars_are_those_of_single_answers_of_the_same_bricks(family):
     exact = replace(family, surplus=single)
     found, right = (family_values(scene(), each, at, QUANTITIES) for each in (family, exact))
     for name in QUANTITIES:
-        judged, known = (of[name].bar - of[name].basis for of in (found, right))
+        judged, known = (of[name].error - of[name].basis for of in (found, right))
         assert judged == pytest.approx(known, rel=0.1), name
 
 
@@ -99,7 +99,7 @@ def test_bars_are_a_few_errors_wide(family, monkeypatch):
     known, widths = coverage.reference(case, ()), []
     for name in (*QUANTITIES[:1], *QUANTITIES[2:]):
         kind = "bending_x" if name == QUANTITIES[0] else ""
-        value, bar = (np.ravel(of)[0] for of in (found[name].value, found[name].bar))
+        value, bar = (np.ravel(of)[0] for of in (found[name].value, found[name].error))
         widths.append(bar / abs(value - known[name, kind][0]))
     assert min(widths) > 1.0
     assert np.median(widths) < 7.0
@@ -118,7 +118,7 @@ def test_responses_agree_with_single_answers_below_and_at_resonance():
         quantity = single.get(name, "solid")
         assert found[name].value.shape == (1, 2)
         apart = np.abs(found[name].value[0] - quantity.value)
-        assert (apart <= found[name].bar[0] + quantity.uncertainty).all(), name
+        assert (apart <= found[name].error[0] + quantity.error).all(), name
         assert (found[name].basis[0] <= 0.02 * np.abs(quantity.value)).all(), name
 
 
@@ -148,8 +148,10 @@ def test_fewer_shapes_say_the_same_within_the_bars(family, few, asked):
     for name in asked:
         apart = np.abs(fewer[name].value - whole[name].value)
         assert (apart <= fewer[name].basis + whole[name].basis).all(), name
-        enough = np.maximum(1.15 * whole[name].bar, 0.05 * own.accuracy * np.abs(whole[name].value))
-        assert (fewer[name].bar <= enough).all(), name
+        enough = np.maximum(
+            1.15 * whole[name].error, 0.05 * own.accuracy * np.abs(whole[name].value)
+        )
+        assert (fewer[name].error <= enough).all(), name
 
 
 @pytest.mark.parametrize(("members", "taken"), [(1000, "whole"), (1001, "few")])

@@ -62,7 +62,7 @@ def test_the_3d_map_switches_like_the_half_sections(tmp_path, monkeypatch):
     solution = solve(scene, None, names)
     for name in names:
         solid, half = (solution.get(name, model) for model in ("magnetic3d", "axisymmetric"))
-        bar = float(solid.uncertainty) + float(half.uncertainty)
+        bar = float(solid.error) + float(half.error)
         assert abs(float(solid.value) - float(half.value)) <= bar
         assert bar < 0.06 * float(half.value)
     maps = [solution.models[m].map() for m in ("magnetic3d", "axisymmetric")]

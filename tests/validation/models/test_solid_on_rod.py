@@ -120,7 +120,7 @@ def test_each_level_is_as_good_as_it_says(level):
     solution = solve(scene_with(f"mesh.level={level}", "modes=1"), ("solid",), tuple(REFERENCE))
     for name, (reference, own) in REFERENCE.items():
         found = solution.get(name, "solid")
-        value, bar = (float(np.ravel(of)[0]) for of in (found.value, found.uncertainty))
+        value, bar = (float(np.ravel(of)[0]) for of in (found.value, found.error))
         assert abs(value - reference) <= bar + own * reference, name
         if name != "coupling_factor":
             assert bar <= _ROD_BARS[level - 1] * value, name
@@ -150,5 +150,5 @@ def test_the_bar_of_a_level_covers_the_next():
         for name in names:
             coarse, fine = (solution.get(name, "solid") for solution in found)
             apart = abs(fine.value - coarse.value)
-            assert (apart <= coarse.uncertainty).all()
-            assert (fine.uncertainty < 0.5 * coarse.uncertainty).all()
+            assert (apart <= coarse.error).all()
+            assert (fine.error < 0.5 * coarse.error).all()

@@ -23,7 +23,15 @@ def verdict(model, value, bar, reference, reference_bar=0.0, name="static_tip_di
     """Return the verdict on a model's value beside the reference's 1."""
     scene, _ = load_scene("paper")
     found = [
-        Quantity(name, m, np.asarray(v), "m", np.asarray(b), "", 0.0)
+        Quantity(
+            name=name,
+            model=m,
+            value=np.asarray(v),
+            unit="m",
+            error=np.asarray(b),
+            method="",
+            seconds=0.0,
+        )
         for m, v, b in ((model, value, bar), (reference, 1.0, reference_bar))
     ]
     (row,) = compare(scene, found, LATERAL)
@@ -97,11 +105,15 @@ def test_a_shortcut_is_measured_by_a_model_without_it(beside, verdict, said):
     values = {"lumped": [1.05], "solid": [1.0]} | {m: [v] for m, v in beside.items()}
     found = [
         Quantity(
-            "short_circuit_frequencies", m, np.array(v), "Hz", np.zeros(1), "", 0.0,
+            name="short_circuit_frequencies",
+            model=m,
+            value=np.array(v),
+            unit="Hz",
+            error=np.zeros(1),
             classes=("bending_x",),
         )
         for m, v in values.items()
-    ]  # fmt: skip
+    ]
     causes = on_a_clamp([rung("TMM", 1.0, 1.04, 1.0, 1.0, 1.0, 1.0), rung("field", *([1.0] * 6))])
     (row,) = compare(scene, found, LATERAL, causes)
     assert row.cells[0].model == "lumped"
@@ -125,7 +137,7 @@ def test_named_causes_are_the_difference_of_ones_own_device():
     for name, row in compared(scene, causes, ("tmm", "solid")).items():
         beam, solid = row.cells
         # what the solid's own bar allows, and the bridge's coarser bricks the same again
-        allowed = 2.0 * solid.uncertainty / abs(solid.value)
+        allowed = 2.0 * solid.error / abs(solid.value)
         assert getattr(summed, BRIDGED[name]) == pytest.approx(beam.difference, abs=allowed)
         assert beam.verdict == "explained"
         for said in ("field varies", "d32", "Poisson's effect", "together"):
@@ -140,7 +152,7 @@ def test_named_causes_add_up_in_the_rod():
     summed = total(causes)
     for name, row in compared(scene, causes, ("tmm", "cad")).items():
         beam, cad = row.cells
-        allowed = 2.0 * cad.uncertainty / abs(cad.value)
+        allowed = 2.0 * cad.error / abs(cad.value)
         assert getattr(summed, BRIDGED[name]) == pytest.approx(beam.difference, abs=allowed)
         if beam.verdict == "agrees":  # the bars of the derived three may cover it: nothing to say
             assert BRIDGED[name] in ("open_frequency", "coupling", "blocked_capacitance")
@@ -153,7 +165,15 @@ def test_on_the_rod_no_cause_replaces_another():
     """Without numbers both kinds are named."""
     scene, _ = load_scene("bimorph_on_rod", list(OWN))
     found = [
-        Quantity("capacitance_free", m, np.asarray(v), "F", np.asarray(0.0), "", 0.0)
+        Quantity(
+            name="capacitance_free",
+            model=m,
+            value=np.asarray(v),
+            unit="F",
+            error=np.asarray(0.0),
+            method="",
+            seconds=0.0,
+        )
         for m, v in (("tmm", 1.1), ("cad", 1.0))
     ]
     (row,) = compare(scene, found, LATERAL)

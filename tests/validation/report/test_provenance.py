@@ -121,12 +121,18 @@ def test_what_differs_is_told_from_what_its_bar_covers(sealed, record):
 def test_no_number_is_not_a_number(record):
     """A recorded nan is null, comes back as nan, and equals no number."""
     q = Quantity(
-        "x", "tmm", np.array([1.0 + 2.0j, 3.0 - 1.0j]), "m", np.array([0.1, np.inf]), "", 0.0
+        name="x",
+        model="tmm",
+        value=np.array([1.0 + 2.0j, 3.0 - 1.0j]),
+        unit="m",
+        error=np.array([0.1, np.inf]),
+        method="",
+        seconds=0.0,
     )
     back = files.quantity_of(files._finite(quantity_json(q)))
     assert np.array_equal(back.value, q.value)
-    assert np.isnan(back.uncertainty[1])
-    nothing = replace(q, value=np.array([np.nan, 3.0]), uncertainty=np.zeros(2))
+    assert np.isnan(back.error[1])
+    nothing = replace(q, value=np.array([np.nan, 3.0]), error=np.zeros(2))
     something = replace(nothing, value=np.array([1.0, 3.0]))
     verdicts = [
         again.compared([a], [b])[0].verdict
@@ -154,7 +160,15 @@ def test_no_number_is_not_a_number(record):
 def test_a_difference_is_judged_by_both_bars(then, now, verdict, difference, over_bars):
     """A number without a bar may not differ at all; each number is judged by its own."""
     before, after = (
-        Quantity("x", "tmm", np.array(value), "m", np.array(bar), "", 0.0)
+        Quantity(
+            name="x",
+            model="tmm",
+            value=np.array(value),
+            unit="m",
+            error=np.array(bar),
+            method="",
+            seconds=0.0,
+        )
         for value, bar in (then, now)
     )
     with warnings.catch_warnings():

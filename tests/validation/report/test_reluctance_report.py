@@ -174,7 +174,7 @@ def test_paper_is_judged_by_the_field_where_there_is_one(at_a_point):
     assert by_network > 1.1 * by_field.value
     # one number everywhere: the one in the table of models
     shown = at_a_point.solution.get("magnetic_force", "axisymmetric")
-    assert (by_field.value, by_field.bar) == (shown.value, shown.uncertainty)
+    assert (by_field.value, by_field.error) == (shown.value, shown.error)
 
 
 def test_inductances_are_those_of_the_quantities():

@@ -95,7 +95,7 @@ def test_a_model_solved_elsewhere_is_not_solved_here(monkeypatch):
     ]
     for ours, theirs in zip(solution.quantities, whole.quantities, strict=True):
         np.testing.assert_array_equal(ours.value, theirs.value)
-        np.testing.assert_array_equal(ours.uncertainty, theirs.uncertainty)
+        np.testing.assert_array_equal(ours.error, theirs.error)
     assert solution.warnings == whole.warnings
     assert not any(step.startswith("beam.") for step in steps)
     assert set(solution.stages.seconds) == set(whole.stages.seconds)

@@ -78,7 +78,7 @@ def test_threshold_voltage_moves_the_tip_by_the_threshold(model, wiring):
     assert moved == pytest.approx(DISPLAY_THRESHOLD.at(np.array([10.0, 100.0, 940.0])), rel=1e-12)
     assert voltage.unit == "V"
     assert voltage.value.dtype == float
-    assert (voltage.uncertainty > 0.0).all()
+    assert (voltage.error > 0.0).all()
 
 
 def test_error_bar_of_the_solid_is_that_of_the_displacement():
@@ -86,13 +86,13 @@ def test_error_bar_of_the_solid_is_that_of_the_displacement():
     scene, _ = load_scene("paper", ["frequency=10,100", "mesh.level=1"])
     q = solve(scene, ("solid",), ("threshold_voltage", "tip_displacement"))
     voltage, tip = (q.get(n, "solid") for n in ("threshold_voltage", "tip_displacement"))
-    relative = tip.uncertainty / np.abs(tip.value)
+    relative = tip.error / np.abs(tip.value)
     assert relative.min() > 1e-6
     threshold = DISPLAY_THRESHOLD.at(np.array([10.0, 100.0]))
     assert voltage.value * np.abs(tip.value) / 50.0 == pytest.approx(threshold, rel=1e-12)
     # the phase of w moves too, which adds to its bar but not to V's
-    assert (voltage.uncertainty / voltage.value <= 1.01 * relative).all()
-    assert (voltage.uncertainty / voltage.value >= 0.5 * relative).all()
+    assert (voltage.error / voltage.value <= 1.01 * relative).all()
+    assert (voltage.error / voltage.value >= 0.5 * relative).all()
 
 
 def test_partly_outside_is_null_with_a_warning(capsys):

@@ -179,7 +179,7 @@ def test_constant_noise_level():
 def test_wrongly_stated_uncertainty_is_told():
     """An uncertainty a quarter of the real one is contradicted by chi2, with the factor."""
     data = synthetic(2)
-    found = identify(PROTOTYPE, replace(data, uncertainty=0.005 * np.abs(data.values)))
+    found = identify(PROTOTYPE, replace(data, error=0.005 * np.abs(data.values)))
     (warning,) = found.warnings
     assert "times the stated uncertainty" in warning
 
@@ -268,7 +268,7 @@ def test_jacobian_is_that_of_the_residuals():
     """For each kind of residual the analytic form agrees with differences of the residuals."""
     for phase in (True, False):
         data = synthetic(6, phase=phase)
-        data = replace(data, uncertainty=0.02 * np.abs(data.values), weight=np.linspace(0.5, 2, 60))
+        data = replace(data, error=0.02 * np.abs(data.values), weight=np.linspace(0.5, 2, 60))
         keys = ("support.rotational_stiffness", "support.rotational_damping")
         model = curve_model(PROTOTYPE, "tip_velocity", FREQUENCIES, keys)
         at, step = np.array([0.25, 4e-6]), 1e-5

@@ -55,14 +55,14 @@ def test_every_form_of_a_curve_is_read_into_si(tmp_path, text, kind, values):
     # rounding of the unit's factor and of cos and sin of the phase
     np.testing.assert_allclose(curve.values, values, rtol=1e-14, atol=1e-21)
     assert curve.has_phase == ("_" in text)
-    assert curve.uncertainty is None
+    assert curve.error is None
     assert curve.weight.tolist() == [1.0, 1.0]
 
 
 def test_uncertainty_and_weight(tmp_path):
     """The uncertainty has a unit of its own; weights have none, and 0 leaves a point out."""
     text = "frequency (Hz),velocity (mm/s),uncertainty (um/s)\n10,1,20\n20,2,40\n"
-    np.testing.assert_allclose(read_measured(written(tmp_path, text)).uncertainty, [2e-5, 4e-5])
+    np.testing.assert_allclose(read_measured(written(tmp_path, text)).error, [2e-5, 4e-5])
     text = "frequency (Hz),velocity (mm/s),weight\n10,1,0\n20,2,3\n"
     curve = read_measured(written(tmp_path, text))
     assert curve.used.tolist() == [False, True]

@@ -95,7 +95,7 @@ def test_one_co_energy_map_gives_force_and_inductance():
     ):
         slope, bar, exact = given.slopes[key], given.bars[key], sign * of.quantity.value
         # the slope is of a finer ladder than the value
-        assert abs(slope - exact) <= min(bar + of.quantity.uncertainty, 2e-3 * abs(exact))
+        assert abs(slope - exact) <= min(bar + of.quantity.error, 2e-3 * abs(exact))
 
 
 NETWORK = ("magnetic_force", "flux_linkage", "inductance")
@@ -106,7 +106,7 @@ def test_a_key_that_changes_how_many_values_there_are_is_refused(monkeypatch):
     scene, _ = load_scene("paper", [])
 
     def solved(count):
-        answer = SimpleNamespace(name="f", value=np.ones(count), uncertainty=np.zeros(count))
+        answer = SimpleNamespace(name="f", value=np.ones(count), error=np.zeros(count))
         return SimpleNamespace(get=lambda *_: answer)
 
     monkeypatch.setattr(engine, "solve", lambda *_: solved(2))

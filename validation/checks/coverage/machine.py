@@ -69,7 +69,7 @@ def judge_switching(rng: np.random.Generator) -> list[Judged]:
     found = []
     for name in _SWITCHING:
         value, bar = (
-            float(getattr(solution.get(name, "network"), of)) for of in ("value", "uncertainty")
+            float(getattr(solution.get(name, "network"), of)) for of in ("value", "error")
         )
         if np.isfinite(value) and np.isfinite(right[name]):
             size = abs(right[name])
@@ -90,7 +90,7 @@ def judge_motions(rng: np.random.Generator) -> list[Judged]:
         assert isinstance(read, AnswerReadout)
         answer, known = read.of(judged), read.of(right)
         size = np.abs(known.value)
-        pairs = zip(np.abs(answer.value - known.value) / size, answer.bar / size, strict=True)
+        pairs = zip(np.abs(answer.value - known.value) / size, answer.error / size, strict=True)
         found += [Judged(where, name, float(error), float(bar)) for error, bar in pairs]
     return found
 

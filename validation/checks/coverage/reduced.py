@@ -46,6 +46,6 @@ def judge(rng: np.random.Generator) -> list[Judged]:
     judged = []
     for name, kind in kinds.items():
         known = right[name, kind][0]
-        value, bar = (np.ravel(of)[0] for of in (found[name].value, found[name].bar))
+        value, bar = (np.ravel(of)[0] for of in (found[name].value, found[name].error))
         judged.append(Judged(where, name, abs(value / known - 1.0), float(bar) / abs(known)))
     return judged

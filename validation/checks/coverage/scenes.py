@@ -74,7 +74,7 @@ def compared(
     for name, quantity in values.items():
         size = np.abs(np.ravel(right[name].value))
         error = np.abs(np.ravel(quantity.value) - np.ravel(right[name].value)) / size
-        bar = np.ravel(quantity.uncertainty) / size
+        bar = np.ravel(quantity.error) / size
         several = error.size > 1
         found += [
             Judged(where, f"{name} {i + 1}" if several else name, float(e), float(b))

@@ -110,7 +110,7 @@ class Answer:
 
     quantity: str
     value: complex
-    bar: float
+    error: float
     kind: str = ""
     number: int = 0
 
@@ -137,7 +137,7 @@ def answers(case: Case) -> list[Answer]:
     found = []
     for name in case.quantities:
         quantity = evaluate(name, model)
-        values, bars = np.ravel(quantity.value), np.ravel(quantity.uncertainty)
+        values, bars = np.ravel(quantity.value), np.ravel(quantity.error)
         kinds = quantity.classes or ("",) * values.size
         found += [
             Answer(name, complex(v), float(b), k, kinds[:i].count(k))
@@ -217,7 +217,7 @@ def judged(case: Case) -> list[Judged]:
         several = answer.kind or answer.quantity in _HARMONIC
         which = f" {answer.kind} {answer.number + 1}".replace("  ", " ") if several else ""
         where = " ".join((*case.overrides, case.held))
-        outcomes.append(Judged(where, answer.quantity + which, error, answer.bar / abs(right)))
+        outcomes.append(Judged(where, answer.quantity + which, error, answer.error / abs(right)))
     return outcomes
 
 

@@ -34,7 +34,7 @@ def judge(rng: np.random.Generator) -> list[Judged]:
     return [
         Judged(where, f"{_NAME} {i + 1}", abs(value / exact - 1.0), bar / exact)
         for i, (value, bar, exact) in enumerate(
-            zip(quantity.value, quantity.uncertainty, right, strict=True)
+            zip(quantity.value, quantity.error, right, strict=True)
         )
     ]
 

@@ -52,7 +52,7 @@ def against_digits(scene: Scene, where: str) -> list[Judged]:
 
 
 def _judged(quantity: Quantity, exact: list[Any], where: str) -> Iterable[Judged]:
-    values, bars = np.ravel(quantity.value), np.ravel(quantity.uncertainty)
+    values, bars = np.ravel(quantity.value), np.ravel(quantity.error)
     for i, (value, bar, right) in enumerate(zip(values, bars, exact, strict=True)):
         name = f"{quantity.name} {i + 1}" if values.size > 1 else quantity.name
         error = reference.relative_error(value, right)

@@ -15,7 +15,7 @@ from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.catalogue.models import MAPS
 from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.engine.model import Model, Modes, Refined
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.bimorph.beam_theory_error import check_beam, stubby_warning
 from tactgen.validation.models.tip_load import MeasuredLoad
@@ -93,7 +93,7 @@ class BeamTheoryModel(BimorphModel):
     def _spread(self) -> Any:
         from tactgen.validation.models.display.spread import first_frequency, spread
 
-        def first(scene: Scene) -> Measured:
+        def first(scene: Scene) -> Estimate:
             return first_frequency(type(self)(scene, self.stages)._modes(open_circuit=False))
 
         alone = self.scene.model_copy(update={"modes": 1})

@@ -16,7 +16,7 @@ from tactgen.tmm.display.board import board
 from tactgen.tmm.display.skin import sheet
 from tactgen.tmm.ports.multiport import Multiport, in_series
 from tactgen.validation.engine.model import Refined
-from tactgen.validation.engine.results import MeasuredList
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.scene.scene import Scene
 
 #: Rounding of an entry of a bimorph's matrix: closed forms of some ten operations; and how often
@@ -53,17 +53,17 @@ class MechanicalCrosstalk:
         display = self.scene.display
         return (display.rows - 1) // 2, (display.columns - 1) // 2
 
-    def beside(self) -> MeasuredList:
+    def beside(self) -> Estimate:
         """Return the motion of the next unit along x over the driven one's; nan without one."""
         row, column = self.driven
         return self._of_unit(row, column + 1)
 
-    def behind(self) -> MeasuredList:
+    def behind(self) -> Estimate:
         """Return the motion of the next unit along y over the driven one's; nan without one."""
         row, column = self.driven
         return self._of_unit(row + 1, column)
 
-    def largest(self) -> MeasuredList:
+    def largest(self) -> Estimate:
         """Return the largest motion of any other unit over the driven one's, (n,) real."""
         return self._judged(
             lambda ratios: np.abs(np.delete(ratios, self._at(*self.driven), axis=1)).max(
@@ -71,7 +71,7 @@ class MechanicalCrosstalk:
             )
         )
 
-    def by_board(self) -> MeasuredList:
+    def by_board(self) -> Estimate:
         """Return :meth:`largest` with no skin on the tips: what the board alone passes on."""
         return replace(self, bare=True).largest()
 
@@ -79,24 +79,24 @@ class MechanicalCrosstalk:
         """Return the tips' motions (n, units) over the driven one's."""
         return self._levels[0]
 
-    def _of_unit(self, row: int, column: int) -> MeasuredList:
+    def _of_unit(self, row: int, column: int) -> Estimate:
         display = self.scene.display
         if row >= display.rows or column >= display.columns:
             nothing = np.full(len(self.scene.frequency), np.nan)
-            return MeasuredList(nothing, nothing)
+            return Estimate(nothing, nothing)
         at = self._at(row, column)
         return self._judged(lambda ratios: ratios[:, at])
 
     def _at(self, row: int, column: int) -> int:
         return row * self.scene.display.columns + column
 
-    def _judged(self, of: Callable[[Complex], Complex | Floats]) -> MeasuredList:
+    def _judged(self, of: Callable[[Complex], Complex | Floats]) -> Estimate:
         fine, *coarser = self._levels
         value = of(fine)
         bar = self._rounding + np.abs(value) * self.ports.rounding
         for level, (_, factor) in zip(coarser, self.ports.coarser, strict=True):
             bar = bar + factor * np.abs(value - of(level))
-        return MeasuredList(value, np.asarray(bar, dtype=float))
+        return Estimate(value, np.asarray(bar, dtype=float))
 
     @cached_property
     def _levels(self) -> tuple[Complex, ...]:

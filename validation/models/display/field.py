@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tactgen.geometry.store.values import storable
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.scene.scene import Scene
 
 #: Nearest neighbours in a square array.
@@ -21,13 +21,13 @@ class NeighbourField:
     ----------
     current : float
         In every coil (A).
-    same, alternating : Measured
+    same, alternating : Estimate
         Polarities equal, or opposite to all nearest neighbours (N).
-    difference : Measured
+    difference : Estimate
         The first less the second (N), which shares much of their errors.
-    single : Measured
+    single : Estimate
         Pull of one unit driven among others without current (N).
-    passive : Measured
+    passive : Estimate
         Pull of its undriven neighbour beside it (N), below 0 if that is lifted; nan where that is
         not known.
     method : str
@@ -35,14 +35,14 @@ class NeighbourField:
     """
 
     current: float
-    same: Measured
-    alternating: Measured
-    difference: Measured
-    single: Measured
-    passive: Measured
+    same: Estimate
+    alternating: Estimate
+    difference: Estimate
+    single: Estimate
+    passive: Estimate
     method: str
 
-    def per_neighbour(self) -> Measured:
+    def per_neighbour(self) -> Estimate:
         """Return the force change of a unit per ampere in each of its nearest neighbours (N/A).
 
         In pulls that go with the products of currents, F(±) = Q i² ± 4 · 2 Q' i², the change by one
@@ -50,7 +50,7 @@ class NeighbourField:
         units of the other colour add is counted to the nearest four.
         """
         share = 2.0 * _NEIGHBOURS * self.current
-        return Measured(self.difference.value / share, self.difference.bar / share)
+        return Estimate(self.difference.value / share, self.difference.error / share)
 
 
 def by_network(scene: Scene) -> NeighbourField:
@@ -64,8 +64,8 @@ def by_network(scene: Scene) -> NeighbourField:
         for cells in (CELLS, CELLS // 2)
     )
 
-    def judged(value: float, other: float) -> Measured:
-        return Measured(value, abs(value - other))
+    def judged(value: float, other: float) -> Estimate:
+        return Estimate(value, abs(value - other))
 
     return NeighbourField(
         current,
@@ -73,7 +73,7 @@ def by_network(scene: Scene) -> NeighbourField:
         judged(fine.alternating, coarse.alternating),
         judged(fine.same - fine.alternating, coarse.same - coarse.alternating),
         judged(fine.single, coarse.single),
-        Measured(float("nan"), float("nan")),
+        Estimate(float("nan"), float("nan")),
         "difference from half as many ladder cells; the network's own error is not included",
     )
 
@@ -91,9 +91,9 @@ def by_field(scene: Scene) -> NeighbourField:
     difference = [a - b for a, b in zip(*pairs, strict=True)]
     mean = 0.5 * sum(difference)
 
-    def judged(pair: tuple[float, float]) -> Measured:
+    def judged(pair: tuple[float, float]) -> Estimate:
         value = 0.5 * sum(pair)
-        return Measured(value, width * abs(value))
+        return Estimate(value, width * abs(value))
 
     alone = nine_forces(
         scene.device, [{"middle": current}], scene.gap, scene.display.pitch
@@ -102,7 +102,7 @@ def by_field(scene: Scene) -> NeighbourField:
         current,
         judged(found.same),
         judged(found.alternating),
-        Measured(mean, max(0.5 * abs(difference[0] - difference[1]), width * abs(mean))),
+        Estimate(mean, max(0.5 * abs(difference[0] - difference[1]), width * abs(mean))),
         _of_nine(alone.middle, alone.unbalanced),
         _of_nine(alone.beside, alone.unbalanced, _NEIGHBOURS),
         "half the difference of vector and scalar potential, of either polarity the larger; of one "
@@ -112,7 +112,7 @@ def by_field(scene: Scene) -> NeighbourField:
 
 def _of_nine(
     pair: tuple[float, float], unbalanced: tuple[float, float], share: int = 1
-) -> Measured:
+) -> Estimate:
     """Return a pull by both potentials; of what is out of balance each of `share` units has one."""
     half = 0.5 * abs(pair[0] - pair[1])
-    return Measured(0.5 * sum(pair), max(half, 0.5 * abs(sum(unbalanced)) / share))
+    return Estimate(0.5 * sum(pair), max(half, 0.5 * abs(sum(unbalanced)) / share))

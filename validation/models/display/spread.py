@@ -17,11 +17,11 @@ from tactgen.geometry.display.layout import unit_names
 from tactgen.geometry.display.scattered_units import drawn_units
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.model import Modes, Refined
-from tactgen.validation.engine.results import Measured, MeasuredList
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.scene.scene import Scene
 
 #: First frequency of a scene with its error bar (Hz), by some model.
-FirstFrequency = Callable[[Scene], Measured]
+FirstFrequency = Callable[[Scene], Estimate]
 #: How the bars come about.
 _METHOD = "of each unit's first natural frequency, by the model's own bars"
 #: Least preload that a screw leaves, as a share of the nominal one: with none the head is loose.
@@ -41,56 +41,60 @@ class Spread:
     ----------
     units : tuple of str
         Names, row by row.
-    frequencies : tuple of Measured
+    frequencies : tuple of Estimate
         Of each unit as drawn (Hz).
     turns : tuple of float
         Of each screw, positive tightens.
     turns_bar : float
         What the bars of the frequencies leave open in turns.
-    tuned : tuple of Measured
+    tuned : tuple of Estimate
         After turning (Hz).
-    lowest, highest : Measured
+    lowest, highest : Estimate
         Of the nominal unit with its screw as far out and in as it goes (Hz).
     method : str
         How the bars come about.
     """
 
     units: tuple[str, ...]
-    frequencies: tuple[Measured, ...]
+    frequencies: tuple[Estimate, ...]
     turns: tuple[float, ...]
     turns_bar: float
-    tuned: tuple[Measured, ...]
-    lowest: Measured
-    highest: Measured
+    tuned: tuple[Estimate, ...]
+    lowest: Estimate
+    highest: Estimate
     method: str
 
-    def as_drawn(self) -> MeasuredList:
+    def as_drawn(self) -> Estimate:
         """Return the frequencies of all units as drawn."""
-        return self._listed([f.value for f in self.frequencies], [f.bar for f in self.frequencies])
+        return self._listed(
+            [f.value for f in self.frequencies], [f.error for f in self.frequencies]
+        )
 
-    def screws(self) -> MeasuredList:
+    def screws(self) -> Estimate:
         """Return the turns of all screws."""
         return self._listed(list(self.turns), [self.turns_bar] * len(self.turns))
 
-    def apart(self) -> Measured:
+    def apart(self) -> Estimate:
         """Return how far the highest frequency is from the lowest, as drawn."""
         return _range(self.frequencies)
 
-    def left_apart(self) -> Measured:
+    def left_apart(self) -> Estimate:
         """Return the same after turning."""
         return _range(self.tuned)
 
-    def reach(self) -> Measured:
+    def reach(self) -> Estimate:
         """Return what a screw can do to the nominal unit's frequency, from end to end."""
-        return Measured(self.highest.value - self.lowest.value, self.highest.bar + self.lowest.bar)
+        return Estimate(
+            self.highest.value - self.lowest.value, self.highest.error + self.lowest.error
+        )
 
-    def _listed(self, values: list[float], bars: list[float]) -> MeasuredList:
-        return MeasuredList(np.array(values), np.array(bars), self.units)
+    def _listed(self, values: list[float], bars: list[float]) -> Estimate:
+        return Estimate(np.array(values), np.array(bars), classes=self.units)
 
 
-def _range(found: tuple[Measured, ...]) -> Measured:
+def _range(found: tuple[Estimate, ...]) -> Estimate:
     high, low = (pick(found, key=lambda f: f.value) for pick in (max, min))
-    return Measured(high.value - low.value, high.bar + low.bar)
+    return Estimate(high.value - low.value, high.error + low.error)
 
 
 def screw_travel(display: Display) -> float:
@@ -98,14 +102,14 @@ def screw_travel(display: Display) -> float:
     return float(display.plate_thickness - display.screw_length)
 
 
-def first_frequency(modes: Refined[Modes]) -> Measured:
+def first_frequency(modes: Refined[Modes]) -> Estimate:
     """Return the first frequency of modes with the bar that they are judged by."""
     value = float(modes.fine.frequencies[0])
     rounding = np.atleast_1d(np.asarray(modes.rounding))[0]
     bar = abs(value) * (1e-13 + float(rounding))
     for coarser, factor in modes.coarser:
         bar += factor * abs(value - float(coarser.frequencies[0]))
-    return Measured(value, bar)
+    return Estimate(value, bar)
 
 
 def spread(scene: Scene, of: FirstFrequency) -> Spread:
@@ -138,7 +142,7 @@ def spread(scene: Scene, of: FirstFrequency) -> Spread:
     lowest, highest = (
         of(_pressed(scene, force)) for force in _limits(scene.spring.preload, travel)
     )
-    widest = max(f.bar / f.value for f in found)
+    widest = max(f.error / f.value for f in found)
     bar = (2.0 * widest + _CLOSE) / _EXPONENT * device.spring.preload / (rate * step)
     return Spread(
         unit_names(display), found, turns, bar, tuned, lowest, highest,
@@ -161,8 +165,8 @@ def _limits(preload: float, travel: float) -> tuple[float, float]:
 
 
 def _tuned(
-    scene: Scene, of: FirstFrequency, drawn: Measured, target: float, travel: float
-) -> tuple[float, Measured]:
+    scene: Scene, of: FirstFrequency, drawn: Estimate, target: float, travel: float
+) -> tuple[float, Estimate]:
     """Return the preload (N) that brings a unit to a frequency, or as near as its screw goes.
 
     With what it then vibrates at.  Secants of log f over log preload, which is nearly straight.

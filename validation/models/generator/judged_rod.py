@@ -26,7 +26,7 @@ from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.coenergy.fit import thinned
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 from tactgen.tmm.reluctance.direct_pull import DirectPull
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.scene.scene import Scene
 
 #: The model that is solved where the rod rests, and its ladder's cells there: twice the map's, as
@@ -224,9 +224,9 @@ def rod_by_network(scene: Scene, exact: DirectPull, near: RestingPlace) -> Linea
     return linearised(scene.device, scene.beam, place, current, exact)
 
 
-def of_rod(rod: JudgedRod, of: Callable[[Linearised], float]) -> Measured:
+def of_rod(rod: JudgedRod, of: Callable[[Linearised], float]) -> Estimate:
     """Return a number of the rod in small motions, with its bar."""
-    return Measured(of(rod.fine), float(rod.bar(of)))
+    return Estimate(of(rod.fine), float(rod.bar(of)))
 
 
 def rod_about(scene: Scene, pull: MachinePull) -> Linearised:

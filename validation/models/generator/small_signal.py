@@ -26,7 +26,7 @@ from tactgen.tmm.ports.multiport import Multiport, in_series, respond, terminate
 from tactgen.tmm.ports.terminations import tip_stiffness
 from tactgen.validation.engine.model import Refined
 from tactgen.validation.engine.reading import rounding_of_ports
-from tactgen.validation.engine.results import MeasuredList
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.generator.judged_rod import JudgedRod
 from tactgen.validation.scene.scene import Scene
 
@@ -57,7 +57,7 @@ class SmallSignal:
         """How the error bars come about."""
         return f"of the bimorph's ports: {self.ports.method}; of the pull: {self.linear.method}"
 
-    def by_voltage(self, motion: str) -> MeasuredList:
+    def by_voltage(self, motion: str) -> Estimate:
         """Return a motion per volt at the bimorph; the coil's supply holds current or voltage."""
 
         def of(port: Multiport) -> Complex:
@@ -70,13 +70,13 @@ class SmallSignal:
 
         return self._judged(of)
 
-    def by_current(self, motion: str) -> MeasuredList:
+    def by_current(self, motion: str) -> Estimate:
         """Return a motion per ampere in the coil, the bimorph short-circuited."""
         return self._judged(
             lambda port: respond(port, {"voltage": 0.0, "current": 1.0}).motion[motion]
         )
 
-    def by_coil_voltage(self, motion: str) -> MeasuredList:
+    def by_coil_voltage(self, motion: str) -> Estimate:
         """Return a motion per volt at the coil, the bimorph short-circuited."""
 
         def of(port: Multiport) -> Complex:
@@ -85,7 +85,7 @@ class SmallSignal:
 
         return self._judged(of)
 
-    def impedance(self) -> MeasuredList:
+    def impedance(self) -> Estimate:
         """Return the coil's voltage per current, the bimorph short-circuited."""
         return self._judged(self._impedance)
 
@@ -93,7 +93,7 @@ class SmallSignal:
         linkage = respond(port, {"voltage": 0.0, "current": 1.0}).effort["current"]
         return np.asarray(self.linear.fine.resistance + 2j * np.pi * port.frequencies * linkage)
 
-    def _judged(self, of: Callable[[Multiport], Complex]) -> MeasuredList:
+    def _judged(self, of: Callable[[Multiport], Complex]) -> Estimate:
         """Return what `of` reads off the machine, with the bars of bimorph's ports and map."""
         value = of(self._whole(self.ports.fine))
         rounding = rounding_of_ports(self.ports, self._unreduced, ("voltage", "current"))
@@ -104,7 +104,7 @@ class SmallSignal:
         apart = [
             np.abs(value - of(self._whole(self.ports.fine, ends))) for ends in disturbed(self._ends)
         ]
-        return MeasuredList(value, bar + np.hypot(*apart) if apart else bar)
+        return Estimate(value, bar + np.hypot(*apart) if apart else bar)
 
     @cached_property
     def _ends(self) -> Ends:
@@ -133,7 +133,7 @@ class SmallSignal:
 class MeasuredPoles:
     """The poles of axial motion and coil, with their error bars."""
 
-    listed: MeasuredList
+    listed: Estimate
     method: str
 
 
@@ -152,4 +152,4 @@ def measured_poles(scene: Scene, linear: JudgedRod) -> MeasuredPoles:
 
     bar = _ROUNDING * np.abs(poles) + linear.bar(partners)
     classes = tuple("decays" if pole.real < 0.0 else "grows" for pole in poles)
-    return MeasuredPoles(MeasuredList(poles, bar, classes), linear.method)
+    return MeasuredPoles(Estimate(poles, bar, classes=classes), linear.method)

@@ -25,7 +25,7 @@ from tactgen.validation.engine.derivatives import (
     extrapolated,
     noise,
 )
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.reluctance.point import MagneticPoint
 from tactgen.validation.scene.keys import value_of
@@ -101,7 +101,7 @@ def _ladders(scene: Scene) -> tuple[MagneticPoint, ...]:
         ladder = circuit(scene.device, np.array([gap]), FULL, times * CELLS)
         at = solve_ladder(ladder, np.array([current]))
         force, linkage, energy, inductance = (
-            Measured(float(values[0, 0]), 0.0)
+            Estimate(float(values[0, 0]), 0.0)
             for values in (at.force, at.flux_linkage, at.coenergy, at.incremental_inductance)
         )
         found.append(MagneticPoint(current, gap, force, linkage, energy, inductance, "", 0.0))

@@ -17,7 +17,7 @@ from tactgen.geometry.store.store import kept
 from tactgen.tmm.reluctance.coenergy.fit import fit
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples
 from tactgen.validation.catalogue.models import MODELS, stage_code
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.stages import values_read
 from tactgen.validation.models.display.field import by_field  # its result may be in the store
 from tactgen.validation.models.reluctance.model import MagneticModel
@@ -254,8 +254,8 @@ def nearness(device: Device, current: float, gap: float) -> Floats:
 
 
 def _judged(found: FieldPoint | SolidPoint, method: str) -> MagneticPoint:
-    def judged(name: str) -> Measured:
-        return Measured(getattr(found, name), getattr(found.errors, name))
+    def judged(name: str) -> Estimate:
+        return Estimate(getattr(found, name), getattr(found.errors, name))
 
     return MagneticPoint(
         current=found.current,

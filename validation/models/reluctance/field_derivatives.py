@@ -29,7 +29,7 @@ from tactgen.validation.engine.derivatives import (
     noise,
     within,
 )
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.reluctance.field import REFINEMENTS
 from tactgen.validation.models.reluctance.point import MagneticPoint
@@ -92,7 +92,7 @@ def exact_derivatives(
             found = {d.quantity.name: (d.slopes[key], d.bars[key]) for d in other}
         for name, (slope, bar) in found.items():
             value = base.get(name, "axisymmetric")
-            share = float(value.uncertainty) / max(abs(float(value.value)), _TINY)
+            share = float(value.error) / max(abs(float(value.value)), _TINY)
             slopes[name][key] = slope
             bars[name][key] = np.maximum(bar, np.abs(slope) * share)
     method = (
@@ -181,7 +181,7 @@ def _values(points: Sequence[FieldPoint], name: str) -> Floats:
 
     def of(point: FieldPoint, values: dict[str, float]) -> float:
         force, linkage, energy, inductance = (
-            Measured(values[part], 0.0)
+            Estimate(values[part], 0.0)
             for part in ("force", "flux_linkage", "coenergy", "incremental_inductance")
         )
         whole = MagneticPoint(point.current, point.gap, force, linkage, energy, inductance, "", 0.0)

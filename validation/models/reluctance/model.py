@@ -17,7 +17,7 @@ from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.engine.model import Model
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.reluctance.point import MagneticPoint
 from tactgen.validation.models.reluctance.rest import RestingState, resting_state
 from tactgen.validation.models.reluctance.switching import (
@@ -127,15 +127,15 @@ class NetworkModel(MagneticModel):
         device = self.scene.device
         fine, coarse = fine_and_coarse(device, np.array([current]), np.array([gap]))
 
-        def judged(name: str) -> Measured:
+        def judged(name: str) -> Estimate:
             value, other = (float(getattr(s, name)[0, 0]) for s in (fine, coarse))
-            return Measured(value, abs(value - other))
+            return Estimate(value, abs(value - other))
 
         linkage, slope = judged("flux_linkage"), judged("incremental_inductance")
         if linkage.value:
             # two ladders' slopes may agree by chance: in relation one is off by no less than λ
             slope = replace(
-                slope, bar=max(slope.bar, abs(slope.value * linkage.bar / linkage.value))
+                slope, error=max(slope.error, abs(slope.value * linkage.error / linkage.value))
             )  # fmt: skip
         return MagneticPoint(
             current=current,

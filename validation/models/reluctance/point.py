@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from tactgen.geometry.store.values import storable
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 
 
 @storable
@@ -16,7 +16,7 @@ class MagneticPoint:
 
     Attributes
     ----------
-    force, flux_linkage, coenergy, incremental_inductance : Measured
+    force, flux_linkage, coenergy, incremental_inductance : Estimate
         SI units; the pull is positive when it closes the gap.
     method : str
         How the error bars come about.
@@ -30,18 +30,18 @@ class MagneticPoint:
 
     current: float
     gap: float
-    force: Measured
-    flux_linkage: Measured
-    coenergy: Measured
-    incremental_inductance: Measured
+    force: Estimate
+    flux_linkage: Estimate
+    coenergy: Estimate
+    incremental_inductance: Estimate
     method: str
     beyond_table: float
     force_by_stress: float = math.nan
 
     @property
-    def inductance(self) -> Measured:
+    def inductance(self) -> Estimate:
         """Apparent inductance λ/i (H), its limit ∂λ/∂i at zero current."""
         if self.current == 0.0:
             return self.incremental_inductance
         linkage = self.flux_linkage
-        return Measured(linkage.value / self.current, linkage.bar / abs(self.current))
+        return Estimate(linkage.value / self.current, linkage.error / abs(self.current))

@@ -23,7 +23,7 @@ from tactgen.tmm.generator.positions import (
     resting_places,
 )
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
-from tactgen.validation.engine.results import Measured, MeasuredList
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.reluctance.point import MagneticPoint
 
 #: Share of the stroke within which a point's correction of the map holds; far more than a stop
@@ -40,9 +40,9 @@ class RestingState:
 
     Attributes
     ----------
-    position, finger_force, contact_force : Measured
+    position, finger_force, contact_force : Estimate
         See :class:`tmm.generator.positions.RestingPlace`; m and N.
-    places : MeasuredList
+    places : Estimate
         All resting positions (m) by the map alone, from the top down, by their kind.
     kind : str
         Of the place that the rod takes.
@@ -50,10 +50,10 @@ class RestingState:
         See :class:`MagneticPoint`.
     """
 
-    position: Measured
-    finger_force: Measured
-    contact_force: Measured
-    places: MeasuredList
+    position: Estimate
+    finger_force: Estimate
+    contact_force: Estimate
+    places: Estimate
     kind: str
     beyond_table: float
     method: str = (
@@ -122,12 +122,12 @@ def resting_state(
             break
         # what a point says at one stop says nothing of the other: the rod has left that one
         passed = _onwards(asked.lift, history) - near
-    bar = point.force.bar
+    bar = point.force.error
     held = "stop" in place.kind
     return RestingState(
-        position=Measured(place.lift, bar / abs(place.stiffness)),
-        finger_force=Measured(place.finger_force, bar),
-        contact_force=Measured(place.contact_force, bar if held else 0.0),
+        position=Estimate(place.lift, bar / abs(place.stiffness)),
+        finger_force=Estimate(place.finger_force, bar),
+        contact_force=Estimate(place.contact_force, bar if held else 0.0),
         places=_places(by_map, pull, current),
         kind=place.kind,
         beyond_table=point.beyond_table,
@@ -163,10 +163,10 @@ def position_bar(
     )
 
 
-def _places(forces: AxialForces, pull: CoenergyMap, current: float) -> MeasuredList:
+def _places(forces: AxialForces, pull: CoenergyMap, current: float) -> Estimate:
     found = resting_places(forces, current)
-    return MeasuredList(
+    return Estimate(
         np.array([place.lift for place in found]),
         np.array([position_bar(forces, pull, current, place) for place in found]),
-        tuple(place.kind for place in found),
+        classes=tuple(place.kind for place in found),
     )

@@ -18,7 +18,7 @@ from tactgen.tmm.generator.positions import RestingPlace, axial_forces, resting_
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.reluctance.model import MagneticModel
 from tactgen.validation.models.reluctance.network_causes import NetworkCause, told_pulls
 from tactgen.validation.models.reluctance.rest import RestingState
@@ -84,4 +84,4 @@ def _read(state: RestingState | SimpleNamespace) -> dict[str, Any]:
     """Return the single values of a state of rest by quantity; lists of places have no shares."""
     rows = {n: r.read for n, r in QUANTITIES.items() if isinstance(r.read, AnswerReadout)}
     found = {name: read.of(state) for name, read in rows.items() if read.need == "rest"}
-    return {name: one for name, one in found.items() if isinstance(one, float | Measured)}
+    return {name: one for name, one in found.items() if isinstance(one, float | Estimate)}

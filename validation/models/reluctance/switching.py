@@ -17,7 +17,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
 from tactgen.tmm.reluctance.switching import spring_force, switching
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.reluctance.point import MagneticPoint
 
 #: Solves one current (A) at one gap (m).
@@ -32,7 +32,7 @@ _OF_BAR, _OF_FORCE = 0.1, 1e-9
 #: finds that place to a few percent.
 _ASIDE = 0.05
 
-_NONE = Measured(math.nan, math.nan)
+_NONE = Estimate(math.nan, math.nan)
 
 
 @storable
@@ -42,7 +42,7 @@ class SwitchingCurrents:
 
     Attributes
     ----------
-    lift_off, pull_in, holding, drop_out : Measured
+    lift_off, pull_in, holding, drop_out : Estimate
         nan where no current of the map does it.
     floats : bool
         Whether the rod comes to rest between the stops before it pulls in.
@@ -52,10 +52,10 @@ class SwitchingCurrents:
         The largest current that was looked at.
     """
 
-    lift_off: Measured
-    pull_in: Measured
-    holding: Measured
-    drop_out: Measured
+    lift_off: Estimate
+    pull_in: Estimate
+    holding: Estimate
+    drop_out: Estimate
     floats: bool
     beyond_table: float
     limit: float
@@ -108,7 +108,7 @@ class Balances:
         self._device, self._pull, self._at = device, pull, at
         self._learned: Learned = {} if learned is None else learned
         self._by_map = switching(device, pull)
-        self._found: dict[float, Measured] = {}
+        self._found: dict[float, Estimate] = {}
         self.beyond_table, self.limit = 0.0, pull.current_limit
 
     @property
@@ -117,26 +117,26 @@ class Balances:
         return self._by_map.pull_in > self._by_map.lift_off * (1.0 + 1e-9)
 
     @property
-    def lift_off(self) -> Measured:
+    def lift_off(self) -> Estimate:
         """Current at which the rod leaves its upper stop (A)."""
         return self.at_gap(self._device.gap, self._by_map.lift_off)
 
     @property
-    def pull_in(self) -> Measured:
+    def pull_in(self) -> Estimate:
         """Current that draws the rod to its lower stop (A)."""
         return self.extreme(self._by_map.pull_in_gap, self._by_map.pull_in)
 
     @property
-    def holding(self) -> Measured:
+    def holding(self) -> Estimate:
         """Least current that holds the rod at its lower stop (A)."""
         return self.at_gap(self._device.spring.stop_gap, self._by_map.holding)
 
     @property
-    def drop_out(self) -> Measured:
+    def drop_out(self) -> Estimate:
         """Current below which the rod is back at its upper stop (A)."""
         return self.extreme(self._by_map.drop_out_gap, self._by_map.drop_out)
 
-    def at_gap(self, gap: float, start: float) -> Measured:
+    def at_gap(self, gap: float, start: float) -> Estimate:
         """Return the balance at `gap` near the map's current `start` (A), inf for none."""
         if not math.isfinite(start):
             return _NONE
@@ -144,7 +144,7 @@ class Balances:
             self._found[gap] = self._secant(gap, start)
         return self._found[gap]
 
-    def extreme(self, gap: float, start: float) -> Measured:
+    def extreme(self, gap: float, start: float) -> Estimate:
         """Return the balance where it is largest or smallest, which the map says is at `gap`.
 
         At a stop it is the balance there.  Between them it is the vertex of the parabola
@@ -162,12 +162,12 @@ class Balances:
         shift = float(np.clip(0.5 * (left - right) / bend, -1.0, 1.0)) if bend else 0.0
         value = centre + 0.5 * shift * (right - left) + 0.5 * shift**2 * bend
         nearest = around[1 + round(shift)]
-        return Measured(value, nearest.bar + abs(value - nearest.value))
+        return Estimate(value, nearest.error + abs(value - nearest.value))
 
-    def _secant(self, gap: float, start: float) -> Measured:
+    def _secant(self, gap: float, start: float) -> Estimate:
         against = float(spring_force(self._device, gap))
         if against == 0.0:  # no pull without current
-            return Measured(0.0, 0.0)
+            return Estimate(0.0, 0.0)
         low, high = self._device.spring.stop_gap, self._device.gap
         share = round((gap - low) / (high - low), 9)
         by_map = -float(self._pull.motional_coefficient(start, gap))
@@ -183,11 +183,11 @@ class Balances:
             if not slope > 0.0:
                 return _NONE
             step = -miss / slope
-            settled = abs(miss) <= max(_OF_BAR * point.force.bar, _OF_FORCE * against)
+            settled = abs(miss) <= max(_OF_BAR * point.force.error, _OF_FORCE * against)
             # a first point that settles needs a slope that is known
             if settled and (before or share in self._learned):
                 self._learned[share] = (current + step) / start, slope / by_map
-                return Measured(current + step, point.force.bar / slope + abs(step))
+                return Estimate(current + step, point.force.error / slope + abs(step))
             before = current, miss
             # a slope that is far off must not turn the current round
             current = max(current + step, 0.5 * current)

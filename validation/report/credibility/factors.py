@@ -77,10 +77,10 @@ def solution_verification(evidence: Evidence) -> Factor:
     """Are these numbers solved finely enough?  Error bars of the numbers of this report."""
     rows = [row for row in evidence.compared if math.isfinite(row.cells[-1].value)]
     cells = [(row, cell) for row in rows for cell in row.cells if math.isfinite(cell.value)]
-    barless = _named((r, c) for r, c in cells if not math.isfinite(c.uncertainty))
+    barless = _named((r, c) for r, c in cells if not math.isfinite(c.error))
     differ = _named((r, c) for r, c in cells if c.verdict == "differs")
     best = [(row, row.cells[-1]) for row in rows]
-    wide = [(r, c) for r, c in best if not c.uncertainty <= evidence.accuracy * abs(c.value)]
+    wide = [(r, c) for r, c in best if not c.error <= evidence.accuracy * abs(c.value)]
     headline = _named((r, c) for r, c in wide if r.info.headline)
     accuracy = f"{100.0 * evidence.accuracy:g} %"
     remedy = "a finer mesh (--set accuracy or mesh.level), or a coarser accuracy that is enough"
@@ -201,7 +201,7 @@ def input_pedigree(evidence: Evidence) -> Factor:
 def uncertainty(evidence: Evidence) -> Factor:
     """How uncertain are the numbers?  Numerical bars, and the parameters' ranges."""
     cells = [c for row in evidence.compared for c in row.cells if math.isfinite(c.value)]
-    bars = [c for c in cells if math.isfinite(c.uncertainty)]
+    bars = [c for c in cells if math.isfinite(c.error)]
     found = evidence.uncertainties
     sampled = [row for row in found if row.total]
     remedy = "tactgen sensitivity --sobol, for scenes of the lateral actuator"

@@ -134,11 +134,16 @@ def quantity_of(plain: dict[str, Any]) -> Quantity:
     if value.ndim == uncertainty.ndim + 1:  # complex numbers are pairs
         value = value[..., 0] + 1j * value[..., 1]
     return Quantity(
-        plain["name"], plain["model"], value, plain["unit"], uncertainty,
-        plain["uncertainty_method"], plain["seconds"],
-        None if frequency is None else tuple(frequency),
-        None if classes is None else tuple(classes),
-    )  # fmt: skip
+        name=plain["name"],
+        model=plain["model"],
+        value=value,
+        unit=plain["unit"],
+        error=uncertainty,
+        method=plain["uncertainty_method"],
+        seconds=plain["seconds"],
+        frequency=None if frequency is None else tuple(frequency),
+        classes=None if classes is None else tuple(classes),
+    )
 
 
 def _files(values: dict[str, Any]) -> Iterator[str]:

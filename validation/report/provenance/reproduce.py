@@ -109,7 +109,7 @@ def _compared(key: tuple[str, str], then: Quantity | None, now: Quantity | None)
         return Compared(*key, "differs", np.nan, np.inf)
     known = ~np.isnan(then.value)
     apart = np.abs(now.value - then.value)[known]
-    bars = np.broadcast_to(then.uncertainty + now.uncertainty, then.value.shape)[known]
+    bars = np.broadcast_to(then.error + now.error, then.value.shape)[known]
     size = float(np.max(np.abs(then.value[known]), initial=0.0))
     largest = float(np.max(apart, initial=0.0))
     difference = largest / size if size else largest

@@ -30,7 +30,7 @@ from tactgen.validation.studies.uncertainty import section as uncertainty_sectio
 
 def _models(study: Study) -> Context:
     methods = {
-        q.model: q.uncertainty_method
+        q.model: q.method
         for q in study.solution.quantities
         if MODELS[q.model].theory == "solid" and QUANTITIES[q.name].static
     }

@@ -23,7 +23,7 @@ from tactgen.validation.catalogue.bimorph import SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.reluctance import PULL_IN_CURRENT
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.generator.judged_rod import machine_of, of_rod
 from tactgen.validation.models.generator.rod_loop import RodLoop, rod_loop
@@ -60,11 +60,11 @@ class MapRow:
     """The rod in small motions by the map of one model, each number with the map's bar (SI)."""
 
     model: str
-    axial_stiffness: Measured
-    rocking_stiffness: Measured
-    motional: Measured
-    incremental_inductance: Measured
-    frequency: Measured
+    axial_stiffness: Estimate
+    rocking_stiffness: Estimate
+    motional: Estimate
+    incremental_inductance: Estimate
+    frequency: Estimate
 
 
 def _positions(study: Study) -> Context | None:
@@ -143,8 +143,9 @@ def _on_map(scene: Scene, model: str) -> MapRow:
         rocking_stiffness=of_rod(rod, lambda r: float(r.stiffness[1, 1])),
         motional=of_rod(rod, lambda r: -r.motional),
         incremental_inductance=of_rod(rod, lambda r: r.inductance),
-        frequency=Measured(
-            float(abs(poles.value[first])) / (2.0 * np.pi), float(poles.bar[first]) / (2.0 * np.pi)
+        frequency=Estimate(
+            float(abs(poles.value[first])) / (2.0 * np.pi),
+            float(poles.error[first]) / (2.0 * np.pi),
         ),
     )
 

@@ -14,7 +14,7 @@ from tactgen.geometry.device.winding import winding
 from tactgen.tmm.reluctance.coil_heat import largest_rms_current, thermal_statement
 from tactgen.tmm.reluctance.switching import Equilibrium, equilibria, finger_force, spring_force
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.comparison import UNEXPLAINED
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import NetworkModel
@@ -40,7 +40,7 @@ def _models(actuator: NormalActuator) -> Context:
     reference = "the field" if actuator.has_field else "the full network"
     methods: dict[str, dict[str, list[str]]] = {model: {} for model in actuator.models}
     for q in actuator.quantities:
-        judged = methods.setdefault(q.model, {}).setdefault(q.uncertainty_method, [])
+        judged = methods.setdefault(q.model, {}).setdefault(q.method, [])
         judged.append(QUANTITIES[q.name].label)
     return {
         "actuator": actuator,
@@ -120,8 +120,8 @@ class ElectricalRow:
     state: str
     current: float
     gap: float
-    apparent: Measured
-    incremental: Measured
+    apparent: Estimate
+    incremental: Estimate
     time_constant: float
 
 

@@ -50,8 +50,8 @@ class Misfit:
     def scale(self) -> Floats:
         """Factor (n,) that turns residuals into ones of equal variance."""
         if self.noise == "stated":
-            assert self.curve.uncertainty is not None
-            return np.asarray(1.0 / self.curve.uncertainty)
+            assert self.curve.error is not None
+            return np.asarray(1.0 / self.curve.error)
         weight = np.sqrt(self.curve.relative_weight)
         return weight if self.noise == "relative" else np.asarray(weight / self.unit_of_noise)
 

@@ -14,7 +14,7 @@ from tactgen.validation.studies.identification.measured_curve import MeasuredCur
 
 
 @dataclass(frozen=True)
-class Estimate:
+class FittedParameter:
     """One fitted parameter, SI units.
 
     Attributes
@@ -53,7 +53,7 @@ class Identification:
         With the fitted values, and with those that the fit started from.
     curve : MeasuredCurve
         The data that counted.
-    estimates : tuple of Estimate
+    estimates : tuple of FittedParameter
         In the order asked for.
     correlation : (p, p) array
         Between ln of the estimates; nan for those at a bound.
@@ -80,7 +80,7 @@ class Identification:
     scene: Scene
     start: Scene
     curve: MeasuredCurve
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[FittedParameter, ...]
     correlation: Floats
     singular_values: Floats
     noise: str
@@ -92,7 +92,7 @@ class Identification:
     findings: tuple[str, ...]
     warnings: tuple[str, ...]
 
-    def get(self, name: str) -> Estimate:
+    def get(self, name: str) -> FittedParameter:
         """Return the estimate of a symbol or scene key."""
         return next(e for e in self.estimates if name in (e.parameter.key, e.parameter.symbol))
 

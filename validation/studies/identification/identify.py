@@ -23,7 +23,7 @@ from tactgen.validation.studies.identification.curve_model import (
     curve_model,
     sensitivities,
 )
-from tactgen.validation.studies.identification.estimates import Estimate, Identification
+from tactgen.validation.studies.identification.estimates import FittedParameter, Identification
 from tactgen.validation.studies.identification.fit_parameters import (
     DEFAULT_FIT,
     FitParameter,
@@ -174,7 +174,7 @@ def _best(
     noise: str | None,
 ) -> tuple[Misfit, Floats, list[str]]:
     """Fit under each kind of noise that is possible and keep the likeliest."""
-    kinds = ("stated",) if curve.uncertainty is not None else (noise,) if noise else NOISE
+    kinds = ("stated",) if curve.error is not None else (noise,) if noise else NOISE
     fits = []
     for kind in kinds:
         misfit = Misfit(curve, kind)
@@ -193,7 +193,7 @@ def _estimates(
     parameters: Sequence[FitParameter],
     best: tuple[Floats, list[str]],
     stats: Statistics,
-) -> tuple[Estimate, ...]:
+) -> tuple[FittedParameter, ...]:
     """Return the estimates with linear intervals if all are narrow, else with profiled ones."""
     values, edges = best
     deviation = np.full(values.size, np.nan)
@@ -221,11 +221,11 @@ def _estimates(
         if value < 0.0:  # the fit's bounds go by magnitude
             low, high, opened = high, low, tuple(_OPPOSITE[end] for end in opened)
             edge = _OPPOSITE.get(edge, "")
-        estimates.append(Estimate(parameter, value, (float(low), float(high)), opened, edge))
+        estimates.append(FittedParameter(parameter, value, (float(low), float(high)), opened, edge))
     return tuple(estimates)
 
 
-def _findings(estimates: Sequence[Estimate], stats: Statistics) -> tuple[str, ...]:
+def _findings(estimates: Sequence[FittedParameter], stats: Statistics) -> tuple[str, ...]:
     """Say what the curve does not determine; the statistics are those of all parameters."""
     found = inseparable(
         [e.parameter.symbol for e in estimates], stats, np.array([e.half_width for e in estimates])

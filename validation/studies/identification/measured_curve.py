@@ -37,7 +37,7 @@ class MeasuredCurve:
     kind: str
     frequencies: Floats
     values: Numbers
-    uncertainty: Floats | None
+    error: Floats | None
     weight: Floats
 
     @property
@@ -57,12 +57,12 @@ class MeasuredCurve:
 
     def at(self, points: Ints | Bools) -> MeasuredCurve:
         """Return the curve at some of its points."""
-        bars = None if self.uncertainty is None else self.uncertainty[points]
+        bars = None if self.error is None else self.error[points]
         return replace(
             self,
             frequencies=self.frequencies[points],
             values=self.values[points],
-            uncertainty=bars,
+            error=bars,
             weight=self.weight[points],
         )
 

@@ -58,7 +58,7 @@ def read_measured(path: str | Path) -> MeasuredCurve:
         kind=kind,
         frequencies=data["frequency"],
         values=_values(kind, data, lines, source),
-        uncertainty=data.get("uncertainty"),
+        error=data.get("uncertainty"),
         weight=_weight(data, source),
     )
 

@@ -20,7 +20,7 @@ from tactgen.validation.scene.files import scene_name
 from tactgen.validation.scene.keys import SYMBOLS, value_of
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import FILE_KEYS
-from tactgen.validation.studies.identification.estimates import Estimate, Identification
+from tactgen.validation.studies.identification.estimates import FittedParameter, Identification
 from tactgen.validation.studies.identification.fit_quality import Assumption
 from tactgen.validation.view.formats import engineering
 
@@ -81,7 +81,7 @@ def _estimate_table(found: Identification) -> str:
     return _table(["parameter", "start", "fitted", "95 % interval", "unit"], rows)
 
 
-def _digits(e: Estimate) -> int:
+def _digits(e: FittedParameter) -> int:
     """Return how many digits show two of the interval's half width, 10 for exact data."""
     half_width = e.half_width
     if not half_width < 1.0:
@@ -200,7 +200,7 @@ def as_json(found: Identification) -> dict[str, Any]:
     }
 
 
-def _estimate_json(e: Estimate) -> dict[str, Any]:
+def _estimate_json(e: FittedParameter) -> dict[str, Any]:
     p = e.parameter
     return {
         "name": p.symbol,
@@ -285,7 +285,7 @@ def file_from(folder: Path, file: str, named: Callable[[str], bool]) -> str:
     return os.path.relpath(file, folder)
 
 
-def _interval_comment(e: Estimate) -> str:
+def _interval_comment(e: FittedParameter) -> str:
     low, high = (e.parameter.unit.show(float(f"{end:.{_digits(e)}g}")) for end in e.interval)
     opened = f", open: {' and '.join(e.opened)}" if e.opened else ""
     return f"# fitted, 95 % interval {low} to {high}{opened}"

@@ -81,9 +81,7 @@ def draw(found: Identification) -> Figure:
     level = {
         "relative": found.level / np.sqrt(found.curve.relative_weight),
         "constant": found.level / np.sqrt(found.curve.relative_weight) / fitted,
-        "stated": np.ones(1)
-        if found.curve.uncertainty is None
-        else found.curve.uncertainty / fitted,
+        "stated": np.ones(1) if found.curve.error is None else found.curve.error / fitted,
     }[found.noise]
     _draw_residuals(
         axes[1][0], found, 100.0 * np.expm1(left.real), 100.0 * found.band.real, 100.0 * level

@@ -37,7 +37,7 @@ def detailed_numbers(
                 found[target.label] = near[0]
         elif name in scalars and not target.peak:
             cell = scalars[name]
-            found[target.label] = (abs(cell.value), cell.uncertainty)
+            found[target.label] = (abs(cell.value), cell.error)
     return found
 
 
@@ -54,6 +54,6 @@ def _responses(
     found = {}
     for q in solution.quantities:
         if q.model == model and q.name in given and q.frequency is not None:
-            rows = zip(q.frequency, np.abs(q.value), q.uncertainty, strict=True)
+            rows = zip(q.frequency, np.abs(q.value), q.error, strict=True)
             found[q.name] = {f: (float(size), float(bar)) for f, size, bar in rows}
     return found

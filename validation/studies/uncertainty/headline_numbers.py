@@ -145,7 +145,7 @@ class HeadlineNumbers:
             i = -1
         elif target.frequency is not None:
             i = (*FREQUENCIES, ILL_CONDITIONED).index(target.frequency)
-        value, bar = np.atleast_1d(found.value)[i], np.atleast_1d(found.uncertainty)[i]
+        value, bar = np.atleast_1d(found.value)[i], np.atleast_1d(found.error)[i]
         return float(np.abs(value)), float(bar)
 
     def value_and_slopes(

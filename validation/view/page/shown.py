@@ -180,7 +180,7 @@ def _over_length(
         "drawn": (np.array(drawn) / sizes).tolist(),
         "texts": [
             with_bar(float(f), float(bar), "Hz") if np.isfinite(f) else "not among the lowest"
-            for f, bar in zip(mode.frequency, mode.bar, strict=True)
+            for f, bar in zip(mode.frequency, mode.error, strict=True)
         ],
     }
 

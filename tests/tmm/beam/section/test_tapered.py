@@ -201,15 +201,15 @@ def test_error_bar_of_a_taper_covers_it(model):
     scene, _ = load_scene("paper", settings)
     names = ("short_circuit_frequencies", "capacitance_free", "tip_displacement")
     first, capacitance, tip = solve(scene, [model], names).quantities
-    assert "segments of the taper" in tip.uncertainty_method
+    assert "segments of the taper" in tip.method
     fine = tmm.multiport if model == "tmm" else lumped.multiport
     port = fine(
         scene.device, scene.support, scene.beam, np.array([500.0]), segments=4 * tmm.SEGMENTS
     )
     exact = respond(attach(port, Ends()), {"voltage": scene.drive.voltage}).motion["w_tip"][0]
-    assert 0.0 < abs(tip.value[0] - exact) < tip.uncertainty[0] < 1e-5 * abs(exact)
-    assert 0.0 < first.uncertainty[0] < 1e-5 * first.value[0]
-    assert 0.0 < capacitance.uncertainty < 1e-5 * capacitance.value
+    assert 0.0 < abs(tip.value[0] - exact) < tip.error[0] < 1e-5 * abs(exact)
+    assert 0.0 < first.error[0] < 1e-5 * first.value[0]
+    assert 0.0 < capacitance.error < 1e-5 * capacitance.value
 
 
 ENTANGLED = (
@@ -238,4 +238,4 @@ def test_natural_frequencies_agree_with_beam_elements(settings):
     for name in names:
         ours, theirs = (solution.get(name, model) for model in ("tmm", "beam"))
         apart = np.abs(np.asarray(ours.value) - theirs.value)
-        assert (apart < np.asarray(ours.uncertainty) + theirs.uncertainty).all(), name
+        assert (apart < np.asarray(ours.error) + theirs.error).all(), name

@@ -10,7 +10,7 @@ from tactgen.validation.checks import verification
 from tactgen.validation.checks.cases import fineness
 from tactgen.validation.checks.known import beams
 from tactgen.validation.checks.verification import division, next_division, verify
-from tactgen.validation.engine.results import Measured
+from tactgen.validation.engine.results import Estimate
 
 LEVELS = (-1, 0, 1, 2, 3)
 
@@ -69,7 +69,7 @@ def test_a_cache_holds_each_level_apart():
         (lambda: 1.01 + 0.01 * 4.0 ** -fineness.degree(4), 0.03 / 256, "degree less",
          "bar and tolerance"),
         (lambda: 1.1 + fineness.degree(1) * 0.01, 0.01, "degree more", ""),
-        (lambda: Measured(1.0, 0.25), 0.25, "own", "bar"),
+        (lambda: Estimate(1.0, 0.25), 0.25, "own", "bar"),
         (lambda: 1.0, None, "", ""),
     ],
 )  # fmt: skip
@@ -81,11 +81,11 @@ def test_bars_of_rows(monkeypatch, measure, bar, judged_by, covered_by):
     monkeypatch.setattr(verification, "kept", lambda *key, serves: key[-1]())
     (found,) = verify(("beams",), extent="light", announce=lambda _: None)
     assert found.covered_by == covered_by
-    assert (found.bar is None) is (bar is None)
+    assert (found.error is None) is (bar is None)
     if bar is not None:
-        assert found.bar.size == pytest.approx(bar, rel=1e-9)
-        assert judged_by in found.bar.judged_by
-        assert found.plain()["bar"] == found.bar.size
+        assert found.error.size == pytest.approx(bar, rel=1e-9)
+        assert judged_by in found.error.judged_by
+        assert found.plain()["bar"] == found.error.size
     assert (next_division("beams", found.case, row) is None) is (judged_by in ("own", ""))
 
 

@@ -89,7 +89,16 @@ def test_answers_are_the_models_own_numbers(monkeypatch, held, all_motions):
             value, classes = np.array([1.0, 2.0, 3.0, 4.0]), kinds
         else:
             value, classes = np.array(5.0 + 1.0j), None
-        return Quantity(name, "tmm", value, "1", 0.1 * np.abs(value), "", 0.0, classes=classes)
+        return Quantity(
+            name=name,
+            model="tmm",
+            value=value,
+            unit="1",
+            error=0.1 * np.abs(value),
+            method="",
+            seconds=0.0,
+            classes=classes,
+        )
 
     def model(name, scene, stages):
         made.append((name, stages))
@@ -109,13 +118,20 @@ def test_answers_are_the_models_own_numbers(monkeypatch, held, all_motions):
     assert [answer.quantity for answer in others] == [
         "static_tip_displacement", "capacitance_free", "capacitance_blocked", "coupling_factor",
     ]  # fmt: skip
-    assert {(a.value, a.bar, a.number) for a in others} == {(5.0 + 1.0j, 0.1 * abs(5.0 + 1.0j), 0)}
+    assert {(a.value, a.error, a.number) for a in others} == {
+        (5.0 + 1.0j, 0.1 * abs(5.0 + 1.0j), 0)
+    }
 
 
 def test_keys_of_a_shim_held_base_are_no_others(monkeypatch):
     seen = {}
-    monkeypatch.setattr(solid, "evaluate", lambda name, model: Quantity(
-        name, "solid", np.array(1.0), "1", np.array(0.0), "", 0.0))  # fmt: skip
+    monkeypatch.setattr(
+        solid,
+        "evaluate",
+        lambda name, model: Quantity(
+            name=name, model="solid", value=np.array(1.0), unit="1", error=np.array(0.0)
+        ),
+    )
     monkeypatch.setattr(solid, "Stages", lambda keys: keys)
     monkeypatch.setattr(solid, "make_model", lambda n, s, stages: seen.setdefault("layers", stages))
     monkeypatch.setattr(
@@ -260,7 +276,7 @@ def test_no_current_balances_a_spring_that_always_or_never_yields(monkeypatch):
 def test_switching_is_judged_where_both_have_a_current(monkeypatch, missing):
     scene = SimpleNamespace(device=Device())
     monkeypatch.setattr(machine, "_fitting", lambda rng, tried: (tried(scene) and scene, "here"))
-    numbers = {"value": np.array(1.2), "uncertainty": np.array(0.3)}
+    numbers = {"value": np.array(1.2), "error": np.array(0.3)}
     solution = SimpleNamespace(get=lambda name, model: SimpleNamespace(**numbers))
     monkeypatch.setattr(machine, "solve", lambda *_: solution)
     right = dict.fromkeys(machine._SWITCHING, -1.0)

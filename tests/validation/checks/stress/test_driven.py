@@ -37,7 +37,15 @@ def test_slow_motion_is_the_derivative_of_rest():
 
 
 def quantity(values, bars):
-    return Quantity("x", "m", np.array(values), "1", np.array(bars), "", 0.0)
+    return Quantity(
+        name="x",
+        model="m",
+        value=np.array(values),
+        unit="1",
+        error=np.array(bars),
+        method="",
+        seconds=0.0,
+    )
 
 
 def test_the_worst_entry_is_that_beyond_its_bar():

@@ -23,9 +23,18 @@ from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
 
 
-def quantity(name, value, unit, bar=0.0, frequency=None):
+def quantity(name, value, unit, error=0.0, frequency=None):
     value = np.asarray(value)
-    return Quantity(name, "tmm", value, unit, np.full(value.shape, bar), "", 0.0, frequency)
+    return Quantity(
+        name=name,
+        model="tmm",
+        value=value,
+        unit=unit,
+        error=np.full(value.shape, error),
+        method="",
+        seconds=0.0,
+        frequency=frequency,
+    )
 
 
 #: Thresholds at these frequencies are 2, 0.2 and 1 um; outside them there is none.

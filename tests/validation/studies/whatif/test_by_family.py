@@ -48,7 +48,17 @@ def test_what_a_family_cannot_answer_is_left_to_be_asked_alone(monkeypatch, refu
     def refused(*_):
         raise InputError("the range is too wide")
 
-    given = (Quantity(MODAL[0], "solid", np.ones(1), "Hz", np.zeros(1), "", 0.1),)
+    given = (
+        Quantity(
+            name=MODAL[0],
+            model="solid",
+            value=np.ones(1),
+            unit="Hz",
+            error=np.zeros(1),
+            method="",
+            seconds=0.1,
+        ),
+    )
     monkeypatch.setattr(by_family, "answer_family", lambda _, scenes, *__: [given] * len(scenes))
     monkeypatch.setattr(by_family, refusing, refused)
     asked = {

@@ -63,7 +63,15 @@ def test_where_nothing_can_be_shared_it_is_said(threads):
 @pytest.mark.parametrize("processes", [1, 2])
 def test_every_walk_gives_what_it_could_answer(threads, processes, monkeypatch):
     """A point that cannot be solved is left to be asked alone, and a walk whose process died."""
-    force = Quantity(FORCE[0], "axisymmetric", np.array(0.1), "N", np.array(0.0), "", 0.0)
+    force = Quantity(
+        name=FORCE[0],
+        model="axisymmetric",
+        value=np.array(0.1),
+        unit="N",
+        error=np.array(0.0),
+        method="",
+        seconds=0.0,
+    )
     failing = itertools.cycle([None, InputError("no"), SolverError("no"), None])
 
     def solved(scene):

@@ -33,7 +33,7 @@ def assert_same(study, other):
         assert (a.status, a.warnings) == (b.status, b.warnings) == ("ok", b.warnings)
         for one, two in zip(a.quantities, b.quantities, strict=True):
             np.testing.assert_array_equal(one.value, two.value)
-            np.testing.assert_array_equal(one.uncertainty, two.uncertainty)
+            np.testing.assert_array_equal(one.error, two.error)
 
 
 class KilledWorker(Exception):

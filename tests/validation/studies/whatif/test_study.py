@@ -63,7 +63,7 @@ def test_a_point_says_what_solve_says(solved):
                 b.classes,
             )
             np.testing.assert_array_equal(a.value, b.value)
-            np.testing.assert_array_equal(a.uncertainty, b.uncertainty)
+            np.testing.assert_array_equal(a.error, b.error)
 
 
 def test_only_new_points_are_solved(solved):
@@ -236,7 +236,7 @@ def test_the_files_open_elsewhere(tmp_path, capsys):
         alone = solve(scene, ("tmm",), ("tip_displacement",)).quantities[0]
         np.testing.assert_array_equal(at.tip_displacement_re, alone.value.real)
         np.testing.assert_array_equal(at.tip_displacement_im, alone.value.imag)
-        np.testing.assert_array_equal(at.tip_displacement_uncertainty, alone.uncertainty)
+        np.testing.assert_array_equal(at.tip_displacement_uncertainty, alone.error)
         force = data.magnetic_force.sel(model="network").values.ravel()
     with (out / "study.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))

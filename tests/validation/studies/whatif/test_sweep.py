@@ -33,10 +33,19 @@ class Reduced:
 
     def answers(self, values):
         return [
-            (Quantity("static_tip_displacement", "solid", np.array(length), "m", np.array(0.0),
-                      "", 0.1),)
+            (
+                Quantity(
+                    name="static_tip_displacement",
+                    model="solid",
+                    value=np.array(length),
+                    unit="m",
+                    error=np.array(0.0),
+                    method="",
+                    seconds=0.1,
+                ),
+            )
             for length in values["bimorph.length"]
-        ]  # fmt: skip
+        ]
 
 
 def test_parts_are_read_off_in_blocks_once(own_store, monkeypatch):

@@ -124,10 +124,10 @@ def family_row() -> Row:
         single = solve(member, ("solid",), names)
         for name in names:
             alone = single.get(name, "solid")
-            values, bars = found[name].value[number], found[name].bar[number]
+            values, bars = found[name].value[number], found[name].error[number]
             size = np.abs(alone.value)
             errors = np.ravel(np.abs(values - alone.value) / size)
-            bounds = np.ravel((bars + alone.uncertainty) / size)
+            bounds = np.ravel((bars + alone.error) / size)
             at = int(np.argmax(errors / bounds))
             where = f"{1e3 * length:.3g} mm, {name}"
             family.add(where, float(errors[at]), float(bounds[at]))

@@ -117,7 +117,7 @@ def worst(one: Quantity, other: Quantity) -> tuple[float, float]:
     values, right = np.ravel(one.value), np.ravel(other.value)
     both = min(values.size, right.size)
     values, right = values[:both], right[:both]
-    bars = np.ravel(one.uncertainty)[:both] + np.ravel(other.uncertainty)[:both]
+    bars = np.ravel(one.error)[:both] + np.ravel(other.error)[:both]
     if not np.isfinite(values).all() or not np.isfinite(bars).all():
         return np.nan, 0.0
     size = np.abs(right)

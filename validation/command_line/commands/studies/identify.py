@@ -97,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
     target = None if options.write is None else checked_scene_name(options.write)
     scene, origins = lateral_scene(options.scene, options.overrides, "identify")
     data = read_measured(options.measured)
-    if options.noise and data.uncertainty is not None:
+    if options.noise and data.error is not None:
         raise InputError(
             f"--noise {options.noise} has no effect, for {data.source} states its uncertainty; "
             "leave one of them out"

@@ -188,7 +188,7 @@ def _print(found: RodLoop) -> None:
     if found.switching is not None:
         for name in ("lift_off", "pull_in", "holding", "drop_out"):
             at = getattr(found.switching, name)
-            shown = with_bar(at.value, at.bar, "A") if math.isfinite(at.value) else "not reached"
+            shown = with_bar(at.value, at.error, "A") if math.isfinite(at.value) else "not reached"
             print(f"  {name.replace('_', '-'):10} {shown}")
     print(f"  {'current':>10}  {'rising':>28}  {'falling':>28}")
     last = len(found.loop.currents) - 1

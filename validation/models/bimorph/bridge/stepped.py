@@ -187,7 +187,7 @@ def _stages(scene: Scene, model: str, step: int = 0) -> Stages:
 def _magnitude(row: QuantityRow, model: BimorphModel) -> Floats:
     """Return the magnitude (n, ...) of a quantity; of modes those that bend in x."""
     found = read(row, model)
-    size = np.abs(found.value)
+    size: Floats = np.abs(found.value)
     return size if found.classes is None else size[np.array(found.classes) == "bending_x"]
 
 

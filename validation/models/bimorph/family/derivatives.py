@@ -168,7 +168,7 @@ def _quantity(scene: Scene, name: str, found: FamilyValues, seconds: float) -> Q
     row = QUANTITIES[name]
     return Quantity(
         name=name, model="solid", value=np.asarray(found.value[0]), unit=row.unit,
-        uncertainty=np.asarray(found.bar[0]), uncertainty_method="two levels of bricks",
+        error=np.asarray(found.error[0]), method="two levels of bricks",
         seconds=seconds, frequency=scene.frequency if row.by_frequency else None,
         classes=None if found.classes is None else tuple(str(kind) for kind in found.classes[0]),
     )  # fmt: skip

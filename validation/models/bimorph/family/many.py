@@ -87,8 +87,8 @@ def for_many(
 
 
 def _as_good(after: FamilyValues, before: FamilyValues, accuracy: float) -> bool:
-    enough = np.maximum(_WIDER * before.bar, _NARROW * accuracy * np.abs(before.value))
-    return bool((after.bar <= enough).all())
+    enough = np.maximum(_WIDER * before.error, _NARROW * accuracy * np.abs(before.value))
+    return bool((after.error <= enough).all())
 
 
 def _points(family: SolidFamily, count: int, seed: int) -> dict[str, Floats]:

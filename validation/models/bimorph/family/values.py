@@ -46,7 +46,7 @@ class FamilyValues:
     """
 
     value: Numbers
-    bar: Floats
+    error: Floats
     basis: Floats
     classes: Any = None
 
@@ -93,7 +93,7 @@ def joined(parts: list[FamilyValues]) -> FamilyValues:
         classes = np.concatenate([part.classes for part in parts])
     value, bar, basis = (
         np.concatenate([getattr(part, name) for part in parts])
-        for name in ("value", "bar", "basis")
+        for name in ("value", "error", "basis")
     )
     return FamilyValues(value, bar, basis, classes)
 

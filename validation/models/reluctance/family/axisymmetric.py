@@ -21,7 +21,7 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout
 from tactgen.validation.engine.costs import record, recorded
 from tactgen.validation.engine.prospects import Prospect
-from tactgen.validation.engine.results import Measured, Quantity
+from tactgen.validation.engine.results import Estimate, Quantity
 from tactgen.validation.engine.stages import values_read
 from tactgen.validation.models.reluctance.family.field_tables import (
     PointFamily,
@@ -153,7 +153,7 @@ class FieldAnswers:
                 float(values[key][n]) if key in values else float(value_of(self.scene, key))
                 for key in ("coil.current", "gap")
             )
-            parts = {name: Measured(float(v[n]), float(b[n])) for name, (v, b) in table.items()}
+            parts = {name: Estimate(float(v[n]), float(b[n])) for name, (v, b) in table.items()}
             point = MagneticPoint(
                 current, gap, parts["force"], parts["flux_linkage"], parts["coenergy"],
                 parts["incremental_inductance"], family.method, beyond_table=0.0,
@@ -167,6 +167,6 @@ class FieldAnswers:
         found: Any = row.read.of(point)
         return Quantity(
             name=name, model="axisymmetric", value=np.asarray(found.value), unit=row.unit,
-            uncertainty=np.asarray(found.bar), uncertainty_method=point.method,
+            error=np.asarray(found.error), method=point.method,
             seconds=self.seconds,
         )  # fmt: skip

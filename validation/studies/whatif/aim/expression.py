@@ -125,7 +125,15 @@ class Aim:
     def unit(self) -> str:
         """SI unit of the margin: as a quantity has it, else of base units; 1 for a pure number."""
         ones = {
-            name: Quantity(name, "", np.ones(1), QUANTITIES[name].unit, np.zeros(1), "", 0.0)
+            name: Quantity(
+                name=name,
+                model="",
+                value=np.ones(1),
+                unit=QUANTITIES[name].unit,
+                error=np.zeros(1),
+                method="",
+                seconds=0.0,
+            )
             for name in self.quantities
         }
         found = self.left(at_threshold(ones, DISPLAY_THRESHOLD))
@@ -147,7 +155,7 @@ class Aim:
 
 def _moved(q: Quantity, sign: float) -> Quantity:
     size = np.abs(q.value) if np.iscomplexobj(q.value) else q.value
-    return replace(q, value=np.asarray(size + sign * q.uncertainty))
+    return replace(q, value=np.asarray(size + sign * q.error))
 
 
 def parse_aim(text: str) -> Aim:
@@ -332,7 +340,16 @@ def at_threshold(known: dict[str, Quantity], curve: ThresholdCurve) -> dict[str,
         (q.frequency for q in known.values() if q.frequency is not None), ()
     )
     level = curve.at(np.array(frequencies))
-    here = Quantity(THRESHOLD, "", level, "m", np.zeros(level.shape), "", 0.0, frequencies)
+    here = Quantity(
+        name=THRESHOLD,
+        model="",
+        value=level,
+        unit="m",
+        error=np.zeros(level.shape),
+        method="",
+        seconds=0.0,
+        frequency=frequencies,
+    )
     return {**known, THRESHOLD: here}
 
 

@@ -100,7 +100,7 @@ def _beyond(first: Number, second: Number) -> bool:
     if _unknown(first) or _unknown(second):
         return _unknown(first) != _unknown(second)
     rounding = _ROUNDING * max(abs(first.value), abs(second.value))
-    bars = sum(0.0 if math.isnan(each.bar) else each.bar for each in (first, second))
+    bars = sum(0.0 if math.isnan(each.error) else each.error for each in (first, second))
     return bool(abs(first.value - second.value) > bars + rounding)
 
 

@@ -35,7 +35,7 @@ class Number:
     """A number with its absolute bar, both SI; nan where there is no answer."""
 
     value: complex
-    bar: float
+    error: float
     unit: str
 
 

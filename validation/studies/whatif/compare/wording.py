@@ -51,7 +51,7 @@ def place(key: Key) -> str:
 def shown(number: Number) -> str:
     """Return a number with its bar; of complex ones the magnitude."""
     value = number.value.real if number.value.imag == 0.0 else abs(number.value)
-    return with_bar(value, number.bar, number.unit)
+    return with_bar(value, number.error, number.unit)
 
 
 def as_values(
@@ -65,7 +65,7 @@ def as_values(
             {"quantity": d.quantity, "model": d.model, "values": d.count,
              "beyond_bars": d.beyond, "only": list(d.only), "at": place(d.key),
              "a": _pair(d.first.value), "b": _pair(d.second.value),
-             "uncertainty_a": _known(d.first.bar), "uncertainty_b": _known(d.second.bar),
+             "uncertainty_a": _known(d.first.error), "uncertainty_b": _known(d.second.error),
              "unit": d.first.unit, "change": _known(d.relative), "verdict": d.verdict}
             for d in answers
         ],

@@ -49,7 +49,7 @@ class Record:
     index: int | None
     value: float | None
     value_im: float | None
-    uncertainty: float | None
+    error: float | None
     unit: str
     status: str
     reason: str
@@ -57,7 +57,10 @@ class Record:
     @property
     def cells(self) -> tuple[Any, ...]:
         """What a row of the table holds."""
-        return (*self.point.values(), *(getattr(self, name) for name in COLUMNS))
+        return (
+            *self.point.values(),
+            *(getattr(self, "error" if name == "uncertainty" else name) for name in COLUMNS),
+        )
 
 
 def records(study: Study) -> Iterator[Record]:
@@ -77,7 +80,7 @@ def records_of(point: dict[str, Any], model: str, name: str, answer: Answer) -> 
                      answer.reason)  # fmt: skip
         return
     complex_valued = np.iscomplexobj(found.value)
-    bars = np.broadcast_to(found.uncertainty, found.value.shape)
+    bars = np.broadcast_to(found.error, found.value.shape)
     for place in itertools.product(*(range(size) for size in found.value.shape)):
         frequency, index = _labels(found, place)
         value = found.value[place]

@@ -108,7 +108,7 @@ def _add(
         for m, q in enumerate(by_model):
             if q is not None:
                 place: Any = (m, n, *(slice(size) for size in q.value.shape))
-                value[place], bar[place] = q.value, q.uncertainty
+                value[place], bar[place] = q.value, q.error
     names = _inner_dimensions(known)
     if names[:1] == ("frequency",) and "frequency" in study.statement.columns:
         value, bar, names, inner = value[:, :, 0], bar[:, :, 0], names[1:], inner[1:]

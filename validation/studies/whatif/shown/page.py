@@ -166,6 +166,6 @@ def _number(answer: Answer, name: str) -> tuple[float | None, float | None]:
             shown = representative(q)
             return (
                 shown.value if math.isfinite(shown.value) else None,
-                float(f"{shown.bar:.3g}") if math.isfinite(shown.bar) else None,
+                float(f"{shown.error:.3g}") if math.isfinite(shown.error) else None,
             )
     return None, None

@@ -94,7 +94,7 @@ def _values(study: Study, name: str, model: str, numbers: Sequence[int]) -> tupl
         for q in study.answers[number][model].quantities:
             if q.name == name:
                 one = representative(q)
-                found[:, column] = one.value, one.bar
+                found[:, column] = one.value, one.error
     scale, _ = _scale(study, name)
     return scale * found[0], scale * found[1]
 

@@ -25,7 +25,7 @@ class Representative:
     """
 
     value: float
-    bar: float
+    error: float
     unit: str
     what: str
     at: float | None = None
@@ -36,9 +36,9 @@ class Representative:
         if np.isnan(self.value):
             return "no value"
         where = f" at {self.at:g} Hz" if self.at is not None else ""
-        if np.isnan(self.bar):
+        if np.isnan(self.error):
             return engineering(self.value, self.unit) + where
-        return with_bar(self.value, self.bar, self.unit) + where
+        return with_bar(self.value, self.error, self.unit) + where
 
 
 def representative(q: Quantity) -> Representative:
@@ -47,7 +47,7 @@ def representative(q: Quantity) -> Representative:
     Of what is complex it is the magnitude: a pole's is its natural angular frequency.
     Of one frequency it is the magnitude there, of a matrix its largest entry, without a bar.
     """
-    bars = np.broadcast_to(q.uncertainty, q.value.shape)
+    bars = np.broadcast_to(q.error, q.value.shape)
     if q.frequency is None:
         place: Any = (0,) * q.value.ndim
         what, value = "first" if q.value.ndim else "", q.value[place]
