@@ -14,9 +14,9 @@ import numpy as np
 from scipy import signal
 
 import tactgen
-from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import axial_forces, position_loop
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square
+from tactgen.tmm.reluctance.map_range import network_pull
 from tactgen.validation.export.files import export
 from tactgen.validation.models.amplitude.backbone import backbone
 from tactgen.validation.models.amplitude.held_head import held_head

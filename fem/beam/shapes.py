@@ -11,7 +11,7 @@ from tactgen.fem.beam.beam import BeamMatrices
 from tactgen.geometry.arrays import Numbers
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.row_shape import CentreLine
-from tactgen.tmm.ports.terminations import base_stiffness, tip_stiffness
+from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
 
 #: Elements along a row whose nodes are its stations.
 ELEMENTS = 64

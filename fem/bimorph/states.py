@@ -16,7 +16,7 @@ from tactgen.fem.bimorph.system import SolidSystem
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Numbers
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.tmm.ports.terminations import base_stiffness, tip_stiffness
+from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
 
 
 @dataclass(frozen=True)

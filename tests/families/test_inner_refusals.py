@@ -23,12 +23,12 @@ from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.tetwild import conform, snapping
 from tactgen.geometry.store import sources
 from tactgen.tmm.beam import modes, port_quantities
-from tactgen.tmm.beam.section.section import section
+from tactgen.tmm.beam.sections import section
 from tactgen.tmm.generator.positions import resting_places
-from tactgen.tmm.generator.transient import passes
-from tactgen.tmm.harmonic_balance import continuation, free_oscillation
-from tactgen.tmm.harmonic_balance.newton import NoConvergence
-from tactgen.tmm.harmonic_balance.oscillator import Orbit
+from tactgen.tmm.generator.transient import march as passes
+from tactgen.tmm.harmonic_balance import continuation
+from tactgen.tmm.harmonic_balance import steady as free_oscillation
+from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit
 from tactgen.tmm.reluctance import flux_ladder
 from tactgen.validation.bench.bimorph.peers import sfepy
 from tactgen.validation.models.amplitude import backbone, deflection, held_head

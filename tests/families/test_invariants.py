@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
+from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 

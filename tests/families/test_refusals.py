@@ -19,7 +19,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.mesh_check import check_areas, check_volumes
 from tactgen.geometry.store.values import from_bytes, storable, to_bytes
-from tactgen.tmm.generator.transient import newton
+from tactgen.tmm.generator.transient import step as newton
 from tactgen.validation.command_line.streams import _plainly
 from tactgen.validation.models import ladder
 from tactgen.validation.models.bimorph.meshes import cells_of

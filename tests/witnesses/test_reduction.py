@@ -10,8 +10,8 @@ from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
-from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.checks.coverage.scenes import drawn_bimorph
 from tactgen.validation.scene.scene import load_scene
 

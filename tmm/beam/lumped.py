@@ -16,9 +16,9 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Beam, Device, Support
-from tactgen.tmm.beam.section.section import Joint, Section
-from tactgen.tmm.beam.transfer.scattering import Element
-from tactgen.tmm.beam.transfer.transfer_matrix import SEGMENTS, sections
+from tactgen.tmm.beam.scattering import Element
+from tactgen.tmm.beam.sections import Joint, Section
+from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.tmm.ports.port import BIMORPH
 

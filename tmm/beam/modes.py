@@ -1,6 +1,6 @@
 """All lossless bending modes of a row of beams, none missed, to the rounding of the row.
 
-With its ends attached and in the units of :mod:`tmm.beam.transfer.scattering`, a lossless row has a
+With its ends attached and in the units of :mod:`tmm.beam.scattering`, a lossless row has a
 real symmetric dynamic stiffness E(Ω).  Its eigenvalues e_i fall with frequency; each is taken as an
 angle, e_i = cot θ_i, and followed through infinity, where the row vibrates with its ends held:
 
@@ -28,10 +28,9 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.transfer.scattering import THROUGH, Element, in_waves
-from tactgen.tmm.beam.transfer.star import neighbours, star
-from tactgen.tmm.beam.transfer.timoshenko import wavenumbers
+from tactgen.tmm.beam.scattering import THROUGH, Element, in_waves, neighbours, star
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.beam.timoshenko import wavenumbers
 
 Row: TypeAlias = Sequence[Element]
 

@@ -9,7 +9,7 @@ and R/P,
     P = det(D + κ) Δ = Σ κ-products · (minor of D without the held rows) Δ,
 
 and each minor of D times Δ = E O is again entire, a product of the functions of
-:mod:`tmm.beam.transfer.span`: free ends β⁴E'O', one end's w held −½(c₁c₂O' + β⁴g S₁S₂E'),
+:mod:`tmm.beam.span`: free ends β⁴E'O', one end's w held −½(c₁c₂O' + β⁴g S₁S₂E'),
 cantilever ¼(c₁²c₂² − β⁴g S₁²S₂² + 2β⁴XY − β⁴E'O − O'E), and so on (g = 1 − ρI Ω²/GA).  The voltage
 drives only the even part, hence N.  V is the derivative of P to twice the even part's c₁c₂/E,
 and of its terms R takes those in which the base's rotation is held, and half of the others.
@@ -18,7 +18,7 @@ own resonances and antiresonances.  (The minors are those of the delta-matrix me
 and Leckie 1963, chapter 7.)
 
 Accuracy.  `condition` is the size of the terms of P, N, R and the charge over their values; the
-relative error of each result is at most :func:`tmm.beam.transfer.precision.error_bound` of it.
+relative error of each result is at most :func:`tmm.beam.span.error_bound` of it.
 """
 
 from __future__ import annotations
@@ -31,13 +31,22 @@ import numpy as np
 
 from tactgen.geometry.arrays import Bools, Complex, Floats, Numbers
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.transfer.blocks import BLOCK, blocks
-from tactgen.tmm.beam.transfer.precision import EPS, EXTENDED, TOLERATED, error_bound, size
-from tactgen.tmm.beam.transfer.scattering import Element
-from tactgen.tmm.beam.transfer.span import Span, extended_span, span
+from tactgen.tmm.beam.scattering import Element
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.beam.span import (
+    BLOCK,
+    EPS,
+    EXTENDED,
+    TOLERATED,
+    Span,
+    blocks,
+    error_bound,
+    extended_span,
+    size,
+    span,
+)
+from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
 from tactgen.tmm.ports.multiport import Response
-from tactgen.tmm.ports.terminations import base_stiffness, tip_stiffness
 
 
 @dataclass(frozen=True)

@@ -22,11 +22,11 @@ from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Drive, Loa
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.beam.mounted_beam import uniform_response
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.transfer.scattering import Element
-from tactgen.tmm.beam.transfer.transfer_matrix import SEGMENTS, chain, elements
+from tactgen.tmm.beam.scattering import Element
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.beam.transfer_matrix import SEGMENTS, chain, elements
+from tactgen.tmm.ports.elements import attach, ends_of
 from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond
-from tactgen.tmm.ports.terminations import attach, ends_of
 
 #: Values by scene key, each a number or an array over the points.
 Values = Mapping[str, Any]

@@ -1,7 +1,7 @@
 """The paper's matrix A (Appendix A), corrected, and each entry as it was printed.
 
 Kept as the witness for the printed formulas: the production model is
-:mod:`tmm.beam.transfer.transfer_matrix`, which does not lose digits at low or high frequency.
+:mod:`tmm.beam.transfer_matrix`, which does not lose digits at low or high frequency.
 State [v, ψ̇, M, F, U] at the lower end to [v, ψ̇, M, F, I] at the upper end,
 v and ψ̇ velocities, M and F internal, time factor e^{+jΩt}.
 
@@ -19,7 +19,7 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Device
-from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.sections import Section
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ vibrates with all its ports held.  With h = 0.003 |p| and N = 16 the truncation 
 for a distance R to such a pole: below rounding from R = 0.03 |p| on, 4e-9 at 0.01 |p|.
 Rounding is that of A over 0.003: some 1e-13 of the largest part of a derivative, and not
 more than 1.3e-9 where an entry of A is itself near a pole or zero
-(:mod:`tmm.beam.transfer.timoshenko`).
+(:mod:`tmm.beam.timoshenko`).
 """
 
 from __future__ import annotations
@@ -36,9 +36,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.parametric import Actuator, check_keys, parameter_keys, terminated
 from tactgen.tmm.beam.port_quantities import evaluate
-from tactgen.tmm.beam.transfer.transfer_matrix import sections
-from tactgen.tmm.ports.invariants import symmetric_form
-from tactgen.tmm.ports.multiport import hold, respond
+from tactgen.tmm.beam.transfer_matrix import sections
+from tactgen.tmm.ports.multiport import hold, respond, symmetric_form
 from tactgen.tmm.ports.readout import ELECTRICAL, Circuit, ModalReadout, Readout
 
 _RADIUS, _POINTS = 0.003, 16

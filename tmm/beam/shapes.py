@@ -16,9 +16,9 @@ from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.geometry.bimorph.ends import Ends, Springs
 from tactgen.geometry.bimorph.row_shape import CentreLine
 from tactgen.tmm.beam.modes import Row, bending_frequencies
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.transfer.scattering import Element, element_stiffness
-from tactgen.tmm.ports.terminations import base_stiffness, tip_stiffness
+from tactgen.tmm.beam.scattering import Element, element_stiffness
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
 
 #: Stations along a row, about.
 _STATIONS = 80

@@ -6,20 +6,20 @@ whose other side moves with the board.  It is then placed as often as there are 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.ends import Law, TipLoad
-from tactgen.geometry.device.parameters import Device
-from tactgen.tmm.generator.guide import lateral_guide, tilt_guide
-from tactgen.tmm.generator.held_base import pressed_support
+from tactgen.geometry.device.parameters import Device, Display, Skin
+from tactgen.geometry.display.layout import axes, spacer_axes
 from tactgen.tmm.generator.moving_mass import moving_rod
-from tactgen.tmm.generator.positions import RestingPlace
-from tactgen.tmm.generator.stops import stops_of
-from tactgen.tmm.ports.elements import spring
+from tactgen.tmm.generator.positions import RestingPlace, pressed_support
+from tactgen.tmm.generator.stops import lateral_guide, stops_of, tilt_guide
+from tactgen.tmm.ports.elements import spring, tip_stiffness
 from tactgen.tmm.ports.multiport import Multiport, connect, reduce, respond, terminate
 from tactgen.tmm.ports.port import LATERAL, ROTATION, Port
-from tactgen.tmm.ports.terminations import tip_stiffness
 
 #: What a unit shows to the others.
 UNIT = ("w_tip", "voltage", "w_board", "psi_board")
@@ -82,9 +82,9 @@ def joined(
     units : dict of str to Multiport
         As :func:`unit_ports`, by name.
     board : Multiport or None
-        As :func:`tmm.display.board.board`; None holds every head's board still.
+        As :func:`tmm.display.array.board`; None holds every head's board still.
     sheet : Multiport or None
-        As :func:`tmm.display.skin.sheet`; None ties no tips.
+        As :func:`tmm.display.array.sheet`; None ties no tips.
     """
     whole: Multiport | None = board
     for name, unit in units.items():
@@ -111,3 +111,119 @@ def tip_motions(array: Multiport, driven: str, units: tuple[str, ...]) -> Comple
     drive = {f"voltage_{name}": float(name == driven) for name in units}
     found = respond(array, drive)
     return np.stack([found.motion[f"w_{name}"] for name in units], axis=1)
+
+
+#: Poisson ratio of woven glass in epoxy, as the plate stiffness has it (D grows by 2 % from none).
+_POISSON = 0.14
+#: Waves kept, in k R: what is left out of a head's own tilt falls with the cube of it.
+_SHORTEST = 15.0
+#: Waves with a natural frequency below this many times the highest are given their inertia.
+_DYNAMIC = 10.0
+
+
+@dataclass(frozen=True)
+class PlateWaves:
+    """The board's waves as seen by the heads.
+
+    Attributes
+    ----------
+    slopes : (waves, units) float
+        Tilt at each head per amplitude (1/m).
+    stiffness : (waves,) float
+        Per amplitude (N/m).
+    mass : float
+        Per amplitude, the same for all (kg).
+    """
+
+    slopes: Floats
+    stiffness: Floats
+    mass: float
+
+
+def plate_waves(device: Device, display: Display) -> PlateWaves:
+    """Return the waves of the upper board between its spacers."""
+    from scipy.special import j1
+
+    corner = spacer_axes(display.width, display.board_length, display)[-1]
+    a, b = 2.0 * corner[0], 2.0 * corner[1]
+    radius, thickness = device.rod.head_radius, display.board_thickness
+    most = _SHORTEST / radius
+    m, n = np.meshgrid(
+        np.arange(1, int(most * a / np.pi) + 2), np.arange(1, int(most * b / np.pi) + 2)
+    )
+    along_x, along_y = (np.pi * m / a).ravel(), (np.pi * n / b).ravel()
+    k = np.hypot(along_x, along_y)
+    kept = k <= most
+    along_x, along_y, k = along_x[kept], along_y[kept], k[kept]
+    x, y = (np.array(c) for c in zip(*axes(display), strict=True))
+    slopes = (
+        (2.0 * j1(k * radius) / (k * radius) * along_x)[:, None]
+        * np.cos(along_x[:, None] * (x + 0.5 * a))
+        * np.sin(along_y[:, None] * (y + 0.5 * b))
+    )
+    bending = display.board_modulus * thickness**3 / (12.0 * (1.0 - _POISSON**2))
+    share = 0.25 * a * b
+    return PlateWaves(slopes, share * bending * k**4, share * display.board_density * thickness)
+
+
+def tilt_compliance(waves: PlateWaves, frequencies: Floats, loss: float) -> Complex:
+    """Return tilts per moment (n, units, units) in rad/(N m), symmetric."""
+    omega2 = (2.0 * np.pi * frequencies) ** 2
+    slow = waves.stiffness / waves.mass < _DYNAMIC**2 * max(float(omega2.max()), 1.0)
+    still, moving = waves.slopes[~slow], waves.slopes[slow]
+    rest = (still.T / waves.stiffness[~slow]) @ still / (1.0 + 1j * loss)
+    dynamic = waves.stiffness[slow] * (1.0 + 1j * loss) - omega2[:, None] * waves.mass
+    return np.asarray(rest + np.einsum("wi,nw,wj->nij", moving, 1.0 / dynamic, moving))
+
+
+def board(
+    device: Device, display: Display, frequencies: Floats, units: tuple[str, ...], mass: float
+) -> Multiport:
+    """Return the upper board over ``w_board`` and a tilt ``psi_UNIT`` under each head.
+
+    Parameters
+    ----------
+    frequencies : (n,) array
+        Hz.
+    units : tuple of str
+        The generators' names, as :func:`geometry.display.layout.unit_names`.
+    mass : float
+        The board's (kg).
+    """
+    f = np.asarray(frequencies, dtype=float)
+    compliance = tilt_compliance(plate_waves(device, display), f, display.board_loss)
+    tilts = tuple(Port(f"psi_{unit}", ROTATION) for unit in units)
+    inverse = np.linalg.inv(compliance)
+    symmetric = np.asarray(0.5 * (inverse + inverse.transpose(0, 2, 1)), dtype=complex)
+    bending = Multiport(f, symmetric, tilts)
+    held = display.lateral_stiffness * (1.0 + 1j * display.board_loss)
+    in_plane = np.asarray(held - (2.0 * np.pi * f) ** 2 * mass, dtype=complex)[:, None, None]
+    return connect(Multiport(f, in_plane, (Port("w_board", LATERAL),)), bending, {})
+
+
+def links(skin: Skin) -> tuple[float, float]:
+    """Return the stiffness (N/m) between neighbours along x and along y."""
+    plane = skin.youngs_modulus * skin.thickness / (1.0 - skin.poisson_ratio**2)
+    shear = 0.5 * skin.youngs_modulus * skin.thickness / (1.0 + skin.poisson_ratio)
+    return plane, shear
+
+
+def sheet(skin: Skin, display: Display, frequencies: Floats, units: tuple[str, ...]) -> Multiport:
+    """Return the sheet over the tips' lateral motions, ``w_UNIT``; frequencies (n,) in Hz."""
+    along_x, along_y = links(skin)
+    count = len(units)
+    ties = np.zeros((count, count))
+    for i in range(count):
+        row, column = divmod(i, display.columns)
+        if column + 1 < display.columns:
+            _tie(ties, i, i + 1, along_x)
+        if row + 1 < display.rows:
+            _tie(ties, i, i + display.columns, along_y)
+    f = np.asarray(frequencies, dtype=float)
+    stiffness = np.broadcast_to(ties * (1.0 + 1j * skin.loss_factor), (f.size, count, count))
+    return Multiport(f, stiffness.copy(), tuple(Port(f"w_{unit}", LATERAL) for unit in units))
+
+
+def _tie(ties: Floats, i: int, j: int, stiffness: float) -> None:
+    ties[[i, j], [i, j]] += stiffness
+    ties[[i, j], [j, i]] -= stiffness

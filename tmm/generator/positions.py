@@ -13,9 +13,11 @@ from typing import Literal, Protocol
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parameters import Device, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.stops import Stops, stops_of
+from tactgen.tmm.generator.contact import RoughContact
+from tactgen.tmm.generator.moving_mass import moving_rod
+from tactgen.tmm.generator.stops import Stops, lateral_guide, stops_of, tilt_guide
 
 #: Lifts between the stops at which forces are compared, and at each stop, that reach so many
 #: decay lengths of the contact to both sides.
@@ -270,3 +272,47 @@ def _place(forces: AxialForces, current: float, lift: float) -> RestingPlace:
         contact_force=upper + lower,
         stiffness=stiffness,
     )
+
+
+def pressed_support(device: Device, contact: RoughContact, load: float) -> Support:
+    """Return the springs of a head that a stop carries with `load` (N), 0 or more."""
+    rocking = float(contact.stiffness_under(load))
+    return Support(
+        kind="spring",
+        rotational_stiffness=rocking + tilt_guide(device).at_rest,
+        rotational_damping=contact.relaxation_time * rocking,
+        lateral_stiffness=float(contact.tangential_stiffness(load)) + lateral_guide(device).at_rest,
+        rotational_inertia=moving_rod(device).inertia_about(0.0),
+    )
+
+
+def held_support(
+    device: Device,
+    pull: Pull | None,
+    current: float,
+    history: History,
+    pressed: float = 0.0,
+) -> tuple[RestingPlace, Support]:
+    """Return where the rod rests, and the springs that it is there to the bimorph.
+
+    Parameters
+    ----------
+    device : Device
+        Spring, contact, guide, rod and coil are read.
+    pull : Pull or None
+        The magnetic pull; None without current.
+    current : float
+        In the coil (A).
+    history : {"rising", "falling"}
+        How the current came there.
+    pressed : float
+        Force of a finger that presses the tip down (N).
+
+    Raises
+    ------
+    InputError
+        If the rod rests nowhere.
+    """
+    forces = axial_forces(device, pull, pressed)
+    place = resting_place(forces, current, history)
+    return place, pressed_support(device, forces.stops.holding(place.lift), place.contact_force)

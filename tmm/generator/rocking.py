@@ -17,15 +17,13 @@ from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.ends import Law as TipLaw
 from tactgen.geometry.bimorph.ends import TipLoad
 from tactgen.geometry.device.parameters import Support
-from tactgen.tmm.generator.guide import tilt_guide
-from tactgen.tmm.generator.held_base import pressed_support
 from tactgen.tmm.generator.moving_mass import moving_rod
-from tactgen.tmm.generator.positions import AxialForces, RestingPlace
-from tactgen.tmm.generator.stops import Stops
-from tactgen.tmm.harmonic_balance.oscillator import LawPoint, Orbit, Oscillator
+from tactgen.tmm.generator.positions import AxialForces, RestingPlace, pressed_support
+from tactgen.tmm.generator.stops import Stops, tilt_guide
+from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.tabulated import Tabulated
+from tactgen.tmm.ports.elements import tip_stiffness
 from tactgen.tmm.ports.multiport import Multiport, Response, eliminated, terminate
-from tactgen.tmm.ports.terminations import tip_stiffness
 
 #: What is given, and what follows, of the bimorph's ports.
 _DRIVEN, _FREE = ("psi_base", "voltage"), ("w_base", "w_tip", "psi_tip")

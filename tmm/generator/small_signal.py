@@ -25,13 +25,12 @@ from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.transfer.transfer_matrix import sections
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.tmm.generator.contact import RoughContact
-from tactgen.tmm.generator.guide import lateral_guide, tilt_guide
 from tactgen.tmm.generator.moving_mass import moving_rod
 from tactgen.tmm.generator.positions import RestingPlace
-from tactgen.tmm.generator.stops import stops_of
+from tactgen.tmm.generator.stops import lateral_guide, stops_of, tilt_guide
 from tactgen.tmm.ports.multiport import Multiport, connect, reduce
 from tactgen.tmm.ports.port import AXIAL, CURRENT, LATERAL, ROTATION, Port
 

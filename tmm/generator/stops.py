@@ -2,7 +2,7 @@
 
 The lift u is 0 where the upper stop carries the contact's reference load, positive upwards; the
 working gap is then the device's `gap`, else gap + u.  At u = −stroke the lower stop carries it.
-What a stop loses over time: :mod:`tmm.generator.transient.laws`.
+What a stop loses over time: :mod:`tmm.generator.transient.system`.
 """
 
 from __future__ import annotations
@@ -141,3 +141,36 @@ def contact_of(device: Device, stop: Literal["upper", "lower"]) -> RoughContact:
         relaxation_time=c.relaxation_time * (c.lower_relaxation_ratio if lower else 1.0),
         tangential_ratio=c.tangential_ratio,
     )
+
+
+@dataclass(frozen=True)
+class Play:
+    """A spring of stiffness k (N/m or N m/rad) that acts beyond a play p (m or rad) either way."""
+
+    stiffness: float
+    play: float
+
+    def force(self, motion: Floats | float) -> Floats:
+        """Return the force or moment against a motion (m or rad), of any shape."""
+        motion = np.asarray(motion, dtype=float)
+        return np.asarray(self.stiffness * (motion - np.clip(motion, -self.play, self.play)))
+
+    def slope(self, motion: Floats | float = 0.0) -> Floats:
+        """Return the force's derivative: the stiffness from the play's edge on, inside it 0."""
+        return np.asarray(np.where(np.abs(motion) >= self.play, self.stiffness, 0.0))
+
+    @property
+    def at_rest(self) -> float:
+        """Stiffness to small motions about the middle: 0 with any play."""
+        return float(self.slope(0.0))
+
+
+def lateral_guide(device: Device) -> Play:
+    """Return what holds the rod laterally."""
+    return Play(device.guide.lateral_stiffness, 0.5 * device.guide.clearance)
+
+
+def tilt_guide(device: Device) -> Play:
+    """Return what holds the rod against tilting."""
+    guide = device.guide
+    return Play(guide.rotational_stiffness, guide.clearance / guide.guided_length)

@@ -8,12 +8,113 @@ each harmonic.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.tmm.harmonic_balance.oscillator import Orbit, Oscillator
+
+
+@dataclass(frozen=True)
+class LawPoint:
+    """A law at n instants.
+
+    Attributes
+    ----------
+    effort : (n, k) array
+        What the law asks for at each coordinate, positive against a positive motion.
+    by_motion, by_rate : (n, k, k) array
+        Derivatives of the effort by the motions and by their rates.
+    """
+
+    effort: Floats
+    by_motion: Floats
+    by_rate: Floats
+
+
+#: From motions (n, k) and their rates (n, k), at n instants each on its own.
+Law: TypeAlias = Callable[[Floats, Floats], LawPoint]
+
+
+@dataclass(frozen=True)
+class Oscillator:
+    """A linear system at k coordinates, the law that acts on them, and what excites both.
+
+    Attributes
+    ----------
+    linear : callable
+        From angular frequencies (n,) ≥ 0 in rad/s to (n, k, k + 1) complex: D(Ω), and in the last
+        column the effort at each coordinate per unit of drive, the coordinates being held; on
+        the same side of the equation as D, so -1 for a force of one unit that pushes.
+    law : Law
+        What is not linear.
+    static : (k,) array
+        Constant efforts from outside.
+    scales : (k,) array
+        Motions of the size that matters, one for each coordinate.
+    """
+
+    linear: Callable[[Floats], Complex]
+    law: Law
+    static: Floats
+    scales: Floats
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return int(self.scales.size)
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """One steady oscillation.
+
+    Attributes
+    ----------
+    omega : float
+        Angular frequency (rad/s) of the drive.
+    level : float
+        Amplitude (peak) of the drive, in its unit.
+    spectrum : (harmonics + 1, k) complex array
+        Q_n; Q₀ is real.
+    """
+
+    omega: float
+    level: float
+    spectrum: Complex
+
+    @property
+    def harmonics(self) -> int:
+        """Highest harmonic."""
+        return int(self.spectrum.shape[0]) - 1
+
+    @property
+    def frequency(self) -> float:
+        """Frequency (Hz) of the drive."""
+        return self.omega / (2.0 * np.pi)
+
+    def motion(self, samples: int) -> Floats:
+        """Return q (samples, k) at equal steps over one period, which begins with the drive's peak.
+
+        Parameters
+        ----------
+        samples : int
+            More than twice the harmonics.
+        """
+        padded = np.zeros((samples // 2 + 1, self.spectrum.shape[1]), dtype=complex)
+        padded[: self.harmonics + 1] = 0.5 * samples * self.spectrum
+        padded[0] *= 2.0
+        return np.asarray(np.fft.irfft(padded, n=samples, axis=0))
+
+    def with_harmonics(self, harmonics: int) -> Orbit:
+        """Return the same orbit with more harmonics, which are 0, or with fewer."""
+        spectrum = np.zeros((harmonics + 1, self.spectrum.shape[1]), dtype=complex)
+        kept = min(harmonics, self.harmonics) + 1
+        spectrum[:kept] = self.spectrum[:kept]
+        return Orbit(self.omega, self.level, spectrum)
+
 
 #: Instants per period and harmonic.  A smooth law needs 4; a kink's aliases fall with the square.
 _SAMPLES = 16
@@ -188,3 +289,65 @@ def missing_motion(oscillator: Oscillator, orbit: Orbit) -> float:
     size = np.sqrt((np.abs(orbit.spectrum[1:]) ** 2).sum(axis=0))
     size = np.maximum(size, oscillator.scales)
     return float((np.sqrt((np.abs(left) ** 2).sum(axis=0)) / size).max())
+
+
+#: Stop after a step that is this share of the unknowns' scale: what is left goes as its square.
+TOLERANCE = 1e-7
+_SHORTEST = 2.0**-6
+
+
+class NoConvergence(ArithmeticError):
+    """Newton's method did not find an orbit; the message says in one sentence why."""
+
+
+def converge(
+    evaluate: Callable[[Floats], tuple[Floats, Floats]],
+    start: Floats,
+    scale: Floats,
+    most: int,
+) -> tuple[Floats, int, Floats]:
+    """Return the zero of a function, the number of steps taken, and the Jacobian there (m, m).
+
+    Parameters
+    ----------
+    evaluate : callable
+        From unknowns (m,) to residual (m,) and Jacobian (m, m).
+    start : (m,) array
+        First guess.
+    scale : (m,) array
+        Size of each unknown.
+    most : int
+        Steps allowed.
+
+    Raises
+    ------
+    NoConvergence
+        If the steps do not become small.
+    """
+    x = start
+    residual, jacobian = evaluate(x)
+    for count in range(1, most + 1):
+        scaled = jacobian * scale
+        step = -_solve(scaled, residual)
+        size = float(np.linalg.norm(step))
+        if size <= TOLERANCE:
+            return x + scale * step, count, jacobian
+        length = 1.0
+        while True:
+            there = x + length * scale * step
+            residual, jacobian = evaluate(there)
+            after = float(np.linalg.norm(_solve(scaled, residual)))
+            if after <= (1.0 - 0.25 * length) * size:
+                break
+            length *= 0.5
+            if not np.isfinite(after) or length < _SHORTEST:
+                raise NoConvergence("Newton's method did not settle: no step brought it nearer")
+        x = there
+    raise NoConvergence(f"Newton's method did not settle in {most} steps")
+
+
+def _solve(matrix: Floats, right: Floats) -> Floats:
+    try:
+        return np.asarray(np.linalg.solve(matrix, right))
+    except np.linalg.LinAlgError:
+        raise NoConvergence("the equations are singular: nothing holds a coordinate") from None

@@ -9,20 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.harmonic_balance.balance import (
+    NoConvergence,
+    Orbit,
+    Oscillator,
     balance,
     complex_spectrum,
+    converge,
     missing_motion,
     real_vector,
 )
-from tactgen.tmm.harmonic_balance.newton import NoConvergence, converge
-from tactgen.tmm.harmonic_balance.oscillator import Orbit, Oscillator
-from tactgen.tmm.harmonic_balance.steady import Resolution, at_fixed_drive
+from tactgen.tmm.harmonic_balance.steady import Resolution, at_fixed_drive, equilibrium, resolved
 
 Parameter = Literal["omega", "level"]
 
@@ -288,3 +290,109 @@ def _at_end(oscillator: Oscillator, step: Step, after: Step, end: float) -> Step
     spectrum = before.spectrum + share * (after.orbit.spectrum - before.spectrum)
     guess = replace(after.orbit, spectrum=spectrum, **{name: end})
     return replace(after, orbit=at_fixed_drive(oscillator, guess), length=0.0)
+
+
+#: A complex amplitude that is read off an orbit.
+Readout: TypeAlias = Callable[[Orbit], complex]
+
+#: Step of the derivative along the branch, relative to its length of 1.
+_STEP = 1e-5
+
+
+@dataclass(frozen=True)
+class SpecialPoint:
+    """An orbit between two points of a branch.
+
+    Attributes
+    ----------
+    orbit : Orbit
+        The orbit.
+    after : int
+        Index of the point before it.
+    """
+
+    orbit: Orbit
+    after: int
+
+
+def folds(oscillator: Oscillator, branch: Branch) -> tuple[SpecialPoint, ...]:
+    """Return where the parameter turns back."""
+    return _zeros(oscillator, branch, lambda step: float(step.tangent[-1]), falling=False)
+
+
+def peaks(oscillator: Oscillator, branch: Branch, amplitude: Readout) -> tuple[SpecialPoint, ...]:
+    """Return where the magnitude of an amplitude is largest along the branch."""
+
+    def slope(step: Step) -> float:
+        y, course = step.course.pack(step.orbit), step.course
+        ahead, behind = (
+            abs(amplitude(course.unpack(y + s * step.tangent, step.orbit))) for s in (_STEP, -_STEP)
+        )
+        return float(ahead - behind)
+
+    return _zeros(oscillator, branch, slope, falling=True)
+
+
+def _zeros(
+    oscillator: Oscillator, branch: Branch, of: Callable[[Step], float], *, falling: bool
+) -> tuple[SpecialPoint, ...]:
+    from scipy.optimize import brentq
+
+    found = []
+    values = [of(step) for step in branch.steps]
+    pairs = zip(branch.steps, branch.steps[1:], values, values[1:], strict=False)
+    for index, (step, after, here, there) in enumerate(pairs):
+        if here * there >= 0.0 or (falling and here < 0.0) or after.length == 0.0:
+            continue
+        begin = with_harmonics(step, max(step.orbit.harmonics, after.orbit.harmonics))
+        begin = begin.at(oscillator, 0.0)
+        ends = [of(begin), of(begin.at(oscillator, step.length))]
+        if ends[0] * ends[1] >= 0.0:  # the zero lies beside a point, by rounding
+            nearer = step.orbit if abs(here) < abs(there) else after.orbit
+            found.append(SpecialPoint(nearer, index))
+            continue
+        length = brentq(
+            lambda s, begin=begin: of(begin.at(oscillator, s)), 0.0, step.length, xtol=1e-12
+        )
+        found.append(SpecialPoint(begin.at(oscillator, float(length)).orbit, index))
+    return tuple(found)
+
+
+#: Points of a branch from rest after which the search ends.
+_MOST = 300
+
+
+def steady_orbit(
+    oscillator: Oscillator,
+    omega: float,
+    level: float,
+    *,
+    guess: Orbit | None = None,
+    resolution: Resolution | None = None,
+) -> Orbit:
+    """Return an orbit at a frequency (rad/s) and a drive.
+
+    That nearest to the guess; without one, that to which the drive leads when it is raised from
+    rest, round folds if there are any.  Where several orbits exist it is one of them.
+
+    Raises
+    ------
+    NoConvergence
+        If none is found.
+    """
+    resolution = resolution or Resolution()
+    if guess is not None:
+        return resolved(oscillator, Orbit(omega, level, guess.spectrum), resolution)
+    rest = Orbit(omega, 0.0, equilibrium(oscillator).spectrum).with_harmonics(resolution.least)
+    try:
+        return resolved(oscillator, Orbit(omega, level, rest.spectrum), resolution)
+    except NoConvergence:
+        branch = follow(oscillator, rest, "level", 0.0, level, resolution=resolution, most=_MOST)
+    reached = branch.orbits[-1]
+    if branch.ended or reached.level < level:
+        why = branch.ended or "the branch from rest leads back to rest"
+        raise NoConvergence(
+            f"at {omega / (2.0 * np.pi):.6g} Hz no orbit was found at a drive of {level:.6g}, "
+            f"the highest met being {max(o.level for o in branch.orbits):.6g}: {why}"
+        )
+    return reached

@@ -5,10 +5,25 @@ Reciprocal and passive, with a finite D(Ω) at 0 Hz.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import lru_cache
+
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
-from tactgen.tmm.ports.multiport import Multiport
+from tactgen.geometry.arrays import Bools, Complex, Floats
+from tactgen.geometry.bimorph.ends import Ends, Law, Springs, TipLoad
+from tactgen.geometry.device.parameters import Load, Support
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.ports.finger import FINGER_RANGE, SkinPad, finger_impedance, finger_stiffness
+from tactgen.tmm.ports.measured_load import (
+    Dictionary,
+    MeasuredLaw,
+    PassiveFit,
+    measured_law,
+    outside,
+    passive_fit,
+)
+from tactgen.tmm.ports.multiport import Multiport, hold, terminate
 from tactgen.tmm.ports.port import Pair, Port
 
 
@@ -38,3 +53,190 @@ def spring(
     between = np.array([[1.0, -1.0], [-1.0, 1.0]])
     ports = tuple(Port(name, pair) for name in ends)
     return Multiport(f, value[:, None, None] * between, ports)
+
+
+#: Points over the finger's range to which its load is fitted.
+_POINTS = 200
+#: A few resonators for the finger.  Its magnitude and phase were fitted each by itself, and no
+#: passive load has both: five times as many parts come as near as 8 % (root mean square), these 9.
+_FEW = Dictionary(per_decade=3, ratios=(0.7,), reach=3.0)
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A mechanical network whose first coordinate is the tip.
+
+    Attributes
+    ----------
+    mass, damping, stiffness : (q, q) float
+        Symmetric, none negative; coordinates without mass are held by a damper.
+    carried : float
+        What moves with the tip along the axis too (kg).
+    misfit : float
+        Largest relative distance from the law that it stands for, in the law's own range.
+    """
+
+    mass: Floats
+    damping: Floats
+    stiffness: Floats
+    carried: float = 0.0
+    misfit: float = 0.0
+
+    def stiffness_at(self, frequencies: Floats) -> Complex:
+        """Return the dynamic stiffness (n,) in N/m at the tip, at frequencies above 0 (Hz)."""
+        s = 2j * np.pi * np.asarray(frequencies, dtype=float)[:, None, None]
+        whole = self.mass * s**2 + self.damping * s + self.stiffness
+        if whole.shape[1] == 1:
+            return np.asarray(whole[:, 0, 0])
+        inner = np.linalg.solve(whole[:, 1:, 1:], whole[:, 1:, :1])
+        return np.asarray(whole[:, 0, 0] - (whole[:, :1, 1:] @ inner)[:, 0, 0])
+
+
+def chain_of(tip: TipLoad | Law) -> Chain:
+    """Return the load of a tip as parts.
+
+    Raises
+    ------
+    InputError
+        If it is a law of frequency to which no parts are fitted.
+    """
+    if isinstance(tip, TipLoad):
+        mass, damping, stiffness = np.reshape([tip.mass, tip.damping, tip.stiffness], (3, 1, 1))
+        return Chain(mass, damping, stiffness, carried=tip.mass)
+    if tip is finger_stiffness:
+        return finger_chain()
+    if isinstance(tip, MeasuredLaw) and tip.fits:
+        return _of_fit(tip.fits[0], tip.misfit[0])
+    raise InputError(
+        "the load is a law of frequency, which time simulation takes as springs, dampers and "
+        "masses only; set load.extrapolation = passive_fit"
+    )
+
+
+@lru_cache(maxsize=1)
+def finger_chain() -> Chain:
+    """Return the paper's finger (eqs 1-3) as parts, fitted over its own range."""
+    frequencies = np.geomspace(*FINGER_RANGE, _POINTS)
+    impedance = finger_impedance(frequencies)
+    fit = passive_fit(frequencies, impedance, _FEW)
+    off = fit.stiffness_at(frequencies) / (2j * np.pi * frequencies * impedance) - 1.0
+    return _of_fit(fit, float(np.abs(off).max()))
+
+
+def _of_fit(fit: PassiveFit, misfit: float) -> Chain:
+    """Return the parts of a fit."""
+    width = 2.0 * fit.ratio * fit.omega
+    grounded = fit.b / width
+    rows = [(k, w, d) for k, w, d in zip(grounded, fit.omega, width, strict=True) if k > 0.0]
+    series = [
+        (k, w, d) for k, w, d in zip(fit.a - grounded, fit.omega, width, strict=True) if k > 0.0
+    ]
+    count = 1 + len(rows) + 2 * len(series)
+    mass, damping, stiffness = (np.zeros((count, count)) for _ in range(3))
+    mass[0, 0], damping[0, 0], stiffness[0, 0] = fit.mass, fit.damping, fit.stiffness
+    pair = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    at = 1
+    for k, w, d in rows:
+        stiffness[np.ix_([0, at], [0, at])] += k * pair
+        mass[at, at], damping[at, at] = k / w**2, k * d / w**2
+        at += 1
+    for k, w, d in series:
+        stiffness[np.ix_([0, at], [0, at])] += k * pair
+        damping[np.ix_([at, at + 1], [at, at + 1])] += (k / d) * pair
+        mass[at + 1, at + 1] = k / w**2
+        at += 2
+    return Chain(mass, damping, stiffness, misfit=misfit)
+
+
+def known_range(load: Load) -> tuple[float, float] | None:
+    """Return lowest and highest frequency (Hz) at which a load is known; None if at all.
+
+    Raises
+    ------
+    InputError
+        If it is a table that cannot be used.
+    """
+    if load.kind == "table":
+        return measured_law(load).table.band
+    return FINGER_RANGE if load.kind == "finger" else None
+
+
+def outside_known_range(load: Load, frequencies: Floats) -> Bools:
+    """Return which frequencies (n,) the load model does not cover."""
+    known = known_range(load)
+    if known is None:
+        return np.zeros(np.shape(frequencies), dtype=bool)
+    return outside(known, frequencies)
+
+
+def ends_of(support: Support, load: Load) -> Ends:
+    """Return what a scene's support and load are at the ports.
+
+    A base in the rod is part of the row of pieces or of the solid, whose own lower end is held.
+    What a contact is depends on the force that presses it: tmm.generator gives its springs.
+    """
+    if support.kind == "contact":
+        raise ValueError("a contact's springs depend on its load; see tmm.generator.positions")
+    base = None
+    if support.kind == "spring":
+        base = Springs(
+            support.lateral_stiffness,
+            support.rotational_stiffness,
+            support.rotational_damping,
+            support.rotational_inertia,
+        )
+    if load.kind == "finger":
+        return Ends(base, finger_stiffness)
+    if load.kind == "table":
+        return Ends(base, measured_law(load))
+    if load.kind == "pad":
+        return Ends(base, _pad(load))
+    if load.kind == "mass":
+        return Ends(base, TipLoad(mass=load.mass))
+    if load.kind == "spring_damper":
+        return Ends(base, TipLoad(load.stiffness, load.damping))
+    return Ends(base)
+
+
+def _pad(load: Load) -> SkinPad:
+    return SkinPad(
+        load.pad_modulus,
+        load.pad_loss_factor,
+        load.pad_thickness,
+        load.pad_radius,
+        load.pad_weight,
+        load.pad_backing,
+    )
+
+
+def base_stiffness(base: Springs, frequencies: Floats) -> tuple[Complex, Complex]:
+    """Return the lateral (N/m) and rotational (N m/rad) dynamic stiffness (n,) of springs.
+
+    jΩ times the paper's R41 and R32 (eqs 7, 8).
+    """
+    omega = 2.0 * np.pi * np.asarray(frequencies, dtype=float)
+    lateral = np.full(omega.shape, base.lateral_stiffness, dtype=complex)
+    rotational = (
+        base.rotational_stiffness
+        + 1j * omega * base.rotational_damping
+        - omega**2 * base.rotational_inertia
+    )
+    return lateral, rotational
+
+
+def tip_stiffness(tip: TipLoad | Law, frequencies: Floats) -> Complex:
+    """Return a load's lateral dynamic stiffness (n,) in N/m; jΩ times paper eq 11."""
+    f = np.asarray(frequencies, dtype=float)
+    if not isinstance(tip, TipLoad):
+        return tip(f)
+    omega = 2.0 * np.pi * f
+    return np.asarray(tip.stiffness + 1j * omega * tip.damping - omega**2 * tip.mass)
+
+
+def attach(port: Multiport, ends: Ends) -> Multiport:
+    """Return the lateral actuator with its support and load; a clamped base is no port."""
+    loads = {"w_tip": tip_stiffness(ends.tip, port.frequencies)}
+    if ends.base is None:
+        return terminate(hold(port, "w_base", "psi_base"), loads)
+    loads["w_base"], loads["psi_base"] = base_stiffness(ends.base, port.frequencies)
+    return terminate(port, loads)

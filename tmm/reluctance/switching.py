@@ -16,7 +16,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 
 #: Positions between the stops at which forces are compared, before refinement.
 _POSITIONS = 101

@@ -37,7 +37,7 @@ class DrivenReadout:
     Attributes
     ----------
     of : callable
-        Takes a :class:`tmm.beam.ceramic.DrivenCeramic`, the scene's limits and the drive
+        Takes a :class:`tmm.beam.port_quantities.DrivenCeramic`, the scene's limits and the drive
         voltage (V), gives an array (n,) over the frequencies.
     """
 

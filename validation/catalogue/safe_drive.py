@@ -10,7 +10,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Limits
 
 if TYPE_CHECKING:
-    from tactgen.tmm.beam.ceramic import DrivenCeramic
+    from tactgen.tmm.beam.port_quantities import DrivenCeramic
 
 #: What limits the voltage, in the order of :func:`voltage_limits`.
 REASONS = ("the ceramic's strength", "the field against the poling", "the amplifier's current")

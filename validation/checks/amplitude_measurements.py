@@ -8,9 +8,8 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.generator.rocking import RockingHead
-from tactgen.tmm.harmonic_balance.continuation import Branch
-from tactgen.tmm.harmonic_balance.oscillator import Orbit
-from tactgen.tmm.harmonic_balance.special_points import folds, peaks
+from tactgen.tmm.harmonic_balance.balance import Orbit
+from tactgen.tmm.harmonic_balance.continuation import Branch, folds, peaks
 from tactgen.validation.checks.cases import oscillators
 from tactgen.validation.models.amplitude.backbone import response_branch, speed
 from tactgen.validation.models.amplitude.deflection import (

@@ -12,8 +12,7 @@ from tactgen.geometry.display.layout import levels
 from tactgen.geometry.display.scattered_units import drawn_units
 from tactgen.geometry.reluctance.nine_tets import UNITS
 from tactgen.tmm.display.field import between_heads, network_forces
-from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
-from tactgen.tmm.ports.multiport import Multiport
+from tactgen.tmm.ports.multiport import Multiport, passivity_margin, reciprocity_error
 from tactgen.validation.catalogue.bimorph import SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.catalogue.display import CROSSTALK_LARGEST
 from tactgen.validation.checks.cases.fineness import cached

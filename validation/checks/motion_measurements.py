@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactgen.geometry.device.parameters import Device
-from tactgen.tmm.generator.transient.laws import CubicSpring, RoughPoint
 from tactgen.tmm.generator.transient.march import simulate_steps
-from tactgen.tmm.generator.transient.system import Element, System
+from tactgen.tmm.generator.transient.system import CubicSpring, Element, RoughPoint, System
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square, Step
 from tactgen.validation.checks.cases.coil_circuit import run_of_coil
 from tactgen.validation.checks.cases.fineness import steps

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.tmm.beam.ceramic import driven_ceramic
-from tactgen.tmm.ports.loads.measured_law import OF_THE_TABLE, disturbed
+from tactgen.tmm.beam.port_quantities import driven_ceramic
+from tactgen.tmm.ports.elements import attach, tip_stiffness
+from tactgen.tmm.ports.measured_load import OF_THE_TABLE, disturbed
 from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond, round_off
 from tactgen.tmm.ports.readout import ELECTRICAL, ModalReadout, PortMatrix, Readout
-from tactgen.tmm.ports.terminations import attach, tip_stiffness
 from tactgen.validation.catalogue.row import (
     AnswerReadout,
     DrivenReadout,

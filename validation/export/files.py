@@ -19,7 +19,7 @@ from tactgen.validation.export.ports import check_state_space, write_port_files
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+    from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 
 #: Endings that each kind of file may have.
 _SUFFIXES = {
@@ -145,7 +145,7 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
         announce("machine")
         write_machine(files["machine"], scene)
     if "map" in files:
-        from tactgen.tmm.reluctance.coenergy.files import write_map
+        from tactgen.tmm.reluctance.coenergy_files import write_map
 
         write_map(files["map"], _map(scene, announce))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
-from tactgen.tmm.generator.transient.state_space import MachineStateSpace, machine_state_space
+from tactgen.tmm.generator.transient.machine import MachineStateSpace, machine_state_space
 from tactgen.validation.models.generator.judged_rod import rod_of
 from tactgen.validation.models.generator.transient import scene_modes
 from tactgen.validation.scene.scene import Scene

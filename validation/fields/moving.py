@@ -13,7 +13,7 @@ from tactgen.geometry.bimorph.row_shape import block_cells, row_shape
 from tactgen.geometry.device.layout import MM, Ring, moving_rings
 from tactgen.geometry.device.parameters import Device, Support
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.tmm.generator.transient.bimorph import BimorphModes
+from tactgen.tmm.generator.transient.machine import BimorphModes
 
 #: Points around a ring.
 _AROUND = 33

@@ -38,8 +38,7 @@ def five_port(scene: Scene, model: str) -> FivePort:
 
 
 def _row(scene: Scene, model: str) -> FivePort:
-    from tactgen.tmm.beam import lumped
-    from tactgen.tmm.beam.transfer import transfer_matrix
+    from tactgen.tmm.beam import lumped, transfer_matrix
 
     if model == "lumped":
         return lambda f: lumped.multiport(scene.device, scene.support, scene.beam, f, lossy=True)

@@ -8,8 +8,8 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.tmm.ports.loads.measured_law import OF_THE_TABLE, MeasuredLaw
-from tactgen.tmm.ports.terminations import tip_stiffness
+from tactgen.tmm.ports.elements import tip_stiffness
+from tactgen.tmm.ports.measured_load import OF_THE_TABLE, MeasuredLaw
 from tactgen.validation.engine.results import Estimate
 
 #: Rounding of a formula.

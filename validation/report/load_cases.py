@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactgen.geometry.arrays import Complex
-from tactgen.tmm.ports.terminations import outside_known_range
+from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
 from tactgen.validation.engine.solve import Solution, solve
 

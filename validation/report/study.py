@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.device.parameters import Device
-from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
+from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.checks.row import Outcome, run_check

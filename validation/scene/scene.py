@@ -31,7 +31,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted
 from tactgen.geometry.whole_number import WholeNumber
-from tactgen.tmm.ports.terminations import ends_of
+from tactgen.tmm.ports.elements import ends_of
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MAPS, MODELS, all_given, gives, map_model, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
@@ -50,7 +50,7 @@ from tactgen.validation.scene.wording import choices, sentence
 
 if TYPE_CHECKING:
     from tactgen.tmm.generator.positions import RestingPlace
-    from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+    from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 
 
 #: Keys that name a file, each with what tells values that do not.
@@ -206,7 +206,7 @@ def _held_by_contact(
     device: p.Device, pressed: float, pull: CoenergyMap | None
 ) -> tuple[RestingPlace, p.Support]:
     """Return resting place and springs of a device, found once: they are asked for very often."""
-    from tactgen.tmm.generator.held_base import held_support
+    from tactgen.tmm.generator.positions import held_support
 
     coil = device.coil
     return held_support(device, pull, abs(coil.current), coil.history, pressed)

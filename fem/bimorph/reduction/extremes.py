@@ -7,8 +7,8 @@ import numpy as np
 from tactgen.fem.bimorph.reduction.port_model import PortModel
 from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.geometry.bimorph.ends import Ends, Springs
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import Multiport, respond
-from tactgen.tmm.ports.terminations import attach
 
 #: Frequencies of the search grid; a peak is as wide as 1/Q, and Q is below some hundreds.
 _GRID = 2000

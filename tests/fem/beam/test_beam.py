@@ -8,10 +8,9 @@ from tactgen.fem.beam.row_mesh import row_mesh
 from tactgen.geometry.bimorph.ends import Ends, Springs
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Support
-from tactgen.tmm.beam import modes
-from tactgen.tmm.beam.transfer import transfer_matrix
-from tactgen.tmm.ports import invariants
-from tactgen.tmm.ports.terminations import ends_of
+from tactgen.tmm.beam import modes, transfer_matrix
+from tactgen.tmm.ports import multiport as invariants
+from tactgen.tmm.ports.elements import ends_of
 
 FREQUENCIES = np.array([0.0, 10.0, 445.0, 1000.0, 5000.0, 20000.0])
 CASES = {

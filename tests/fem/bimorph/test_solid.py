@@ -15,8 +15,9 @@ from tactgen.fem.bimorph.solid import assemble
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Bimorph, Device, Piezo, Shim, Support
-from tactgen.tmm.ports import invariants, multiport
-from tactgen.tmm.ports.terminations import attach, base_stiffness
+from tactgen.tmm.ports import multiport
+from tactgen.tmm.ports import multiport as invariants
+from tactgen.tmm.ports.elements import attach, base_stiffness
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 

@@ -6,12 +6,12 @@ import pytest
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
-from tactgen.tmm.beam import ceramic
-from tactgen.tmm.beam.section.section import section
-from tactgen.tmm.beam.transfer.timoshenko import wavenumbers
-from tactgen.tmm.beam.transfer.transfer_matrix import multiport
+from tactgen.tmm.beam import port_quantities as ceramic
+from tactgen.tmm.beam.sections import section
+from tactgen.tmm.beam.timoshenko import wavenumbers
+from tactgen.tmm.beam.transfer_matrix import multiport
+from tactgen.tmm.ports.elements import attach, tip_stiffness
 from tactgen.tmm.ports.multiport import in_series, respond, terminate
-from tactgen.tmm.ports.terminations import attach, tip_stiffness
 
 DEVICE, BEAM = Device(), Beam()
 FREQUENCIES = np.array([1.0, 300.0, 1044.0, 7000.0])

@@ -6,8 +6,8 @@ import pytest
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import lumped
+from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.modes import bending_frequencies
-from tactgen.tmm.beam.transfer import transfer_matrix as tmm
 
 SPRING, CLAMPED, ROD = Support(), Support(kind="clamped"), Support(kind="rod")
 TAB = Device(bimorph=Bimorph(tab_length=2e-3))

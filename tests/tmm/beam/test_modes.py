@@ -8,10 +8,10 @@ import pytest
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
+from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.modes import _descent, _roots, bending_frequencies, natural_frequencies
 from tactgen.tmm.beam.printed_formulas import matrix_a
-from tactgen.tmm.beam.section.section import Section, section
-from tactgen.tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.tmm.beam.sections import Section, section
 from tactgen.validation.checks.cases.reference_modes import offset
 
 CLAMPED = Ends()

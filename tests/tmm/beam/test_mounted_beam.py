@@ -11,16 +11,15 @@ from hypothesis import strategies as st
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Device, Load, Support
-from tactgen.tmm.beam import mounted_beam
+from tactgen.tmm.beam import mounted_beam, timoshenko
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.mounted_beam import mounted_response
-from tactgen.tmm.beam.section.section import Section, section
-from tactgen.tmm.beam.transfer import timoshenko
-from tactgen.tmm.beam.transfer.precision import error_bound
-from tactgen.tmm.beam.transfer.timoshenko import dynamic_stiffness
-from tactgen.tmm.beam.transfer.transfer_matrix import chain
+from tactgen.tmm.beam.sections import Section, section
+from tactgen.tmm.beam.span import error_bound
+from tactgen.tmm.beam.timoshenko import dynamic_stiffness
+from tactgen.tmm.beam.transfer_matrix import chain
+from tactgen.tmm.ports.elements import attach, base_stiffness, ends_of, tip_stiffness
 from tactgen.tmm.ports.multiport import respond
-from tactgen.tmm.ports.terminations import attach, base_stiffness, ends_of, tip_stiffness
 from tactgen.validation.checks.cases import reference_beam as reference
 
 LENGTH = 20e-3

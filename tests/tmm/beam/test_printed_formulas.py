@@ -18,9 +18,9 @@ from tactgen.tmm.beam.printed_formulas import (
     matrix_a,
     printed_section,
 )
-from tactgen.tmm.beam.section.section import section
-from tactgen.tmm.beam.transfer.timoshenko import dynamic_stiffness
-from tactgen.tmm.ports.loads.finger import finger_impedance
+from tactgen.tmm.beam.sections import section
+from tactgen.tmm.beam.timoshenko import dynamic_stiffness
+from tactgen.tmm.ports.finger import finger_impedance
 from tactgen.validation.checks.cases import reference_beam as reference
 
 DEVICE = Device()

@@ -5,16 +5,22 @@ import pytest
 
 from tactgen.geometry.device.parameters import Beam, Device, Display, Load, Skin, Support
 from tactgen.geometry.display.layout import unit_names
-from tactgen.tmm.beam.transfer.transfer_matrix import multiport
-from tactgen.tmm.display.array import joined, tip_motions, unit_ports
-from tactgen.tmm.display.board import board, plate_waves, tilt_compliance
-from tactgen.tmm.display.skin import links, sheet
-from tactgen.tmm.generator.held_base import held_support
-from tactgen.tmm.generator.network_pull import network_pull
+from tactgen.tmm.beam.transfer_matrix import multiport
+from tactgen.tmm.display.array import (
+    board,
+    joined,
+    links,
+    plate_waves,
+    sheet,
+    tilt_compliance,
+    tip_motions,
+    unit_ports,
+)
+from tactgen.tmm.generator.positions import held_support
 from tactgen.tmm.generator.small_signal import linearised, machine
-from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
-from tactgen.tmm.ports.multiport import respond, terminate
-from tactgen.tmm.ports.terminations import ends_of
+from tactgen.tmm.ports.elements import ends_of
+from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error, respond, terminate
+from tactgen.tmm.reluctance.map_range import network_pull
 
 F = np.array([10.0, 100.0, 430.0, 1000.0])
 DEVICE, DISPLAY = Device(), Display(rows=2, columns=2)

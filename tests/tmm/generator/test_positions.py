@@ -7,11 +7,12 @@ import pytest
 
 from tactgen.geometry.device.parameters import Contact, Device, Spring
 from tactgen.geometry.device.steel_law import MU0
-from tactgen.tmm.generator.held_base import held_support, pressed_support
 from tactgen.tmm.generator.moving_mass import moving_rod
 from tactgen.tmm.generator.positions import (
     axial_forces,
+    held_support,
     position_loop,
+    pressed_support,
     resting_place,
     resting_places,
     settled_place,
@@ -128,7 +129,7 @@ def test_support_in_the_limits_of_the_load():
 
 def test_held_down_it_is_stiffer():
     """The pull less the spring presses three times harder at 50 mA than the spring alone."""
-    from tactgen.tmm.generator.network_pull import network_pull
+    from tactgen.tmm.reluctance.map_range import network_pull
 
     device = Device()
     pull = network_pull(device)

@@ -7,9 +7,8 @@ import pytest
 
 from tactgen.geometry.device.parameters import Beam, Device, Load, Spring, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.generator.contact import RoughContact
-from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import (
     Linearised,
@@ -20,9 +19,9 @@ from tactgen.tmm.generator.small_signal import (
     rod_ports,
 )
 from tactgen.tmm.generator.stops import contact_of, stops_of
-from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
-from tactgen.tmm.ports.multiport import respond, terminate
-from tactgen.tmm.ports.terminations import attach, ends_of, tip_stiffness
+from tactgen.tmm.ports.elements import attach, ends_of, tip_stiffness
+from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error, respond, terminate
+from tactgen.tmm.reluctance.map_range import network_pull
 
 FREQUENCIES = np.array([0.0, 10.0, 100.0, 446.0, 800.0, 1000.0])
 

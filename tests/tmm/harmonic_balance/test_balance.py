@@ -3,9 +3,15 @@
 import numpy as np
 import pytest
 
-from tactgen.tmm.harmonic_balance.balance import balance, complex_spectrum, real_vector
-from tactgen.tmm.harmonic_balance.oscillator import LawPoint, Orbit, Oscillator
-from tactgen.tmm.harmonic_balance.response import steady_orbit
+from tactgen.tmm.harmonic_balance.balance import (
+    LawPoint,
+    Orbit,
+    Oscillator,
+    balance,
+    complex_spectrum,
+    real_vector,
+)
+from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.tmm.harmonic_balance.steady import Resolution, at_fixed_drive
 
 M, C, K = np.diag([1.0, 0.3]), np.array([[0.3, 0.1], [0.1, 0.2]]), np.array([[2.0, -1], [-1, 3.0]])

@@ -5,11 +5,10 @@ import itertools
 import numpy as np
 import pytest
 
-from tactgen.tmm.harmonic_balance import continuation, response
-from tactgen.tmm.harmonic_balance.continuation import follow
-from tactgen.tmm.harmonic_balance.newton import NoConvergence
-from tactgen.tmm.harmonic_balance.response import steady_orbit
-from tactgen.tmm.harmonic_balance.special_points import folds
+from tactgen.tmm.harmonic_balance import continuation
+from tactgen.tmm.harmonic_balance import steady as response
+from tactgen.tmm.harmonic_balance.balance import NoConvergence
+from tactgen.tmm.harmonic_balance.continuation import folds, follow, steady_orbit
 from tactgen.tmm.harmonic_balance.steady import Resolution, equilibrium, resolved
 from tactgen.validation.checks.cases import oscillators as cases
 

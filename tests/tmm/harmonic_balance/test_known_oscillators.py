@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from tactgen.tmm.harmonic_balance.free_oscillation import free_oscillation
-from tactgen.tmm.harmonic_balance.oscillator import Orbit
-from tactgen.tmm.harmonic_balance.steady import Resolution
+from tactgen.tmm.harmonic_balance.balance import Orbit
+from tactgen.tmm.harmonic_balance.steady import Resolution, free_oscillation
 from tactgen.validation.checks.cases import oscillators as cases
 
 

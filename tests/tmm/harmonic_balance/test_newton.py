@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from tactgen.tmm.harmonic_balance.newton import TOLERANCE, NoConvergence, converge
+from tactgen.tmm.harmonic_balance.balance import TOLERANCE, NoConvergence, converge
 
 
 def arctan(slope=1.0):

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from tactgen.tmm.harmonic_balance import special_points
+from tactgen.tmm.harmonic_balance import continuation as special_points
 
 
 @pytest.mark.parametrize(("here", "there", "nearer"), [(1e-17, -1.0, 0), (1.0, -1e-17, 1)])

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from tactgen.tmm.harmonic_balance.continuation import follow
-from tactgen.tmm.harmonic_balance.oscillator import LawPoint, Orbit, Oscillator
-from tactgen.tmm.harmonic_balance.response import steady_orbit
-from tactgen.tmm.harmonic_balance.stability import unstable_exponents
-from tactgen.tmm.harmonic_balance.steady import Resolution, equilibrium
+from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
+from tactgen.tmm.harmonic_balance.continuation import follow, steady_orbit
+from tactgen.tmm.harmonic_balance.steady import Resolution, equilibrium, unstable_exponents
 from tactgen.validation.checks.cases import oscillators as cases
 
 FINE = Resolution(missing=1e-7, least=9, most=60)

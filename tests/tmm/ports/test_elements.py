@@ -7,13 +7,19 @@ from hypothesis import strategies as st
 
 from tactgen.geometry.bimorph.ends import Ends, Springs
 from tactgen.geometry.device.parameters import Beam, Device, Support
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.transfer import transfer_matrix as tmm
-from tactgen.tmm.ports.elements import spring
-from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
-from tactgen.tmm.ports.multiport import Multiport, connect, hold, reduce, respond
+from tactgen.tmm.beam import transfer_matrix as tmm
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.ports.elements import attach, spring
+from tactgen.tmm.ports.multiport import (
+    Multiport,
+    connect,
+    hold,
+    passivity_margin,
+    reciprocity_error,
+    reduce,
+    respond,
+)
 from tactgen.tmm.ports.port import AXIAL, LATERAL, ROTATION, Pair, Port
-from tactgen.tmm.ports.terminations import attach
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e4])
 OMEGA = 2.0 * np.pi * FREQUENCIES

@@ -11,22 +11,24 @@ from tactgen.geometry.bimorph.ends import Ends, TipLoad
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import lumped
+from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.printed_formulas import printed_section
-from tactgen.tmm.beam.transfer import transfer_matrix as tmm
-from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error, symmetric_form
-from tactgen.tmm.ports.loads.finger import finger_stiffness
+from tactgen.tmm.ports.elements import attach, ends_of
+from tactgen.tmm.ports.finger import finger_stiffness
 from tactgen.tmm.ports.multiport import (
     balanced,
     connect,
     hold,
     in_series,
+    passivity_margin,
+    reciprocity_error,
     reduce,
     respond,
     round_off,
+    symmetric_form,
     terminate,
 )
 from tactgen.tmm.ports.port import BIMORPH
-from tactgen.tmm.ports.terminations import attach, ends_of
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e3, 2e4])
 CLAMPED, SPRING = Support(kind="clamped"), Support()

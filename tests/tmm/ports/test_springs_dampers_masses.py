@@ -6,12 +6,10 @@ import pytest
 from tactgen.geometry.bimorph.ends import TipLoad
 from tactgen.geometry.device.load_table import LoadTable
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports import springs_dampers_masses
-from tactgen.tmm.ports.loads.finger import FINGER_RANGE, finger_impedance, finger_stiffness
-from tactgen.tmm.ports.loads.measured_law import MeasuredLaw, continued
-from tactgen.tmm.ports.loads.passive_fit import PassiveFit
-from tactgen.tmm.ports.springs_dampers_masses import chain_of, finger_chain
-from tactgen.tmm.ports.terminations import tip_stiffness
+from tactgen.tmm.ports import elements as springs_dampers_masses
+from tactgen.tmm.ports.elements import chain_of, finger_chain, tip_stiffness
+from tactgen.tmm.ports.finger import FINGER_RANGE, finger_impedance, finger_stiffness
+from tactgen.tmm.ports.measured_load import MeasuredLaw, PassiveFit, continued
 
 F = np.geomspace(0.1, 1e5, 61)
 

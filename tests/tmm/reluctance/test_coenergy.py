@@ -8,8 +8,8 @@ import pytest
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.circuit import FULL, Refinements
-from tactgen.tmm.reluctance.coenergy.fit import fit
-from tactgen.tmm.reluctance.coenergy.map import Samples, closed_loop_work
+from tactgen.tmm.reluctance.coenergy_fit import fit
+from tactgen.tmm.reluctance.coenergy_map import Samples, closed_loop_work
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.validation.checks.cases.magnetics import square_law
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.device.parameters import Device
-from tactgen.tmm.reluctance.coenergy.cells import cells
-from tactgen.tmm.reluctance.coenergy.fit import fit
+from tactgen.tmm.reluctance.coenergy_fit import fit
+from tactgen.tmm.reluctance.coenergy_map import cells
 from tactgen.tmm.reluctance.network import network_samples
 
 

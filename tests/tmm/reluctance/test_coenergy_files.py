@@ -8,9 +8,9 @@ from scipy.io import netcdf_file
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.reluctance.coenergy.files import read_map, write_map
-from tactgen.tmm.reluctance.coenergy.fit import fit
-from tactgen.tmm.reluctance.coenergy.map import Samples
+from tactgen.tmm.reluctance.coenergy_files import read_map, write_map
+from tactgen.tmm.reluctance.coenergy_fit import fit
+from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.network import network_samples
 
 CURRENTS, GAPS = np.linspace(0.0, 0.2, 8), np.geomspace(0.02e-3, 0.25e-3, 7)

@@ -10,9 +10,15 @@ from tactgen.geometry.device.groups.normal import NOMINAL_GAP
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.reluctance.circuit import FULL, ONE_GAP, Refinements
-from tactgen.tmm.reluctance.coenergy.map import closed_loop_work
-from tactgen.tmm.reluctance.gap_permeance import pole_area, straight, with_fringing
+from tactgen.tmm.reluctance.circuit import (
+    FULL,
+    ONE_GAP,
+    Refinements,
+    pole_area,
+    straight,
+    with_fringing,
+)
+from tactgen.tmm.reluctance.coenergy_map import closed_loop_work
 from tactgen.tmm.reluctance.network import network_bridge, network_samples, textbook_force
 from tactgen.validation.checks.cases.magnetics.collared_actuator import COLLARED, collared
 

@@ -8,8 +8,8 @@ from tactgen.geometry.device.winding import winding
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance import coil_heat
 from tactgen.tmm.reluctance import switching as normal_actuator
-from tactgen.tmm.reluctance.coenergy.fit import fit
-from tactgen.tmm.reluctance.coenergy.map import Samples
+from tactgen.tmm.reluctance.coenergy_fit import fit
+from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.network import network_samples
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.transfer.transfer_matrix import sections
+from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.validation.catalogue.models import MODELS, ModelRow
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.model import Model, Modes, Refined

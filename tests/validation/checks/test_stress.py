@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.transfer.precision import error_bound
+from tactgen.tmm.beam.span import error_bound
 from tactgen.validation.checks.stress import Asked, beam, magnetics
 from tactgen.validation.checks.stress.beam_point import CONDITION_LIMIT
 from tactgen.validation.checks.stress.result import (

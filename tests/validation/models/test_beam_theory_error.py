@@ -5,7 +5,7 @@ import random
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.section.laminate import laminate_section
+from tactgen.tmm.beam.sections import laminate_section
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph.beam_theory_error import (
     end_share,

@@ -11,10 +11,9 @@ from tactgen.fem.bimorph.solid import assemble
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.brick_parts import BrickParts
 from tactgen.geometry.device.parameters import Piezo
-from tactgen.tmm.beam.section.laminate import laminate_section
-from tactgen.tmm.beam.section.shear_correction import energy_shear_correction
+from tactgen.tmm.beam.sections import energy_shear_correction, laminate_section
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
-from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.model import Refined
 from tactgen.validation.engine.reading import read

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.beam import transfer_matrix
 from tactgen.validation.models.bimorph.beam_values import (
     Steps,
     Values,

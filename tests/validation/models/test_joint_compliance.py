@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph.rod_bricks import RodMeshing
-from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.models.bimorph import joint_compliance
 from tactgen.validation.models.bimorph.beam_values import beam_row, beam_values

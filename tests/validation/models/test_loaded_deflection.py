@@ -7,8 +7,8 @@ import pytest
 
 from tactgen.fem.bimorph.reduction import kept_reductions
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
-from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.checks import amplitude_measurements
 from tactgen.validation.models.amplitude import states
 from tactgen.validation.models.amplitude.deflection import (

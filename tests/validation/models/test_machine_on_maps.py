@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.device.parameters import Device
-from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.reluctance.circuit import CELLS
-from tactgen.tmm.reluctance.coenergy.fit import fit, thinned
-from tactgen.tmm.reluctance.direct_pull import DirectPull
-from tactgen.tmm.reluctance.map_range import map_grid
-from tactgen.tmm.reluctance.network import network_samples
+from tactgen.tmm.reluctance.coenergy_fit import fit, thinned
+from tactgen.tmm.reluctance.map_range import map_grid, network_pull
+from tactgen.tmm.reluctance.network import DirectPull, network_samples
 from tactgen.validation.catalogue.models import map_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve

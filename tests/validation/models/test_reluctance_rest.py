@@ -5,11 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import axial_forces, resting_place, resting_places
-from tactgen.tmm.reluctance.coenergy.fit import fit
-from tactgen.tmm.reluctance.coenergy.map import MapError
-from tactgen.tmm.reluctance.map_range import map_grid
+from tactgen.tmm.reluctance.coenergy_fit import fit
+from tactgen.tmm.reluctance.coenergy_map import MapError
+from tactgen.tmm.reluctance.map_range import map_grid, network_pull
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import switching
 from tactgen.validation.engine.results import Estimate

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.device.parameters import Device, Spring
-from tactgen.tmm.generator import network_pull
-from tactgen.tmm.reluctance.coenergy.fit import fit
-from tactgen.tmm.reluctance.coenergy.map import Samples
+from tactgen.tmm.reluctance import map_range as network_pull
+from tactgen.tmm.reluctance.coenergy_fit import fit
+from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import as_json, solve

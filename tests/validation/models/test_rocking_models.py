@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.tmm.harmonic_balance.newton import NoConvergence
-from tactgen.tmm.harmonic_balance.response import steady_orbit
+from tactgen.tmm.harmonic_balance.balance import NoConvergence
+from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.amplitude import backbone
 from tactgen.validation.models.amplitude.backbone import RESOLUTION

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.generator.small_signal import machine
 from tactgen.tmm.ports.multiport import respond
 from tactgen.validation.catalogue.generator import ROWS

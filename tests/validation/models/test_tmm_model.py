@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from tactgen.tmm.beam.transfer.timoshenko import dynamic_stiffness
-from tactgen.tmm.beam.transfer.transfer_matrix import multiport, sections
+from tactgen.tmm.beam.timoshenko import dynamic_stiffness
+from tactgen.tmm.beam.transfer_matrix import multiport, sections
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import in_series, respond, round_off
-from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.checks.cases import reference_beam as reference
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.reluctance.coenergy.files import read_map
+from tactgen.tmm.reluctance.coenergy_files import read_map
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.export.files import normal_actuator_solids, scene_solids

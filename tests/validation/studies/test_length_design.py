@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.loads import finger
+from tactgen.tmm.ports import finger
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report.page import templates

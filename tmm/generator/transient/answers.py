@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.tmm.generator.transient.coil import Means, held_current, held_linkage
+from tactgen.tmm.generator.transient.machine import Means, held_current, held_linkage
 from tactgen.tmm.generator.transient.system import Element, Friction, System
-from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
+from tactgen.tmm.reluctance.coenergy_map import CoenergyPoint
 
 #: Of a system without a coil.
 NO_FIELD = CoenergyPoint(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -14,24 +14,122 @@ set by hand on the standing device.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.contact import RoughContact
-from tactgen.tmm.generator.guide import Play, lateral_guide, tilt_guide
 from tactgen.tmm.generator.moving_mass import moving_rod
-from tactgen.tmm.generator.stops import stops_of
-from tactgen.tmm.generator.transient.bimorph import BimorphModes
-from tactgen.tmm.generator.transient.laws import RoughPoint, Stop
-from tactgen.tmm.generator.transient.system import Coil, Element, Friction, Output, System
-from tactgen.tmm.ports.springs_dampers_masses import Chain
-from tactgen.tmm.reluctance.coenergy.cells import cells
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.generator.small_signal import Linearised
+from tactgen.tmm.generator.stops import Play, lateral_guide, stops_of, tilt_guide
+from tactgen.tmm.generator.transient.system import (
+    Coil,
+    Element,
+    Friction,
+    Output,
+    RoughPoint,
+    Stop,
+    System,
+)
+from tactgen.tmm.ports.elements import Chain
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, CoenergyPoint, cells
+
+
+@dataclass(frozen=True)
+class BimorphModes:
+    """k modes over a base that moves by [w, ψ].
+
+    Attributes
+    ----------
+    omega : (k,) float
+        Angular frequencies with the base held (rad/s).
+    damping : (k,) float
+        2 ζ ω (1/s).
+    inertia : (k, 2) float
+        What a base acceleration does to the modes (√kg, √kg m).
+    rigid : (2, 2) float
+        Mass matrix of the bimorph as a rigid body about its base (kg, kg m, kg m²).
+    coupling : (k,) float
+        Force on the modes per volt across each layer, and charge per mode.
+    tip : (k + 2,) float
+        Tip displacement (m) of base motions w and ψ, then of the modes.
+    capacitance : float
+        With all motion held (F).
+    shapes : (n, k + 2) float
+        The unknowns that the modes were made of, of base motions w and ψ, then of the modes.
+    """
+
+    omega: Floats
+    damping: Floats
+    inertia: Floats
+    rigid: Floats
+    coupling: Floats
+    tip: Floats
+    capacitance: float
+    shapes: Floats
+
+
+def bimorph_modes(
+    stiffness: Complex,
+    mass: Floats,
+    coupling: Complex,
+    capacitance: complex,
+    base: Ints,
+    tip: Floats,
+    highest: float,
+) -> BimorphModes:
+    """Return the modes of a discretised bimorph.
+
+    Parameters
+    ----------
+    stiffness, mass : (n, n)
+        Lossy and lossless, free at both ends.
+    coupling : (n,) complex
+        Force per volt.
+    capacitance : complex
+        With all unknowns held (F).
+    base : (2,) int
+        Unknowns that are w and ψ of the base.
+    tip : (n,) float
+        Row that reads the tip's displacement.
+    highest : float
+        Modes above this frequency (Hz) are only there as statics.
+    """
+    from scipy.linalg import eigh
+
+    inner = np.setdiff1d(np.arange(mass.shape[0]), base)
+    k, m = stiffness[np.ix_(inner, inner)], mass[np.ix_(inner, inner)]
+    follows = -np.linalg.solve(k.real, stiffness.real[np.ix_(inner, base)])
+    dragged = m @ follows + mass[np.ix_(inner, base)]
+    squares, shapes = eigh(k.real, m)
+    kept = shapes[:, squares < (2.0 * np.pi * highest) ** 2]
+    loads = np.column_stack([coupling.real[inner], tip[inner], dragged])
+    # the part of the static answers that the modes do not have
+    statics = np.linalg.solve(k.real, loads)
+    statics -= kept @ (kept.T @ m @ statics)
+    statics /= np.sqrt(np.einsum("ij,ik,kj->j", statics, m, statics))
+    values, vectors = eigh(statics.T @ k.real @ statics, statics.T @ m @ statics)
+    basis = np.hstack([kept, statics @ vectors])
+    omega = np.sqrt(np.concatenate([squares[: kept.shape[1]], values]))
+    whole = np.zeros((mass.shape[0], 2))
+    whole[inner], whole[base] = follows, np.eye(2)
+    moved = np.zeros((mass.shape[0], basis.shape[1]))
+    moved[inner] = basis
+    return BimorphModes(
+        omega=omega,
+        damping=np.einsum("ij,ik,kj->j", basis, k.imag, basis) / omega,
+        inertia=basis.T @ dragged,
+        rigid=whole.T @ mass @ whole,
+        coupling=basis.T @ coupling.real[inner],
+        tip=np.concatenate([tip @ whole, tip[inner] @ basis]),
+        capacitance=float(capacitance.real),
+        shapes=np.hstack([whole, moved]),
+    )
+
 
 #: Points on the rim, in mirror pairs: as a quadrature of the ring's law they are exact to 1e-8
 #: up to the tilt at which one side carries e⁸ times the other.
@@ -197,3 +295,125 @@ def _rim(name: str, law: RoughContact, upwards: float, offset: float, n: int) ->
     direction[:, 2] = law.radius * np.cos(np.pi * (np.arange(pairs) + 0.5) / pairs)
     point = RoughPoint(law.reference_load / pairs, law.decay_length, law.relaxation_time)
     return Element(name, point, direction, offset)
+
+
+#: Below this square of the relative change no correction is made: the mean's own error, of third
+#: order, is then 1e-15 of the energy, and the correction would be made of rounding.
+_LEAST_CHANGE = 1e-10
+
+
+class Means(NamedTuple):
+    """Pull (N), current (A) and the source's work (J) over a step."""
+
+    pull: float
+    current: float
+    work: float
+
+
+def held_current(
+    i0: float, g0: float, p0: CoenergyPoint, i1: float, g1: float, p1: CoenergyPoint, width: float
+) -> Means:
+    """Return the means between two states of which the currents are given.
+
+    `width` (m) is the gap that the whole circuit is worth.  The work is ∫ i dλ.
+    """
+    di, dg = i1 - i0, g1 - g0
+    pull = 0.5 * (p0.force + p1.force)
+    linkage = 0.5 * (p0.flux_linkage + p1.flux_linkage)
+    current = 0.5 * (i0 + i1)
+    # relative changes of current and gap
+    size = max(abs(i0), abs(i1))
+    ci = di / size if size > 0.0 else 0.0
+    cg = dg / width
+    s = ci * ci + cg * cg
+    work = current * (p1.flux_linkage - p0.flux_linkage)
+    if s > _LEAST_CHANGE:
+        short = (p1.coenergy - p0.coenergy - linkage * di + pull * dg) / s
+        pull -= short * cg / width
+        work -= short * ci * ci
+    return Means(pull, current, work)
+
+
+def held_linkage(
+    i0: float, g0: float, p0: CoenergyPoint, i1: float, g1: float, p1: CoenergyPoint, width: float
+) -> Means:
+    """Return the means between two states whose flux linkages are those of the points.
+
+    The work is what goes into the field and the mechanics: mean current times change of λ.
+    """
+    dl, dg = p1.flux_linkage - p0.flux_linkage, g1 - g0
+    pull = 0.5 * (p0.force + p1.force)
+    current = 0.5 * (i0 + i1)
+    size = max(abs(p0.flux_linkage), abs(p1.flux_linkage))
+    cl = dl / size if size > 0.0 else 0.0
+    cg = dg / width
+    s = cl * cl + cg * cg
+    if s > _LEAST_CHANGE:
+        stored = i1 * p1.flux_linkage - i0 * p0.flux_linkage - (p1.coenergy - p0.coenergy)
+        short = (stored - current * dl - pull * dg) / s
+        pull += short * cg / width
+        if size > 0.0:
+            current += short * cl / size
+    return Means(pull, current, current * dl)
+
+
+#: Inputs besides the coil's, and outputs besides the coil's current, each with its unit.
+_INPUTS = ("bimorph voltage (V)", "tip force (N)")
+_OUTPUTS = ("lateral tip (m)", "lift (m)")
+_LIFT = 2
+
+
+@dataclass(frozen=True)
+class MachineStateSpace:
+    """Matrices in SI units, (m, m), (m, 3), (p, m), (p, 3), and what the columns and rows are."""
+
+    a: Floats
+    b: Floats
+    c: Floats
+    d: Floats
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+
+def machine_state_space(
+    rod: Linearised, modes: BimorphModes, *, supply: Literal["current", "voltage"]
+) -> MachineStateSpace:
+    """Return the machine with changes of the coil's current, or of its voltage, as third input.
+
+    Parameters
+    ----------
+    rod : Linearised
+        About its resting place; the bimorph's mass along the axis is in it.
+    modes : BimorphModes
+        Of the bimorph over the rod's head, wired as it is.
+    """
+    k = modes.omega.size
+    n, own = 3 + k, slice(3, 3 + k)
+    mass, damping, stiffness = np.eye(n), np.zeros((n, n)), np.zeros((n, n))
+    mass[:3, :3] = rod.mass
+    mass[:2, :2] += modes.rigid
+    mass[own, :2], mass[:2, own] = modes.inertia, modes.inertia.T
+    damping[:3, :3], damping[own, own] = rod.damping, np.diag(modes.damping)
+    stiffness[:3, :3], stiffness[own, own] = rod.stiffness, np.diag(modes.omega**2)
+    tip = np.concatenate([modes.tip[:2], [0.0], modes.tip[2:]])
+    lift = np.eye(n)[_LIFT]
+    forces = np.stack([np.concatenate([np.zeros(3), modes.coupling]), tip, rod.motional * lift], 1)
+    pushed = np.linalg.solve(mass, np.hstack([-stiffness, -damping, forces]))
+    a = np.zeros((2 * n, 2 * n))
+    a[:n, n:], a[n:] = np.eye(n), pushed[:, : 2 * n]
+    b = np.vstack([np.zeros((n, 3)), pushed[:, 2 * n :]])
+    c = np.hstack([np.stack([tip, lift]), np.zeros((2, n))])
+    inputs: tuple[str, ...] = (*_INPUTS, "coil current (A)")
+    outputs: tuple[str, ...] = _OUTPUTS
+    if supply == "voltage":
+        # the current i = (λ − T u)/L takes the place of the third input
+        reads = np.append(np.zeros(2 * n), 1.0 / rod.inductance)
+        reads[_LIFT] = -rod.motional / rod.inductance
+        a = np.pad(a, (0, 1))
+        a[:-1] += np.outer(b[:, 2], reads)
+        a[-1] = -rod.resistance * reads
+        b = np.vstack([b, np.zeros(3)])
+        b[:-1, 2], b[-1, 2] = 0.0, 1.0
+        c = np.vstack([np.pad(c, ((0, 0), (0, 1))), reads])
+        inputs, outputs = (*_INPUTS, "coil voltage (V)"), (*_OUTPUTS, "coil current (A)")
+    return MachineStateSpace(a, b, c, np.zeros((c.shape[0], 3)), inputs, outputs)

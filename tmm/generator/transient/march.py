@@ -3,7 +3,7 @@
 The first pass chooses the steps: the distance from a predictor of second order says how much a
 step errs; steps are halved where that is too much (impacts) and doubled where it is little.
 Another goes over the same steps in pairs, the last in halves: it is the result, and the distances
-between the three give its error bar (tmm.generator.observed_order).  If that exceeds what was
+between the three give its error bar (tmm.generator.transient.march).  If that exceeds what was
 asked, all are repeated with shorter steps; unless it has grown as large as the motion: then the
 answer says up to which time it is certain.
 """
@@ -11,19 +11,315 @@ answer says up to which time it is certain.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Bools, Floats, Ints
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient.passes import MOST_STEPS, Marcher, Passes
-from tactgen.tmm.generator.transient.record import Run
-from tactgen.tmm.generator.transient.step import Stepper
+from tactgen.tmm.generator.transient.record import Record, Run
+from tactgen.tmm.generator.transient.step import Flow, State, Stepper, StepTooLongError
 from tactgen.tmm.generator.transient.system import System
 from tactgen.tmm.generator.transient.waveform import Sources, between_breaks
+
+#: Least and largest ratio of the distances that is believed.
+_LEAST, _MOST = 0.25, 2.0 / 3.0
+
+
+def error_bar(larger: Floats, smaller: Floats, safety: float) -> Floats:
+    """Return the error bar (k,) of the finest answers.
+
+    Parameters
+    ----------
+    larger, smaller : (k,) float
+        Distance of the first answers from the second, of the second from the last; 0 or more.
+    safety : float
+        Factor on the error; the grid convergence index takes 1.25 where the order is observed.
+    """
+    within = np.clip(smaller, _LEAST * larger, _MOST * larger)
+    whole = np.where(larger > 0.0, larger, 1.0)
+    ratio = np.where(larger > 0.0, within / whole, _MOST)
+    return np.asarray(safety * np.maximum(smaller, _LEAST * larger) * ratio / (1.0 - ratio))
+
+
+#: Steps between two breaks: a time inside the piece, the start, each step's end and length (s).
+#: Equal lengths are equal to the last digit, so that they share their matrices.
+Piece = tuple[float, float, list[tuple[float, float]]]
+
+
+def paired(pieces: list[Piece]) -> tuple[list[Piece], Bools]:
+    """Return the same pieces with neighbours of equal length as one step.
+
+    Also which of the times at which the given steps start or end are kept, (k,).
+    """
+    found, kept = [], []
+    for inside, start, ends in pieces:
+        longer: list[tuple[float, float]] = []
+        kept.append(True)
+        at = 0
+        while at < len(ends):
+            whole = at + 1 < len(ends) and ends[at][1] == ends[at + 1][1]
+            end, h = ends[at + whole]
+            longer.append((end, 2.0 * h if whole else h))
+            kept += [False, True] if whole else [True]
+            at += 1 + whole
+        found.append((inside, start, longer))
+    return found, np.array(kept)
+
+
+def spread(values: Floats, ends: Bools) -> Floats:
+    """Return values at some of the times, those of `ends` (k,), at all: that of the next end."""
+    after: Ints = np.cumsum(ends) - ends
+    return np.asarray(values[after])
+
+
+#: Halvings of the longest step that are tried, and those after each break, where nothing is known.
+_DEEPEST, _FIRST = 20, 6
+#: Share of a circuit's time constant that the first step after a break takes.
+_PER_LAG = 0.02
+#: How much further the predictor is from the truth than the step.
+_PREDICTOR = 6.0
+#: A step is doubled where its error is below this share of the tolerance: an eighth, with margin.
+_EASY = 0.06
+#: Safety factor of the bars: with 1.25, 8 of 200 outputs of random runs with contact lay outside,
+#: all but two of them by less than a fifth.
+_SAFETY = 1.5
+#: Steps after which a run is given up.
+MOST_STEPS = 3_000_000
+
+
+@dataclass(frozen=True)
+class Passes:
+    """Three runs over the same steps: in pairs, as chosen, in halves.
+
+    `ends` says which times of the first end a step of it; `of_coarse` and `of_fine` which times of
+    the other two the run before has as well.
+    """
+
+    coarsest: Run
+    coarse: Run
+    fine: Run
+    ends: Bools
+    of_coarse: Bools
+    of_fine: Bools
+
+    def bar(self, of: Callable[[Run], Floats]) -> Floats:
+        """Return the error bar up to each time of the last run of what `of` reads off a run."""
+        first, middle, last = (of(run) for run in (self.coarsest, self.coarse, self.fine))
+        larger = np.maximum.accumulate(np.abs(middle[self.of_coarse] - first[self.ends]))
+        smaller = np.maximum.accumulate(np.abs(last[self.of_fine] - middle))
+        bar = error_bar(spread(larger, self.of_coarse), smaller, _SAFETY)
+        return spread(np.maximum.accumulate(bar), self.of_fine)
+
+
+class Marcher:
+    """Goes over the pieces between breaks, and records."""
+
+    def __init__(
+        self, system: System, sources: Sources, until: float, announce: Callable[[float], None]
+    ) -> None:
+        self._system, self._sources, self._until = system, sources, until
+        self._announce = announce
+        self._stepper = Stepper(system)
+        outputs = system.outputs.values()
+        rows = [o.row / (o.step_scale or o.scale) for o in outputs]
+        self._rows = np.array([row for row in rows if row.any()]).reshape(-1, system.mass.shape[0])
+
+    def passes(self, first: State, longest: float, local: float) -> Passes:
+        """Return the three runs over steps whose local errors are below `local`."""
+        chosen, coarse = self.choose(first, longest, local)
+        longer, of_coarse = paired(chosen)
+        coarsest, ends = self.follow(first, longer, parts=1, share=(2 / 7, 3 / 7), rough=True)
+        fine, of_fine = self.follow(first, chosen, parts=2, share=(3 / 7, 1.0))
+        return Passes(coarsest, coarse, fine, ends, of_coarse, of_fine)
+
+    def choose(self, first: State, longest: float, local: float) -> tuple[list[Piece], Run]:
+        """Return the steps whose local errors are below `local`, and the run with them."""
+        record, state, chosen = Record(self._system), first, []
+        for start, end in between_breaks(self._sources, self._until):
+            inside = 0.5 * (start + end)
+            state = self._jumped(state, start, inside, record)
+            count = max(1, math.ceil((end - start) / longest))
+            done, whole = 0, count << _DEEPEST
+            level = self._first_level(state, (end - start) / count)
+            ends: list[tuple[float, float]] = []
+            earlier: list[tuple[float, State]] = []
+            before = start
+            while done < whole:
+                ticks = 1 << (_DEEPEST - level)
+                time = start + (end - start) * ((done + ticks) / whole)
+                h = (end - start) * (ticks / whole)
+                try:
+                    new, flow = self._stepped(state, h, time, inside)
+                    off = self._local_error(earlier, state, new, h)
+                except StepTooLongError:
+                    if level == _DEEPEST:
+                        raise InputError(_never_settles(time)) from None
+                    off = math.inf
+                if off > local and level < _DEEPEST:
+                    level += 1
+                    continue
+                self._keep(record, time, new, flow, inside)
+                earlier, state, before = [*earlier[-1:], (h, state)], new, time
+                ends.append((time, h))
+                done += ticks
+                if len(record) > MOST_STEPS:
+                    raise InputError(_too_many(time))
+                if level > 0 and off < _EASY * local and done % (2 * ticks) == 0:
+                    level -= 1
+                self._announce(2.0 / 7.0 * before / self._until)
+            chosen.append((inside, start, ends))
+        return chosen, record.run()
+
+    def follow(
+        self,
+        first: State,
+        pieces: Sequence[Piece],
+        parts: int,
+        *,
+        share: tuple[float, float] = (0.0, 1.0),
+        rough: bool = False,
+    ) -> tuple[Run, Bools]:
+        """Return the run with each given step cut in parts, and which times end a given step.
+
+        Parameters
+        ----------
+        share : (float, float)
+            Of the whole work, what is done before and afterwards.
+        rough : bool
+            Whether it may leave what is known of the coil: it only judges another run.
+        """
+        record, state, shared = Record(self._system), first, []
+        done, all_done = share
+        for inside, start, ends in pieces:
+            state = self._jumped(state, start, inside, record)
+            shared.append(True)
+            for end, whole in ends:
+                h = whole / parts
+                for part in range(1, parts + 1):
+                    time = end if part == parts else end - (parts - part) * h
+                    for at, new, flow in self._in_pieces(state, h, time, inside):
+                        self._keep(record, at, new, flow, inside, rough=rough)
+                        state = new
+                        shared.append(part == parts and at == time)
+                self._announce(done + (all_done - done) * end / self._until)
+        return record.run(), np.array(shared)
+
+    def _first_level(self, state: State, longest: float) -> int:
+        """Return how often the longest step is halved after a break, when sources may jump.
+
+        A circuit answers a jump within L/R, which the first step must resolve: the implicit
+        midpoint rule does not damp what it steps over.
+        """
+        coil = self._system.coil
+        if coil is None or coil.source != "voltage" or coil.resistance == 0.0:
+            return _FIRST
+        lag = state.field.inductance / coil.resistance
+        level = math.ceil(math.log2(max(longest / (_PER_LAG * lag), 1.0)))
+        if level > _DEEPEST:
+            raise InputError(
+                f"the coil's circuit answers within {lag:.3g} s (its inductance over its "
+                "resistance), too short to be followed; prescribe the coil's current instead of "
+                "its voltage"
+            )
+        return max(level, _FIRST)
+
+    def _in_pieces(
+        self, state: State, h: float, time: float, inside: float, depth: int = 0
+    ) -> Iterator[tuple[float, State, Flow]]:
+        """Yield the states of a step, which is halved where it does not settle."""
+        try:
+            new, flow = self._stepped(state, h, time, inside)
+        except StepTooLongError:
+            if depth == _DEEPEST:
+                raise InputError(_never_settles(time)) from None
+            for end in (time - 0.5 * h, time):
+                for found in self._in_pieces(state, 0.5 * h, end, inside, depth + 1):
+                    state = found[1]
+                    yield found
+            return
+        yield time, new, flow
+
+    def _stepped(self, state: State, h: float, time: float, inside: float) -> tuple[State, Flow]:
+        """Return the state at `time`, `h` later."""
+        coil = self._sources.coil
+        source = coil.value(time - h, inside), coil.value(time, inside)
+        return self._stepper.step(state, h, self._sources.bimorph.value(time, inside), source)
+
+    def _jumped(self, state: State, time: float, inside: float, record: Record) -> State:
+        """Return the state after the sources' jumps at `time`, recorded."""
+        source = self._sources.coil.value(time, inside)
+        voltage = self._sources.bimorph.value(time, inside)
+        new, flow = self._stepper.jump(state, voltage, source)
+        record.add(time, new, flow, source)
+        return new
+
+    def _local_error(
+        self, earlier: list[tuple[float, State]], state: State, new: State, h: float
+    ) -> float:
+        """Return the step's error over the outputs' scales, by its distance from a predictor."""
+        if not earlier:
+            return 0.0
+        ahead = state.position + h * state.velocity + 0.5 * h * h * state.acceleration
+        off = float(np.abs(self._rows @ (new.position - ahead)).max(initial=0.0))
+        coil = self._system.coil
+        if coil is not None and coil.source == "voltage" and len(earlier) == 2:
+            scale = self._sources.coil.peak / coil.resistance if coil.resistance else math.inf
+            off = max(off, abs(_bend(earlier, state, new, h)) / scale)
+        return off / _PREDICTOR
+
+    def _keep(
+        self,
+        record: Record,
+        time: float,
+        new: State,
+        flow: Flow,
+        inside: float,
+        *,
+        rough: bool = False,
+    ) -> None:
+        """Record a step, if the coil is still where it is known, or that does not matter."""
+        coil = None if rough else self._system.coil
+        if coil is not None and abs(new.current) > coil.largest_current:
+            raise InputError(
+                f"at {time * 1e3:.6g} ms the current is {new.current * 1e3:.6g} mA, beyond the "
+                f"{coil.largest_current * 1e3:.6g} mA to which the co-energy map goes; drive the "
+                "coil less"
+            )
+        if coil is not None and not coil.gaps[0] <= new.gap <= coil.gaps[1]:
+            low, high = coil.gaps
+            raise InputError(
+                f"at {time * 1e3:.6g} ms the gap is {new.gap * 1e6:.6g} um, outside the "
+                f"{low * 1e6:.6g} to {high * 1e6:.6g} um of the co-energy map; give the stops more "
+                "stiffness or drive the coil less"
+            )
+        record.add(time, new, flow, self._sources.coil.value(time, inside))
+
+
+def _bend(earlier: list[tuple[float, State]], state: State, new: State, h: float) -> float:
+    """Return how far the current is from the parabola through the three before it (A)."""
+    (h2, first), (h1, second) = earlier
+    slope1 = (state.current - second.current) / h1
+    slope2 = (second.current - first.current) / h2
+    curve = (slope1 - slope2) / (h1 + h2)
+    return new.current - (state.current + h * (slope1 + curve * (h + h1)))
+
+
+def _never_settles(time: float) -> str:
+    return (
+        f"at {time * 1e3:.6g} ms no step, however short, settles; give the stops less stiffness, "
+        "or the coil's circuit a longer time constant"
+    )
+
+
+def _too_many(time: float) -> str:
+    return (
+        f"more than {MOST_STEPS} steps are needed, and {time * 1e3:.6g} ms were reached; ask for "
+        "a shorter time or a larger accuracy, or make stops and circuit less stiff"
+    )
+
 
 #: Longest step as a share of the fastest waveform's period, and of the whole time.
 _PER_PERIOD, _PER_RUN = 1.0 / 64.0, 0.01

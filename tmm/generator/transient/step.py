@@ -14,16 +14,229 @@ on; all others are condensed to them, once for each step length.
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
+from operator import add, mul, sub
 from typing import NamedTuple
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.tmm.generator.transient.answers import NO_FIELD, Answers
-from tactgen.tmm.generator.transient.newton import Before, Structure, settled, structure_of
+from tactgen.tmm.generator.transient.answers import NO_FIELD, Answer, Answers
 from tactgen.tmm.generator.transient.system import System
-from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
+from tactgen.tmm.reluctance.coenergy_map import CoenergyPoint
+
+#: A correction is halved when the residual has grown by more than this.
+_WORSE = 4.0
+#: Newton's corrections before a time step is called too long, and halvings of one of them.
+_ITERATIONS, _HALVINGS = 30, 8
+#: Relative correction at which the iterated coordinates stand: it leaves less than this share of
+#: the energy that a step moves.
+_STANDS = 1e-13
+#: Relative correction after which the next, quadratically smaller, is not tried; and what the next
+#: may be by the two before it, c³/b², and is not tried either.
+_LAST, _LEFT = 1e-9, 1e-14
+#: The same after so many corrections, when what is left goes to and fro with the rounding.
+_ROUNDED, _PATIENCE = 1e-11, 6
+#: Roundings of the terms that the coordinates are the sum of; corrections below are noise.
+_NOISE = 8.0 * 2.0**-52
+
+Lists = list[list[float]]
+
+
+class StepTooLongError(ArithmeticError):
+    """The iteration of a step did not settle."""
+
+
+class Structure(NamedTuple):
+    """What the structure answers to the m coordinates that are read, over a step.
+
+    Attributes
+    ----------
+    stiffness : (m, m) lists
+        D, force per change over the step, symmetric and positive definite.
+    sizes, noises : (m, m) lists
+        |D|, and roundings of |D⁻¹|, below which a correction is noise.
+    """
+
+    stiffness: Lists
+    sizes: Lists
+    noises: Lists
+
+
+def structure_of(stiffness: Floats, compliance: Floats) -> Structure:
+    """Return what a stiffness (m, m), with its inverse, is to the iteration."""
+    return Structure(
+        stiffness.tolist(),
+        np.abs(stiffness).tolist(),
+        (_NOISE * np.abs(compliance)).tolist(),
+    )
+
+
+class Before(NamedTuple):
+    """What a step starts from, of what laws and coil read.
+
+    Attributes
+    ----------
+    near : (m,) list
+        Coordinates (m or rad).
+    deformations : tuple of lists
+        Of each element (m).
+    current, gap : float
+        A, m.
+    field : CoenergyPoint
+        At that current and gap.
+    """
+
+    near: list[float]
+    deformations: tuple[list[float], ...]
+    current: float
+    gap: float
+    field: CoenergyPoint
+
+
+def settled(
+    answers: Answers,
+    before: Before,
+    h: float,
+    free: list[float],
+    structure: Structure,
+    first: list[float],
+    source: tuple[float, float],
+) -> tuple[Answer, float]:
+    """Return what acts over a step of `h` seconds, and the current after it.
+
+    Parameters
+    ----------
+    free : (m,) list
+        Changes without laws and coil.
+    structure : Structure
+    first : (m,) list
+        A first guess of the changes.
+    source : (float, float)
+        What the coil's waveform says at both ends of the step (A, or V).
+
+    Raises
+    ------
+    StepTooLongError
+        If the iteration does not settle.
+    """
+    count, by_voltage = len(free), answers.by_voltage
+    stiffness = structure.stiffness
+    start = (before.current if by_voltage else source[0], before.gap, before.field)
+    deformed = before.deformations
+    unknown = [*first, before.current] if by_voltage else first
+    current = before.current if by_voltage else source[1]
+    found = answers.over(deformed, start, first, current, h)
+    terms = [abs(a) + abs(b) + abs(c) for a, b, c in zip(free, first, before.near, strict=True)]
+    size = [
+        sum(map(mul, row, terms)) + f
+        for row, f in zip(structure.sizes, answers.sizes(found), strict=True)
+    ]
+    still = list(map(abs, first))
+    noise = [sum(map(mul, row, size)) for row in structure.noises]
+    if by_voltage:
+        linked = abs(before.field.flux_linkage) + h * max(abs(source[0]), abs(source[1]))
+        size.append(linked)
+        still.append(linked / before.field.inductance)
+        noise.append(_NOISE * linked / before.field.inductance)
+    known = all(size)
+    worst, halvings, came = math.inf, 0, 0.0
+    last = [0.0] * len(unknown)
+    for turn in range(_ITERATIONS):
+        done = False
+        residual = _residual(answers, before, found, stiffness, unknown, free, h, source)
+        off = max([abs(r) / s for r, s in zip(residual, size, strict=True) if s], default=0.0)
+        if off <= _NOISE and known:
+            return found, current
+        if off > _WORSE * worst and halvings < _HALVINGS:
+            halvings += 1
+            last, came = [0.5 * step for step in last], 0.0
+            unknown = [u + step for u, step in zip(unknown, last, strict=True)]
+        else:
+            worst, halvings = off, 0
+            matrix = _slopes(answers, found, stiffness, h)
+            last = _solved(matrix, residual)
+            share = _STANDS if turn < _PATIENCE else _ROUNDED
+            sizes = list(map(abs, last))
+            ample = list(map(max, map(abs, unknown), still))
+            if all(c <= max(share * a, n) for c, a, n in zip(sizes, ample, noise, strict=True)):
+                return found, current
+            unknown = list(map(sub, unknown, last))
+            ample = list(map(max, map(abs, unknown), still))
+            rest = max([c / a for c, a in zip(sizes, ample, strict=True) if a], default=0.0)
+            done = rest <= _LAST or rest**3 <= _LEFT * came**2
+            came = rest
+        current = unknown[-1] if by_voltage else current
+        found = answers.over(deformed, start, unknown[:count], current, h)
+        if done:
+            return found, current
+    raise StepTooLongError(f"a step of {h:.3g} s does not settle")
+
+
+def _residual(
+    answers: Answers,
+    before: Before,
+    found: Answer,
+    stiffness: Lists,
+    unknown: list[float],
+    free: list[float],
+    h: float,
+    source: tuple[float, float],
+) -> list[float]:
+    """Return the residuals (N or N m, and Wb of a circuit)."""
+    extra = list(map(sub, unknown, free))  # without a circuit's current
+    residual = [
+        sum(map(mul, row, extra)) - force
+        for row, force in zip(stiffness, found.forces, strict=True)
+    ]
+    coil = answers.coil
+    if coil is not None and answers.by_voltage:
+        drop = 0.5 * (source[0] + source[1]) - coil.resistance * found.means.current
+        residual.append(found.field.flux_linkage - before.field.flux_linkage - h * drop)
+    return residual
+
+
+def _slopes(answers: Answers, found: Answer, stiffness: Lists, h: float) -> Lists:
+    """Return the residuals' derivatives by the changes, and by the current of a circuit."""
+    matrix = [list(map(add, row, steep)) for row, steep in zip(stiffness, found.slope, strict=True)]
+    coil = answers.coil
+    if coil is None or not answers.by_voltage:
+        return matrix
+    field = found.field
+    for row, opened in zip(matrix, answers.opens, strict=True):
+        row.append(-0.5 * field.motional * opened)
+    matrix.append(
+        [field.motional * b for b in answers.opens] + [field.inductance + 0.5 * h * coil.resistance]
+    )
+    return matrix
+
+
+def _solved(rows: Lists, right: list[float]) -> list[float]:
+    """Return the solution of a small system by elimination, which changes `rows`.
+
+    Without pivots: the structure's stiffness and pushing springs make them positive.
+    """
+    n = len(rows)
+    found = list(right)
+    for k in range(n):
+        pivot, own = rows[k], found[k]
+        if pivot[k] <= 0.0:
+            raise StepTooLongError("pulls beat the structure's inertia over the step")
+        for i in range(k + 1, n):
+            row = rows[i]
+            factor = row[k] / pivot[k]
+            if factor:
+                for j in range(k + 1, n):
+                    row[j] -= factor * pivot[j]
+                found[i] -= factor * own
+    for k in range(n - 1, -1, -1):
+        row, rest = rows[k], found[k]
+        for j in range(k + 1, n):
+            rest -= row[j] * found[j]
+        found[k] = rest / row[k]
+    return found
+
 
 #: Step lengths whose matrices are kept at once.
 _KEPT = 512

@@ -9,15 +9,209 @@ Nothing here knows the device; :mod:`tmm.generator.transient.march` moves it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from math import exp, expm1
+from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.tmm.generator.transient.laws import Law
-from tactgen.tmm.reluctance.coenergy.cells import Coenergy
+from tactgen.tmm.reluctance.coenergy_map import Coenergy
+
+#: Below this change over a step, in decay lengths, a slope is its limit for small steps: what is
+#: left out is of the same size, and the difference would be made of rounding.
+_SMALL_CHANGE = 1e-6
+#: Exponents beyond which rough surfaces are taken to be apart (1e-26 of the load), and at which a
+#: stray guess of an iteration is cut off.
+_APART, _LARGEST = -60.0, 500.0
+#: Of each spring: force over a step, its slope by the deformation after it, its elastic part
+#: (N, N/m, N).
+Means: TypeAlias = tuple[Sequence[float], Sequence[float], Sequence[float]]
+
+
+class Law(Protocol):
+    """A spring's law over its deformation δ (m)."""
+
+    @property
+    def apart(self) -> float:
+        """Deformation (m) up to which nothing acts and nothing is stored; −inf if there is none."""
+        ...
+
+    def energy(self, deformation: Floats) -> Floats:
+        """Return the stored energy (J)."""
+        ...
+
+    def force(self, deformation: Floats, rate: Floats) -> Floats:
+        """Return the force (N) at a deformation (m) and its rate (m/s)."""
+        ...
+
+    def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
+        """Return what acts over a step of so many seconds that changes deformations by `moved`.
+
+        The elastic part times `moved` is the change of the energy, to rounding.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Stop:
+    """A spring that pushes only: stiffness k and damper c act while δ > 0, and never pull.
+
+    A Kelvin-Voigt contact cut off where it would pull, so small motions in contact see k and c.
+
+    Attributes
+    ----------
+    stiffness, damping : float
+        N/m and N s/m.
+    """
+
+    stiffness: float
+    damping: float = 0.0
+
+    @property
+    def apart(self) -> float:
+        """Deformation (m) up to which nothing acts."""
+        return 0.0
+
+    def energy(self, deformation: Floats) -> Floats:
+        """Return k δ²/2 in contact (J)."""
+        return np.asarray(0.5 * self.stiffness * np.maximum(deformation, 0.0) ** 2)
+
+    def force(self, deformation: Floats, rate: Floats) -> Floats:
+        """Return the force (N) at a deformation (m) and its rate (m/s)."""
+        pressed = np.maximum(deformation, 0.0)
+        force = self.stiffness * pressed + self.damping * rate * (pressed > 0.0)
+        return np.asarray(np.maximum(force, 0.0))
+
+    def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
+        """Return what acts over a step."""
+        each = [self._mean(b, m, step) for b, m in zip(before, moved, strict=True)]
+        forces, slopes, elastic = zip(*each, strict=True)
+        return forces, slopes, elastic
+
+    def _mean(self, before: float, moved: float, step: float) -> tuple[float, float, float]:
+        after = before + moved
+        if before <= 0.0 and after <= 0.0:
+            return (0.0, 0.0, 0.0)
+        p0, p1 = max(before, 0.0), max(after, 0.0)
+        half, rate = 0.5 * self.stiffness * (p0 + p1), self.damping / step
+        now = 1.0 if p1 > 0.0 else 0.0
+        touching, bend = now, 0.0
+        if (p0 > 0.0) != (p1 > 0.0):
+            # share of the way that is gone in contact; `moved` is not 0 here
+            touching = (p1 - p0) / moved
+            bend = half * (now - touching) / moved
+        elastic = half * touching
+        # the way gone in contact without the difference of two deep places
+        gone = moved if p0 > 0.0 and p1 > 0.0 else p1 - p0
+        force = elastic + rate * gone
+        if force <= 0.0:
+            return (0.0, 0.0, elastic)
+        return (force, 0.5 * self.stiffness * now * touching + rate * now + bend, elastic)
+
+
+@dataclass(frozen=True)
+class RoughPoint:
+    """A share of two rough surfaces in contact: force P e^{δ/u₀}, which pushes only.
+
+    The law of :mod:`tmm.generator.contact` at one place of the head; damping is the relaxation
+    time times the rate of the force, cut off where the sum would pull.
+
+    Attributes
+    ----------
+    load : float
+        P, the force at δ = 0 (N).
+    decay_length : float
+        u₀ (m).
+    relaxation_time : float
+        s.
+    """
+
+    load: float
+    decay_length: float
+    relaxation_time: float = 0.0
+
+    @property
+    def apart(self) -> float:
+        """Deformation (m) up to which nothing acts."""
+        return _APART * self.decay_length
+
+    def energy(self, deformation: Floats) -> Floats:
+        """Return P u₀ e^{δ/u₀} (J), 0 far apart."""
+        return np.asarray(self.decay_length * self._force(deformation / self.decay_length))
+
+    def force(self, deformation: Floats, rate: Floats) -> Floats:
+        """Return the force (N) at a deformation (m) and its rate (m/s)."""
+        growth = 1.0 + self.relaxation_time * rate / self.decay_length
+        return np.asarray(self._force(deformation / self.decay_length) * np.maximum(growth, 0.0))
+
+    def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
+        """Return what acts over a step."""
+        u0, load, rate = self.decay_length, self.load, self.relaxation_time / step
+        forces, slopes, parts = [], [], []
+        for b, m in zip(before, moved, strict=True):
+            at, change = b / u0, m / u0
+            after = at + change
+            begin = load * exp(min(_LARGEST, at)) if at > _APART else 0.0
+            if after <= _APART:
+                rise = -begin
+            elif begin == 0.0:
+                rise = load * exp(min(_LARGEST, after))
+            else:
+                # needs no difference of two large forces
+                rise = begin * expm1(min(_LARGEST, change))
+            end = begin + rise
+            elastic = end if change == 0.0 else rise / change
+            force = elastic + rate * rise
+            if force > 0.0:
+                small = -_SMALL_CHANGE < change < _SMALL_CHANGE
+                slope = 0.5 * end if small else (end - elastic) / change
+                forces.append(force)
+                slopes.append((slope + rate * end) / u0)
+            else:
+                forces.append(0.0)
+                slopes.append(0.0)
+            parts.append(elastic)
+        return forces, slopes, parts
+
+    def _force(self, exponent: Floats) -> Floats:
+        near = self.load * np.exp(np.minimum(exponent, _LARGEST))
+        return np.asarray(np.where(exponent > _APART, near, 0.0))
+
+
+@dataclass(frozen=True)
+class CubicSpring:
+    """f = k δ + k₃ δ³ (N), in both directions."""
+
+    linear: float
+    cubic: float = 0.0
+
+    @property
+    def apart(self) -> float:
+        """It always acts."""
+        return -math.inf
+
+    def energy(self, deformation: Floats) -> Floats:
+        """Return k δ²/2 + k₃ δ⁴/4 (J)."""
+        square = np.square(deformation)
+        return np.asarray(0.5 * self.linear * square + 0.25 * self.cubic * square * square)
+
+    def force(self, deformation: Floats, rate: Floats) -> Floats:
+        """Return the force (N) at a deformation (m)."""
+        return np.asarray(self.linear * deformation + self.cubic * np.power(deformation, 3))
+
+    def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
+        """Return what acts over a step."""
+        forces, slopes = [], []
+        for b, m in zip(before, moved, strict=True):
+            after = b + m
+            squares, total = b * b + after * after, b + after
+            forces.append(0.5 * self.linear * total + 0.25 * self.cubic * total * squares)
+            bend = squares + 2.0 * total * after
+            slopes.append(0.5 * self.linear + 0.25 * self.cubic * bend)
+        return forces, slopes, forces
 
 
 @dataclass(frozen=True)

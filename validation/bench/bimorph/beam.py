@@ -16,11 +16,11 @@ from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Device, Drive, Load, Support
 from tactgen.tmm.beam.mounted_beam import mounted_response
 from tactgen.tmm.beam.parametric import Actuator, tip_response
-from tactgen.tmm.beam.section.section import section
-from tactgen.tmm.beam.transfer.blocks import BLOCK
-from tactgen.tmm.beam.transfer.transfer_matrix import chain
+from tactgen.tmm.beam.sections import section
+from tactgen.tmm.beam.span import BLOCK
+from tactgen.tmm.beam.transfer_matrix import chain
+from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
 from tactgen.tmm.ports.multiport import respond, terminate
-from tactgen.tmm.ports.terminations import base_stiffness, ends_of, tip_stiffness
 from tactgen.validation.bench.one_core import least_time, on_one_core, peak_memory
 from tactgen.validation.bench.result import Bench, Target, Timing
 from tactgen.validation.checks.cases import reference_beam as reference

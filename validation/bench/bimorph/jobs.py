@@ -137,8 +137,8 @@ def _static(system: Any) -> tuple[float, float]:
     """Return deflection and capacitance of the clamped, free bimorph."""
     from tactgen.fem.bimorph.ports import static_multiport
     from tactgen.geometry.bimorph.ends import Ends
+    from tactgen.tmm.ports.elements import attach
     from tactgen.tmm.ports.multiport import respond
-    from tactgen.tmm.ports.terminations import attach
 
     response = respond(attach(static_multiport(system), Ends()), {"voltage": 1.0})
     return float(response.motion["w_tip"][0].real), float(response.effort["voltage"][0].real)
@@ -168,8 +168,8 @@ def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
     """Return the complex deflection by reduction to ports."""
     from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
     from tactgen.geometry.bimorph.ends import Ends
+    from tactgen.tmm.ports.elements import attach
     from tactgen.tmm.ports.multiport import respond
-    from tactgen.tmm.ports.terminations import attach
 
     f = np.array(frequencies)
     port = reduce_to_ports(system, f, tolerance=_REDUCTION).multiport(f)

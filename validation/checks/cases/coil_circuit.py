@@ -8,7 +8,7 @@ from tactgen.tmm.generator.transient.march import simulate_steps
 from tactgen.tmm.generator.transient.record import Run
 from tactgen.tmm.generator.transient.system import Coil, System
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
-from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
+from tactgen.tmm.reluctance.coenergy_map import CoenergyPoint
 from tactgen.validation.checks.cases.fineness import steps
 
 _ONE, _UNIT = np.ones(1), np.eye(1)

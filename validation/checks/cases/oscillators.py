@@ -11,12 +11,9 @@ from functools import cache
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.tmm.harmonic_balance.continuation import Branch, follow
-from tactgen.tmm.harmonic_balance.free_oscillation import free_oscillation
-from tactgen.tmm.harmonic_balance.oscillator import LawPoint, Orbit, Oscillator
-from tactgen.tmm.harmonic_balance.response import steady_orbit
-from tactgen.tmm.harmonic_balance.special_points import folds, peaks
-from tactgen.tmm.harmonic_balance.steady import Resolution
+from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
+from tactgen.tmm.harmonic_balance.continuation import Branch, folds, follow, peaks, steady_orbit
+from tactgen.tmm.harmonic_balance.steady import Resolution, free_oscillation
 
 #: Harmonics are added until those left out would move less than this share.
 EXACT = Resolution(missing=1e-11, least=7, most=60)

@@ -11,7 +11,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.tmm.beam.printed_formulas import matrix_a
-from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.sections import Section
 
 
 def transfer(beam: Section, length: float, frequencies: Floats) -> Complex:

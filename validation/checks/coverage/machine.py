@@ -7,13 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import Linearised
 from tactgen.tmm.reluctance.circuit import CELLS
-from tactgen.tmm.reluctance.direct_pull import DirectPull
-from tactgen.tmm.reluctance.map_range import map_grid
-from tactgen.tmm.reluctance.network import network_samples
+from tactgen.tmm.reluctance.map_range import map_grid, network_pull
+from tactgen.tmm.reluctance.network import DirectPull, network_samples
 from tactgen.tmm.reluctance.switching import between_stops, spring_force
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout

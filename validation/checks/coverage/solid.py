@@ -22,9 +22,9 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks, Held
 from tactgen.geometry.device.checks import beyond_plain_layers
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.tmm.ports.port import BIMORPH
-from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.checks.coverage.result import Judged
 from tactgen.validation.engine.model import Model, make_model
 from tactgen.validation.engine.plan import make_plan

@@ -6,7 +6,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.beam.modes import bending_frequencies
-from tactgen.tmm.beam.transfer.transfer_matrix import SEGMENTS, sections
+from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
 from tactgen.validation.checks.coverage.result import Judged
 from tactgen.validation.checks.coverage.scenes import drawn_bimorph
 from tactgen.validation.engine.solve import solve

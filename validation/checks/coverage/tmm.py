@@ -11,7 +11,7 @@ import mpmath as mp
 import numpy as np
 
 from tactgen.geometry.bimorph.pieces import beam_pieces
-from tactgen.tmm.ports.terminations import base_stiffness
+from tactgen.tmm.ports.elements import base_stiffness
 from tactgen.validation.checks.cases import reference_beam as reference
 from tactgen.validation.checks.cases.reference_modes import Row, natural_frequency
 from tactgen.validation.checks.coverage.result import Judged

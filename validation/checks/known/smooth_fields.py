@@ -182,7 +182,7 @@ _MODE, _FAST = 4, 50e3
 def _mode_error(elements: int) -> float:
     from tactgen.fem.beam import beam
     from tactgen.tmm.beam.modes import bending_frequencies
-    from tactgen.tmm.beam.transfer.transfer_matrix import sections
+    from tactgen.tmm.beam.transfer_matrix import sections
 
     device, support = Device(), Support(kind="clamped")
     pieces = sections(device, support, Beam(), lossy=False)
@@ -196,7 +196,7 @@ def _mode_error(elements: int) -> float:
 def _port_error(elements: int) -> float:
     """Return the largest error of the five ports' stiffness, by the diagonal's sizes."""
     from tactgen.fem.beam import beam
-    from tactgen.tmm.beam.transfer import transfer_matrix
+    from tactgen.tmm.beam import transfer_matrix
 
     at = np.array([_FAST])
     exact = transfer_matrix.multiport(Device(), Support(), Beam(), at).stiffness[0]

@@ -14,8 +14,7 @@ from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.tmm.beam.lumped import lumped_model
 from tactgen.tmm.beam.modes import bending_frequencies
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.section.tapered import segmented
+from tactgen.tmm.beam.sections import Section, segmented
 from tactgen.validation.checks.case import Answer, Case, case, nth
 from tactgen.validation.checks.cases.boxes import (
     Box,

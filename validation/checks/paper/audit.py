@@ -30,9 +30,9 @@ from tactgen.tmm.beam.printed_formulas import (
     printed_section,
     wave_parameters,
 )
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.section.section import section as section_constants
-from tactgen.tmm.ports.terminations import base_stiffness, ends_of, tip_stiffness
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.beam.sections import section as section_constants
+from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
 from tactgen.validation.scene.scene import Scene
 
 #: Frequencies at which the effects are stated (Hz).

@@ -14,8 +14,8 @@ import numpy as np
 
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam.printed_formulas import PLACES
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.ports.loads.finger import finger_impedance
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.ports.finger import finger_impedance
 from tactgen.validation.checks.cases import reference_beam as reference
 
 

@@ -20,11 +20,17 @@ from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Support
 from tactgen.tmm.beam.modes import bending_frequencies
-from tactgen.tmm.beam.section.section import Section, section
-from tactgen.tmm.beam.transfer.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
-from tactgen.tmm.beam.transfer.span import Span, span
-from tactgen.tmm.beam.transfer.transfer_matrix import chain
-from tactgen.tmm.ports.terminations import ends_of
+from tactgen.tmm.beam.sections import Section, section
+from tactgen.tmm.beam.span import (
+    EPS,
+    EXTENDED_EPS,
+    EXTENDED_ROUNDINGS,
+    Span,
+    error_bound,
+    span,
+)
+from tactgen.tmm.beam.transfer_matrix import chain
+from tactgen.tmm.ports.elements import ends_of
 from tactgen.validation.checks.cases import reference_beam as reference
 from tactgen.validation.checks.stress import Asked, beam_modes
 from tactgen.validation.checks.stress.beam_point import CONDITION_LIMIT, entry_error, point

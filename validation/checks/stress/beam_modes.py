@@ -1,6 +1,6 @@
 """Natural frequencies of one beam from slender to all shear, against 80 digits.
 
-EI/(GA l²) is φ of :mod:`tmm.beam.transfer.span`: 10⁻⁴ in a bimorph of use, 10⁹ where the beam
+EI/(GA l²) is φ of :mod:`tmm.beam.span`: 10⁻⁴ in a bimorph of use, 10⁹ where the beam
 does nothing but shear.  Held ends keep every digit; a free beam loses one with every decade of φ
 and says so, until its rounding cannot be told any more and it is refused.
 """
@@ -11,7 +11,7 @@ from itertools import product
 
 from tactgen.geometry.bimorph.ends import Ends, Springs
 from tactgen.tmm.beam.modes import natural_frequencies
-from tactgen.tmm.beam.section.section import Section
+from tactgen.tmm.beam.sections import Section
 from tactgen.validation.checks.cases.reference_modes import offset
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.result import Row, answered

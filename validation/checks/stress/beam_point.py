@@ -10,10 +10,10 @@ import numpy as np
 
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.beam.mounted_beam import mounted_response
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.transfer.precision import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
-from tactgen.tmm.beam.transfer.timoshenko import condition, dynamic_stiffness
-from tactgen.tmm.ports.terminations import base_stiffness, tip_stiffness
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.beam.span import EPS, EXTENDED_EPS, EXTENDED_ROUNDINGS, error_bound
+from tactgen.tmm.beam.timoshenko import condition, dynamic_stiffness
+from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
 from tactgen.validation.checks.cases import reference_beam as reference
 from tactgen.validation.checks.cases import textbook_beam
 from tactgen.validation.checks.stress.result import WANTED, Point

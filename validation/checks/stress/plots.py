@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.tmm.beam.transfer.precision import error_bound
+from tactgen.tmm.beam.span import error_bound
 from tactgen.validation.checks.stress.result import WANTED, Approach, ErrorMap
 from tactgen.validation.view.figures import ORANGE, new_figure, panels, svg
 from tactgen.validation.view.formats import engineering

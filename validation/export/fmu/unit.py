@@ -21,9 +21,9 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
-from tactgen.tmm.generator.transient.laws import RoughPoint
 from tactgen.tmm.generator.transient.machine import BORE, Machine
-from tactgen.tmm.reluctance.coenergy.cells import CoenergyCells
+from tactgen.tmm.generator.transient.system import RoughPoint
+from tactgen.tmm.reluctance.coenergy_map import CoenergyCells
 
 _MODEL = "generator"
 #: Step inside (s) unless the importer sets another.

@@ -11,13 +11,16 @@ from tactgen.geometry.arrays import Bools, Complex, Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.generator.rocking import RockingHead
-from tactgen.tmm.harmonic_balance.continuation import Branch, follow
-from tactgen.tmm.harmonic_balance.newton import NoConvergence
-from tactgen.tmm.harmonic_balance.oscillator import Orbit
-from tactgen.tmm.harmonic_balance.response import steady_orbit
-from tactgen.tmm.harmonic_balance.special_points import SpecialPoint, folds, peaks
-from tactgen.tmm.harmonic_balance.stability import unstable_exponents
-from tactgen.tmm.harmonic_balance.steady import Resolution, resolved
+from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit
+from tactgen.tmm.harmonic_balance.continuation import (
+    Branch,
+    SpecialPoint,
+    folds,
+    follow,
+    peaks,
+    steady_orbit,
+)
+from tactgen.tmm.harmonic_balance.steady import Resolution, resolved, unstable_exponents
 
 #: Harmonics are added until those left out would move less than this share.
 RESOLUTION = Resolution(missing=1e-3, least=5, most=60)

@@ -11,8 +11,8 @@ from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.generator.rocking import RockingHead
+from tactgen.tmm.harmonic_balance.balance import Orbit
 from tactgen.tmm.harmonic_balance.continuation import follow
-from tactgen.tmm.harmonic_balance.oscillator import Orbit
 from tactgen.tmm.harmonic_balance.steady import Resolution, equilibrium
 
 #: Far beyond the moment that tips the head the contact is nearly a kink; harmonics left out may

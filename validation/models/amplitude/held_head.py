@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Literal
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.generator.positions import History, axial_forces, resting_place
 from tactgen.tmm.generator.rocking import RockingHead, rocking_head
-from tactgen.tmm.ports.terminations import ends_of
+from tactgen.tmm.ports.elements import ends_of
 from tactgen.validation.models.five_port import five_port
 from tactgen.validation.scene.scene import Scene
 

@@ -51,7 +51,7 @@ def expected_differences(scene: Scene) -> dict[str, Band]:
     wide plate), and on both sides what the ends may do.  A taper counts by its layers where
     they are nominal, glue between them not at all.
     """
-    from tactgen.tmm.beam.section.laminate import laminate_section
+    from tactgen.tmm.beam.sections import laminate_section
     from tactgen.validation.models.bimorph.beam_values import beam_values
 
     if scene.support.kind == "rod":

@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
+from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.beam.modes import bending_frequencies
-from tactgen.tmm.beam.section.section import Section, without_electrode
-from tactgen.tmm.beam.transfer import transfer_matrix
-from tactgen.tmm.beam.transfer.scattering import Element
+from tactgen.tmm.beam.scattering import Element
+from tactgen.tmm.beam.sections import Section, without_electrode
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.tmm.ports.readout import ELECTRICAL, MECHANICAL
-from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.bimorph import coupling_factor
 from tactgen.validation.scene.scene import Scene
 

@@ -20,9 +20,9 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
-from tactgen.tmm.beam.section.section import Joint, section
-from tactgen.tmm.beam.transfer import transfer_matrix
-from tactgen.tmm.beam.transfer.scattering import Element
+from tactgen.tmm.beam import transfer_matrix
+from tactgen.tmm.beam.scattering import Element
+from tactgen.tmm.beam.sections import Joint, section
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.models.bimorph.beam_values import beam_row, values_of_row
 from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain

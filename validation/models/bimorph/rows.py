@@ -12,13 +12,12 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.bimorph.row_shape import CentreLine
-from tactgen.tmm.beam import lumped, shapes
+from tactgen.tmm.beam import lumped, shapes, transfer_matrix
 from tactgen.tmm.beam.modes import NaturalFrequencies, natural_frequencies
 from tactgen.tmm.beam.mounted_beam import uniform_response
-from tactgen.tmm.beam.transfer import transfer_matrix
-from tactgen.tmm.beam.transfer.scattering import Element
+from tactgen.tmm.beam.scattering import Element
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import Multiport, Response, respond
-from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.engine.error_bars import SAFETY
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.models.bimorph.model import BeamTheoryModel

@@ -11,9 +11,7 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.display.bill import bill_of_parts
 from tactgen.geometry.display.layout import unit_names
-from tactgen.tmm.display.array import joined, tip_motions, unit_ports
-from tactgen.tmm.display.board import board
-from tactgen.tmm.display.skin import sheet
+from tactgen.tmm.display.array import board, joined, sheet, tip_motions, unit_ports
 from tactgen.tmm.ports.multiport import Multiport, in_series
 from tactgen.validation.engine.model import Refined
 from tactgen.validation.engine.results import Estimate

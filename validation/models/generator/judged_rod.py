@@ -13,7 +13,6 @@ from typing import Protocol
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Numbers
-from tactgen.tmm.generator.observed_order import error_bar
 from tactgen.tmm.generator.positions import (
     Pull,
     RestingPlace,
@@ -22,10 +21,11 @@ from tactgen.tmm.generator.positions import (
     settled_place,
 )
 from tactgen.tmm.generator.small_signal import Linearised, Map, linearised
+from tactgen.tmm.generator.transient.march import error_bar
 from tactgen.tmm.reluctance.circuit import CELLS
-from tactgen.tmm.reluctance.coenergy.fit import thinned
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
-from tactgen.tmm.reluctance.direct_pull import DirectPull
+from tactgen.tmm.reluctance.coenergy_fit import thinned
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
+from tactgen.tmm.reluctance.network import DirectPull
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.scene.scene import Scene
 

@@ -21,9 +21,9 @@ from tactgen.tmm.generator.small_signal import (
     joined,
     machine,
 )
-from tactgen.tmm.ports.loads.measured_law import disturbed
+from tactgen.tmm.ports.elements import tip_stiffness
+from tactgen.tmm.ports.measured_load import disturbed
 from tactgen.tmm.ports.multiport import Multiport, in_series, respond, terminate
-from tactgen.tmm.ports.terminations import tip_stiffness
 from tactgen.validation.engine.model import Refined
 from tactgen.validation.engine.reading import rounding_of_ports
 from tactgen.validation.engine.results import Estimate

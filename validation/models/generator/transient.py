@@ -10,12 +10,18 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device, Support
-from tactgen.tmm.generator.transient.bimorph import BimorphModes, bimorph_modes
-from tactgen.tmm.generator.transient.machine import LOWER, UPPER, Machine, machine
+from tactgen.tmm.generator.transient.machine import (
+    LOWER,
+    UPPER,
+    BimorphModes,
+    Machine,
+    bimorph_modes,
+    machine,
+)
 from tactgen.tmm.generator.transient.march import Answer, simulate
 from tactgen.tmm.generator.transient.waveform import Sources
-from tactgen.tmm.ports.springs_dampers_masses import chain_of
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.ports.elements import chain_of
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -137,7 +143,7 @@ def scene_machine(
     """Return the generator of a scene, `volts` being the size of what drives it."""
     load = chain_of(scene.ends.tip)
     if pull is None:
-        from tactgen.tmm.generator.network_pull import network_pull
+        from tactgen.tmm.reluctance.map_range import network_pull
 
         pull = network_pull(scene.device)
     modes = scene_modes(scene)

@@ -14,8 +14,8 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept
-from tactgen.tmm.reluctance.coenergy.fit import fit
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples
+from tactgen.tmm.reluctance.coenergy_fit import fit
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
 from tactgen.validation.catalogue.models import MODELS, stage_code
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.stages import values_read

@@ -14,7 +14,7 @@ from tactgen.fem.reluctance.iron import reluctivity_tensor
 from tactgen.geometry.arrays import Bools, Floats, Ints
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import MU0
-from tactgen.tmm.reluctance.gap_permeance import pole_radii
+from tactgen.tmm.reluctance.circuit import pole_radii
 
 
 @dataclass(frozen=True)

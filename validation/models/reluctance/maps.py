@@ -5,8 +5,8 @@ Loaded by name from the scene and the engine, as the models are.
 
 from __future__ import annotations
 
-from tactgen.tmm.generator.network_pull import network_pull
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
+from tactgen.tmm.reluctance.map_range import network_pull
 from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.stages import Stages, stage_key
 from tactgen.validation.models.reluctance.model import MagneticModel, NetworkModel

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.engine.model import Model
@@ -154,7 +154,7 @@ class NetworkModel(MagneticModel):
         return by_network(self.scene)
 
     def _map(self) -> CoenergyMap:
-        from tactgen.tmm.generator.network_pull import network_pull
+        from tactgen.tmm.reluctance.map_range import network_pull
 
         # the one that where the rod rests is found by, with its device for the reader
         found = network_pull(self.scene.device)

@@ -18,7 +18,7 @@ import numpy as np
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import linear
 from tactgen.tmm.reluctance.circuit import FULL, circuit
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.switching import switching
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout

@@ -22,7 +22,7 @@ from tactgen.tmm.generator.positions import (
     resting_place,
     resting_places,
 )
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.reluctance.point import MagneticPoint
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.generator.positions import RestingPlace, axial_forces, resting_place
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout
 from tactgen.validation.engine.results import Estimate

@@ -15,7 +15,7 @@ import numpy as np
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.store.values import storable
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.switching import spring_force, switching
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.reluctance.point import MagneticPoint

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.tmm.beam.ceramic import driven_ceramic
-from tactgen.tmm.beam.transfer.transfer_matrix import multiport
+from tactgen.tmm.beam.port_quantities import driven_ceramic
+from tactgen.tmm.beam.transfer_matrix import multiport
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import in_series, respond
 from tactgen.tmm.ports.readout import ELECTRICAL
-from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.safe_drive import REASONS, voltage_limits
 from tactgen.validation.report.sections.section import Context
 from tactgen.validation.report.study import Study

@@ -12,7 +12,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.terminations import outside_known_range
+from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.amplitude.held_head import COILS, in_state

@@ -8,10 +8,9 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.device.load_table import LoadTable
-from tactgen.tmm.ports.loads.finger import FINGER_RANGE, finger_impedance
-from tactgen.tmm.ports.loads.finger_fit import finger_form
-from tactgen.tmm.ports.loads.measured_law import MeasuredLaw, continued
-from tactgen.tmm.ports.terminations import tip_stiffness
+from tactgen.tmm.ports.elements import tip_stiffness
+from tactgen.tmm.ports.finger import FINGER_RANGE, finger_form, finger_impedance
+from tactgen.tmm.ports.measured_load import MeasuredLaw, continued
 from tactgen.validation.catalogue.bimorph import LOAD_FORCE, LOAD_POWER
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report.sections.section import Context

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.device.parameters import Device
-from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.generator.moving_mass import moving_rod
 from tactgen.tmm.generator.positions import RestingPlace, axial_forces, resting_places
 from tactgen.tmm.generator.stops import contact_of, stops_of
+from tactgen.tmm.ports.elements import attach, outside_known_range
 from tactgen.tmm.ports.multiport import in_series, respond
-from tactgen.tmm.ports.terminations import attach, outside_known_range
 from tactgen.validation.catalogue.bimorph import SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES

@@ -17,8 +17,8 @@ from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.parametric import Actuator
-from tactgen.tmm.beam.section.section import section
-from tactgen.tmm.beam.transfer.timoshenko import wavenumbers
+from tactgen.tmm.beam.sections import section
+from tactgen.tmm.beam.timoshenko import wavenumbers
 from tactgen.validation.studies.design.aim import Aim
 from tactgen.validation.studies.design.length_map import (
     band_points,

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints
-from tactgen.tmm.beam.transfer.transfer_matrix import multiport
+from tactgen.tmm.beam.transfer_matrix import multiport
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import Multiport, in_series
-from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout
 from tactgen.validation.engine.model import Refined

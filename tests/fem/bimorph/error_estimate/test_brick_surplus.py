@@ -16,8 +16,8 @@ from tactgen.fem.bimorph.system import materials
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Bimorph, Device
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
-from tactgen.tmm.ports.terminations import attach
 
 DEVICE = Device(bimorph=Bimorph(length=9e-3, tab_length=1e-3))
 MESHING = BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=8.0, richness=1.5)

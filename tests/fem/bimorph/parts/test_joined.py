@@ -19,7 +19,7 @@ from tactgen.geometry.bimorph.bricks import Axis
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 from tactgen.geometry.store.values import fingerprint
-from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
+from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
 
 DEVICE = Device(bimorph=Bimorph(length=8e-3))
 BRICKS = bimorph_bricks(

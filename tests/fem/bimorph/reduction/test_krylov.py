@@ -12,9 +12,8 @@ from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Device, Load, Piezo, Support
-from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
-from tactgen.tmm.ports.multiport import respond
-from tactgen.tmm.ports.terminations import attach, ends_of
+from tactgen.tmm.ports.elements import attach, ends_of
+from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error, respond
 
 BOUNDS = (10.0, 20000.0)
 SWEEP = np.geomspace(*BOUNDS, 1000)

@@ -16,7 +16,7 @@ from tactgen.fem.bimorph.solid import assemble
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Device, Load, Support
-from tactgen.tmm.ports.terminations import ends_of
+from tactgen.tmm.ports.elements import ends_of
 from tactgen.validation.command_line.cli import main
 
 BOUNDS = (10.0, 20000.0)

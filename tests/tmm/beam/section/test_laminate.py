@@ -7,8 +7,7 @@ from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Piezo, Shim
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.section.laminate import laminate_section
-from tactgen.tmm.beam.section.section import section
+from tactgen.tmm.beam.sections import laminate_section, section
 
 
 def by_quadrature(device):

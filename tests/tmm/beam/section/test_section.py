@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tactgen.geometry.bimorph.pieces import Layers, Piece
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Glue, Piezo, Rod, Shim
-from tactgen.tmm.beam.section.section import section
+from tactgen.tmm.beam.sections import section
 from tactgen.validation.checks.cases import reference_beam as reference
 
 NAMES = ("EI", "GA", "m", "rhoI", "K", "C")

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactgen.geometry.device.parameters import Bimorph, Device, Glue, Piezo, Shim
-from tactgen.tmm.beam.section.shear_correction import energy_shear_correction
+from tactgen.tmm.beam.sections import energy_shear_correction
 
 
 def by_quadrature(device, points=20001):

@@ -9,10 +9,10 @@ from tactgen.fem.beam import beam as elements
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import lumped
+from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.modes import bending_frequencies
-from tactgen.tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
-from tactgen.tmm.ports.terminations import attach
 
 CLAMPED = Support(kind="clamped")
 FREQUENCIES = np.array([0.0, 10.0, 445.0, 1000.0, 5000.0])

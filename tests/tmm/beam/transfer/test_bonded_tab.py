@@ -7,9 +7,9 @@ from tactgen.fem.beam import beam as elements
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Glue, Shim, Support
+from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.modes import bending_frequencies
-from tactgen.tmm.beam.transfer import transfer_matrix as tmm
-from tactgen.tmm.beam.transfer.bonded_tab import bonded_tab
+from tactgen.tmm.beam.transfer_matrix import bonded_tab
 
 DEPTH = 0.4e-3
 PIECE = Piece("bond", DEPTH)

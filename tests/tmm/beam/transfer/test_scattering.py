@@ -5,14 +5,13 @@ import pytest
 
 from tactgen.geometry.bimorph.ends import Ends, TipLoad
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Support
+from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.modes import bending_frequencies
-from tactgen.tmm.beam.section.section import Joint
-from tactgen.tmm.beam.transfer import transfer_matrix as tmm
-from tactgen.tmm.beam.transfer.scattering import change_along, element_stiffness, joined
-from tactgen.tmm.beam.transfer.timoshenko import dynamic_stiffness
-from tactgen.tmm.ports.invariants import passivity_margin, reciprocity_error
-from tactgen.tmm.ports.multiport import respond
-from tactgen.tmm.ports.terminations import attach, ends_of
+from tactgen.tmm.beam.scattering import change_along, element_stiffness, joined
+from tactgen.tmm.beam.sections import Joint
+from tactgen.tmm.beam.timoshenko import dynamic_stiffness
+from tactgen.tmm.ports.elements import attach, ends_of
+from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error, respond
 
 FREQUENCIES = np.array([0.0, 1e-3, 10.0, 445.0, 1000.0, 5000.0, 20000.0])
 OMEGA = 2.0 * np.pi * FREQUENCIES

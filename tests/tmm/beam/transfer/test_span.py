@@ -5,9 +5,8 @@ import pytest
 
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Device
-from tactgen.tmm.beam.section.section import Section, section
-from tactgen.tmm.beam.transfer.precision import EXTENDED_EPS
-from tactgen.tmm.beam.transfer.span import Span, ThroughSpan, extended_span, span
+from tactgen.tmm.beam.sections import Section, section
+from tactgen.tmm.beam.span import EXTENDED_EPS, Span, ThroughSpan, extended_span, span
 
 NAMES = tuple(ThroughSpan.__dataclass_fields__)[2:]
 EPS = np.finfo(float).eps

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Device
-from tactgen.tmm.beam.section.section import Section, section
-from tactgen.tmm.beam.transfer.precision import error_bound
-from tactgen.tmm.beam.transfer.timoshenko import condition, dynamic_stiffness, wavenumbers
+from tactgen.tmm.beam.sections import Section, section
+from tactgen.tmm.beam.span import error_bound
+from tactgen.tmm.beam.timoshenko import condition, dynamic_stiffness, wavenumbers
 from tactgen.validation.checks.cases import reference_beam as reference
 from tactgen.validation.checks.stress.beam_point import CONDITION_LIMIT
 

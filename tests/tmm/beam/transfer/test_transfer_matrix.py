@@ -6,10 +6,10 @@ from scipy.optimize import minimize_scalar
 
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Support
+from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.modes import bending_frequencies
-from tactgen.tmm.beam.transfer import transfer_matrix as tmm
+from tactgen.tmm.ports.elements import attach, ends_of
 from tactgen.tmm.ports.multiport import respond, round_off
-from tactgen.tmm.ports.terminations import attach, ends_of
 
 SUPPORT = Support()
 

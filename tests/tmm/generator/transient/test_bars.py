@@ -5,11 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from tactgen.tmm.generator.observed_order import error_bar
-from tactgen.tmm.generator.transient.laws import Stop
-from tactgen.tmm.generator.transient.march import simulate
-from tactgen.tmm.generator.transient.pairs import paired, spread
-from tactgen.tmm.generator.transient.system import Element, Output, System
+from tactgen.tmm.generator.transient.march import error_bar, paired, simulate, spread
+from tactgen.tmm.generator.transient.system import Element, Output, Stop, System
 from tactgen.tmm.generator.transient.waveform import Sources
 
 ONE, UNIT = np.ones(1), np.eye(1)

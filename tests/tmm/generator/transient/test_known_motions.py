@@ -8,11 +8,20 @@ import pytest
 from scipy.special import ellipk
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient import march, passes, step
-from tactgen.tmm.generator.transient.laws import CubicSpring, RoughPoint, Stop
+from tactgen.tmm.generator.transient import march, step
+from tactgen.tmm.generator.transient import march as passes
 from tactgen.tmm.generator.transient.march import simulate, simulate_steps
-from tactgen.tmm.generator.transient.newton import StepTooLongError
-from tactgen.tmm.generator.transient.system import Coil, Element, Friction, Output, System
+from tactgen.tmm.generator.transient.step import StepTooLongError
+from tactgen.tmm.generator.transient.system import (
+    Coil,
+    CubicSpring,
+    Element,
+    Friction,
+    Output,
+    RoughPoint,
+    Stop,
+    System,
+)
 from tactgen.tmm.generator.transient.waveform import (
     Chirp,
     Constant,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
-from tactgen.tmm.ports.loads.finger import (
+from tactgen.tmm.ports.finger import (
     FINGER_RANGE,
     finger_impedance,
     finger_spring_damper,

@@ -12,9 +12,9 @@ from tactgen.fem.bimorph.ports import direct_multiport
 from tactgen.geometry.bimorph.bimorph_bricks import bimorph_bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.reluctance.circuit import CELLS
-from tactgen.tmm.reluctance.direct_pull import DirectPull
+from tactgen.tmm.reluctance.map_range import network_pull
+from tactgen.tmm.reluctance.network import DirectPull
 from tactgen.validation.checks.coverage import (
     PARTS,
     axisymmetric,

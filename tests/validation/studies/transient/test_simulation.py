@@ -11,21 +11,20 @@ from scipy.io import netcdf_file
 from tactgen.geometry.bimorph.ends import TipLoad
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.transfer import transfer_matrix
+from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.generator.moving_mass import moving_rod
-from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import linearised
 from tactgen.tmm.generator.small_signal import machine as machine_of_ports
 from tactgen.tmm.generator.stops import contact_of
-from tactgen.tmm.generator.transient.laws import Stop
 from tactgen.tmm.generator.transient.machine import machine
 from tactgen.tmm.generator.transient.march import simulate_steps
 from tactgen.tmm.generator.transient.step import Stepper
-from tactgen.tmm.generator.transient.system import Element, Friction, Output, System
+from tactgen.tmm.generator.transient.system import Element, Friction, Output, Stop, System
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
+from tactgen.tmm.ports.elements import chain_of
 from tactgen.tmm.ports.multiport import respond, terminate
-from tactgen.tmm.ports.springs_dampers_masses import chain_of
+from tactgen.tmm.reluctance.map_range import network_pull
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.commands.studies import simulate
 from tactgen.validation.models.generator import transient

@@ -10,9 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient.laws import Stop
 from tactgen.tmm.generator.transient.march import simulate
-from tactgen.tmm.generator.transient.system import Coil, Element, Output, System
+from tactgen.tmm.generator.transient.system import Coil, Element, Output, Stop, System
 from tactgen.tmm.generator.transient.waveform import (
     Chirp,
     Constant,

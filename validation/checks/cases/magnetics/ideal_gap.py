@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.tmm.reluctance.coenergy.cells import CoenergyPoint
+from tactgen.tmm.reluctance.coenergy_map import CoenergyPoint
 
 
 @dataclass(frozen=True)

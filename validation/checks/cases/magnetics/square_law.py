@@ -13,8 +13,8 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.steel_law import MagnetisationCurve
-from tactgen.tmm.reluctance.coenergy.fit import fit
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples
+from tactgen.tmm.reluctance.coenergy_fit import fit
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
 from tactgen.tmm.reluctance.flux_ladder import Ladder, LadderSolution, solve
 
 CURRENT, FLUX_LINKAGE = 0.2, 0.25

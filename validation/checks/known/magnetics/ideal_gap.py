@@ -9,8 +9,8 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device, Spring
 from tactgen.geometry.device.steel_law import MU0
-from tactgen.tmm.reluctance.coenergy.fit import fit
-from tactgen.tmm.reluctance.coenergy.map import Samples
+from tactgen.tmm.reluctance.coenergy_fit import fit
+from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.switching import Switching, switching
 from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.drawings.machines import ideal_gap

@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from tactgen.tmm.ports.loads.finger import FINGER_RANGE
+from tactgen.tmm.ports.finger import FINGER_RANGE
 from tactgen.validation.checks.coverage.result import PROMISED
 from tactgen.validation.checks.coverage.scenes import between
 from tactgen.validation.checks.stress import Asked

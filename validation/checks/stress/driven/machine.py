@@ -8,10 +8,9 @@ from functools import partial
 import numpy as np
 
 from tactgen.geometry.device.parameters import Device
-from tactgen.tmm.generator.network_pull import network_pull
 from tactgen.tmm.generator.positions import AxialForces, axial_forces, settled_place
-from tactgen.tmm.reluctance.direct_pull import DirectPull
-from tactgen.tmm.reluctance.network import network_samples
+from tactgen.tmm.reluctance.map_range import network_pull
+from tactgen.tmm.reluctance.network import DirectPull, network_samples
 from tactgen.validation.checks.stress import Asked, Families
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.driven.holding import CIRCUIT_PAIR, DRIVEN, HELD

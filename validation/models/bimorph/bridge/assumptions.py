@@ -1,7 +1,7 @@
 """The bridge from the transfer-matrix model to the solid: one assumption given up at a time.
 
 Each rung changes one thing.  Beside what it changes stands what a closed form predicts for
-it (tmm.beam.section.laminate), and what the beam model does with the section that the solid itself
+it (tmm.beam.sections), and what the beam model does with the section that the solid itself
 has far from its ends; what neither explains is the work of the ends, see :mod:`.ends`.
 """
 
@@ -14,9 +14,7 @@ import numpy as np
 
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.section.laminate import laminate_section
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.section.shear_correction import energy_shear_correction
+from tactgen.tmm.beam.sections import Section, energy_shear_correction, laminate_section
 from tactgen.validation.models.bimorph.beam_values import Values, beam_values
 from tactgen.validation.models.bimorph.bridge.rung import Rung
 from tactgen.validation.models.bimorph.bridge.solid_values import (

@@ -13,8 +13,8 @@ from functools import cached_property
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_bricks
 from tactgen.geometry.device.parameters import Glue, Rod
-from tactgen.tmm.beam.transfer import transfer_matrix
-from tactgen.tmm.beam.transfer.scattering import Element
+from tactgen.tmm.beam import transfer_matrix
+from tactgen.tmm.beam.scattering import Element
 from tactgen.validation.engine.error_bars import ROD_FACTOR
 from tactgen.validation.models.bimorph.beam_values import Values, beam_values, values_of_row
 from tactgen.validation.models.bimorph.bridge.rung import Rung

@@ -24,7 +24,7 @@ from tactgen.geometry.bimorph.bricks import Bricks, Held
 from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_parts
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.tmm.beam.section.section import Section, section
+from tactgen.tmm.beam.sections import Section, section
 from tactgen.tmm.ports.multiport import Multiport, hold, respond
 from tactgen.validation.models.bimorph.beam_values import Values, bimorph_piece, values_from
 from tactgen.validation.scene.scene import Scene

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tactgen.tmm.beam.section.laminate import laminate_section
+from tactgen.tmm.beam.sections import laminate_section
 from tactgen.validation.models.bimorph.bridge.solid_values import (
     SolidCase,
     far_section,

@@ -15,9 +15,9 @@ from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members
 from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import Multiport, in_series, round_off
 from tactgen.tmm.ports.readout import ModalReadout, Readout
-from tactgen.tmm.ports.terminations import attach
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.error_bars import FAMILY_FACTOR
 from tactgen.validation.models.bimorph.family.mixed_form import MixedForm

@@ -18,8 +18,8 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept, recalled
 from tactgen.geometry.store.values import storable
-from tactgen.tmm.reluctance.coenergy.fit import fit, largest_share
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, MapError, Samples
+from tactgen.tmm.reluctance.coenergy_fit import fit, largest_share
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, MapError, Samples
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.costs import record, recorded
 from tactgen.validation.engine.prospects import Prospect

@@ -15,7 +15,7 @@ import numpy as np
 from tactgen.fem.reluctance.axisymmetric.walk import FieldWalk
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.store.store import is_kept
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS, stage_code
 from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.catalogue.quantities import QUANTITIES

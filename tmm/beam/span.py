@@ -37,7 +37,7 @@ machine's long double (64 bits on x86-64, 113 on most others; where it is a plai
 only the phases gain).  A result made of these functions has as condition number the size of
 its terms over its value.  It is kept in double precision while its error there is below
 `TOLERATED`, and worked out in extended precision otherwise; what is promised then is
-:func:`tmm.beam.transfer.precision.error_bound`.
+:func:`tmm.beam.span.error_bound`.
 
 Sources: T. C. Huang, J. Appl. Mech. 28 (1961) 579 for the frequency equations (E, E', O, O'
 and their products are his); E. C. Pestel and F. A. Leckie, Matrix Methods in
@@ -46,7 +46,7 @@ Elastomechanics (1963), chapter 7, for why minors are formed before numbers are 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any, TypeVar
@@ -54,12 +54,56 @@ from typing import Any, TypeVar
 import numpy as np
 
 from tactgen.geometry.arrays import Bools, Complex, Floats, Numbers
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.transfer.double_double import DoubleDouble
-from tactgen.tmm.beam.transfer.precision import head, phase, rounded, size, sqrt
+from tactgen.tmm.beam.double_double import DoubleDouble
+from tactgen.tmm.beam.sections import Section
+
+#: Working precision of the extended evaluation, and its rounding unit.
+EXTENDED = np.clongdouble
+EXTENDED_EPS = float(np.finfo(np.longdouble).eps)
+EPS = float(np.finfo(float).eps)
+
+#: Relative error of a result that double precision may cost.
+TOLERATED = 7e-13
+#: Extended roundings in a result, per unit of its condition number: its sums have up to
+#: fifteen terms of several factors each.  On the way into nine resonances at most 26 were found.
+EXTENDED_ROUNDINGS = 50.0
+
+
+def error_bound(condition: Floats | float) -> Floats:
+    """Return the relative error that results of these condition numbers may have."""
+    extended = 2.0 * EPS + EXTENDED_ROUNDINGS * EXTENDED_EPS * np.asarray(condition)
+    return np.maximum(TOLERATED, extended)
+
+
+def sqrt(v: Any) -> Any:
+    """Return the root of an array or a double-double number."""
+    return v.sqrt() if isinstance(v, DoubleDouble) else np.sqrt(v)
+
+
+def head(v: Any) -> Complex:
+    """Return the number as doubles, for comparisons."""
+    return v.hi if isinstance(v, DoubleDouble) else v
+
+
+def rounded(v: Any) -> Complex:
+    """Return the number in the working precision."""
+    return v.hi.astype(EXTENDED) + v.lo if isinstance(v, DoubleDouble) else v
+
+
+def phase(v: Any) -> tuple[Complex, Complex | None]:
+    """Return the number as a double and the rest, both in the working precision."""
+    if isinstance(v, DoubleDouble):
+        return v.hi.astype(EXTENDED), v.lo.astype(EXTENDED)
+    return v, None
+
+
+def size(v: Any) -> Floats:
+    """Return the magnitude as doubles."""
+    return np.asarray(np.abs(v).astype(float, copy=False))
+
 
 #: Roundings in a function relative to its size, from the series and, per 1 + |λ|, from the
-#: products.  The results of :mod:`tmm.beam.transfer.timoshenko` and :mod:`tmm.beam.mounted_beam`
+#: products.  The results of :mod:`tmm.beam.timoshenko` and :mod:`tmm.beam.mounted_beam`
 #: at 6e5 random points, held against extended precision, had at most 0.83 of the error so
 #: estimated.
 _SERIES_ROUNDINGS, _PHASE_ROUNDINGS = 4.0, 0.5
@@ -354,3 +398,46 @@ def _over(sinh: Complex, z: Complex) -> Complex:
 
 def _values(record: Any) -> list[Any]:
     return [getattr(record, field.name) for field in fields(record)]
+
+
+#: Points in a block: the intermediate arrays then stay in a core's second-level cache.
+BLOCK = 4096
+
+
+def blocks(
+    inputs: Sequence[Any], outputs: Sequence[Numbers], size: int = BLOCK
+) -> Iterator[tuple[list[Complex], list[Numbers]]]:
+    """Yield matching flat pieces of all arrays: inputs to read, outputs to fill.
+
+    Parameters
+    ----------
+    inputs : sequence of array-like
+        Broadcast against each other, and converted to complex.
+    outputs : sequence of arrays
+        All of the common shape of the inputs.
+    size : int
+        Points in a block.
+    """
+    _keep_freed_memory()
+    uses: Any = [["readonly"]] * len(inputs) + [["writeonly"]] * len(outputs)
+    types: Any = [complex] * len(inputs) + [out.dtype for out in outputs]
+    pieces = np.nditer(
+        [*(np.asarray(v) for v in inputs), *outputs],
+        flags=["external_loop", "buffered", "zerosize_ok"],
+        op_flags=uses,
+        op_dtypes=types,
+        order="C",
+        buffersize=size,
+    )
+    with pieces:
+        for piece in pieces:
+            yield list(piece[: len(inputs)]), list(piece[len(inputs) :])
+
+
+def _keep_freed_memory() -> None:
+    """Let the GNU allocator keep what blocks free instead of returning it page by page.
+
+    Freeing one large array raises its thresholds (mallopt(3), M_MMAP_THRESHOLD); without
+    it every temporary is given back and faulted in anew, which halves the speed.
+    """
+    np.empty(1 << 20)

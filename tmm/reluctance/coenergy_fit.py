@@ -13,14 +13,14 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.reluctance.coenergy.map import (
+from tactgen.tmm.reluctance.coenergy_map import (
     CoenergyMap,
     MapError,
     Samples,
     current_basis,
     gap_derivative,
 )
-from tactgen.tmm.reluctance.coenergy.splines import SplineBasis, b_splines
+from tactgen.tmm.reluctance.splines import SplineBasis, b_splines
 
 #: Degrees of the inductance in the current and of the surface in ln(g + g0).
 _CURRENT_DEGREE, _GAP_DEGREE = 2, 3

@@ -6,12 +6,17 @@ Closed form only; the beam finite elements compute theirs by quadrature.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.pieces import Layers, Piece
 from tactgen.geometry.device.materials import EPS0, lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device
+from tactgen.geometry.errors import InputError
 
 #: A number, or an array of them for many beams at once; complex where there are losses.
 Constant: TypeAlias = Any
@@ -152,4 +157,156 @@ def _cylinder(device: Device, radius: float, *, lossy: bool) -> Section:
         GA=correction * shear_modulus * area,
         m=rod.density * area,
         rhoI=rod.density * inertia,
+    )
+
+
+def laminate_section(
+    device: Device,
+    beam: Beam,
+    *,
+    poisson: bool = True,
+    d32: bool = True,
+    varying_field: bool = True,
+) -> Section:
+    """Return the section constants of the plate, no moment across; all else as the beam's.
+
+    Parameters
+    ----------
+    device : Device
+        Without losses.
+    beam : Beam
+        Shear correction.
+    poisson : bool
+        Poisson's effect of ceramic and shim.
+    d32 : bool
+        The piezoelectric effect across the width.
+    varying_field : bool
+        Let the field vary through each layer.  Without this and the two others the
+        constants are those of the beam models.
+
+    Raises
+    ------
+    InputError
+        If there is glue between the layers.
+    """
+    bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
+    if bimorph.glue_thickness > 0.0:
+        raise InputError(
+            f"bimorph.glue_thickness = {bimorph.glue_thickness:.4g} m is not in laminate theory; "
+            "set it to 0 m"
+        )
+    ceramic = piezo.ceramic()
+    s, h, hp = ceramic.s, bimorph.shim_thickness, bimorph.piezo_thickness
+    nu = -s[0, 1] / s[0, 0] if poisson else 0.0
+    plane = _plane_stress(1.0 / piezo.s11, 1.0 / piezo.s11, nu)
+    d = piezo.d31 * np.array([1.0, 1.0 if d32 else 0.0])
+    coupling = plane @ d
+    clamped = float(ceramic.eps_t[2, 2] - d @ coupling)
+    across = shim.transverse_modulus or 2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus
+    core = _plane_stress(shim.youngs_modulus, across, shim.poisson_ratio if poisson else 0.0)
+    layers = 2.0 / 3.0 * ((0.5 * h + hp) ** 3 - (0.5 * h) ** 3)
+    stiffness = core * h**3 / 12.0 + plane * layers
+    if varying_field:
+        stiffness = stiffness + 2.0 * np.outer(coupling, coupling) / clamped * hp**3 / 12.0
+    moment = -bimorph.poling_sign * coupling * (h + hp)
+    b, follows = bimorph.width, stiffness[0, 1] / stiffness[1, 1]
+    return replace(
+        section(Piece("bimorph", bimorph.length), device, beam, lossy=False),
+        EI=b * float(stiffness[0, 0] - stiffness[0, 1] * follows),
+        K=b * float(moment[0] - moment[1] * follows),
+        C=b * float(2.0 * clamped / hp + moment[1] ** 2 / stiffness[1, 1]),
+    )
+
+
+def _plane_stress(along: float, across: float, poisson_ratio: float) -> Floats:
+    """Return the (2, 2) stiffness (Pa) of an orthotropic sheet; ν is that of a pull along."""
+    minor = poisson_ratio * across
+    sheet = np.array([[along, minor], [minor, across]])
+    return sheet / (1.0 - poisson_ratio**2 * across / along)
+
+
+class _Layer(NamedTuple):
+    """Upper half of the section: from `low` to `high` (m), moduli in Pa."""
+
+    low: float
+    high: float
+    young: float
+    shear: float
+
+
+def energy_shear_correction(device: Device) -> float:
+    """Return the factor by which ``Σ G A`` of the layers is to be multiplied.
+
+    Young's moduli are those of a beam (no transverse stress, short circuit).
+    """
+    layers = _upper_half(device)
+    bending = sum(y.young * (y.high**3 - y.low**3) / 3.0 for y in layers)
+    energy = outside = 0.0
+    for layer in reversed(layers):
+        # S = a − b x² within the layer
+        b = 0.5 * layer.young
+        a = outside + b * layer.high**2
+        powers = (layer.high**n - layer.low**n for n in (1, 3, 5))
+        first, third, fifth = powers
+        energy += (a**2 * first - 2.0 * a * b * third / 3.0 + b**2 * fifth / 5.0) / layer.shear
+        outside = a - b * layer.low**2
+    plain = sum(layer.shear * (layer.high - layer.low) for layer in layers)
+    return bending**2 / (energy * plain)
+
+
+def _upper_half(device: Device) -> list[_Layer]:
+    bimorph, piezo, shim, glue = device.bimorph, device.piezo, device.shim, device.glue
+    half, bond = 0.5 * bimorph.shim_thickness, bimorph.glue_thickness
+    layers = [_Layer(0.0, half, shim.youngs_modulus, shim.shear_modulus)]
+    if bond > 0.0:
+        shear = glue.youngs_modulus / (2.0 * (1.0 + glue.poisson_ratio))
+        layers.append(_Layer(half, half + bond, glue.youngs_modulus, shear))
+    low = half + bond
+    layers.append(_Layer(low, low + bimorph.piezo_thickness, 1.0 / piezo.s11, 1.0 / piezo.s55))
+    return layers
+
+
+#: Shares of a segment's length at which its sections are taken.
+_GAUSS = (0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0)
+#: Weights 2 a and 2 b of the nearer and the farther one.
+_NEAR, _FAR = 0.5 + math.sqrt(3.0) / 3.0, 0.5 - math.sqrt(3.0) / 3.0
+#: Ratio of the two sections' stiffness above which the nearer one is taken as it is: a taper
+#: that runs out to nearly nothing, where the farther one's small weight would turn signs.
+_STEEPEST = 8.0
+
+
+def segmented(
+    at: Callable[[float], Section], length: float, segments: int
+) -> list[tuple[Section, Constant]]:
+    """Return prismatic beams, two for each segment, with their lengths (m).
+
+    `at` gives the section at a share of the length.
+    """
+    found = []
+    for i in range(segments):
+        low, high = (at((i + point) / segments) for point in _GAUSS)
+        half = 0.5 * length / segments
+        found += [(_mean(low, high), half), (_mean(high, low), half)]
+    return found
+
+
+def _mean(near: Section, far: Section) -> Section:
+    """Return the prismatic section whose A is 2 a A_near + 2 b A_far."""
+    ratio = np.abs(near.EI / far.EI)
+    if np.any((ratio > _STEEPEST) | (ratio < 1.0 / _STEEPEST)):
+        return near
+
+    def mean(first: Constant, second: Constant) -> Constant:
+        return _NEAR * first + _FAR * second
+
+    stiffness = 1.0 / mean(1.0 / near.EI, 1.0 / far.EI)
+    coupling = mean(near.K / near.EI, far.K / far.EI) * stiffness
+    free = mean(near.C + near.K**2 / near.EI, far.C + far.K**2 / far.EI)
+    return Section(
+        EI=stiffness,
+        GA=1.0 / mean(1.0 / near.GA, 1.0 / far.GA),
+        m=mean(near.m, far.m),
+        rhoI=mean(near.rhoI, far.rhoI),
+        K=coupling,
+        C=free - coupling**2 / stiffness,
     )

@@ -13,8 +13,8 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
-from tactgen.tmm.reluctance.coenergy.fit import fit
-from tactgen.tmm.reluctance.coenergy.map import CoenergyMap, Samples
+from tactgen.tmm.reluctance.coenergy_fit import fit
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
 
 #: What the global attribute `title` says; files that say otherwise are refused.
 TITLE = "co-energy map of a reluctance actuator"

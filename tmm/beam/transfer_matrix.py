@@ -1,26 +1,60 @@
 """The semi-analytical model: exact beams in a row, and their ports.
 
 The paper's Transfer Matrix Method, its pieces joined in wave variables
-(:mod:`tmm.beam.transfer.scattering`); :mod:`tmm.beam.printed_formulas` gives the printed matrix A,
+(:mod:`tmm.beam.scattering`); :mod:`tmm.beam.printed_formulas` gives the printed matrix A,
 which is one change of variables away.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
+from tactgen.geometry.device.materials import lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Support
-from tactgen.tmm.beam.section.section import Section, section
-from tactgen.tmm.beam.section.tapered import segmented
-from tactgen.tmm.beam.transfer.bonded_tab import bonded_tab
-from tactgen.tmm.beam.transfer.scattering import Element, joined
+from tactgen.tmm.beam.scattering import Element, joined
+from tactgen.tmm.beam.sections import Constant, Joint, Section, section, segmented
+from tactgen.tmm.beam.timoshenko import dynamic_stiffness
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.tmm.ports.port import BIMORPH
+
+
+def bonded_tab(piece: Piece, device: Device, beam: Beam, *, lossy: bool = False) -> Joint:
+    """Return the joint that a piece of section ``bond`` is to what stands above the slot.
+
+    Analytic in all parameters, which may be arrays (n,); `lossy` switches the losses of glue
+    and tab on.
+    """
+    glue, tab = device.glue, device.bimorph
+    b, h, t = tab.width, tab.shim_thickness, glue.thickness
+    modulus = lossy_modulus(glue.youngs_modulus, glue.loss_factor, lossy=lossy)
+    shear = modulus / (2.0 * (1.0 + glue.poisson_ratio))
+    nu = glue.poisson_ratio
+    squeezed = modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    lateral = 2.0 * (squeezed * b + shear * h) / t
+    rotational = 2.0 * shear * (b * h**2 / 4.0 + h**3 / 12.0) / t
+    shim = section(Piece("shim", piece.length), device, beam, lossy=lossy)
+    # complex: roots of negative numbers are meant
+    founded = dynamic_stiffness(
+        replace(shim, m=-lateral + 0j, rhoI=-rotational + 0j), piece.length, np.ones(())
+    )
+    low, across, high = founded[..., :2, :2], founded[..., :2, 2:4], founded[..., 2:4, 2:4]
+    end = _diagonal(shear * b * h / t, squeezed * b * h**3 / (12.0 * t))
+    stiffness = high - np.swapaxes(across, -1, -2) @ np.linalg.solve(low + end, across)
+    compliance = np.linalg.inv(stiffness)
+    given = (lateral, rotational, shim.EI, shim.GA, piece.length)
+    return Joint(compliance if any(np.iscomplexobj(v) for v in given) else compliance.real)
+
+
+def _diagonal(first: Constant, second: Constant) -> Constant:
+    """Return diagonal matrices (..., 2, 2)."""
+    return np.stack(np.broadcast_arrays(first, second), axis=-1)[..., None] * np.eye(2)
+
 
 #: Segments of a tapered piece.
 SEGMENTS = 32

@@ -1,6 +1,6 @@
 """Exact dynamic stiffness of piezoelectric Timoshenko beams, entry by entry, at any frequency.
 
-Of the functions of :mod:`tmm.beam.transfer.span`, the even part has the dynamic stiffness
+Of the functions of :mod:`tmm.beam.span`, the even part has the dynamic stiffness
 
     1/E [[−β⁴ S₁S₂, −β⁴ X], [−β⁴ X, c₁c₂]],    the odd part    1/O [[c₁c₂, Y], [Y, g S₁S₂]],
 
@@ -9,12 +9,12 @@ of the even and half of the odd part, so with Δ = E O the held beam's entries a
 
     D_ww = (c₁c₂ E − β⁴ S₁S₂ O)/2Δ,  D_wψ = −(Y E − β⁴ X O)/2Δ,  D_ψψ = (c₁c₂ O + g S₁S₂ E)/2Δ,
 
-and the transmissions from end to end those of :mod:`tmm.beam.transfer.span`, over Δ.
+and the transmissions from end to end those of :mod:`tmm.beam.span`, over Δ.
 
 Accuracy.  An entry's condition number is the size of the terms of its numerator, and of E
 and O, over their values: some tens away from the entry's poles (E O = 0, natural frequencies
 of the lossless beam with both ends held) and zeros, 1/distance in radians of phase near them.
-The relative error of every entry is at most :func:`tmm.beam.transfer.precision.error_bound` of it,
+The relative error of every entry is at most :func:`tmm.beam.span.error_bound` of it,
 1e-12 up to a condition of 1.8e5 on x86-64; :func:`condition` returns it.  Exactly at a pole of a
 lossless beam there is no digit to be had: the entry is infinite.  An entry too small for a double
 (transmission through a long lossy beam) is 0.
@@ -27,10 +27,8 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.tmm.beam.section.section import Section
-from tactgen.tmm.beam.transfer.blocks import blocks
-from tactgen.tmm.beam.transfer.precision import EPS, TOLERATED
-from tactgen.tmm.beam.transfer.span import ThroughSpan, extended_span, span
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.beam.span import EPS, TOLERATED, ThroughSpan, blocks, extended_span, span
 
 #: Rows, columns and signs of D that each of the six dimensionless entries fills.
 _PLACES = (

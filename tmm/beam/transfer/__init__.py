@@ -1,1 +1,0 @@
-"""Timoshenko's beam over frequency, exact to rounding."""
