@@ -18,7 +18,6 @@ from pydantic import BeforeValidator, ValidationInfo
 if TYPE_CHECKING:
     import pint
 
-
 #: A number as scenes write it, without its unit.
 NUMBER = r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,4})?|nan|inf)"
 _NUMBER_AND_UNIT = re.compile(
@@ -368,3 +367,31 @@ RelativeScatter = _quantity(
 RelativeError = _quantity(
     Unit("", "relative accuracy", "1e-3", above=0.0, below=1.0, limits=(1e-9, 1.0))
 )
+
+
+@dataclass(frozen=True)
+class WholeNumber:
+    """A validator of whole numbers in a range, with a remedy in its refusal."""
+
+    least: int
+    most: int
+    example: str
+
+    def __call__(self, value: Any) -> int:
+        """Return `value` as an integer.
+
+        Raises
+        ------
+        ValueError
+            With a sentence that names the range.
+        """
+        text = str(value).strip() if isinstance(value, str | int | float) else ""
+        # 3.0 is what some programs write for 3
+        found = re.fullmatch(r"([+-]?[0-9]{1,9})(\.0*)?", text)
+        number = int(found[1]) if found else self.least - 1
+        if not self.least <= number <= self.most:
+            raise ValueError(
+                f"is not a whole number from {self.least} to {self.most}; "
+                f"write for example {self.example}"
+            )
+        return number

@@ -19,7 +19,7 @@ from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
 from tactgen.fem.bimorph.parts.joined import joined_system
 from tactgen.fem.bimorph.skfem_body import SkfemBody
 from tactgen.fem.bimorph.system import SolidSystem, materials, volts_per_unit
-from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.brick_parts import BrickParts, in_parts
+from tactgen.geometry.bimorph.bimorph_bricks import BrickParts, in_parts
 from tactgen.geometry.bimorph.bricks import Axis, Bricks, Slab
 from tactgen.geometry.device.checks import check_constant_section, check_fit, check_plain_layers
 from tactgen.geometry.device.layout import ceramic_base, rod_base, shim_base

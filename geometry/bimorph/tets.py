@@ -29,15 +29,14 @@ from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.mirror import MIRRORS
 from tactgen.geometry.meshing.tetwild.conform import NamedFace, conform
-from tactgen.geometry.meshing.tetwild.mesher import Mesher
-from tactgen.geometry.meshing.tetwild.run import (
+from tactgen.geometry.meshing.tetwild.mesher import (
+    Mesher,
     SizingField,
     run_ftetwild,
     sizing_along_z,
     sizing_at_points,
 )
-from tactgen.geometry.meshing.tetwild.sizing import Sizing
-from tactgen.geometry.meshing.tetwild.stretching import Stretching
+from tactgen.geometry.meshing.tetwild.sizing import Sizing, Stretching
 from tactgen.geometry.store.store import kept
 
 if TYPE_CHECKING:

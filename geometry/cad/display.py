@@ -5,14 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tactgen.geometry.cad.solids import COLOURS, solid_of, write_glb, write_step
 from tactgen.geometry.cad.system_libraries import require_cad_kernel
-from tactgen.geometry.device.parameters import Device, Display
-from tactgen.geometry.display.clearances import check_display
-from tactgen.geometry.display.layout import Placed, Plate, display_parts, unit_names
+from tactgen.geometry.device.parameters import Device
 
 if TYPE_CHECKING:
     import cadquery as cq
+from tactgen.geometry.cad.solids import COLOURS, solid_of, write_glb, write_step
+from tactgen.geometry.device.parameters import Display
+from tactgen.geometry.display.clearances import check_display
+from tactgen.geometry.display.layout import Placed, Plate, display_parts, unit_names
 
 #: Colour of each part of the display besides a generator's own (red, green, blue; 0 to 1).
 DISPLAY_COLOURS: dict[str, tuple[float, float, float]] = {

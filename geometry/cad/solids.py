@@ -28,6 +28,7 @@ from tactgen.geometry.files import NotWritten, written_whole
 if TYPE_CHECKING:
     import cadquery as cq
 
+
 __all__ = [
     "COLOURS",
     "build_solids",

@@ -13,10 +13,30 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.points import merge_points
 
 if TYPE_CHECKING:
     import cadquery as cq
+
+
+def merge_points(points: Floats, within: float) -> tuple[Floats, Ints]:
+    """Return the points that differ, and which of them each of the given ones is.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        In any unit of length.
+    within : float
+        Distance up to which points are the same, far below that of any others.
+    """
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(points).query_pairs(within, output_type="ndarray")
+    # the pairs are complete within each cluster, so the lowest index names the cluster
+    lowest = np.arange(len(points))
+    np.minimum.at(lowest, pairs.max(axis=1), pairs.min(axis=1))
+    kept, index = np.unique(lowest, return_inverse=True)
+    return points[kept], index
+
 
 #: Name of what surrounds the solids.
 OUTSIDE = "outside"

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.geometry.csv_columns import Table, read_table
+from tactgen.geometry.csv_tables import Table, read_table
 from tactgen.geometry.device.parameters import Load
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import DYNAMIC_STIFFNESS, FREQUENCY, IMPEDANCE, PHASE, quoted

@@ -9,28 +9,29 @@ but what the geometry itself implies.  The groups are declared in ``groups/``.
 from __future__ import annotations
 
 from tactgen.geometry import units as u
-from tactgen.geometry.device.groups.declaration import PAPER_5, Parameters, field
-from tactgen.geometry.device.groups.display import Display, Scatter, Skin
-from tactgen.geometry.device.groups.holding import Contact, Guide, Spring
-from tactgen.geometry.device.groups.lateral import Bimorph, Glue, Piezo, Shim
-from tactgen.geometry.device.groups.normal import (
+from tactgen.geometry.device.declaration import PAPER_5, Parameters, field
+from tactgen.geometry.device.display import Display, Scatter, Skin
+from tactgen.geometry.device.lateral import Bimorph, Glue, Piezo, Shim
+from tactgen.geometry.device.material_library import CERAMICS, LIBRARY, SHIMS
+from tactgen.geometry.device.materials import Own, Spread
+from tactgen.geometry.device.normal import (
     NOMINAL_GAP,
     Coil,
     Rod,
     Sleeve,
     Steel,
 )
-from tactgen.geometry.device.groups.operation import (
+from tactgen.geometry.device.operation import (
     Beam,
+    Contact,
     Drive,
+    Guide,
     Limits,
     Load,
+    Spring,
     Support,
     Threshold,
 )
-from tactgen.geometry.device.materials import Own, Spread
-from tactgen.geometry.device.piezo_library import CERAMICS, LIBRARY
-from tactgen.geometry.device.shim_library import SHIMS
 
 __all__ = [
     "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Display", "Drive",

@@ -24,7 +24,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 
 #: Ampere-turns at which the force was measured, and that force (N), downwards.
 MEASURED_FORCE = {1000.0: 8.1, 3000.0: 54.4, 4500.0: 75.0, 5000.0: 80.1}

@@ -20,9 +20,9 @@ from tactgen.geometry.device.layout import MM, Turned, layout
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild.conform import conform
-from tactgen.geometry.meshing.tetwild.run import SizingField, run_ftetwild
+from tactgen.geometry.meshing.tetwild.mesher import SizingField, run_ftetwild
 from tactgen.geometry.store.store import kept
 
 if TYPE_CHECKING:

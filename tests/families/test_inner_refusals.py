@@ -11,8 +11,7 @@ import pytest
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.elements.nedelec import ElementTetEdge2
 from tactgen.fem.reluctance.axisymmetric.two_orders import two_orders
-from tactgen.geometry.bimorph.bimorph_bricks import bimorph_bricks
-from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.bimorph_bricks import BrickParts, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.bimorph.stretching import stretched
@@ -20,7 +19,8 @@ from tactgen.geometry.cad import solids
 from tactgen.geometry.cad.tessellation import Plane
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device
 from tactgen.geometry.errors import InputError, MeshError
-from tactgen.geometry.meshing.tetwild import conform, snapping
+from tactgen.geometry.meshing.tetwild import conform
+from tactgen.geometry.meshing.tetwild import conform as snapping
 from tactgen.geometry.store import sources
 from tactgen.tmm.beam import modes, port_quantities
 from tactgen.tmm.beam.sections import section

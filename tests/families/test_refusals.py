@@ -12,8 +12,7 @@ from scipy import sparse
 from tactgen.fem.elements.skfem_mesh import _facets
 from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.fem.solvers.newton import Factors, minimise
-from tactgen.geometry.bimorph.bimorph_bricks import bimorph_bricks
-from tactgen.geometry.bimorph.brick_parts import in_parts
+from tactgen.geometry.bimorph.bimorph_bricks import bimorph_bricks, in_parts
 from tactgen.geometry.bimorph.tets import _refuse_too_thin
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError, MeshError

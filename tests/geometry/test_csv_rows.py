@@ -4,8 +4,7 @@ import os
 
 import pytest
 
-from tactgen.geometry.csv_columns import heading
-from tactgen.geometry.csv_rows import check_widths, csv_rows, plain_number
+from tactgen.geometry.csv_tables import check_widths, csv_rows, heading, plain_number
 from tactgen.geometry.errors import InputError
 
 

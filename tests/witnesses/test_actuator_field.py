@@ -8,7 +8,7 @@ import pytest
 from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.reluctance.section_regions import actuator_regions
+from tactgen.geometry.reluctance.section_grid import actuator_regions
 from tactgen.validation.checks.coverage.axisymmetric import drawn_actuator
 from tactgen.validation.scene.scene import load_scene
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from tactgen.geometry.csv_rows import write_csv
+from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.files import write_text
 from tactgen.validation.bench.result import Bench, Timing
 from tactgen.validation.view.console import console

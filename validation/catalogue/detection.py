@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from tactgen.geometry.arrays import Bools, Floats
-from tactgen.geometry.csv_columns import read_table
+from tactgen.geometry.csv_tables import read_table
 from tactgen.geometry.device.parameters import Threshold
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import AMPLITUDE, FREQUENCY, quoted

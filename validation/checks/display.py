@@ -8,9 +8,8 @@ from tactgen.fem.reluctance.three_d.array import array_forces
 from tactgen.fem.reluctance.three_d.nine import NineForces, nine_forces
 from tactgen.geometry.device.parameters import Display
 from tactgen.geometry.display.clearances import clearances
-from tactgen.geometry.display.layout import levels
-from tactgen.geometry.display.scattered_units import drawn_units
-from tactgen.geometry.reluctance.nine_tets import UNITS
+from tactgen.geometry.display.layout import drawn_units, levels
+from tactgen.geometry.reluctance.sector_tets import UNITS
 from tactgen.tmm.display.field import between_heads, network_forces
 from tactgen.tmm.ports.multiport import Multiport, passivity_margin, reciprocity_error
 from tactgen.validation.catalogue.bimorph import SHORT_CIRCUIT_FREQUENCIES

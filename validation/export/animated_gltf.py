@@ -18,7 +18,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.files import written_whole
-from tactgen.geometry.meshing.surface import surface_of
+from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.validation.fields.result import FieldResult, State
 
 #: Seconds that a period takes, and its steps.

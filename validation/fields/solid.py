@@ -12,7 +12,7 @@ from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.bimorph.states import SolidState, driven_state, mode_states
 from tactgen.fem.bimorph.system import Material, SolidSystem, materials
 from tactgen.geometry.arrays import Ints, Numbers
-from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh

@@ -26,11 +26,10 @@ from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
 from tactgen.geometry.device.load_table import load_table
-from tactgen.geometry.device.steel_library import steel_name
+from tactgen.geometry.device.material_library import steel_name
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
-from tactgen.geometry.units import quoted
-from tactgen.geometry.whole_number import WholeNumber
+from tactgen.geometry.units import WholeNumber, quoted
 from tactgen.tmm.ports.elements import ends_of
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MAPS, MODELS, all_given, gives, map_model, models_of

@@ -11,7 +11,7 @@ from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
 
-from tactgen.geometry.device.groups.declaration import Parameters
+from tactgen.geometry.device.declaration import Parameters
 from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.tolerances import has_tolerance, read_tolerance

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tactgen.geometry.meshing.surface import Surface, surface_of
+from tactgen.geometry.meshing.mesh import Surface, surface_of
 from tactgen.validation.fields.result import FieldResult, State, at_phase
 from tactgen.validation.view.formats import engineering
 from tactgen.validation.view.palettes import COLOURS, MAGNITUDE, SIGNED

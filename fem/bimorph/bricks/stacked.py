@@ -14,7 +14,7 @@ from scipy import sparse
 from tactgen.fem.bimorph.bricks.matrices import brick_matrices
 from tactgen.fem.bimorph.system import Material
 from tactgen.geometry.arrays import Ints, Sparse
-from tactgen.geometry.bimorph.brick_parts import between
+from tactgen.geometry.bimorph.bimorph_bricks import between
 from tactgen.geometry.bimorph.bricks import Bricks
 
 

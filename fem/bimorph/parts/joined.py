@@ -23,7 +23,7 @@ from tactgen.fem.bimorph.system import (
 )
 from tactgen.fem.solvers.sparse_rows import wide_product
 from tactgen.geometry.arrays import Ints, Numbers, Sparse
-from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device

@@ -24,7 +24,7 @@ from tactgen.fem.bimorph.symmetry import lumped, mirror_signs
 from tactgen.fem.bimorph.system import Material, volts_per_unit
 from tactgen.fem.elements.line_basis import LineMatrices, line_matrices
 from tactgen.geometry.arrays import Floats, Numbers, Sparse
-from tactgen.geometry.bimorph.brick_parts import uniform
+from tactgen.geometry.bimorph.bimorph_bricks import uniform
 from tactgen.geometry.bimorph.bricks import Axis, Bricks, mirrored_axis
 from tactgen.geometry.store.values import storable
 

@@ -10,7 +10,7 @@ from tactgen.fem.bimorph.reduction.krylov import ReducedSolid, reduce_to_ports
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.bimorph.system import SolidSystem, Surplus, materials
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.meshing.mesh import Mesh

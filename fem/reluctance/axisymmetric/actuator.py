@@ -22,8 +22,7 @@ from tactgen.fem.reluctance.axisymmetric.two_orders import (
 from tactgen.fem.reluctance.iron import size_of
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
-from tactgen.geometry.reluctance.section_regions import actuator_regions
+from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, actuator_regions
 
 #: Polynomial order that gives the accuracy wanted in the least time on this device.
 ORDER = 4

@@ -18,8 +18,7 @@ from tactgen.fem.solvers.newton import Factors
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.reluctance.section_grid import graded_grid
-from tactgen.geometry.reluctance.section_regions import actuator_regions
+from tactgen.geometry.reluctance.section_grid import actuator_regions, graded_grid
 
 #: What Newton's method may leave of the field, see :func:`fem.solvers.newton.minimise`: error bars
 #: are above 1e-4 of a value; the two orders, of which the lower serves these alone, 1e-2 apart.

@@ -26,7 +26,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.reluctance.section_regions import actuator_regions
+from tactgen.geometry.reluctance.section_grid import actuator_regions
 from tactgen.geometry.reluctance.sector_tets import Sector, sector_mesh
 from tactgen.geometry.reluctance.tets import ActuatorMeshing, actuator_tets
 from tactgen.geometry.store.values import storable

@@ -18,7 +18,7 @@ from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
 from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_table import magnetisation_curve
-from tactgen.geometry.reluctance.cell_tets import COPIES, Cell, cell_mesh
+from tactgen.geometry.reluctance.sector_tets import COPIES, Cell, cell_mesh
 from tactgen.geometry.store.values import storable
 
 #: The cell's square wall.

@@ -20,8 +20,15 @@ from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_table import magnetisation_curve
-from tactgen.geometry.reluctance.cell_tets import COPIES, Cell
-from tactgen.geometry.reluctance.nine_tets import COUNTS, PLACES, UNITS, nine_mesh, part_of
+from tactgen.geometry.reluctance.sector_tets import (
+    COPIES,
+    COUNTS,
+    PLACES,
+    UNITS,
+    Cell,
+    nine_mesh,
+    part_of,
+)
 from tactgen.geometry.reluctance.tets import PARTS
 from tactgen.geometry.store.values import storable
 

@@ -7,11 +7,14 @@ has them when it comes, and the second mesh need not load them again.
 from __future__ import annotations
 
 import contextlib
+import itertools
+import json
 import signal
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -139,3 +142,179 @@ class Mesher:
                 with contextlib.suppress(BrokenPipeError):  # what it was told and did not read
                     pipe.close()
         self._process = None
+
+
+#: The box that fTetWild fills is about this much of the diagonal larger on every side.
+_MARGIN = 0.15
+
+#: Passes over the mesh at most.  Good runs need 5 to 15; one that is stuck on a bad element
+#: would go on for minutes, refining around it.
+_PASSES = 20
+
+#: Points of the sizing grid across x and y, and along z.
+_GRID = (9, 9, 161)
+
+#: Points around the device of a sizing field that is given at points.
+_AROUND = (9, 9, 21)
+
+#: Growth of the edge length per distance from the device.
+_GROWTH_OUTSIDE = 0.5
+
+
+@dataclass(frozen=True)
+class SizingField:
+    """Target edge lengths on a background mesh of tetrahedra (mm).
+
+    Attributes
+    ----------
+    points : (n_points, 3) array
+        Coordinates.
+    tets : (n_tets, 4) int array
+        Corners.
+    lengths : (n_points,) array
+        Target edge length at each point.
+    """
+
+    points: Floats
+    tets: Ints
+    lengths: Floats
+
+    def scaled(self, factor: float) -> SizingField:
+        """Return the field with all lengths times a factor."""
+        return replace(self, lengths=factor * self.lengths)
+
+
+def run_ftetwild(
+    points: Floats,
+    triangles: Ints,
+    *,
+    edge_length: float,
+    envelope: float,
+    sizing: SizingField | None,
+    time_limit: float,
+    mesher: Mesher | None = None,
+) -> tuple[Floats, Ints]:
+    """Fill the box around a surface with tetrahedra that follow the surface.
+
+    Parameters
+    ----------
+    points : (n_points, 3) array
+        Coordinates (mm).
+    triangles : (n_triangles, 3) int array
+        Surface, with the interfaces inside.
+    edge_length : float
+        Target edge length (mm).
+    envelope : float
+        Largest distance of the result from the surface (mm).
+    sizing : SizingField, optional
+        Target edge lengths where they vary.
+    time_limit : float
+        Processor time (s) after which the process is ended.
+    mesher : Mesher, optional
+        The process that does it; one of its own by default.
+
+    Returns
+    -------
+    points : (n, 3) array
+        Coordinates (mm).
+    tets : (m, 4) int array
+        Corners in VTK order, box and all.
+
+    Raises
+    ------
+    MeshError
+        If the time is up or fTetWild fails.
+    """
+    diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
+    settings = {
+        "edge_length_abs": edge_length,
+        "epsilon": envelope / diagonal,
+        "num_opt_iter": _PASSES,
+    }
+    arrays: dict[str, NDArray[Any]] = {"points": points, "triangles": triangles}
+    if sizing is not None:
+        arrays |= {
+            "bg_vertices": sizing.points,
+            "bg_tets": sizing.tets,
+            "bg_values": sizing.lengths,
+        }
+    arrays["settings"] = np.array(json.dumps(settings))
+    if mesher is not None:
+        return mesher.mesh(arrays, time_limit)
+    with Mesher() as own:
+        return own.mesh(arrays, time_limit)
+
+
+def sizing_along_z(points: Floats, length_at: Callable[[Floats], Floats]) -> SizingField:
+    """Return a sizing field that varies along z, and coarsens away from the device.
+
+    Parameters
+    ----------
+    points : (n_points, 3) array
+        The surface's points (mm): they give the box.
+    length_at : callable
+        Target edge length (mm) at heights z (mm), both of shape (n,).
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = _MARGIN * np.linalg.norm(high - low)
+    axes = [
+        np.linspace(lo - margin, hi + margin, n) for lo, hi, n in zip(low, high, _GRID, strict=True)
+    ]
+    # the device's own sides are grid planes, so that coarsening starts outside of it
+    for i in (0, 1):
+        axes[i] = np.unique(np.concatenate([axes[i], [low[i], high[i]]]))
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    away = np.maximum(np.maximum(low - grid, grid - high), 0.0).max(axis=1)
+    lengths = length_at(grid[:, 2]) + _GROWTH_OUTSIDE * away
+    n_x, n_y, n_z = (len(axis) for axis in axes)
+    return SizingField(grid, _cubes_to_tets(n_x, n_y, n_z), lengths)
+
+
+def sizing_at_points(surface: Floats, points: Floats, lengths: Floats) -> SizingField:
+    """Return a sizing field through given lengths that coarsens away from the points.
+
+    Parameters
+    ----------
+    surface : (n_surface, 3) array
+        The surface's points (mm): they give the box.
+    points : (n_points, 3) array
+        Where edge lengths are given (mm), all over the device.
+    lengths : (n_points,) array
+        Target edge lengths (mm).
+    """
+    from scipy.spatial import Delaunay, cKDTree
+
+    low, high = surface.min(axis=0), surface.max(axis=0)
+    margin = _MARGIN * np.linalg.norm(high - low)
+    axes = [
+        np.linspace(lo - margin, hi + margin, n)
+        for lo, hi, n in zip(low, high, _AROUND, strict=True)
+    ]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    away, nearest = cKDTree(points).query(grid)
+    around = away > lengths[nearest]
+    everywhere = np.concatenate([points, grid[around]])
+    outside = lengths[nearest[around]] + _GROWTH_OUTSIDE * away[around]
+    tets = Delaunay(everywhere).simplices.astype(np.int64)
+    a, b, c = (everywhere[tets[:, k]] - everywhere[tets[:, 0]] for k in (1, 2, 3))
+    volumes = np.einsum("ni,ni->n", np.cross(a, b), c)
+    tets[volumes < 0.0] = tets[volumes < 0.0][:, [1, 0, 2, 3]]
+    # points in one plane can give tetrahedra without volume
+    solid = np.abs(volumes) > 1e-9 * np.ptp(everywhere[tets], axis=1).max(axis=1) ** 3
+    return SizingField(everywhere, tets[solid], np.concatenate([lengths, outside]))
+
+
+def _cubes_to_tets(n_x: int, n_y: int, n_z: int) -> Ints:
+    """Return the tetrahedra (six a cube, all positive) of a grid of points."""
+    index = np.arange(n_x * n_y * n_z).reshape(n_x, n_y, n_z)
+    tets = []
+    for axes in itertools.permutations(range(3)):
+        steps = np.concatenate(
+            [np.zeros((1, 3), int), np.cumsum(np.eye(3, dtype=int)[list(axes)], 0)]
+        )
+        corners = [
+            index[i : n_x - 1 + i, j : n_y - 1 + j, k : n_z - 1 + k].ravel() for i, j, k in steps
+        ]
+        odd = np.linalg.det(np.eye(3)[list(axes)]) < 0
+        tets.append(np.stack([corners[k] for k in ((0, 1, 3, 2) if odd else range(4))], axis=1))
+    return np.concatenate(tets)

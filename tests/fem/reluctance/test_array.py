@@ -13,7 +13,7 @@ from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.reluctance.cell_tets import COPIES, Cell, cell_mesh
+from tactgen.geometry.reluctance.sector_tets import COPIES, Cell, cell_mesh
 
 DEVICE, GAP = Device(), 0.2e-3
 COARSE = Cell(refinement=0.5, layers=2)

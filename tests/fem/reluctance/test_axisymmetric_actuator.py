@@ -13,7 +13,7 @@ from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.reluctance.section_regions import actuator_regions
+from tactgen.geometry.reluctance.section_grid import actuator_regions
 from tactgen.validation.checks.cases.magnetics.collared_actuator import COLLARED, collared
 
 DEVICE = COLLARED

@@ -16,8 +16,7 @@ from tactgen.fem.reluctance.three_d.nine import (
 )
 from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.reluctance.cell_tets import Cell
-from tactgen.geometry.reluctance.nine_tets import PLACES
+from tactgen.geometry.reluctance.sector_tets import PLACES, Cell
 
 DEVICE, GAP, PITCH, CURRENT = Device(), 0.2e-3, 2.4e-3, 0.05
 ALONE = {"middle": CURRENT}

@@ -13,7 +13,7 @@ from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
 from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
 from tactgen.geometry.device.steel_law import MU0, TEAM20, linear
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from tactgen.validation.checks.cases.magnetics import sphere_in_field
 from tactgen.validation.checks.cases.magnetics.sphere_mesh import mirrored, sphere_mesh

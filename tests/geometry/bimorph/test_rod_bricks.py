@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.fem.bimorph.bricks.round_slabs import round_matrices
 from tactgen.fem.elements.line_basis import line_matrices
-from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Axis, Bricks, Slab
 from tactgen.geometry.bimorph.rod_bricks import _GROWTH, ROD_LEVELS, rod_bricks, rod_parts
 from tactgen.geometry.device.layout import closed_form_volumes

@@ -8,7 +8,7 @@ import pytest
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.bimorph.row_shape import CentreLine, row_shape
 from tactgen.geometry.device.parameters import Bimorph, Device, Support
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 
 DEVICE = Device(bimorph=Bimorph(glue_thickness=10e-6, bare_above=1e-3))
 TOP = DEVICE.bimorph.length

@@ -27,7 +27,7 @@ from tactgen.geometry.meshing.quadratic import (
 )
 from tactgen.geometry.meshing.tetwild import mesher as ftetwild
 from tactgen.geometry.meshing.tetwild.conform import conform
-from tactgen.geometry.meshing.tetwild.run import sizing_along_z
+from tactgen.geometry.meshing.tetwild.mesher import sizing_along_z
 from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
 
 GENERATOR = Device(bimorph=Bimorph(tab_length=0.4e-3))

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0, isotropic_stiffness, orthotropic_stiffness
 from tactgen.geometry.device.parameters import Piezo
-from tactgen.geometry.device.piezo_library import LIBRARY
 from tactgen.geometry.errors import InputError
 
 # a 6 x 6 inversion of a matrix of condition number about 10

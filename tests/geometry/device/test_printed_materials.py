@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Piezo, spreads
-from tactgen.geometry.device.piezo_library import LIBRARY
 from tactgen.geometry.device.steel_law import TEAM20
 from tactgen.geometry.device.steel_table import read_curve
 

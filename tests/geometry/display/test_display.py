@@ -17,18 +17,17 @@ from tactgen.geometry.device.parameters import (
     Spring,
 )  # fmt: skip
 from tactgen.geometry.display import clearances as reckoned
-from tactgen.geometry.display.bill import bill_of_parts, total_mass
+from tactgen.geometry.display.bill import bill_of_parts, coplanar_capacitance, total_mass, wiring
 from tactgen.geometry.display.clearances import check_display, clearances, footprint, spring_turns
 from tactgen.geometry.display.layout import (
     axes,
     display_parts,
+    drawn_units,
     levels,
     spacer_axes,
     support_spacer_axes,
     unit_names,
 )  # fmt: skip
-from tactgen.geometry.display.scattered_units import drawn_units
-from tactgen.geometry.display.wiring import coplanar_capacitance, wiring
 from tactgen.geometry.errors import InputError
 
 DEVICE, DISPLAY = Device(), Display()

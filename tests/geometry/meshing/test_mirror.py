@@ -13,7 +13,7 @@ from tactgen.geometry.meshing.quadratic import (
     tet_volumes,
     unique_edges,
 )
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
 
 

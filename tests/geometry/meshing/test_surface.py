@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.surface import surface_of
+from tactgen.geometry.meshing.mesh import Mesh, surface_of
 
 POINTS = np.array([[x, y, z] for x in (0, 1.0, 2) for y in (0, 1.0) for z in (0, 1.0)])
 BOX = np.array([[0, 4, 6, 2, 1, 5, 7, 3], [4, 8, 10, 6, 5, 9, 11, 7]])

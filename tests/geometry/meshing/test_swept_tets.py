@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.geometry.meshing.mesh_check import check_conformity
 from tactgen.geometry.meshing.quadratic import TET_EDGES, jacobian_coefficients
-from tactgen.geometry.meshing.swept_tets import swept_tetrahedra
+from tactgen.geometry.meshing.structured_tets import swept_tetrahedra
 
 R = np.array([0.0, 0.3, 0.5, 0.51, 1.0])
 Z = np.array([-1.0, 0.0, 0.02, 1.5])

@@ -7,9 +7,8 @@ from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.meshing.mesh import TET_FACES
 from tactgen.geometry.meshing.quadratic import jacobian_coefficients
-from tactgen.geometry.reluctance.cell_tets import COPIES, Cell
-from tactgen.geometry.reluctance.nine_tets import COUNTS, UNITS, nine_mesh, part_of
 from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
+from tactgen.geometry.reluctance.sector_tets import COPIES, COUNTS, UNITS, Cell, nine_mesh, part_of
 
 DEVICE, GAP, PITCH = Device(), 0.2e-3, 2.4e-3
 

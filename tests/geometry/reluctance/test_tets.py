@@ -11,7 +11,7 @@ from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.quadratic import jacobian_coefficients
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.reluctance import tets
 from tactgen.geometry.reluctance.tets import (
     REGIONS,

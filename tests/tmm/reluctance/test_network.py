@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from tactgen.geometry.device.groups.normal import NOMINAL_GAP
+from tactgen.geometry.device.normal import NOMINAL_GAP
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError

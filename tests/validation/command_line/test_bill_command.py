@@ -6,10 +6,9 @@ from dataclasses import asdict
 import pytest
 
 from tactgen.geometry.device.parameters import Device, Display
-from tactgen.geometry.display.bill import bill_of_parts, total_mass
+from tactgen.geometry.display.bill import bill_of_parts, total_mass, wiring
 from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import levels
-from tactgen.geometry.display.wiring import wiring
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.scene import load_scene
 

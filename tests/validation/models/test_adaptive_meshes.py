@@ -12,12 +12,17 @@ from tactgen.geometry.cad.tessellation import Cylinder, Plane, tessellate
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.quadratic import smallest_dihedral_angles, tet_volumes, unique_edges
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild import mesher as ftetwild
 from tactgen.geometry.meshing.tetwild.conform import _free_axes, conform
-from tactgen.geometry.meshing.tetwild.run import sizing_along_z, sizing_at_points
-from tactgen.geometry.meshing.tetwild.sizing import Sizing, limited_growth, sizing_for
-from tactgen.geometry.meshing.tetwild.stretching import UNSTRETCHED, Stretching
+from tactgen.geometry.meshing.tetwild.mesher import sizing_along_z, sizing_at_points
+from tactgen.geometry.meshing.tetwild.sizing import (
+    UNSTRETCHED,
+    Sizing,
+    Stretching,
+    limited_growth,
+    sizing_for,
+)
 from tactgen.geometry.store.values import fingerprint
 from tactgen.validation.engine.error_bars import SAFETY, two_mesh_factor
 from tactgen.validation.models.bimorph import adaptive_meshes

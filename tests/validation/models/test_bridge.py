@@ -8,8 +8,7 @@ import pytest
 
 from tactgen.fem.bimorph.ports import direct_multiport
 from tactgen.fem.bimorph.solid import assemble
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
-from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickParts, bimorph_bricks
 from tactgen.geometry.device.parameters import Piezo
 from tactgen.tmm.beam.sections import energy_shear_correction, laminate_section
 from tactgen.tmm.ports.elements import attach

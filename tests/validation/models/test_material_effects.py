@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.errors import InputError
 from tactgen.validation.models.bimorph.material_effects import choices
 

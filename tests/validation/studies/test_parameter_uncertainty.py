@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.device import parameters as p
+from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import PRINTED
-from tactgen.geometry.device.piezo_library import LIBRARY
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit
 from tactgen.validation.command_line.commands.studies import sensitivity

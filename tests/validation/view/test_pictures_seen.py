@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.validation.export.display_view import drawn_parts
 from tactgen.validation.export.files import normal_actuator_solids, scene_solids
 from tactgen.validation.scene.scene import load_scene

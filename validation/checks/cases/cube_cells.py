@@ -11,7 +11,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.quadratic import TET_EDGES
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 
 Cells = Literal["straight", "curved", "hexahedra"]
 

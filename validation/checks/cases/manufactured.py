@@ -20,7 +20,7 @@ from tactgen.fem.elements.line_basis import gauss_values
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Bools, Floats, Numbers, Sparse
 from tactgen.geometry.bimorph.bricks import Axis
-from tactgen.geometry.device.piezo_library import LIBRARY
+from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.checks.cases.boxes import block, even, lowest_frequencies
 from tactgen.validation.checks.cases.cube_cells import EDGE, Cells, cube

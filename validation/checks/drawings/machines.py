@@ -33,7 +33,7 @@ def bimorph(scene: str, *, root: Root, finger: str = "") -> Drawing:
 
 def actuator(device: Device | None = None, gap: float | None = None) -> Drawing:
     """Return a normal actuator's half section at a gap (m): the built-in one, or another."""
-    from tactgen.geometry.reluctance.section_regions import actuator_regions
+    from tactgen.geometry.reluctance.section_grid import actuator_regions
 
     body = _scene("reluctance").device if device is None else device
     return rings(actuator_regions(body, body.gap if gap is None else gap))

@@ -10,8 +10,8 @@ import numpy as np
 
 from tactgen.fem.bimorph.system import Material
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0, Piezoceramic, PiezoTensors
-from tactgen.geometry.device.piezo_library import LIBRARY
 from tactgen.validation.checks.case import Answer, Case, case, nth
 from tactgen.validation.checks.cases.boxes import (
     Box,

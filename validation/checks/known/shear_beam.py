@@ -6,8 +6,8 @@ import numpy as np
 
 from tactgen.fem.bimorph.system import Material
 from tactgen.geometry.bimorph.bricks import Slab
+from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import isotropic_stiffness
-from tactgen.geometry.device.piezo_library import LIBRARY
 from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.cases.boxes import Box, Held, Where, graded, statics
 from tactgen.validation.checks.drawings.sections import section

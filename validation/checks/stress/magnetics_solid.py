@@ -9,7 +9,7 @@ from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
 from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
 from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import ball_error
 from tactgen.validation.checks.stress.answers import REFUSALS, Family

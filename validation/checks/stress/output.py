@@ -9,7 +9,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from tactgen.geometry.csv_rows import write_csv
+from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.files import write_text
 from tactgen.validation.checks.stress import Asked, beam
 from tactgen.validation.checks.stress.plots import approach_plot, map_plot

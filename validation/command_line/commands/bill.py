@@ -43,10 +43,9 @@ def _found(scene: Scene) -> dict[str, Any]:
     """Return everything as plain values in SI units."""
     from dataclasses import asdict
 
-    from tactgen.geometry.display.bill import bill_of_parts, total_mass
+    from tactgen.geometry.display.bill import bill_of_parts, total_mass, wiring
     from tactgen.geometry.display.clearances import clearances
     from tactgen.geometry.display.layout import levels
-    from tactgen.geometry.display.wiring import wiring
 
     device, display = scene.device, scene.display
     lines, leads = bill_of_parts(device, display), wiring(device, display)

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
+from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import Piezoceramic
-from tactgen.geometry.device.piezo_library import LIBRARY
 from tactgen.geometry.errors import InputError
 from tactgen.validation.models.bimorph.beam_values import Values, beam_values
 from tactgen.validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh

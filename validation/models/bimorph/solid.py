@@ -12,8 +12,7 @@ from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 from tactgen.fem.bimorph.motions import Motion
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
-from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickParts, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_parts
 from tactgen.geometry.device.checks import (

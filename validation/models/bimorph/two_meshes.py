@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from tactgen.fem.bimorph.reduction.krylov import ReducedSolid
     from tactgen.fem.bimorph.reduction.modal_model import BareMode, ModalModel
     from tactgen.fem.bimorph.system import SolidSystem, Surplus
-    from tactgen.geometry.bimorph.brick_parts import BrickParts
+    from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
 

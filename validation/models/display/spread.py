@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactgen.geometry.device.parameters import Device, Display
-from tactgen.geometry.display.layout import unit_names
-from tactgen.geometry.display.scattered_units import drawn_units
+from tactgen.geometry.display.layout import drawn_units, unit_names
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.engine.results import Estimate

@@ -279,8 +279,7 @@ def _field(
     """Return the field, of steel or of iron with one relative permeability by region."""
     from tactgen.fem.reluctance.axisymmetric.field import solve_field
     from tactgen.fem.reluctance.axisymmetric.space import discretise
-    from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, graded_grid
-    from tactgen.geometry.reluctance.section_regions import actuator_regions
+    from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, actuator_regions, graded_grid
 
     regions = actuator_regions(device, gap)
     if permeabilities:

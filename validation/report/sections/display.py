@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.geometry.display.bill import bill_of_parts, total_mass
+from tactgen.geometry.display.bill import bill_of_parts, total_mass, wiring
 from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import levels
-from tactgen.geometry.display.wiring import wiring
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.report.sections.section import Context, Section

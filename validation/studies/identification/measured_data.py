@@ -13,8 +13,17 @@ from pathlib import Path
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Numbers
-from tactgen.geometry.csv_columns import Column, check_ascending, heading, numbers, scale_to_si
-from tactgen.geometry.csv_rows import Row, check_widths, csv_rows, plain_number
+from tactgen.geometry.csv_tables import (
+    Column,
+    Row,
+    check_ascending,
+    check_widths,
+    csv_rows,
+    heading,
+    numbers,
+    plain_number,
+    scale_to_si,
+)
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import FREQUENCY, PHASE, Unit, quoted

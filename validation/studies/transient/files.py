@@ -14,7 +14,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.files import written_whole
-from tactgen.geometry.meshing.surface import surface_of
+from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.tmm.generator.transient.machine import LOWER, UPPER
 from tactgen.validation.fields.run import body_of
 from tactgen.validation.models.generator.phases import phases

@@ -17,7 +17,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from tactgen.geometry.csv_rows import check_widths, csv_rows, plain_number
+from tactgen.geometry.csv_tables import check_widths, csv_rows, plain_number
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.generator.transient.waveform import (

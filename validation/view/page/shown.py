@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.surface import Surface, surface_of
+from tactgen.geometry.meshing.mesh import Mesh, Surface, surface_of
 from tactgen.validation.fields.over_length import LengthRange, ModeOverLength
 from tactgen.validation.fields.result import Array, FieldResult, State
 from tactgen.validation.view.formats import share, with_bar

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.meshing.surface import surface_of
+from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.validation.fields.moving import MovingBody
 from tactgen.validation.view.palettes import COLOURS
 from tactgen.validation.view.pictures import off_screen

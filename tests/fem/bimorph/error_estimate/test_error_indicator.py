@@ -11,7 +11,7 @@ from tactgen.fem.bimorph.ports import static_multiport
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
 from tactgen.validation.scene.scene import load_scene
 

@@ -13,8 +13,7 @@ from tactgen.fem.bimorph.parts.joined import joined_system
 from tactgen.fem.bimorph.ports import direct_multiport, static_multiport
 from tactgen.fem.bimorph.reduction.krylov import port_error
 from tactgen.fem.solvers.linear_solver import factorise
-from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.brick_parts import in_parts
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks, in_parts
 from tactgen.geometry.bimorph.bricks import Axis
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim

@@ -14,10 +14,8 @@ from tactgen.geometry.meshing.quadratic import (
     unique_edges,
 )
 from tactgen.geometry.meshing.tetwild import conform as conforming
-from tactgen.geometry.meshing.tetwild.conform import NamedFace, conform
-from tactgen.geometry.meshing.tetwild.relaxing import relaxed
-from tactgen.geometry.meshing.tetwild.run import _cubes_to_tets
-from tactgen.geometry.meshing.tetwild.snapping import bent_middles
+from tactgen.geometry.meshing.tetwild.conform import NamedFace, bent_middles, conform, relaxed
+from tactgen.geometry.meshing.tetwild.mesher import _cubes_to_tets
 
 #: How far raw points are from where they belong, and may be (mm).
 OFF, SLACK = 0.01, 0.02

@@ -7,7 +7,7 @@ import pytest
 
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.tetwild import mesher as mesher_module
-from tactgen.geometry.meshing.tetwild import run
+from tactgen.geometry.meshing.tetwild import mesher as run
 from tactgen.geometry.meshing.tetwild.mesher import Mesher
 
 #: Stands for fTetWild: gives back what it got and the number of its process, or gets into trouble.

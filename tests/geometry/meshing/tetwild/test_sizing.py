@@ -3,7 +3,7 @@
 import numpy as np
 
 from tactgen.geometry.meshing.quadratic import tet_volumes
-from tactgen.geometry.meshing.tetwild import run
+from tactgen.geometry.meshing.tetwild import mesher as run
 
 
 def test_lengths_along_z_hold_beside_the_device_and_grow_outside():

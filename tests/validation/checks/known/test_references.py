@@ -10,8 +10,8 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
+from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0
-from tactgen.geometry.device.piezo_library import LIBRARY
 from tactgen.geometry.device.steel_law import MU0, TEAM20
 from tactgen.validation.checks.cases.exact_laminate import (
     Laminate,

@@ -12,7 +12,7 @@ from tactgen.fem.reluctance.three_d.force import eggshell_force, harmonic_weight
 from tactgen.fem.reluctance.three_d.problem import MagneticSolid, sample
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.validation.checks.cases.fineness import counted
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential
 

@@ -16,7 +16,7 @@ from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.steel_law import MU0, linear
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.tensor_tets import box_tetrahedra, graded_planes
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.cases.fineness import cached, counted, intervals, size
 from tactgen.validation.checks.cases.magnetics.sphere_mesh import RADIUS, sphere_mesh

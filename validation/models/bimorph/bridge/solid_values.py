@@ -18,8 +18,7 @@ from tactgen.fem.bimorph.ports import static_multiport
 from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.bimorph.system import SolidSystem
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
-from tactgen.geometry.bimorph.brick_parts import BrickParts
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickParts, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks, Held
 from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_parts
 from tactgen.geometry.device.materials import Piezoceramic

@@ -16,8 +16,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, graded_grid
-from tactgen.geometry.reluctance.section_regions import actuator_regions
+from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, actuator_regions, graded_grid
 from tactgen.geometry.store.values import storable
 from tactgen.validation.models.reluctance.family.nested_grid import Table, nested_table
 from tactgen.validation.models.reluctance.field import REFINEMENTS

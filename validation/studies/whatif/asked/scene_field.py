@@ -11,8 +11,7 @@ from pydantic.fields import FieldInfo
 
 from tactgen.geometry import units as u
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.units import Unit
-from tactgen.geometry.whole_number import WholeNumber
+from tactgen.geometry.units import Unit, WholeNumber
 from tactgen.validation.scene.frequencies import parse_frequencies
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.tolerances import unit_of

@@ -7,11 +7,17 @@ from typing import Any, Literal
 from pydantic import model_validator
 
 from tactgen.geometry import units as u
-from tactgen.geometry.device.groups.declaration import PAPER_2, PAPER_4, Parameters, field, printed
+from tactgen.geometry.device.declaration import PAPER_2, PAPER_4, Parameters, field, printed
+from tactgen.geometry.device.material_library import (
+    LIBRARY,
+    PAPERS,
+    SHIMS,
+    isotropic_shear,
+    library_name,
+    shim_name,
+)
 from tactgen.geometry.device.materials import Own, Piezoceramic, Spread
-from tactgen.geometry.device.piezo_library import LIBRARY, library_name
 from tactgen.geometry.device.profile import UNIFORM, LengthProfile, Profile
-from tactgen.geometry.device.shim_library import PAPERS, SHIMS, isotropic_shear, shim_name
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 

@@ -1,1 +1,0 @@
-"""The parameters in groups, each with unit, default, source and range."""

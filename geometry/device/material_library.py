@@ -1,0 +1,416 @@
+"""The piezoceramics that scenes choose from by name: full tensors and where they come from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.materials import EPS0, PRINTED, Own, Piezoceramic, Spread
+from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve
+from tactgen.geometry.names import folded
+
+#: How far a ceramic of the trade may lie from its data sheet.  APC International states as
+#: standard tolerances: capacitance and d33 20 %, frequency 5 %, of which the compliance is the
+#: square; the other three are assumed.
+CERAMICS = {
+    "s11": Own("compliance of a ceramic (makers: frequency ± 5 %)", 0.10),
+    "s55": Own("compliance of a ceramic (makers: frequency ± 5 %)", 0.10),
+    "d31": Own("d of a ceramic (makers: d33 ± 20 %)", 0.20),
+    "eps33": Own("permittivity of a ceramic (makers: capacitance ± 20 %)", 0.20),
+    "density": Own("density of a ceramic", 0.02),
+    "quality_factor": Own("Q of a ceramic", 0.30),
+    "loss_tangent": Own("loss of a ceramic", 0.30),
+}
+
+
+def _transversely_isotropic(s11: float, s12: float, s13: float, s33: float, s44: float) -> Floats:
+    s = np.zeros((6, 6))
+    s[:3, :3] = [[s11, s12, s13], [s12, s11, s13], [s13, s13, s33]]
+    s[3, 3] = s[4, 4] = s44
+    s[5, 5] = 2.0 * (s11 - s12)
+    return s
+
+
+def _strain_constants(d31: float, d33: float, d15: float) -> Floats:
+    d = np.zeros((3, 6))
+    d[2, :3] = d31, d31, d33
+    d[0, 4] = d[1, 3] = d15
+    return d
+
+
+def _pzt_5h() -> Piezoceramic:
+    """Return PZT-5H from its usual stiffness-form constants (c66 follows from c11, c12)."""
+    c = np.zeros((6, 6))
+    c[:3, :3] = np.array([[127.2, 80.2, 84.7], [80.2, 127.2, 84.7], [84.7, 84.7, 117.4]]) * 1e9
+    c[3, 3] = c[4, 4] = 23.0e9
+    c[5, 5] = 23.5e9
+    e = _strain_constants(-6.62, 23.24, 17.03)
+    s = np.linalg.inv(c)
+    d = e @ s
+    eps_s = np.diag([1704.0, 1704.0, 1433.0]) * EPS0
+    return Piezoceramic(
+        name="PZT-5H",
+        s=s,
+        d=d,
+        eps_t=eps_s + d @ c @ d.T,
+        density=7500.0,
+        quality_factor=65.0,
+        loss_tangent=0.02,
+        origin="PZT-5H, published full tensor (c, e, eps at constant strain)",
+    )
+
+
+def _pzt_5a() -> Piezoceramic:
+    return Piezoceramic(
+        name="PZT-5A",
+        s=_transversely_isotropic(16.4e-12, -5.74e-12, -7.22e-12, 18.8e-12, 47.5e-12),
+        d=_strain_constants(-171e-12, 374e-12, 584e-12),
+        eps_t=np.diag([1730.0, 1730.0, 1700.0]) * EPS0,
+        density=7750.0,
+        quality_factor=75.0,
+        loss_tangent=0.02,
+        origin="PZT-5A, Berlincourt's constants as used in IEEE Std 176",
+    )
+
+
+def _pzt_4() -> Piezoceramic:
+    return Piezoceramic(
+        name="PZT-4",
+        s=_transversely_isotropic(12.3e-12, -4.05e-12, -5.31e-12, 15.5e-12, 39.0e-12),
+        d=_strain_constants(-123e-12, 289e-12, 496e-12),
+        eps_t=np.diag([1475.0, 1475.0, 1300.0]) * EPS0,
+        density=7500.0,
+        quality_factor=500.0,
+        loss_tangent=0.004,
+        origin="PZT-4 (hard), Jaffe, Cook and Jaffe, Piezoelectric Ceramics (1971)",
+    )
+
+
+def _pzt_8() -> Piezoceramic:
+    return Piezoceramic(
+        name="PZT-8",
+        s=_transversely_isotropic(11.5e-12, -3.7e-12, -4.8e-12, 13.5e-12, 31.9e-12),
+        d=_strain_constants(-97e-12, 225e-12, 330e-12),
+        eps_t=np.diag([1290.0, 1290.0, 1000.0]) * EPS0,
+        density=7600.0,
+        quality_factor=1000.0,
+        loss_tangent=0.004,
+        origin="PZT-8 (hard), makers' tables of the Navy type III ceramic",
+    )
+
+
+def _pic255() -> Piezoceramic:
+    return Piezoceramic(
+        name="PIC255",
+        s=_transversely_isotropic(15.90e-12, -5.675e-12, -7.376e-12, 20.97e-12, 44.92e-12),
+        d=_strain_constants(-174e-12, 393e-12, 535e-12),
+        eps_t=np.diag([1649.0, 1649.0, 1749.0]) * EPS0,
+        density=7800.0,
+        quality_factor=80.0,
+        loss_tangent=0.02,
+        origin="PIC255, PI Ceramic's table of coefficients for simulation",
+    )
+
+
+def _pz26() -> Piezoceramic:
+    return Piezoceramic(
+        name="Pz26",
+        s=_transversely_isotropic(13.0e-12, -4.35e-12, -7.05e-12, 19.6e-12, 33.2e-12),
+        d=_strain_constants(-128e-12, 328e-12, 327e-12),
+        eps_t=np.diag([1190.0, 1190.0, 1300.0]) * EPS0,
+        density=7700.0,
+        quality_factor=1000.0,
+        loss_tangent=0.003,
+        origin="Pz26 (hard), Ferroperm's full matrix data",
+    )
+
+
+def _pz27() -> Piezoceramic:
+    return Piezoceramic(
+        name="Pz27",
+        s=_transversely_isotropic(17.0e-12, -6.60e-12, -8.61e-12, 23.2e-12, 43.5e-12),
+        d=_strain_constants(-170e-12, 425e-12, 506e-12),
+        eps_t=np.diag([1800.0, 1800.0, 1800.0]) * EPS0,
+        density=7700.0,
+        quality_factor=80.0,
+        loss_tangent=0.017,
+        origin="Pz27, Ferroperm's full matrix data",
+    )
+
+
+def _pz29() -> Piezoceramic:
+    return Piezoceramic(
+        name="Pz29",
+        s=_transversely_isotropic(17.0e-12, -5.78e-12, -8.79e-12, 22.9e-12, 54.1e-12),
+        d=_strain_constants(-243e-12, 574e-12, 724e-12),
+        eps_t=np.diag([2440.0, 2440.0, 2870.0]) * EPS0,
+        density=7450.0,
+        quality_factor=90.0,
+        loss_tangent=0.019,
+        origin="Pz29, Ferroperm's full matrix data",
+    )
+
+
+def _m1876() -> Piezoceramic:
+    """Return M1876: the paper's three constants, the rest a soft PZT by ratio to PZT-5H."""
+    assumed = "assumed: typical of soft PZT with this d31 (no M1876 data sheet is public)"
+    ceramic = _pzt_5h().with_values(
+        s11=15.8e-12,
+        s55=57.8e-12,
+        d31=-385e-12,
+        eps33=6000.0,
+        density=7900.0,
+        quality_factor=60.0,
+        loss_tangent=0.03,
+    )
+    return replace(
+        ceramic,
+        name="M1876",
+        origin="assumed: PZT-5H scaled to the paper's s11, s55 and d31",
+        stated={
+            "s11": "paper table 2",
+            "s55": "paper table 2",
+            "d31": "paper table 2",
+            "eps33": assumed,
+            "density": assumed,
+            "quality_factor": assumed,
+            "loss_tangent": assumed,
+        },
+        spreads={
+            "s11": Spread(15.75e-12, 15.85e-12, PRINTED, absolute=True),
+            "s55": Spread(57.75e-12, 57.85e-12, PRINTED, absolute=True),
+            "d31": Spread(-385.5e-12, -384.5e-12, PRINTED, absolute=True),
+            "eps33": Spread(5300.0, 6500.0, "tables of soft PZT with d31 of -350 to -405 pC/N"),
+            "density": Spread(7700.0, 8000.0, "tables of soft PZT, and a margin"),
+            "quality_factor": Spread(50.0, 80.0, "tables of soft PZT, 55 to 75, and a margin"),
+            "loss_tangent": Spread(0.02, 0.035, "tables of soft PZT"),
+        },
+    )
+
+
+#: Library of piezoceramics by name.
+LIBRARY: dict[str, Piezoceramic] = {
+    c.name: c
+    for c in (
+        _m1876(), _pzt_5h(), _pzt_5a(), _pzt_4(), _pzt_8(), _pic255(), _pz26(), _pz27(),
+        _pz29(),
+    )
+}  # fmt: skip
+
+#: Types of the US Navy (MIL-STD-1376) that makers translate into these names.
+_NAVY = {"I": "PZT-4", "II": "PZT-5A", "III": "PZT-8", "VI": "PZT-5H"}
+
+
+def library_name(text: str) -> str | None:
+    """Return the library's name of a ceramic written in any case, with or without - and space.
+
+    ``Navy II`` and ``Navy type II`` are names, too.
+    """
+    names = {folded(name): name for name in LIBRARY}
+    for numeral, name in _NAVY.items():
+        names.update({folded(f"Navy{between}{numeral}"): name for between in ("", "type")})
+    return names.get(folded(text))
+
+
+@dataclass(frozen=True)
+class ShimMaterial:
+    """A metal, isotropic, or a composite with fibres along the shim (SI units).
+
+    Attributes
+    ----------
+    youngs_modulus, density : float
+        Along the shim (Pa), and mass density (kg/m³).
+    shear_modulus : float or None
+        Of a composite (Pa); a metal's follows from the other two.
+    transverse_modulus : float or None
+        Of a composite, across the fibres (Pa).
+    modulus_range, density_range : (float, float)
+        What the source, or several of one material, allow.
+    """
+
+    name: str
+    youngs_modulus: float
+    poisson_ratio: float
+    density: float
+    modulus_range: tuple[float, float]
+    density_range: tuple[float, float]
+    origin: str
+    shear_modulus: float | None = None
+    transverse_modulus: float | None = None
+
+    def values(self) -> dict[str, float]:
+        """Return the constants by their key in a scene, the shear modulus only of a composite."""
+        found = {
+            "youngs_modulus": self.youngs_modulus,
+            "poisson_ratio": self.poisson_ratio,
+            "density": self.density,
+            "shear_modulus": self.shear_modulus,
+            "transverse_modulus": self.transverse_modulus,
+        }
+        return {name: value for name, value in found.items() if value is not None}
+
+    def spreads(self) -> dict[str, Spread]:
+        """Return the ranges of what tables give one for; a metal's shear follows its modulus."""
+        low, high = (isotropic_shear(end, self.poisson_ratio) for end in self.modulus_range)
+        found = {
+            "youngs_modulus": Spread(*self.modulus_range, f"data sheets of {self.name}"),
+            "density": Spread(*self.density_range, f"data sheets of {self.name}"),
+        }
+        if self.shear_modulus is None:
+            found["shear_modulus"] = Spread(
+                low, high, f"data sheets of {self.name}: E / 2 (1 + nu)"
+            )
+        return found
+
+
+def isotropic_shear(youngs_modulus: float, poisson_ratio: float) -> float:
+    """Return the shear modulus of an isotropic material (Pa)."""
+    return youngs_modulus / (2.0 * (1.0 + poisson_ratio))
+
+
+#: The paper's composite, whose constants are the defaults.
+PAPERS = "CFRP"
+
+#: By name.  The metals' moduli at room temperature, rolled sheet; ranges over the tempers.
+SHIMS: dict[str, ShimMaterial] = {
+    m.name: m
+    for m in (
+        ShimMaterial(
+            "brass", 110e9, 0.34, 8530.0, (103e9, 117e9), (8440.0, 8530.0),
+            "cartridge brass CuZn30, UNS C26000: Copper Development Association's data sheet",
+        ),
+        ShimMaterial(
+            "stainless steel", 193e9, 0.29, 8000.0, (190e9, 200e9), (7900.0, 8030.0),
+            "AISI 301 and 304: ASM Metals Handbook, vol 1 (1990)",
+        ),
+        ShimMaterial(
+            "spring steel", 206e9, 0.29, 7850.0, (200e9, 212e9), (7800.0, 7870.0),
+            "carbon spring strip, C75S and AISI 1074 to 1095: ASM Metals Handbook, vol 1 (1990)",
+        ),
+        ShimMaterial(
+            "titanium", 114e9, 0.34, 4430.0, (105e9, 120e9), (4420.0, 4510.0),
+            "Ti-6Al-4V, grade 5: ASM Metals Handbook, vol 2 (1990)",
+        ),
+        ShimMaterial(
+            "nickel silver", 125e9, 0.33, 8700.0, (120e9, 130e9), (8690.0, 8730.0),
+            "CuNi18Zn27, UNS C77000: Copper Development Association's data sheet",
+        ),
+        ShimMaterial(
+            "phosphor bronze", 110e9, 0.34, 8860.0, (103e9, 117e9), (8800.0, 8860.0),
+            "CuSn5, UNS C51000: Copper Development Association's data sheet",
+        ),
+        ShimMaterial(
+            "aluminium", 70e9, 0.33, 2700.0, (68e9, 73e9), (2660.0, 2810.0),
+            "wrought alloys, 5052 to 7075: ASM Metals Handbook, vol 2 (1990)",
+        ),
+        ShimMaterial(
+            "AS4 CFRP", 147e9, 0.27, 1600.0, (135e9, 150e9), (1550.0, 1620.0),
+            "AS4/3501-6, unidirectional, 63 % fibres: Daniel and Ishai, Engineering Mechanics of "
+            "Composite Materials (2006), table A.4",
+            shear_modulus=7.0e9, transverse_modulus=10.3e9,
+        ),
+    )
+}  # fmt: skip
+
+#: Other words for them.
+_ALSO = {
+    "stainless": "stainless steel", "304": "stainless steel", "301": "stainless steel",
+    "C260": "brass", "CuZn30": "brass", "Ti6Al4V": "titanium", "aluminum": "aluminium",
+    "carbon fibre": PAPERS, "carbon fiber": PAPERS,
+}  # fmt: skip
+
+
+def shim_name(text: str) -> str | None:
+    """Return the library's name of a shim written in any case, with or without - and space."""
+    names = {folded(name): name for name in (PAPERS, *SHIMS)}
+    names.update({folded(other): name for other, name in _ALSO.items()})
+    return names.get(folded(text))
+
+
+#: Points of a curve's table, where it begins below the fastest term's scale, and how far it goes
+#: beyond the slowest one's.
+_POINTS = 80
+
+
+_BELOW, _BEYOND = 0.02, 7.0
+
+
+@dataclass(frozen=True)
+class SoftMagnet:
+    """A fitted polarisation: terms (k, Jₛ) with Jₛ in T, and what it is."""
+
+    name: str
+    terms: tuple[tuple[float, float], ...]
+    what: str
+
+    @property
+    def saturation(self) -> float:
+        """Polarisation at saturation (T)."""
+        return sum(limit for _, limit in self.terms)
+
+    @cache  # noqa: B019  a handful of frozen values that live as long as the program
+    def curve(self) -> MagnetisationCurve:
+        """Return the curve as a table, dense enough to be read to 1e-4 between its points."""
+        scales = [limit / slope for slope, limit in self.terms]
+        applied = np.geomspace(_BELOW * min(scales), _BEYOND * max(scales), _POINTS)
+        applied = np.concatenate([[0.0], applied])  # µ0 H, T
+        b = applied + sum(limit * np.tanh(applied * slope / limit) for slope, limit in self.terms)
+        return MagnetisationCurve(b, applied / MU0, name=self.name)
+
+
+#: By name.
+SOFT_MAGNETS: dict[str, SoftMagnet] = {
+    m.name: m
+    for m in (
+        SoftMagnet(
+            "armco", ((4236.0, 1.385), (126.2, 0.2649), (34.0, 0.5)), "Armco pure iron, annealed"
+        ),
+        SoftMagnet(
+            "xc06", ((2118.0, 1.362), (63.06, 0.2605), (17.138, 0.4917)),
+            "low-carbon steel with less than 0.06 % C, such as AISI 1006",
+        ),
+        SoftMagnet(
+            "steel37", ((1596.3, 1.1488), (133.11, 0.4268), (18.713, 0.4759)),
+            "low-carbon steel with less than 0.13 % C, such as St37 or AISI 1010",
+        ),
+        SoftMagnet(
+            "steel42", ((968.66, 1.441), (24.65, 0.2912), (8.3, 0.3316)),
+            "steel with less than 0.19 % C, such as St42 or AISI 1018",
+        ),
+        SoftMagnet(
+            "afk1", ((2001.0, 1.704), (38.56, 0.493), (1.24, 0.152)), "iron with 25 % cobalt"
+        ),
+        SoftMagnet(
+            "afk502", ((10485.0, 1.788), (241.5, 0.437), (7.43, 0.115)),
+            "iron with 49 % cobalt and 2 % vanadium (vanadium permendur)",
+        ),
+    )
+}  # fmt: skip
+
+
+#: Other words for them.
+_STEEL_ALIASES = {
+    "pure iron": "armco", "iron": "armco", "1006": "xc06", "AISI 1006": "xc06", "1010": "steel37",
+    "AISI 1010": "steel37", "St37": "steel37", "1018": "steel42", "AISI 1018": "steel42",
+    "St42": "steel42", "FeCo49": "afk502", "vanadium permendur": "afk502", "permendur": "afk502",
+    "FeCo25": "afk1",
+}  # fmt: skip
+
+
+#: Magnetisation curves that are known by name; other names are files.
+STEELS = ("team20", "linear", *SOFT_MAGNETS)
+
+
+def steel_name(text: str) -> str | None:
+    """Return the name of a built-in curve written in any case, with or without - and space."""
+    names = {folded(name): name for name in STEELS}
+    names.update({folded(other): name for other, name in _STEEL_ALIASES.items()})
+    return names.get(folded(text))
+
+
+def built_in_curve(name: str) -> MagnetisationCurve:
+    """Return a built-in curve by its name in :data:`STEELS`, ``linear`` excepted; KeyError."""
+    return TEAM20 if name == "team20" else SOFT_MAGNETS[name].curve()
