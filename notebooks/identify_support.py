@@ -10,8 +10,8 @@ import numpy as np
 
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.identification.identify import identify
-from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
+from tactgen.validation.studies.identify import identify
+from tactgen.validation.studies.measured_data import MeasuredCurve
 
 scene, _ = load_scene("prototype", ["frequency=10:2000:80:log"])
 exact = np.abs(solve(scene, ["tmm"], ["tip_velocity"]).quantities[0].value)
@@ -29,14 +29,14 @@ measured = MeasuredCurve(
 # Start from a support twice as stiff, with a third of the damping.
 
 # %%
-start, _ = load_scene(
+start, origins = load_scene(
     "prototype",
     [
         "support.rotational_stiffness=0.48 N*m/rad",
         "support.rotational_damping=1.5e-6 N*m*s/rad",
     ],
 )
-found = identify(start, measured, ("c_s", "d_s"))
+found = identify(start, measured, ("c_s", "d_s"), origins=origins)
 for name in ("c_s", "d_s"):
     estimate = found.get(name)
     low, high = estimate.interval

@@ -333,7 +333,7 @@ def test_design(refused, arguments, message):
         (["SWEEP", "--fit", "c_s=5"], ["has no unit"]),
         (["SWEEP", "--set", "support.kind=clamped"], ["has no effect", "support.kind"]),
         (["SWEEP", "--noise", "pink"], ["invalid choice"]),
-        (["SWEEP", "--plot", "x.gif"], ['--plot "x.gif"', ".svg or .png"]),
+        (["SWEEP", "--plot", "x.gif"], ["--plot x.gif", ".svg or .png"]),
         (["SWEEP", "--plot", "/nowhere/x.svg"], ["/nowhere/x.svg", "cannot be written"]),
         (["SWEEP", "--write", "x.txt"], ['--write "x.txt"', ".toml"]),
         (["SWEEP", "--write", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),

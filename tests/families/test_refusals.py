@@ -22,7 +22,7 @@ from tactgen.tmm.generator.transient import step as newton
 from tactgen.validation.command_line.streams import _plainly
 from tactgen.validation.models import ladder
 from tactgen.validation.models.bimorph.meshes import cells_of
-from tactgen.validation.studies.identification import measured_data
+from tactgen.validation.studies import measured_data
 from tactgen.validation.studies.transient.film import _film
 from tactgen.validation.view import browser
 

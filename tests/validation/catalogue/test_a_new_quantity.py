@@ -16,7 +16,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.scene.template import template
-from tactgen.validation.studies.identification.curve_model import curve_model
+from tactgen.validation.studies.curve_fit import curve_model
 from tactgen.validation.studies.uncertainty.propagation import parameter_uncertainty
 
 ACCELERATION = QuantityRow(

@@ -8,10 +8,10 @@ import pytest
 
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.identification.curve_model import curve_model
-from tactgen.validation.studies.identification.identify import identify
-from tactgen.validation.studies.identification.measured_data import read_measured
-from tactgen.validation.studies.identification.plot import write_plot
+from tactgen.validation.studies.curve_fit import curve_model
+from tactgen.validation.studies.identify import identify
+from tactgen.validation.studies.identify_output import write_plot
+from tactgen.validation.studies.measured_data import read_measured
 
 
 def run(capsys, *arguments):

@@ -11,14 +11,10 @@ from tactgen.validation.catalogue.quantities import measurable
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.keys import with_values
 from tactgen.validation.scene.scene import FILE_KEYS, load_scene
-from tactgen.validation.studies.identification import identifiability
-from tactgen.validation.studies.identification import identify as identify_module
-from tactgen.validation.studies.identification.curve_fit import Misfit
-from tactgen.validation.studies.identification.curve_model import curve_model, sensitivities
-from tactgen.validation.studies.identification.fit_parameters import fit_parameter
-from tactgen.validation.studies.identification.identify import identify
-from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
-from tactgen.validation.studies.identification.output import file_from
+from tactgen.validation.studies.curve_fit import Misfit, curve_model
+from tactgen.validation.studies.identify import fit_parameter, identify
+from tactgen.validation.studies.identify_output import file_from
+from tactgen.validation.studies.measured_data import MeasuredCurve
 
 PROTOTYPE, ORIGINS = load_scene("prototype")
 TRUTH = {"c_s": 0.24, "d_s": 4.46e-6, "c_sl": 3e6, "theta": 1e-12, "rho_p": 7900.0}
@@ -59,17 +55,6 @@ def covered(count, fit=("c_s", "d_s"), **options):
             low, high = found.get(name).interval
             hits[name] += bool(low <= TRUTH[name] <= high)
     return hits
-
-
-@pytest.fixture(autouse=True)
-def assumptions_on_request(monkeypatch):
-    """Leave out what a fit assumes, a third of its work, for who does not say what is assumed."""
-    worked_out = identify_module.assumed_slopes
-
-    def slopes(scene, origins, *rest):
-        return worked_out(scene, origins, *rest) if origins else ()
-
-    monkeypatch.setattr(identify_module, "assumed_slopes", slopes)
 
 
 def test_model_is_that_of_solve():
@@ -274,7 +259,7 @@ def test_jacobian_is_that_of_the_residuals():
         at, step = np.array([0.25, 4e-6]), 1e-5
         for noise in ("relative", "constant", "stated"):
             misfit = Misfit(data, noise)
-            jacobian = misfit.jacobian(model(at), sensitivities(model, at))
+            jacobian = misfit.jacobian(model(at), model.sensitivities(at))
             for i in range(2):
                 shift = np.ones(2)
                 shift[i] = np.exp(step)
@@ -405,14 +390,3 @@ def test_a_fitted_scene_elsewhere_names_the_same_curve(tmp_path):
     )
     for as_it_is in ("team20", "linear", str(tmp_path / "steel.csv")):
         assert file_from(Path("fits"), as_it_is, FILE_KEYS["steel.curve"]) == as_it_is
-
-
-@pytest.mark.parametrize(
-    ("half_width", "said"),
-    [
-        (1e-14, "to rounding"), (0.0123, "to ±1.2 %"), (np.log(50.0), "within a factor of 50"),
-        (np.log(250.0), "within a factor of 250"), (400.0, "within a factor of over 1000"),
-    ],
-)  # fmt: skip
-def test_how_well_a_parameter_is_known_in_words(half_width, said):
-    assert identifiability._spread(half_width) == said

@@ -8,9 +8,9 @@ from tactgen.validation.catalogue.quantities import measurable
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.keys import value_of
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.identification.curve_model import curve_model, sensitivities
-from tactgen.validation.studies.identification.identify import identify
-from tactgen.validation.studies.identification.measured_curve import MeasuredCurve
+from tactgen.validation.studies.curve_fit import curve_model
+from tactgen.validation.studies.identify import identify
+from tactgen.validation.studies.measured_data import MeasuredCurve
 
 ON_CONTACT = ("support.kind=contact", "coil.current=0mA")
 FREQUENCIES = np.linspace(10.0, 2000.0, 40)
@@ -69,7 +69,7 @@ def test_a_contact_is_as_stiff_as_its_load_over_its_decay_length():
     of the stiffness apart, which is 4e-4."""
     scene, _ = load_scene("prototype", ON_CONTACT)
     model = curve_model(scene, measurable()["velocity"].name, FREQUENCIES, PAIR)
-    one, other = sensitivities(model, np.array([value_of(scene, key) for key in PAIR])).T
+    one, other = model.sensitivities(np.array([value_of(scene, key) for key in PAIR])).T
     assert np.abs(one + other).max() < 1e-3 * np.abs(one).max()
 
 

@@ -28,7 +28,7 @@ from tactgen.validation.studies.design.length_scan import lowest_margin
 from tactgen.validation.studies.design.length_section import section
 from tactgen.validation.studies.design.plots import length_plot
 from tactgen.validation.studies.design.wording import changed_setting, sentences
-from tactgen.validation.studies.identification.fit_parameters import fit_parameter
+from tactgen.validation.studies.identify import fit_parameter
 
 BAND = (10.0, 1000.0)
 #: From well below to above the paper's lengths: m is decided by the band's end, then a minimum.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.studies.identification.measured_data import read_measured
+from tactgen.validation.studies.measured_data import read_measured
 
 
 def written(tmp_path, text, encoding="utf-8"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import (
@@ -80,21 +81,17 @@ def _listing() -> tuple[str, str]:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    from tactgen.validation.export.check_place import check_place
     from tactgen.validation.scene.idle_keys import scene_warnings
-    from tactgen.validation.studies.identification.fit_parameters import DEFAULT_FIT
-    from tactgen.validation.studies.identification.identify import identify
-    from tactgen.validation.studies.identification.measured_data import read_measured
-    from tactgen.validation.studies.identification.output import (
-        as_json,
-        as_text,
-        checked_scene_name,
-        write_scene,
-    )
-    from tactgen.validation.studies.identification.plot import checked_plot_name, write_plot
+    from tactgen.validation.studies import identify_output as output
+    from tactgen.validation.studies.identify import DEFAULT_FIT, identify
+    from tactgen.validation.studies.measured_data import read_measured
 
     # what is wrong with the names is said before any work is done
-    plot = None if options.plot is None else checked_plot_name(options.plot)
-    target = None if options.write is None else checked_scene_name(options.write)
+    plot = Path(options.plot) if options.plot is not None else None
+    if plot:
+        check_place("--plot", plot, (".svg", ".png"))
+    target = None if options.write is None else output.checked_scene_name(options.write)
     scene, origins = lateral_scene(options.scene, options.overrides, "identify")
     data = read_measured(options.measured)
     if options.noise and data.error is not None:
@@ -102,14 +99,14 @@ def run(options: argparse.Namespace) -> int:
             f"--noise {options.noise} has no effect, for {data.source} states its uncertainty; "
             "leave one of them out"
         )
-    found = identify(scene, data, options.fit or DEFAULT_FIT, options.noise, origins)
-    warn((*scene_warnings(scene, origins), *found.warnings))
+    result = identify(scene, data, options.fit or DEFAULT_FIT, options.noise, origins)
+    warn((*scene_warnings(scene, origins), *result.warnings))
     if plot:
-        write_plot(found, plot)
+        output.write_plot(result, plot)
     if target:
-        write_scene(found, origins, target)
+        output.write_scene(result, origins, target)
     if options.json:
-        print_json(as_json(found))
+        print_json(output.as_json(result))
     else:
-        print(as_text(found))
+        print(output.as_text(result))
     return 0

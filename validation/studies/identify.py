@@ -1,0 +1,607 @@
+"""Parameters of a scene from a measured curve, and what the curve cannot tell.
+
+The paper determined its support "empirically" (Fig 8).  Here the same is a least-squares fit of
+the transfer-matrix model with a statement of what the curve determines.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BeforeValidator, TypeAdapter, ValidationError
+
+from tactgen.geometry.arrays import Complex, Floats, Numbers
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.names import nearest
+from tactgen.geometry.units import Unit, quoted
+from tactgen.tmm.beam.parametric import check_length_free
+from tactgen.validation.engine.plan import check_on_contact
+from tactgen.validation.engine.warnings import load_warnings
+from tactgen.validation.scene.idle_keys import idle
+from tactgen.validation.scene.keys import SYMBOLS, value_of, with_values
+from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
+from tactgen.validation.scene.scene import Scene, scene_keys
+from tactgen.validation.scene.wording import one_line
+from tactgen.validation.studies.curve_fit import (
+    CONFIDENCE,
+    RANK,
+    CurveModel,
+    Fit,
+    Misfit,
+    Scan,
+    Statistics,
+    curve_model,
+    scan,
+    statistics,
+)
+from tactgen.validation.studies.measured_data import MeasuredCurve
+
+#: What a velocity curve over the first resonance determines.
+DEFAULT_FIT = ("c_s", "d_s")
+#: Kinds of noise where no uncertainty is stated.
+NOISE = ("relative", "constant")
+#: Bounds where none are given: this factor below and above the start.
+_REACH = 100.0
+#: Constant noise must make the data this much likelier (in ln) to be preferred to relative.
+_CLEARLY = 2.0
+#: Fewest points of a curve, and fewest per parameter.
+_LEAST_POINTS, _PER_PARAMETER = 5, 2
+#: Beyond this correlation the data do not separate two parameters.
+_INSEPARABLE = 0.99
+#: A parameter whose interval spans more than this factor is not determined by the data.
+_VAGUE = 2.0
+#: Intervals narrower than this (of ln p) are those of an exact curve.
+_EXACT = 1e-9
+#: Share of the curve left unexplained above which the model is called wrong, and below which
+#: residuals are rounding.
+_UNEXPLAINED, _ROUNDING = 0.2, 1e-8
+_OPPOSITE = {"low": "high", "high": "low"}
+_REMEDY = (
+    "write for example --fit c_s=0.2N*m/rad:0.05..2N*m/rad, --fit c_s:0.05..2N*m/rad or --fit c_s"
+)
+_LEADING_NUMBER = re.compile(r"[+-]?[\d.]+(?:e[+-]?\d+)?", re.IGNORECASE | re.ASCII)
+
+
+@dataclass(frozen=True)
+class FitParameter:
+    """One number of a scene that is fitted, SI units.
+
+    `start`, `low` and `high` have one sign and none is 0, for the fit runs over the
+    logarithm of the magnitude; ``|low| < |high|``.
+    """
+
+    key: str
+    unit: Unit
+    start: float
+    low: float
+    high: float
+
+    @property
+    def symbol(self) -> str:
+        """The paper's symbol, or the key."""
+        return next((s for s, key in SYMBOLS.items() if key == self.key), self.key)
+
+
+@dataclass(frozen=True)
+class FittedParameter:
+    """One fitted parameter, SI units.
+
+    `interval` is the 95 % confidence interval; `opened` names the ends of it (``low``, ``high``)
+    that are only bounds of the search, `edge` the bound that the value itself is at.
+    """
+
+    parameter: FitParameter
+    value: float
+    interval: tuple[float, float]
+    opened: tuple[str, ...]
+    edge: str
+
+    @property
+    def half_width(self) -> float:
+        """Half width of the interval of ln(value)."""
+        return abs(float(np.log(self.interval[1] / self.interval[0]))) / 2.0
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """A parameter that was not fitted and that nobody vouches for.
+
+    `slopes` holds d ln(fitted) / d ln(assumed) for each fitted parameter, nan at a bound.
+    """
+
+    row: ParameterRow
+    slopes: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Identification:
+    """A fit and what it says.
+
+    Attributes
+    ----------
+    scene, start : Scene
+        With the fitted values, and with those that the fit started from.
+    curve : MeasuredCurve
+        The data that counted.
+    estimates : tuple of FittedParameter
+        In the order of the request.
+    correlation : (p, p) array
+        Between ln of the estimates; nan for those at a bound.
+    singular_values : (p',) array
+        Of the scaled Jacobian over those not at a bound, descending.
+    noise : str
+        ``relative``, ``constant`` or ``stated``: how residuals were counted.
+    level : float
+        Estimated noise: a fraction, an amount in the curve's SI unit, or √(χ²/freedom).
+    freedom : int
+        Residuals less free parameters.
+    fitted : (n,) complex array
+        The fitted curve at the data's frequencies.
+    band : (n,) complex array
+        Half width of the fitted curve's 95 % band: of ln|curve| and, imaginary, of its phase.
+    assumptions : tuple of Assumption
+        What the estimates rest on, strongest first.
+    findings : tuple of str
+        What the curve does not determine, in words.
+    warnings : tuple of str
+        Reasons to doubt the fit.
+    """
+
+    scene: Scene
+    start: Scene
+    curve: MeasuredCurve
+    estimates: tuple[FittedParameter, ...]
+    correlation: Floats
+    singular_values: Floats
+    noise: str
+    level: float
+    freedom: int
+    fitted: Complex
+    band: Complex
+    assumptions: tuple[Assumption, ...]
+    findings: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    def get(self, name: str) -> FittedParameter:
+        """Return the estimate of a symbol or scene key."""
+        return next(e for e in self.estimates if name in (e.parameter.key, e.parameter.symbol))
+
+    @property
+    def residuals(self) -> Complex:
+        """ln(data / fitted), shape (n,): the misfit's fraction and, imaginary, its phase."""
+        fitted = self.fitted if self.curve.has_phase else np.abs(self.fitted)
+        return np.asarray(np.log(self.curve.values / fitted + 0j))
+
+
+def identify(
+    scene: Scene,
+    data: MeasuredCurve,
+    fit: Sequence[str] = DEFAULT_FIT,
+    noise: str | None = None,
+    origins: Mapping[str, str] | None = None,
+) -> Identification:
+    """Fit parameters of a scene to a measured curve with the transfer-matrix model.
+
+    Parameters
+    ----------
+    scene : Scene
+        What was measured; `drive.voltage` is the (peak) amplitude that the data belong to.
+    fit : sequence of str
+        ``NAME[=START][:LOW..HIGH]`` each, see :func:`fit_parameter`.
+    noise : str, optional
+        ``relative`` or ``constant``; by default the one under which the data are likelier.
+        Not used where the data state their uncertainty.
+    origins : mapping, optional
+        Where the scene's values come from, as :func:`validation.scene.scene.load_scene` returns
+        it; without it no assumptions are looked for.
+
+    Raises
+    ------
+    InputError
+        If a parameter or the data cannot be used, in one sentence.
+    """
+    curve = data.at(data.used)
+    quantity = curve.quantity.name
+    check_on_contact(scene, (quantity,))
+    parameters = _parameters(scene.model_copy(update={"quantities": (quantity,)}), fit)
+    least = max(_LEAST_POINTS, _PER_PARAMETER * len(parameters))
+    if curve.frequencies.size < least:
+        raise InputError(
+            f"{curve.source} holds {curve.frequencies.size} points that count, too few to fit "
+            f"{len(parameters)} parameters; give at least {least}, or fit fewer parameters"
+        )
+    at_data = scene.model_copy(update={"frequency": tuple(map(float, curve.frequencies))})
+    warnings = list(load_warnings(at_data, (quantity,)))
+    start = with_values(scene, {p.key: p.start for p in parameters})
+    model = curve_model(start, quantity, curve.frequencies, [p.key for p in parameters])
+    _check_effect(model, parameters, curve)
+    scanned, best, values, edges = _best(model, curve, parameters, noise)
+    misfit, now, sensitivity = best.misfit, model(values), model.sensitivities(values)
+    residuals = misfit.residuals(now)
+    free = [i for i, edge in enumerate(edges) if not edge]
+    jacobian, stated = misfit.jacobian(now, sensitivity), misfit.noise == "stated"
+    stats = statistics(jacobian[:, free], residuals, stated=stated)
+    fitted_scene = with_values(start, dict(zip(model.keys, map(float, values), strict=True)))
+    warnings += _doubts(misfit, stats, now, residuals) + _phase_hint(curve, scanned)
+    warnings += _inadmissible(fitted_scene)
+    estimates = _estimates(best, parameters, values, edges, stats)
+    correlation = np.full((len(parameters), len(parameters)), np.nan)
+    correlation[np.ix_(free, free)] = stats.correlation
+    band = (stats.half_width(part[:, free]) for part in (sensitivity.real, sensitivity.imag))
+    return Identification(
+        scene=fitted_scene,
+        start=start,
+        curve=curve,
+        estimates=estimates,
+        correlation=correlation,
+        singular_values=stats.singular_values,
+        noise=misfit.noise,
+        level=stats.level * misfit.unit_of_noise,
+        freedom=stats.freedom,
+        fitted=now,
+        band=np.asarray(next(band) + 1j * next(band)),
+        assumptions=_assumptions(fitted_scene, origins, misfit, now, jacobian[:, free], free, model)
+        if origins is not None
+        else (),
+        # two that only their product fixes may both have drifted to their bounds
+        findings=_findings(estimates, statistics(jacobian, residuals, stated=stated)),
+        warnings=tuple(warnings),
+    )
+
+
+def fit_parameter(scene: Scene, text: str) -> FitParameter:
+    """Read ``NAME[=START][:LOW..HIGH]``; NAME is a scene key or a symbol of the paper.
+
+    The start is the scene's value unless given, the bounds a factor 100 either side of it.  A LOW
+    without a unit has that of HIGH.
+
+    Raises
+    ------
+    InputError
+        If the name, a value or its unit cannot be used.
+    """
+    head, colon, bounds = text.partition(":")
+    name, equals, start_text = (part.strip() for part in head.partition("="))
+    low_text, dots, high_text = (part.strip() for part in bounds.partition(".."))
+    if not name or (equals and not start_text) or (colon and not (low_text and high_text and dots)):
+        raise InputError(
+            f"--fit {quoted(text)} is not of the form NAME[=START][:LOW..HIGH]; {_REMEDY}"
+        )
+    key = SYMBOLS.get(name, name)
+    unit = _unit(scene, key, name)
+    if key == "bimorph.length":
+        check_length_free(scene.bimorph)
+    start = _read(key, start_text, unit) if equals else float(value_of(scene, key))
+    if start == 0.0:
+        raise InputError(
+            f"{key} = {unit.show(0.0)} cannot be where a fit starts; give a value that is not 0, "
+            f'for example --fit "{name}={unit.example}"'
+        )
+    if colon:
+        if _LEADING_NUMBER.fullmatch(low_text):
+            low_text += _LEADING_NUMBER.sub("", high_text, count=1)
+        low, high = sorted((_read(key, end, unit) for end in (low_text, high_text)), key=abs)
+    else:
+        least, most = unit.limits or (0.0, math.inf)
+        low, high = (
+            math.copysign(min(max(abs(end), least), most), start)
+            for end in (start / _REACH, start * _REACH)
+        )
+    if low * start <= 0.0 or not abs(low) <= abs(start) <= abs(high) or abs(low) == abs(high):
+        raise InputError(
+            f"--fit {quoted(text)} starts {key} at {unit.show(start)}, outside its bounds "
+            f"{unit.show(low)} to {unit.show(high)}; give LOW and HIGH of one sign, not 0, with "
+            "the start between them"
+        )
+    return FitParameter(key, unit, start, low, high)
+
+
+def _read(key: str, text: str, unit: Unit) -> float:
+    """SI value as the scene would read it."""
+    reader: TypeAdapter[float] = TypeAdapter(Annotated[float, BeforeValidator(unit)])
+    try:
+        return reader.validate_python(text, context={"units_required": True})
+    except ValidationError as error:
+        reason = error.errors()[0]["ctx"]["error"]
+        raise InputError(one_line(f"--fit: {key} = {quoted(text)} {reason}")) from None
+
+
+def _unit(scene: Scene, key: str, name: str) -> Unit:
+    if key not in scene_keys():
+        raise InputError(
+            f"--fit {quoted(name)} is not a scene key{nearest(name, (*SYMBOLS, *scene_keys()))}; "
+            f"use {', '.join(SYMBOLS)} or a key that tactgen init FILE.toml writes"
+        )
+    group, _, last = key.rpartition(".")
+    holder: Any = value_of(scene, group) if group else scene
+    metadata = type(holder).model_fields[last].metadata
+    unit = next((m for m in metadata if isinstance(m, Unit)), None)
+    if unit is None or getattr(holder, last) is None:
+        raise InputError(
+            f"--fit {key} is not a number that can be fitted; use for example {', '.join(SYMBOLS)}"
+        )
+    return unit
+
+
+def _parameters(scene: Scene, fit: Sequence[str]) -> list[FitParameter]:
+    parameters = [fit_parameter(scene, text) for text in fit]
+    keys = [p.key for p in parameters]
+    if not parameters:
+        raise InputError("nothing is to be fitted; name a parameter, for example --fit c_s")
+    for key in keys:
+        if keys.count(key) > 1:
+            raise InputError(f"--fit names {key} twice; keep one of them")
+        if idle(scene, key):
+            raise InputError(f"--fit: {idle(scene, key)}")
+    return parameters
+
+
+def _check_effect(
+    model: CurveModel, parameters: Sequence[FitParameter], curve: MeasuredCurve
+) -> None:
+    start = np.array([p.start for p in parameters])
+    now = model(start)
+    if not (np.isfinite(now).all() and np.abs(now).min() > 0.0):
+        raise InputError(
+            f'scene "{model.scene.name}" gives no {curve.kind} to compare with '
+            f"{curve.source}; check drive.voltage and the values that the scene sets"
+        )
+    for parameter, column in zip(parameters, model.sensitivities(start).T, strict=True):
+        if not column.any():
+            raise InputError(
+                f"--fit {parameter.key}: it has no effect on the {curve.kind} of the "
+                "transfer-matrix model; fit another parameter, or measure another curve"
+            )
+
+
+def _best(
+    model: CurveModel, curve: MeasuredCurve, parameters: Sequence[FitParameter], noise: str | None
+) -> tuple[Scan, Fit, Floats, list[str]]:
+    """Fit under each kind of noise that is possible; the likeliest."""
+    start, low, high = np.array([(p.start, p.low, p.high) for p in parameters]).T
+    scanned = scan(model, start, low, high)
+    kinds = ("stated",) if curve.error is not None else (noise,) if noise else NOISE
+    fits = []
+    for kind in kinds:
+        fit = Fit(model, Misfit(curve, kind), low, high)
+        values, edges = fit.best(scanned)
+        residuals = fit.residuals(values)
+        if np.sqrt(np.mean(residuals**2)) < _ROUNDING:  # exact: no noise to tell kinds apart by
+            return scanned, fit, values, edges
+        handicap = _CLEARLY if kind == "constant" else 0.0
+        fits.append((fit.misfit.surprise(residuals) + handicap, fit, values, edges))
+    return scanned, *min(fits, key=lambda entry: entry[0])[1:]
+
+
+def _estimates(
+    fit: Fit,
+    parameters: Sequence[FitParameter],
+    values: Floats,
+    edges: Sequence[str],
+    stats: Statistics,
+) -> tuple[FittedParameter, ...]:
+    """Estimates with linear intervals if all are narrow, else with profiled ones."""
+    deviation = np.full(values.size, np.nan)
+    deviation[[not edge for edge in edges]] = stats.deviation
+    linear = stats.quantile * deviation
+    narrow = not any(edges) and bool((linear < 0.5 * np.log(_VAGUE)).all())
+    rise = stats.quantile**2 * (1.0 if fit.misfit.noise == "stated" else stats.level**2)
+    estimates = []
+    for i, (parameter, edge) in enumerate(zip(parameters, edges, strict=True)):
+        value = float(values[i])
+        opened: tuple[str, ...] = ()
+        if narrow:
+            low, high = value / np.exp(linear[i]), value * np.exp(linear[i])
+        else:
+            low, high, opened = fit.profile(values, i, rise, float(linear[i]))
+        if value < 0.0:  # the fit's bounds go by magnitude
+            low, high, opened = high, low, tuple(_OPPOSITE[end] for end in opened)
+            edge = _OPPOSITE.get(edge, "")
+        estimates.append(FittedParameter(parameter, value, (float(low), float(high)), opened, edge))
+    return tuple(estimates)
+
+
+def _assumptions(
+    scene: Scene,
+    origins: Mapping[str, str],
+    misfit: Misfit,
+    now: Complex,
+    jacobian: Floats,
+    free: list[int],
+    model: CurveModel,
+) -> tuple[Assumption, ...]:
+    """How the estimates follow assumed parameters: −J⁺ ∂r/∂ln q at the optimum.
+
+    This is implicit differentiation of the normal equations with the residuals' second
+    derivatives left out, as in the covariance.  What the data do not separate shares a change
+    alike.
+    """
+    rows = [
+        row
+        for row in parameter_rows(scene, dict(origins))
+        if row.assumed
+        and row.key not in model.keys
+        and isinstance(value := value_of(scene, row.key), float)
+        and value != 0.0
+        and not idle(scene, row.key)
+    ]
+    keys = [row.key for row in rows]
+    values = np.array([value_of(scene, key) for key in keys], dtype=float)
+    varied = curve_model(scene, model.quantity, model.frequencies, keys)
+    shifts = misfit.jacobian(now, varied.sensitivities(values))
+    slopes = np.full((len(model.keys), len(keys)), np.nan)
+    slopes[free] = -np.linalg.lstsq(jacobian, shifts, rcond=RANK)[0]
+    acting = [
+        Assumption(row, tuple(map(float, slope)))
+        for row, slope, shift in zip(rows, slopes.T, shifts.T, strict=True)
+        if shift.any()
+    ]
+    return tuple(sorted(acting, key=lambda a: -np.nanmax(np.abs([*a.slopes, 0.0]))))
+
+
+def _doubts(misfit: Misfit, stats: Statistics, now: Complex, residuals: Floats) -> list[str]:
+    """Reasons to doubt that the model describes the data."""
+    from scipy.special import chdtr
+
+    curve = misfit.curve
+    data, fitted = np.abs(curve.values), np.abs(now)
+    distance = curve.values - now if curve.has_phase else data - fitted
+    unexplained = float(np.sqrt(np.sum(np.abs(distance) ** 2) / np.sum(data**2)))
+    doubts = []
+    if unexplained > _UNEXPLAINED:
+        doubts.append(
+            f"the fitted curve leaves {100 * unexplained:.0f} % of the {curve.kind} unexplained "
+            f"(measured over fitted magnitude, median {float(np.median(data / fitted)):.3g}); "
+            "check the units, that drive.voltage is the amplitude of the measurement, and the "
+            "scene's dimensions"
+        )
+    alike = neighbours_alike(residuals, 2 if curve.has_phase else 1)
+    if alike is not None and unexplained > _ROUNDING:
+        doubts.append(
+            f"neighbouring residuals are alike (correlation {alike:+.2f}), so the model is off by "
+            "more than noise and the true intervals are wider than those stated"
+        )
+    chance = float(chdtr(stats.freedom, stats.freedom * stats.level**2))
+    if misfit.noise == "stated" and not 5e-4 < chance < 1.0 - 5e-4:
+        doubts.append(
+            f"the residuals are {stats.level:.3g} times the stated uncertainty (chi2 per degree "
+            f"of freedom {stats.level**2:.3g} where 1 is expected); the intervals take the "
+            "uncertainty as stated, so correct it or multiply them by that number"
+        )
+    return doubts
+
+
+def neighbours_alike(residuals: Floats, parts: int) -> float | None:
+    """Return the correlation of neighbouring residuals if noise alone would hardly give it.
+
+    `parts` equal pieces (real, imaginary) follow each other.  Independent residuals have
+    a correlation of 0 ± 1/√n; four times that is taken as proof.
+    """
+    pieces = residuals.reshape(parts, -1)
+    square = float(np.sum(pieces**2))
+    if square == 0.0:
+        return None
+    alike = float(np.sum(pieces[:, 1:] * pieces[:, :-1])) / square
+    return alike if alike > 4.0 / np.sqrt(residuals.size) else None
+
+
+def _phase_hint(curve: MeasuredCurve, scanned: Scan) -> list[str]:
+    """Hint at another sign convention of the data that would fit far better."""
+    if not curve.has_phase:
+        return []
+    data = curve.values[scanned.points]
+
+    def cost(values: Numbers) -> float:
+        return float(np.min(np.sum(np.abs(np.log(scanned.curves / values)) ** 2, axis=1)))
+
+    hints = {
+        "the opposite sign (turn the phase by 180°)": -data,
+        "the opposite sign of the phase (the time factor here is exp(+j omega t))": data.conj(),
+        "both signs opposite (of the values and of the phase)": -data.conj(),
+    }
+    name, other = min(((n, cost(v)) for n, v in hints.items()), key=lambda entry: entry[1])
+    if other < 0.25 * cost(data):
+        return [f"the data would fit far better with {name}; check how the phase was recorded"]
+    return []
+
+
+def _inadmissible(scene: Scene) -> list[str]:
+    """Why the fitted ceramic cannot exist, if it cannot."""
+    try:
+        scene.piezo.ceramic().check_admissible()
+    except InputError as error:
+        return [f"the fitted values are not possible: {error}"]
+    return []
+
+
+def _findings(estimates: Sequence[FittedParameter], stats: Statistics) -> tuple[str, ...]:
+    """Sentences on what the curve does not determine, from the statistics of all parameters."""
+    pairs = [
+        (j, i)
+        for i in range(len(estimates))
+        for j in range(i)
+        if abs(stats.correlation[i, j]) > _INSEPARABLE
+    ]
+    sentences = [_inseparable(estimates, stats, i, j) for i, j in pairs]
+    tied = {i for pair in pairs for i in pair}
+    for i, e in enumerate(estimates):
+        if not e.edge or np.exp(min(2.0 * e.half_width, 300.0)) > _VAGUE:
+            sentences.append(_undetermined(e))
+        if e.edge and i not in tied:
+            sentences.append(
+                f"{e.parameter.symbol} ended at its {'lower' if e.edge == 'low' else 'upper'} "
+                f"bound {e.parameter.unit.show(e.value)}, where the data push it; widen the "
+                "bounds, or do not fit it"
+            )
+    return tuple(sentence for sentence in sentences if sentence)
+
+
+def _undetermined(e: FittedParameter) -> str:
+    """How little the curve says of a parameter; nothing if it determines it."""
+    name = e.parameter.symbol
+    low, high = (e.parameter.unit.show(float(f"{end:.3g}")) for end in e.interval)
+    span = float(np.exp(min(2.0 * e.half_width, 300.0)))
+    if len(e.opened) == 2:
+        text = f"the curve tells nothing about {name} between its bounds {low} and {high}"
+    elif e.opened:
+        limit = f"below {high}" if e.opened[0] == "low" else f"above {low}"
+        text = f"{name} is not determined by this curve, which says only that it is {limit}"
+    elif span > _VAGUE:
+        text = (
+            f"{name} is practically not determined by this curve: its {100 * CONFIDENCE:g} % "
+            f"interval spans a factor of {_factor(span)}"
+        )
+    else:
+        return ""
+    return f"{text}; hold it at a known value, or measure at frequencies where it acts"
+
+
+def _inseparable(estimates: Sequence[FittedParameter], stats: Statistics, i: int, j: int) -> str:
+    """Product of powers of two parameters that the data fix, and how well.
+
+    Nothing if they fix none: then neither parameter is determined.
+    """
+    correlation = f"(correlation {stats.correlation[i, j]:+.4f})"
+    powers = np.linalg.svd(stats.root[:, [i, j]])[2][1]  # the direction of least variance
+    if abs(powers[1]) > 5.0 * abs(powers[0]):
+        i, j, powers = j, i, powers[::-1]
+    powers = powers / powers[0]
+    fixed = float(stats.quantile * np.linalg.norm(stats.root[:, [i, j]] @ powers))
+    if fixed > np.log(_VAGUE):
+        return ""
+    a, b = (estimates[k].parameter.symbol for k in (i, j))
+    widths = [estimates[k].half_width for k in (i, j)]
+    if abs(powers[1]) < 0.1:
+        return (
+            f"{a} rests on {b} {correlation}: for a known {b} the curve fixes "
+            f"{a} {_spread(fixed)}, else only {_spread(widths[0])}"
+        )
+    exponent = f"{abs(powers[1]):.3g}"
+    product = f"{a} {'/' if powers[1] < 0.0 else '*'} {b if exponent == '1' else f'{b}^{exponent}'}"
+    if max(widths) < _EXACT:
+        return (
+            f"{a} and {b} are told apart only because this curve has no noise {correlation}: with "
+            f"noise it fixes {product}"
+        )
+    return (
+        f"{a} and {b} cannot be told apart {correlation}: the curve fixes {product} "
+        f"{_spread(fixed)}, but {a} alone only {_spread(widths[0])} and {b} {_spread(widths[1])}"
+    )
+
+
+def _spread(half_width: float) -> str:
+    """How well something is known, from the half width of the interval of its ln."""
+    if half_width < _EXACT:
+        return "to rounding"
+    if half_width < 0.2:
+        return f"to ±{100.0 * half_width:.2g} %"
+    return f"within a factor of {_factor(np.exp(min(half_width, 300.0)))}"
+
+
+def _factor(value: float) -> str:
+    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}" if value < 1000.0 else "over 1000"
