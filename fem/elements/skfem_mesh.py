@@ -5,11 +5,12 @@ Only a change of container; nothing is computed.
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
 
-from tactgen.geometry.arrays import Ints
+from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.meshing.mesh import Mesh
 
 #: VTK's eight corners in scikit-fem's order.
@@ -87,3 +88,27 @@ def _edge_dof(quadratic: Any, dofs: Ints, a: Ints, b: Ints) -> Ints:
         match = (ends[0] == np.minimum(a, b)) & (ends[1] == np.maximum(a, b))
         found[match] = dofs[4 + local, match]
     return found
+
+
+#: Barycentric coordinate that three corners share, and weight (N. J. Walkington, Quadrature
+#: on simplices of arbitrary dimension, Carnegie Mellon University 2000; 14 points).
+_THREE_ALIKE = (
+    (0.31088591926330060980, 0.11268792571801585080),
+    (0.092735250310891226402, 0.073493043116361949544),
+)
+#: Barycentric coordinate that two corners share, the others sharing the rest, and weight.
+_TWO_ALIKE = (0.045503704125649649492, 0.042546020777081466438)
+
+
+def tet_rule() -> tuple[Floats, Floats]:
+    """Return points (3, 14) on the reference tetrahedron and weights (14,), their sum 1/6."""
+    barycentric, weights = [], []
+    for shared, weight in _THREE_ALIKE:
+        for corner in range(4):
+            barycentric.append(np.where(np.arange(4) == corner, 1.0 - 3.0 * shared, shared))
+            weights.append(weight)
+    shared, weight = _TWO_ALIKE
+    for pair in itertools.combinations(range(4), 2):
+        barycentric.append(np.where(np.isin(np.arange(4), pair), shared, 0.5 - shared))
+        weights.append(weight)
+    return np.array(barycentric).T[1:], np.array(weights) / 6.0

@@ -10,9 +10,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tactgen.fem.reluctance.axisymmetric import actuator
-from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
-from tactgen.fem.reluctance.three_d.actuator import solve_solid
+from tactgen.fem.magnetics import axisymmetric as actuator
+from tactgen.fem.magnetics.actuator_3d import solve_solid
+from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.reluctance.sector_tets import Sector
 from tactgen.validation.engine.solve import solve

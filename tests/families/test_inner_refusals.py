@@ -8,9 +8,9 @@ from types import SimpleNamespace as Stub
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.solid import assemble
 from tactgen.fem.elements.nedelec import ElementTetEdge2
-from tactgen.fem.reluctance.axisymmetric.two_orders import two_orders
+from tactgen.fem.magnetics.two_orders import two_orders
+from tactgen.fem.piezo.solid import assemble
 from tactgen.geometry.bimorph.bimorph_bricks import BrickParts, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece

@@ -126,7 +126,8 @@ def rough_fields():
 
     Within it, in a store of its own whose keys do not know: for tests of what runs and is shown.
     """
-    from tactgen.fem.reluctance.axisymmetric import actuator, walk
+    from tactgen.fem.magnetics import axisymmetric as actuator
+    from tactgen.fem.magnetics import axisymmetric_path as walk
     from tactgen.validation.models.reluctance import field
 
     @contextmanager

@@ -5,7 +5,7 @@ import secrets
 import numpy as np
 import pytest
 
-from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.section_grid import actuator_regions

@@ -6,7 +6,7 @@ from dataclasses import astuple
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.system import materials
+from tactgen.fem.piezo.system import materials
 from tactgen.geometry.device.layout import Turned, layout
 from tactgen.validation.checks.coverage.scenes import between
 from tactgen.validation.engine.solve import solve

@@ -5,9 +5,9 @@ import secrets
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.reduction.extremes import extremes
-from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
-from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.piezo.krylov import reduce_to_ports
+from tactgen.fem.piezo.port_model import extremes
+from tactgen.fem.piezo.solid import assemble
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.ports.elements import attach

@@ -18,7 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tactgen.fem.solvers.threads import VARIABLE
+from tactgen.fem.solvers.pardiso import VARIABLE
 from tactgen.geometry.errors import InputError
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", VARIABLE)

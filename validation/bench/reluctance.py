@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map, solve_point
+from tactgen.fem.magnetics.axisymmetric import FieldPoint, solve_map, solve_point
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.validation.bench.one_core import least_time, on_one_core
@@ -190,7 +190,7 @@ def _targets(
         ),
         Target(
             "map of 10 gaps by 10 currents", 60.0, map_time, "s", True,
-            f"tactgen.fem.reluctance.axisymmetric.actuator.solve_map, order {_MAP_ORDER}",
+            f"tactgen.fem.magnetics.axisymmetric.solve_map, order {_MAP_ORDER}",
         ),
     )  # fmt: skip
 
@@ -222,8 +222,8 @@ def map_seconds(gaps: int, currents: int) -> float:
 
 def solid_of(name: str, scale: float) -> dict[str, float]:
     """Return TEAM problem 20 by one potential, and the processor time (s) from mesh to force."""
-    from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
-    from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+    from tactgen.fem.magnetics.scalar_potential import ScalarPotential
+    from tactgen.fem.magnetics.vector_potential import VectorPotential
 
     potential: Potential = VectorPotential if name == "A" else ScalarPotential
     seconds, found = least_time(lambda: next(pole_forces(potential, scale, (_SATURATED,))))

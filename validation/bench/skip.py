@@ -21,7 +21,7 @@ from tactgen.validation.bench.result import Bench, Target, Timing
 #: the fields.
 _WATCHED = (
     "cadquery", "vtkmodules", "pyvista", "skfem", "scipy.sparse", "matplotlib", "meshio",
-    "pytetwild", "tactgen.fem.bimorph", "tactgen.fem.beam", "tactgen.fem.reluctance",
+    "pytetwild", "tactgen.fem.piezo", "tactgen.fem.beam", "tactgen.fem.magnetics",
     "tactgen.tmm.beam", "tactgen.tmm.reluctance",
 )  # fmt: skip
 #: Processor time of a warm answer by a field, per that of a closed form: both are mostly imports.
@@ -86,9 +86,9 @@ class Case:
     picture: bool = False
 
 
-_FIELDS = ("cadquery", "vtkmodules", "skfem", "matplotlib", "pytetwild", "tactgen.fem.bimorph")
-_MAGNETIC = ("tactgen.fem.reluctance", "tactgen.tmm.reluctance")
-_LATERAL = ("tactgen.fem.bimorph", "tactgen.fem.beam")
+_FIELDS = ("cadquery", "vtkmodules", "skfem", "matplotlib", "pytetwild", "tactgen.fem.piezo")
+_MAGNETIC = ("tactgen.fem.magnetics", "tactgen.tmm.reluctance")
+_LATERAL = ("tactgen.fem.piezo", "tactgen.fem.beam")
 _SOLID = ("models=solid", "quantities=tip_displacement", "mesh.level=2", "frequency=10,100")
 _PORTS = ("solid.ports",)
 

@@ -208,7 +208,7 @@ def write_matrix(unknowns: int, lossy: bool, path: str) -> int:
     """Write the matrix of about as many unknowns, and return how many are potentials."""
     from scipy import sparse
 
-    from tactgen.fem.bimorph.solid import assemble
+    from tactgen.fem.piezo.solid import assemble
 
     device = Device()
     system = assemble(device, _bricks(device, unknowns), lossy=lossy)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tactgen.fem.reluctance.three_d.array import array_forces
-from tactgen.fem.reluctance.three_d.nine import NineForces, nine_forces
+from tactgen.fem.magnetics.array_3d import NineForces, array_forces, nine_forces
 from tactgen.geometry.device.parameters import Display
 from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import drawn_units, levels

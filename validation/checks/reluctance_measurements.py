@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint, solve_map
+from tactgen.fem.magnetics.axisymmetric import FieldPoint, solve_map
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.layout import total_height
 from tactgen.geometry.device.parameters import Device, Limits, Steel
@@ -40,8 +40,8 @@ STATES = ((0.13, 0.2e-3), (0.05, 0.1e-3), (0.02, 0.02e-3), (0.195, 0.25e-3))
 
 
 def _potential(name: str) -> Potential:
-    from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
-    from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+    from tactgen.fem.magnetics.scalar_potential import ScalarPotential
+    from tactgen.fem.magnetics.vector_potential import VectorPotential
 
     return VectorPotential if name == "A" else ScalarPotential
 
@@ -53,14 +53,14 @@ def coils_mutual_inductance() -> float:
 
 def coils_force() -> float:
     """Force between them by virtual work (N)."""
-    from tactgen.fem.reluctance.axisymmetric.force import virtual_work_force
+    from tactgen.fem.magnetics.axisymmetric_force import virtual_work_force
 
     return virtual_work_force(coaxial_coils.solved())
 
 
 def coils_force_by_stress() -> float:
     """Force between them by the stress in the air (N)."""
-    from tactgen.fem.reluctance.axisymmetric.force import eggshell_force, eggshell_weight
+    from tactgen.fem.magnetics.axisymmetric_force import eggshell_force, eggshell_weight
 
     field = coaxial_coils.solved()
     return eggshell_force(field, eggshell_weight(field.discretisation))

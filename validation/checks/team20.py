@@ -21,8 +21,8 @@ _FLUX_TABLE = "TEAM problem 20, table 4 of COMPEL 14 (1995) 57"
 
 @cached
 def _states(potential: str) -> dict[float, tuple[PoleForce, FluxDensities]]:
-    from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
-    from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+    from tactgen.fem.magnetics.scalar_potential import ScalarPotential
+    from tactgen.fem.magnetics.vector_potential import VectorPotential
 
     of: Potential = VectorPotential if potential == "A" else ScalarPotential
     states = pole_states(of, size(1.0), tuple(MEASURED_FORCE))

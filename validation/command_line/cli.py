@@ -15,7 +15,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from tactgen.fem.solvers.threads import thread_count
+from tactgen.fem.solvers.pardiso import thread_count
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.ending import said_of_the_end, unwound_when_told_to_end
 from tactgen.validation.command_line.explanations import explained
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 #: numpy's BLAS sees many small products here: with two threads the solid model and the magnetic
 #: field cost 15 to 50 % more processor time for no clear gain in real time, and on a busy
 #: machine they wait for each other.  Read once, when numpy is loaded, which no module above
-#: does; the sparse solver's threads are in fem.solvers.threads.
+#: does; the sparse solver's threads are in fem.solvers.pardiso.
 _BLAS_THREADS = "OPENBLAS_NUM_THREADS"
 #: Address space of the numerical libraries (bytes): 0.42 GB was seen.  With less OpenBLAS waits for
 #: memory without end, and MKL ends the process.

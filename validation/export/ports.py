@@ -12,7 +12,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.bimorph.reduction.port_model import PortModel
+    from tactgen.fem.piezo.port_model import PortModel
 
 
 def check_state_space(scene: Scene) -> None:
@@ -45,9 +45,8 @@ def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
     InputError
         If the solid model cannot take the scene or a file cannot be written.
     """
-    from tactgen.fem.bimorph.reduction.files import write_ports
-    from tactgen.fem.bimorph.reduction.kept_reductions import made_from, reduced_solid
-    from tactgen.fem.bimorph.reduction.state_space_file import write_state_space
+    from tactgen.fem.piezo.reduction_files import made_from, reduced_solid, write_ports
+    from tactgen.fem.piezo.state_space import write_state_space
     from tactgen.validation.models.bimorph.meshes import mesh_pair
 
     mesh = mesh_pair(scene).meshes[0]

@@ -20,7 +20,7 @@ from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.reluctance.axisymmetric.field import MagneticField
+    from tactgen.fem.magnetics.axisymmetric_field import MagneticField
 
 #: Part that each region of the section belongs to.
 _PARTS = {

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.fem.beam.beam import BeamMatrices
+from tactgen.fem.beam import BeamMatrices
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.bimorph.row_shape import block_cells, row_shape

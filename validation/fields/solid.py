@@ -7,10 +7,10 @@ from typing import Protocol
 
 import numpy as np
 
-from tactgen.fem.bimorph.motions import Motion
-from tactgen.fem.bimorph.solid import assemble
-from tactgen.fem.bimorph.states import SolidState, driven_state, mode_states
-from tactgen.fem.bimorph.system import Material, SolidSystem, materials
+from tactgen.fem.piezo.modes import SolidState, driven_state, mode_states
+from tactgen.fem.piezo.solid import assemble
+from tactgen.fem.piezo.symmetry import Motion
+from tactgen.fem.piezo.system import Material, SolidSystem, materials
 from tactgen.geometry.arrays import Ints, Numbers
 from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks

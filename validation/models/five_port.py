@@ -47,7 +47,7 @@ def _row(scene: Scene, model: str) -> FivePort:
 
 
 def _beam(scene: Scene, _: str) -> FivePort:
-    from tactgen.fem.beam import beam
+    from tactgen.fem import beam
 
     count = beam.elements_for(scene.device, _highest(scene))
     matrices = beam.assemble(scene.device, scene.support, scene.beam, elements=count, lossy=True)
@@ -55,7 +55,7 @@ def _beam(scene: Scene, _: str) -> FivePort:
 
 
 def _solid(scene: Scene, model: str) -> FivePort:
-    from tactgen.fem.bimorph.reduction.kept_reductions import reduced_solid
+    from tactgen.fem.piezo.reduction_files import reduced_solid
     from tactgen.validation.models.bimorph.meshes import mesh_pair
 
     # any support: the ports know none

@@ -27,7 +27,7 @@ from tactgen.validation.models.reluctance.point import MagneticPoint
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 
 if TYPE_CHECKING:
-    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
+    from tactgen.fem.magnetics.axisymmetric import FieldPoint
     from tactgen.validation.models.reluctance.network_causes import NetworkCause
 
 #: Curves of a family: shares of the scene's current.
@@ -262,7 +262,7 @@ class NormalActuator:
         """Single solutions of the field along both families, where it has no map."""
         if self.field_model is None or self.field_model.name in self.maps:
             return ()
-        from tactgen.fem.reluctance.axisymmetric.actuator import solve_map
+        from tactgen.fem.magnetics.axisymmetric import solve_map
 
         self.announce("field at single points")
         device, order = self.device, _POINT_ORDER

@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from threading import Lock
 from typing import Any
 
-from tactgen.fem.solvers.threads import VARIABLE, thread_count
+from tactgen.fem.solvers.pardiso import VARIABLE, thread_count
 from tactgen.validation.scene.scene import Scene
 
 #: What is asked of the other process: the scene, where its values are from, whether quick.

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.beam import beam
-from tactgen.fem.beam.row_mesh import row_mesh
+from tactgen.fem import beam
+from tactgen.fem.beam import row_mesh
 from tactgen.geometry.bimorph.ends import Ends, Springs
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Support

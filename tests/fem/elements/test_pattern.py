@@ -6,10 +6,10 @@ from skfem import Basis, BilinearForm, ElementTetP2, LinearForm
 from skfem.helpers import dot, mul
 
 from tactgen.fem.elements.nedelec import ElementTetEdge2
-from tactgen.fem.elements.tet_quadrature import tet_rule
-from tactgen.fem.reluctance.three_d.problem import MagneticSolid, sample
-from tactgen.fem.reluctance.three_d.scalar_potential import gradient_kernel
-from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.fem.elements.skfem_mesh import tet_rule
+from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
+from tactgen.fem.magnetics.scalar_potential import gradient_kernel
+from tactgen.fem.magnetics.vector_potential import VectorPotential
 from tactgen.validation.checks.cases.magnetics.sphere_mesh import sphere_mesh
 
 RULE = tet_rule()

@@ -6,7 +6,7 @@ from math import factorial
 import numpy as np
 import pytest
 
-from tactgen.fem.elements.tet_quadrature import tet_rule
+from tactgen.fem.elements.skfem_mesh import tet_rule
 
 
 @pytest.mark.parametrize("degree", range(7))

@@ -12,7 +12,7 @@ import pytest
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.solvers import linear_solver, pardiso, sparse_rows
 from tactgen.fem.solvers.linear_solver import Factor, SolverError, factorise, refined_solution
 from tactgen.fem.solvers.pardiso import nested_dissection

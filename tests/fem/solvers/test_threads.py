@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from tactgen.fem.solvers.threads import VARIABLE, side_by_side, solver_threads, thread_count
+from tactgen.fem.solvers.pardiso import VARIABLE, side_by_side, solver_threads, thread_count
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.bricks.round_slabs import round_matrices
 from tactgen.fem.elements.line_basis import line_matrices
+from tactgen.fem.piezo.brick_matrices import round_matrices
 from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Axis, Bricks, Slab
 from tactgen.geometry.bimorph.rod_bricks import _GROWTH, ROD_LEVELS, rod_bricks, rod_parts

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.system import materials
+from tactgen.fem.piezo.system import materials
 from tactgen.geometry.errors import InputError
 from tactgen.validation.bench import PARTS, run_parts
 from tactgen.validation.bench.bimorph import jobs, meshes, peers, solid

@@ -57,7 +57,7 @@ def test_design_loads_no_finite_elements():
         "import sys; from tactgen.validation.command_line.cli import main; "
         "code = main(['design', '--lengths', '22mm:23mm', '--json']); "
         "heavy = [m for m in ('cadquery', 'OCP', 'vtk', 'vtkmodules', 'pyvista', 'skfem', "
-        "'matplotlib', 'meshio', 'pytetwild', 'tactgen.fem.bimorph', 'tactgen.fem.reluctance', "
+        "'matplotlib', 'meshio', 'pytetwild', 'tactgen.fem.piezo', 'tactgen.fem.magnetics', "
         "'tactgen.fem.beam') "
         "if m in sys.modules]; "
         "print(heavy, file=sys.stderr); sys.exit(code)"

@@ -6,7 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.reduction import kept_reductions, state_space_file
+from tactgen.fem.piezo import reduction_files as kept_reductions
+from tactgen.fem.piezo import state_space as state_space_file
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.export.ports import write_port_files
 from tactgen.validation.scene.scene import load_scene

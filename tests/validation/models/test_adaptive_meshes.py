@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.error_estimate.error_indicator import GoalError
+from tactgen.fem.piezo.tetrahedra_error import GoalError
 from tactgen.geometry.bimorph import tets
 from tactgen.geometry.cad.tessellation import Cylinder, Plane, tessellate
 from tactgen.geometry.errors import MeshError

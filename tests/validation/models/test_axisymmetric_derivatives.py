@@ -2,7 +2,7 @@
 
 import pytest
 
-from tactgen.fem.reluctance.axisymmetric import two_orders
+from tactgen.fem.magnetics import two_orders
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.derivatives import by_differences, derivatives
 from tactgen.validation.models.reluctance import field, field_derivatives

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.families import find_families
 from tactgen.validation.models.reluctance import field

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.reluctance.axisymmetric import actuator
-from tactgen.fem.reluctance.axisymmetric.actuator import FieldErrors, FieldPoint, solve_point
-from tactgen.fem.reluctance.axisymmetric.walk import FieldWalk
+from tactgen.fem.magnetics import axisymmetric as actuator
+from tactgen.fem.magnetics.axisymmetric import FieldErrors, FieldPoint, solve_point
+from tactgen.fem.magnetics.axisymmetric_path import FieldWalk
 from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
 from tactgen.tmm.reluctance.map_range import map_grid

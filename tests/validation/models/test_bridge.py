@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.ports import direct_multiport
-from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.piezo.ports import direct_multiport
+from tactgen.fem.piezo.solid import assemble
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickParts, bimorph_bricks
 from tactgen.geometry.device.parameters import Piezo
 from tactgen.tmm.beam.sections import energy_shear_correction, laminate_section

@@ -108,7 +108,7 @@ def test_without_current_nothing_magnetic_is_loaded():
         "scene, _ = load_scene('generator', ['models=tmm', 'quantities=tip_displacement'])\n"
         "solve(scene)\n"
         "print([m for m in sys.modules if m.startswith(('tactgen.tmm.reluctance', "
-        "'tactgen.fem.reluctance', 'tactgen.validation.models.reluctance'))])"
+        "'tactgen.fem.magnetics', 'tactgen.validation.models.reluctance'))])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

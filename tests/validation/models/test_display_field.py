@@ -7,8 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.reluctance.three_d import array, nine
-from tactgen.fem.reluctance.three_d.nine import NineForces
+from tactgen.fem.magnetics import array_3d as array
+from tactgen.fem.magnetics import array_3d as nine
+from tactgen.fem.magnetics.array_3d import NineForces
 from tactgen.validation.checks import display
 from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.stages import Stages

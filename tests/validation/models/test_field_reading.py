@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.geometry.device.parameters import Device
 from tactgen.validation.models.reluctance.field_reading import FieldReading
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.reduction import kept_reductions
+from tactgen.fem.piezo import reduction_files as kept_reductions
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
+from tactgen.fem.piezo.bricks import assemble_bricks
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 from tactgen.validation.engine.model import Modes
 from tactgen.validation.models.bimorph import lowest_modes, solid

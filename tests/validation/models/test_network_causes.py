@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.reluctance.circuit import FULL, circuit
 from tactgen.tmm.reluctance.flux_ladder import solve

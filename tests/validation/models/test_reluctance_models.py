@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.reluctance.three_d import actuator
+from tactgen.fem.magnetics import actuator_3d as actuator
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.results import Quantity

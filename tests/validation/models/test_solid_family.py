@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
-from tactgen.fem.bimorph.modes import natural_modes
 from tactgen.fem.bimorph.reduction.parametric.answers import family_modes
 from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
+from tactgen.fem.piezo.bricks import assemble_bricks
+from tactgen.fem.piezo.modes import natural_modes
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.stretching import LEVELS, dividing, stretched

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.reluctance.three_d import actuator
-from tactgen.fem.reluctance.three_d.actuator import SolidPoint, SolidValues
+from tactgen.fem.magnetics import actuator_3d as actuator
+from tactgen.fem.magnetics.actuator_3d import SolidPoint, SolidValues
 from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve

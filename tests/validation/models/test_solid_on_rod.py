@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.modes import natural_modes
-from tactgen.fem.bimorph.parts import joined
-from tactgen.fem.bimorph.reduction.kept_reductions import reduced_solid
-from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.parts import joined
+from tactgen.fem.piezo.reduction_files import reduced_solid
+from tactgen.fem.piezo.solid import assemble
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, RodMeshing, rod_bricks, rod_parts
 from tactgen.geometry.errors import InputError

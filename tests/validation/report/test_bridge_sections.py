@@ -6,7 +6,7 @@ import re
 import pytest
 from pages import page_text
 
-from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.piezo.solid import assemble
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph.bridge import solid_values
 from tactgen.validation.report.page import templates

@@ -268,7 +268,7 @@ def test_lateral_report_imports_nothing_magnetic(loaded):
     lateral = loaded["prototype"]
     assert "tactgen.validation.report.sections.bimorph" in lateral
     assert not lateral & {
-        "tactgen.fem.reluctance.axisymmetric.actuator", "tactgen.fem.reluctance.axisymmetric.field",
+        "tactgen.fem.magnetics.axisymmetric", "tactgen.fem.magnetics.axisymmetric_field",
         "tactgen.tmm.reluctance.network", "tactgen.validation.checks.reluctance",
         "tactgen.validation.report.figures.reluctance",
         "tactgen.validation.report.sections.reluctance",
@@ -280,8 +280,8 @@ def test_normal_report_imports_nothing_piezoelectric(loaded):
     normal = loaded["reluctance"]
     assert "tactgen.tmm.reluctance.network" in normal
     assert not normal & {
-        "tactgen.fem.bimorph.solid", "tactgen.fem.bimorph.modes", "tactgen.fem.bimorph.ports",
-        "tactgen.fem.beam.beam",
+        "tactgen.fem.piezo.solid", "tactgen.fem.piezo.modes", "tactgen.fem.piezo.ports",
+        "tactgen.fem.beam",
         "tactgen.validation.models.bimorph.bridge", "tactgen.validation.checks.paper.audit",
         "tactgen.validation.report.sections.bimorph",
     }  # fmt: skip

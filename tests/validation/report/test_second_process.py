@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from tactgen.fem.solvers.threads import VARIABLE
+from tactgen.fem.solvers.pardiso import VARIABLE
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report import study
 from tactgen.validation.report.request import prepared

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.fem.bimorph.skfem_body import SkfemBody
-from tactgen.fem.bimorph.system import Material, volts_per_unit
 from tactgen.fem.elements.line_basis import gauss_values
+from tactgen.fem.piezo.system import Material, volts_per_unit
+from tactgen.fem.piezo.tetrahedra import SkfemBody
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Bools, Floats, Numbers, Sparse
 from tactgen.geometry.bimorph.bricks import Axis

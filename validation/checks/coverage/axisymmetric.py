@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
 from tactgen.validation.checks.coverage.result import Judged

@@ -12,12 +12,12 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
-from tactgen.fem.bimorph.modes import natural_modes
-from tactgen.fem.bimorph.motions import Motion
-from tactgen.fem.bimorph.ports import ports_from_blocks
-from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
-from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.piezo.bricks import assemble_bricks
+from tactgen.fem.piezo.krylov import reduce_to_ports
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.ports import ports_from_blocks
+from tactgen.fem.piezo.symmetry import Motion
+from tactgen.fem.piezo.system import SolidSystem
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks, Held

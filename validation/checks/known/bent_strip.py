@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactgen.fem.bimorph.system import Material
+from tactgen.fem.piezo.system import Material
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.materials import EPS0, PiezoTensors
 from tactgen.validation.checks.case import Answer, case, nth

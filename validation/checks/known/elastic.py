@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from tactgen.fem.bimorph.skfem_body import SkfemBody
-from tactgen.fem.bimorph.system import Material
+from tactgen.fem.piezo.system import Material
+from tactgen.fem.piezo.tetrahedra import SkfemBody
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import Axis
 from tactgen.geometry.device.materials import isotropic_stiffness

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, partial
 
-from tactgen.fem.bimorph.system import Material
+from tactgen.fem.piezo.system import Material
 from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.validation.checks.case import Answer, Case, Refinement, case

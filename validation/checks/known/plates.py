@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactgen.fem.bimorph.system import Material
+from tactgen.fem.piezo.system import Material
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import Axis
 from tactgen.geometry.device.materials import isotropic_stiffness

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tactgen.fem.bimorph.system import Material
+from tactgen.fem.piezo.system import Material
 from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import EPS0, PiezoTensors
 from tactgen.validation.checks.case import Answer, Case, case

@@ -180,7 +180,7 @@ _MODE, _FAST = 4, 50e3
 
 @cache
 def _mode_error(elements: int) -> float:
-    from tactgen.fem.beam import beam
+    from tactgen.fem import beam
     from tactgen.tmm.beam.modes import bending_frequencies
     from tactgen.tmm.beam.transfer_matrix import sections
 
@@ -195,7 +195,7 @@ def _mode_error(elements: int) -> float:
 @cache
 def _port_error(elements: int) -> float:
     """Return the largest error of the five ports' stiffness, by the diagonal's sizes."""
-    from tactgen.fem.beam import beam
+    from tactgen.fem import beam
     from tactgen.tmm.beam import transfer_matrix
 
     at = np.array([_FAST])

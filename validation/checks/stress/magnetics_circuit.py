@@ -8,10 +8,10 @@ from itertools import product
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
-from tactgen.fem.reluctance.axisymmetric.field import solve_field
-from tactgen.fem.reluctance.axisymmetric.space import discretise
-from tactgen.fem.reluctance.three_d.problem import MagneticSolid
+from tactgen.fem.magnetics.axisymmetric import solve_point
+from tactgen.fem.magnetics.axisymmetric_field import solve_field
+from tactgen.fem.magnetics.axisymmetric_space import discretise
+from tactgen.fem.magnetics.problem_3d import MagneticSolid
 from tactgen.geometry.device.parameters import Device, Steel
 from tactgen.geometry.device.steel_law import MagnetisationCurve, linear
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid

@@ -7,13 +7,13 @@ from itertools import product
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.actuator import (
+from tactgen.fem.magnetics.axisymmetric import (
     FieldErrors,
     FieldPoint,
     solve_map,
     solve_point,
 )
-from tactgen.fem.reluctance.axisymmetric.field import MagneticField
+from tactgen.fem.magnetics.axisymmetric_field import MagneticField
 from tactgen.geometry.device.parameters import Device, Sleeve, Steel
 from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.validation.checks.cases.magnetics.infinite_solenoid import (

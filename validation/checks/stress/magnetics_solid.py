@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from tactgen.fem.reluctance.three_d.problem import MagneticField, MagneticSolid, sample
-from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
-from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.fem.magnetics.problem_3d import MagneticField, MagneticSolid, sample
+from tactgen.fem.magnetics.scalar_potential import ScalarPotential
+from tactgen.fem.magnetics.vector_potential import VectorPotential
 from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra

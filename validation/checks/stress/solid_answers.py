@@ -6,10 +6,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from tactgen.fem.bimorph.modes import natural_modes
-from tactgen.fem.bimorph.ports import direct_multiport
-from tactgen.fem.bimorph.reduction.krylov import port_error, reduce_to_ports
-from tactgen.fem.bimorph.solid import assemble
+from tactgen.fem.piezo.krylov import port_error, reduce_to_ports
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.ports import direct_multiport
+from tactgen.fem.piezo.solid import assemble
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks

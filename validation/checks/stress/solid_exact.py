@@ -7,10 +7,10 @@ from itertools import product
 
 import numpy as np
 
-from tactgen.fem.bimorph.modes import natural_modes
-from tactgen.fem.bimorph.ports import static_multiport
-from tactgen.fem.bimorph.solid import assemble
-from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.ports import static_multiport
+from tactgen.fem.piezo.solid import assemble
+from tactgen.fem.piezo.system import SolidSystem
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Axis, Bricks

@@ -1,7 +1,7 @@
 """Meshes of tetrahedra refined where the goals need it, until the wanted accuracy is met.
 
 Coarse mesh, solution, estimate, finer mesh.  The estimate
-(fem.bimorph.error_estimate.error_indicator) says where to refine and when to stop; the last mesh
+(fem.piezo.tetrahedra_error) says where to refine and when to stop; the last mesh
 and an earlier one give the error bars.
 Every mesh is kept on disk under its geometry and sizes, so a study that was stopped goes on
 where it was.
@@ -24,8 +24,8 @@ from tactgen.validation.engine.error_bars import SAFETY, two_mesh_factor
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.bimorph.error_estimate.error_indicator import GoalError
-    from tactgen.fem.bimorph.system import SolidSystem
+    from tactgen.fem.piezo.system import SolidSystem
+    from tactgen.fem.piezo.tetrahedra_error import GoalError
 
 #: Edge length of the first mesh, in thicknesses of the shim, and shortest edge of any, relative to
 #: the thinnest layer or the width.
@@ -264,8 +264,7 @@ def _import_solvers() -> None:
     import scipy.sparse.linalg  # noqa: F401
     import skfem  # noqa: F401
 
-    import tactgen.fem.bimorph.error_estimate.error_indicator
-    import tactgen.fem.bimorph.solid  # noqa: F401
+    import tactgen.fem.piezo.solid  # noqa: F401
 
 
 def _finer(
@@ -289,8 +288,8 @@ def _finer(
 
 def _solved(scene: Scene, mesh: Mesh) -> Solved:
     """Solve on a mesh, and estimate errors."""
-    from tactgen.fem.bimorph.error_estimate.error_indicator import goal_errors
-    from tactgen.fem.bimorph.solid import assemble
+    from tactgen.fem.piezo.solid import assemble
+    from tactgen.fem.piezo.tetrahedra_error import goal_errors
 
     system = assemble(scene.device, mesh, lossy=False)
     return Solved(mesh, system, goal_errors(scene.device, mesh, system))

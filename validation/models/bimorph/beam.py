@@ -16,7 +16,7 @@ from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.models.bimorph.model import BeamTheoryModel
 
 if TYPE_CHECKING:
-    from tactgen.fem.beam.beam import BeamMatrices
+    from tactgen.fem.beam import BeamMatrices
 
 #: Elements are halved so many times: three meshes, of which the finest is the result.
 _HALVINGS = 2
@@ -43,24 +43,24 @@ class BeamModel(BeamTheoryModel):
 
     def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
         """Return the centre lines of the modes, at the nodes of many elements."""
-        from tactgen.fem.beam import beam, shapes
+        from tactgen.fem import beam
 
         s = self.scene
-        matrices = beam.assemble(s.device, s.support, s.beam, elements=shapes.ELEMENTS, lossy=False)
-        return shapes.mode_lines(matrices, s.ends, s.modes, open_circuit=open_circuit)
+        matrices = beam.assemble(s.device, s.support, s.beam, elements=beam.ELEMENTS, lossy=False)
+        return beam.mode_lines(matrices, s.ends, s.modes, open_circuit=open_circuit)
 
     def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
         """Return the centre line at a frequency and a voltage across each layer."""
-        from tactgen.fem.beam import beam, shapes
+        from tactgen.fem import beam
 
         s = self.scene
-        number = max(shapes.ELEMENTS, beam.elements_for(s.device, frequency))
+        number = max(beam.ELEMENTS, beam.elements_for(s.device, frequency))
         matrices = beam.assemble(s.device, s.support, s.beam, elements=number, lossy=lossy)
         ends = s.ends if lossy else s.ends.lossless
-        return shapes.driven_line(matrices, ends, frequency, voltage)
+        return beam.driven_line(matrices, ends, frequency, voltage)
 
     def _multiport(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
-        from tactgen.fem.beam import beam
+        from tactgen.fem import beam
 
         number = beam.elements_for(self.scene.device, float(frequencies.max()))
         meshes = self._meshes(number, lossy=lossy)
@@ -76,7 +76,7 @@ class BeamModel(BeamTheoryModel):
         return Refined(fine, ((middle, factor), *rounded), self._METHOD, rounds_apart=True)
 
     def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
-        from tactgen.fem.beam import beam
+        from tactgen.fem import beam
 
         s = self.scene
         number = 12 + 2 * s.modes
@@ -108,7 +108,7 @@ class BeamModel(BeamTheoryModel):
     def _assembled(
         self, number: int, *, lossy: bool, halvings: int, unit: float = 1.0, shift: float = 0.0
     ) -> BeamMatrices:
-        from tactgen.fem.beam import beam
+        from tactgen.fem import beam
 
         s, coarsest = self.scene, math.ceil(number / 2**_HALVINGS)
         return beam.assemble(

@@ -14,7 +14,7 @@ from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.bimorph.system import SolidSystem
+    from tactgen.fem.piezo.system import SolidSystem
     from tactgen.validation.models.bimorph.adaptive_meshes import AdaptedPair
 
 

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tactgen.fem.bimorph.motions import Motion
-from tactgen.fem.bimorph.reduction.modal_model import BareMode, ModalModel
-from tactgen.fem.solvers.threads import side_by_side
+from tactgen.fem.piezo.modal_reduction import BareMode, ModalModel
+from tactgen.fem.piezo.symmetry import Motion
+from tactgen.fem.solvers.pardiso import side_by_side
 from tactgen.geometry.arrays import Bools, Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.store.values import storable
@@ -24,7 +24,7 @@ from tactgen.validation.engine.error_bars import cancelling, least_difference
 from tactgen.validation.engine.model import Modes
 
 if TYPE_CHECKING:
-    from tactgen.fem.bimorph.system import SolidSystem, Surplus
+    from tactgen.fem.piezo.system import SolidSystem, Surplus
 
 #: Classes of motion in which the ports take no part: the same on any support and circuit.
 _OTHERS: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
@@ -108,7 +108,7 @@ def mesh_modes(
     lacking: Callable[[Motion], Surplus] | None = None,
 ) -> MeshModes:
     """Return what `count` bending modes in x need, and so many of other classes of motion."""
-    from tactgen.fem.bimorph.reduction.modal_reduction import modal_model
+    from tactgen.fem.piezo.modal_reduction import modal_model
 
     surplus = None if lacking is None else lacking(system.motion)
     jobs: list[Callable[[], Any]] = [partial(modal_model, system, count, surplus)]
@@ -153,7 +153,7 @@ def _other(
     lacking: Callable[[Motion], Surplus] | None,
 ) -> list[tuple[BareMode, ...]]:
     """Return modes of a class of motion; moved by what is lacking of displacement; of potential."""
-    from tactgen.fem.bimorph.modes import eigenpairs, solid_mode
+    from tactgen.fem.piezo.modes import eigenpairs, solid_mode
 
     assert system.related is not None
     body = system.related(motion)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
-from tactgen.fem.bimorph.motions import Motion
+from tactgen.fem.piezo.symmetry import Motion
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickParts, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.rod_bricks import ROD_LEVELS, rod_parts
@@ -33,7 +33,7 @@ from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.bimorph.system import SolidSystem, Surplus
+    from tactgen.fem.piezo.system import SolidSystem, Surplus
 
 #: Relative error bar of static deflection, capacitances and first frequencies that each level
 #: stays below on the paper's bimorph and on job J1 (tests/validation/engine/test_refinement.py).
@@ -89,7 +89,7 @@ class BrickPair:
     @cached_property
     def systems(self) -> tuple[SolidSystem, SolidSystem]:
         """The lossless systems on the finer and the coarser mesh."""
-        from tactgen.fem.bimorph.solid import assemble
+        from tactgen.fem.piezo.solid import assemble
 
         fine, coarse = (assemble(self.device, mesh, lossy=False) for mesh in self.meshes)
         return fine, coarse
@@ -99,7 +99,7 @@ class BrickPair:
         """Gives the polynomials of one degree more that the finer bricks lack; not on the rod."""
         if isinstance(self.meshes[0], BrickParts):
             return None
-        from tactgen.fem.bimorph.error_estimate.brick_surplus import BrickSurplus
+        from tactgen.fem.piezo.brick_error import BrickSurplus
 
         return cache(BrickSurplus(self.device, self.meshes[0]).of)
 
@@ -109,7 +109,7 @@ class BrickPair:
         bricks = self.meshes[0]
         if isinstance(bricks, BrickParts):
             return None
-        from tactgen.fem.bimorph.error_estimate.brick_surplus import BrickSurplus
+        from tactgen.fem.piezo.brick_error import BrickSurplus
 
         return lambda: BrickSurplus(self.device, bricks, lossy=True).of("bending_x")
 

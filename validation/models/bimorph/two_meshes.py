@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from tactgen.fem.bimorph.motions import Motion
+from tactgen.fem.piezo.symmetry import Motion
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.store.values import storable
@@ -35,9 +35,9 @@ from tactgen.validation.models.bimorph.lowest_modes import (
 from tactgen.validation.models.bimorph.model import BimorphModel
 
 if TYPE_CHECKING:
-    from tactgen.fem.bimorph.reduction.krylov import ReducedSolid
-    from tactgen.fem.bimorph.reduction.modal_model import BareMode, ModalModel
-    from tactgen.fem.bimorph.system import SolidSystem, Surplus
+    from tactgen.fem.piezo.krylov import ReducedSolid
+    from tactgen.fem.piezo.modal_reduction import BareMode, ModalModel
+    from tactgen.fem.piezo.system import SolidSystem, Surplus
     from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
@@ -94,7 +94,7 @@ class SolidModes:
         On the finer and the coarser mesh.  What functions that the finer one lacks make of its
         modes judges them, if that is known, else the coarser one does.
     spurious_stiffness, mass : float
-        See :class:`fem.bimorph.system.SolidSystem` (N/m); of all nodes (kg).
+        See :class:`fem.piezo.system.SolidSystem` (N/m); of all nodes (kg).
     static_factor : float
         Error bar of static quantities per difference between the two meshes.
     static_share : float
@@ -164,7 +164,7 @@ class TwoMeshModel(BimorphModel):
 
     def _at_rest(self) -> tuple[Multiport, ...]:
         """Return the lossless D(0) on the finer mesh, and what judges it."""
-        from tactgen.fem.bimorph.ports import static_multiport, static_multiports
+        from tactgen.fem.piezo.ports import static_multiport, static_multiports
 
         lacking, (fine, coarse) = self.mesh_pair.lacking, self.systems()
         if lacking is not None:
@@ -192,7 +192,7 @@ class TwoMeshModel(BimorphModel):
 
     def _reduction(self, which: int) -> ReducedSolid:
         """Return the solid on the finer (0) or the coarser mesh (1), reduced to its ports."""
-        from tactgen.fem.bimorph.reduction.kept_reductions import reduced_solid
+        from tactgen.fem.piezo.reduction_files import reduced_solid
 
         return reduced_solid(
             self.scene.device,

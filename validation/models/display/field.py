@@ -80,8 +80,7 @@ def by_network(scene: Scene) -> NeighbourField:
 
 def by_field(scene: Scene) -> NeighbourField:
     """Return what the fields of an endless array and of nine units say."""
-    from tactgen.fem.reluctance.three_d.array import array_forces
-    from tactgen.fem.reluctance.three_d.nine import nine_forces
+    from tactgen.fem.magnetics.array_3d import array_forces, nine_forces
 
     current = scene.display.coil_current
     found = array_forces(scene.device, current, scene.gap, scene.display.pitch)

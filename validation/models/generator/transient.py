@@ -25,7 +25,7 @@ from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.beam.beam import BeamMatrices
+    from tactgen.fem.beam import BeamMatrices
 
 #: Modes of the bimorph up to this frequency (Hz) move; those above follow statically.
 _HIGHEST = 20e3
@@ -169,7 +169,7 @@ def scene_modes(scene: Scene) -> BimorphModes:
 
 def scene_beam(scene: Scene) -> tuple[Device, BeamMatrices]:
     """Return a scene's device with its row beginning at the rod's head, and that row's elements."""
-    from tactgen.fem.beam.beam import assemble, elements_for
+    from tactgen.fem.beam import assemble, elements_for
 
     device = above_the_head(scene.device, scene.support)
     elements = elements_for(device, _HIGHEST)

@@ -26,9 +26,9 @@ from tactgen.validation.models.reluctance.switching import Solver
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
-    from tactgen.fem.reluctance.axisymmetric.field import MagneticField
-    from tactgen.fem.reluctance.three_d.actuator import SolidPoint
+    from tactgen.fem.magnetics.actuator_3d import SolidPoint
+    from tactgen.fem.magnetics.axisymmetric import FieldPoint
+    from tactgen.fem.magnetics.axisymmetric_field import MagneticField
 
 #: How the half section's error bars come about.
 _METHOD = (
@@ -102,7 +102,7 @@ class AxisymmetricModel(_FieldModel):
         return axisymmetric_point(self._solved(current, gap))
 
     def _solver(self) -> Solver:
-        from tactgen.fem.reluctance.axisymmetric.walk import FieldWalk
+        from tactgen.fem.magnetics.axisymmetric_path import FieldWalk
 
         device = self.scene.device
         walk = FieldWalk(finenesses(REFINEMENTS, self.scene.accuracy), self.scene.accuracy)
@@ -120,7 +120,7 @@ class AxisymmetricModel(_FieldModel):
         return found
 
     def _solved(self, current: float, gap: float) -> FieldPoint:
-        from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+        from tactgen.fem.magnetics.axisymmetric import solve_point
 
         device, accuracy = self.scene.device, self.scene.accuracy
         return _fine_enough(
@@ -130,7 +130,7 @@ class AxisymmetricModel(_FieldModel):
         )
 
     def _map(self) -> CoenergyMap:
-        from tactgen.fem.reluctance.axisymmetric.actuator import solve_map
+        from tactgen.fem.magnetics.axisymmetric import solve_map
         from tactgen.tmm.reluctance.map_range import map_grid
 
         device = self.scene.device
@@ -175,7 +175,7 @@ class Magnetic3dModel(_FieldModel):
         return _judged(self._solved(current, gap), self._METHOD)
 
     def _solved(self, current: float, gap: float) -> SolidPoint:
-        from tactgen.fem.reluctance.three_d.actuator import solve_cad, solve_solid
+        from tactgen.fem.magnetics.actuator_3d import solve_cad, solve_solid
         from tactgen.geometry.reluctance.sector_tets import Sector
         from tactgen.geometry.reluctance.tets import ActuatorMeshing
 
@@ -195,7 +195,7 @@ class Magnetic3dModel(_FieldModel):
 
     def _map(self) -> CoenergyMap:
         """Return the map, solved gap by gap: an interrupted one goes on where it was."""
-        from tactgen.fem.reluctance.three_d.actuator import solve_row
+        from tactgen.fem.magnetics.actuator_3d import solve_row
         from tactgen.geometry.reluctance.sector_tets import Sector
         from tactgen.tmm.reluctance.map_range import map_grid
 

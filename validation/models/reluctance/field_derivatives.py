@@ -37,8 +37,8 @@ from tactgen.validation.scene.keys import value_of
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
-    from tactgen.fem.reluctance.axisymmetric.path import FieldPath
+    from tactgen.fem.magnetics.axisymmetric import FieldPoint
+    from tactgen.fem.magnetics.axisymmetric_path import FieldPath
 
 #: Relative distance of the values: truncation, as its fourth power, and rounding over it then
 #: both leave less than the grid does.
@@ -75,7 +75,7 @@ def exact_derivatives(
     InputError
         If the model does not know the scene, or one next to it makes no device.
     """
-    from tactgen.fem.reluctance.axisymmetric.path import FieldPath
+    from tactgen.fem.magnetics.axisymmetric_path import FieldPath
 
     refinement = next(fineness for bar, fineness in REFINEMENTS if scene.accuracy >= bar)
     varied = [_Key(scene, changed, key, refinement) for key in keys]  # before all that takes time
@@ -137,7 +137,7 @@ class _Key:
         }
 
     def _path(self, scene: Scene) -> FieldPath:
-        from tactgen.fem.reluctance.axisymmetric.path import FieldPath
+        from tactgen.fem.magnetics.axisymmetric_path import FieldPath
 
         return FieldPath(scene.device, scene.gap, refinement=self._refinement)
 

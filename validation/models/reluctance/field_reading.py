@@ -8,9 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.field import MagneticField
-from tactgen.fem.reluctance.axisymmetric.force import virtual_work_force
-from tactgen.fem.reluctance.iron import reluctivity_tensor
+from tactgen.fem.magnetics.axisymmetric_field import MagneticField
+from tactgen.fem.magnetics.axisymmetric_force import virtual_work_force
+from tactgen.fem.magnetics.iron import reluctivity_tensor
 from tactgen.geometry.arrays import Bools, Floats, Ints
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import MU0

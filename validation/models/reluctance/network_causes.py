@@ -28,7 +28,7 @@ from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.models.reluctance.told_by_field import ToldByField
 
 if TYPE_CHECKING:
-    from tactgen.fem.reluctance.axisymmetric.field import MagneticField
+    from tactgen.fem.magnetics.axisymmetric_field import MagneticField
 
 #: Relative permeability that counts as perfect: the field changes by 1e-6 from a tenth of it.
 _PERFECT = 1e7
@@ -277,8 +277,8 @@ def _field(
     device: Device, current: float, gap: float, permeabilities: Mapping[str, float] | None = None
 ) -> MagneticField:
     """Return the field, of steel or of iron with one relative permeability by region."""
-    from tactgen.fem.reluctance.axisymmetric.field import solve_field
-    from tactgen.fem.reluctance.axisymmetric.space import discretise
+    from tactgen.fem.magnetics.axisymmetric_field import solve_field
+    from tactgen.fem.magnetics.axisymmetric_space import discretise
     from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, actuator_regions, graded_grid
 
     regions = actuator_regions(device, gap)

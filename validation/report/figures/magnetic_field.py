@@ -13,8 +13,8 @@ from tactgen.geometry.device.parameters import NOMINAL_GAP, Device
 from tactgen.validation.view.figures import BLUE, DARK, new_figure, svg
 
 if TYPE_CHECKING:
-    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
-    from tactgen.fem.reluctance.axisymmetric.field import MagneticField
+    from tactgen.fem.magnetics.axisymmetric import FieldPoint
+    from tactgen.fem.magnetics.axisymmetric_field import MagneticField
     from tactgen.geometry.reluctance.section_grid import Region
 
 #: Flux lines per picture.

@@ -27,7 +27,7 @@ from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, plain_nu
 from tactgen.validation.view.formats import percent
 
 if TYPE_CHECKING:
-    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
+    from tactgen.fem.magnetics.axisymmetric import FieldPoint
     from tactgen.validation.report.normal_actuator import BridgeStep
 
 #: Line of each model; colours tell currents or gaps.

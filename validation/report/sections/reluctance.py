@@ -24,7 +24,7 @@ from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.studies.reconstruction import stated
 
 if TYPE_CHECKING:
-    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
+    from tactgen.fem.magnetics.axisymmetric import FieldPoint
     from tactgen.validation.report.study import Study
 
 #: Order and fineness of pictures: many lines for smooth contours.
@@ -72,7 +72,7 @@ def _field(actuator: NormalActuator) -> Context | None:
     """Return pictures of the field at both stops, if it was asked for."""
     if actuator.field_model is None:
         return None
-    from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
+    from tactgen.fem.magnetics.axisymmetric import solve_point
     from tactgen.validation.report.figures.magnetic_field import field_plot
 
     device, current = actuator.device, actuator.current

@@ -116,7 +116,7 @@ def network_pull(device: Device, currents: Floats) -> Floats:
 
 def field_pull(device: Device, currents: Floats) -> Floats:
     """Return the pull by the axisymmetric field."""
-    from tactgen.fem.reluctance.axisymmetric.actuator import solve_map
+    from tactgen.fem.magnetics.axisymmetric import solve_map
 
     (row,) = solve_map(device, [stated.GAP], currents.tolist(), order=_ORDER)
     return np.array([point.force for point in row])

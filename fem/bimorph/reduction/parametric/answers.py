@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.fem.bimorph.motions import SHIFT
 from tactgen.fem.bimorph.reduction.parametric.body import rigid_motions
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members
+from tactgen.fem.piezo.modes import SHIFT
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.ends import Ends
 
@@ -58,7 +58,7 @@ class FamilyStatics:
     Attributes
     ----------
     held, through, follows, compliance : arrays
-        See :func:`fem.bimorph.ports.ports_from_blocks`.
+        See :func:`fem.piezo.ports.ports_from_blocks`.
     missing : (n, 3) array
         Norms of the residuals of a volt, a tip force and a tip moment, the margin's root
         included: the error of entry (i, j) is at most the product of two.

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.expansion import Coefficients, Expansion
 from tactgen.fem.bimorph.reduction.parametric.products import Shapes
 from tactgen.fem.elements.line_basis import line_weights
+from tactgen.fem.piezo.symmetry import Motion
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import Axis, Bricks
 from tactgen.geometry.bimorph.stretching import piece_breaks

@@ -14,8 +14,6 @@ from typing import TypeVar
 
 import numpy as np
 
-from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
-from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.expansion import expansion, with_values
 from tactgen.fem.bimorph.reduction.parametric.growing import GrowingBasis
 from tactgen.fem.bimorph.reduction.parametric.products import TermProducts
@@ -26,8 +24,10 @@ from tactgen.fem.bimorph.reduction.parametric.training_set import (
     at_rest,
     response,
 )
-from tactgen.fem.bimorph.system import SolidSystem, materials
-from tactgen.fem.solvers.threads import side_by_side
+from tactgen.fem.piezo.bricks import assemble_bricks
+from tactgen.fem.piezo.symmetry import Motion
+from tactgen.fem.piezo.system import SolidSystem, materials
+from tactgen.fem.solvers.pardiso import side_by_side
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.bimorph.bricks import Bricks

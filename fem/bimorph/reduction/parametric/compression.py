@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members, ReducedMotion
+from tactgen.fem.piezo.symmetry import Motion
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.fem.bimorph.system import Material, materials
+from tactgen.fem.piezo.system import Material, materials
 from tactgen.geometry.arrays import Floats, Ints, Numbers
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.stretching import Pieces, piece_breaks, piece_lengths

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.builder import FamilyBuilder
 from tactgen.fem.bimorph.reduction.parametric.expansion import Expansion
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members, ReducedMotion
+from tactgen.fem.piezo.symmetry import Motion
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.device.parameters import Device

@@ -16,7 +16,7 @@ from tactgen.fem.bimorph.reduction.parametric.products import Shapes, TermProduc
 from tactgen.fem.bimorph.reduction.parametric.reduced import BasisTerms, RandomTerms, ReducedMotion
 from tactgen.fem.bimorph.reduction.parametric.sketch import random_loads
 from tactgen.fem.bimorph.reduction.parametric.snapshot import Grid, answers
-from tactgen.fem.bimorph.system import Material, SolidSystem
+from tactgen.fem.piezo.system import Material, SolidSystem
 from tactgen.fem.solvers.linear_solver import Factor
 from tactgen.geometry.arrays import Bools, Floats, Sparse
 

@@ -28,7 +28,7 @@ class FamilyHarmonic:
     Attributes
     ----------
     held, through, follows, compliance : (n, f, 3, 3), (n, f, 3, 2), (n, f, 2, 3), (n, f, 2, 2)
-        See :func:`fem.bimorph.ports.ports_from_blocks`.
+        See :func:`fem.piezo.ports.ports_from_blocks`.
     missing : (n, f, 5) array
         Norms of the residuals of (w_base, ψ_base, U, tip force, tip moment), the roots of
         margin and magnification included: the error of what two of them do to one another is

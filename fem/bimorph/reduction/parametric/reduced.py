@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.body import Sections, rigid_motions, tip_weights
 from tactgen.fem.bimorph.reduction.parametric.expansion import Coefficients, Expansion
+from tactgen.fem.piezo.symmetry import Motion
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.store.values import storable
 

@@ -16,8 +16,8 @@ from __future__ import annotations
 import numpy as np
 
 from tactgen.fem.bimorph.reduction.parametric.products import Shapes
-from tactgen.fem.bimorph.system import VOIGT, Material
 from tactgen.fem.elements.line_basis import gauss_values
+from tactgen.fem.piezo.system import VOIGT, Material
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import Axis, Bricks
 

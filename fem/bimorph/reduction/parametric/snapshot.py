@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.fem.bimorph.bricks.assembly import quarter_unknowns
-from tactgen.fem.bimorph.modes import eigenpairs
 from tactgen.fem.bimorph.reduction.parametric.expansion import POTENTIAL
 from tactgen.fem.bimorph.reduction.parametric.products import Shapes
-from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.piezo.bricks import quarter_unknowns
+from tactgen.fem.piezo.modes import eigenpairs
+from tactgen.fem.piezo.system import SolidSystem
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.ends import Ends

@@ -5,7 +5,7 @@ import pytest
 from scipy import special
 from scipy.optimize import brentq
 
-from tactgen.fem.beam import beam as elements
+from tactgen.fem import beam as elements
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import lumped

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.beam import beam as elements
+from tactgen.fem import beam as elements
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Glue, Shim, Support

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.system import Material
+from tactgen.fem.piezo.system import Material
 from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.validation.checks.cases.boxes import (

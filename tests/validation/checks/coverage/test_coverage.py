@@ -7,8 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
-from tactgen.fem.bimorph.ports import direct_multiport
+from tactgen.fem.piezo.bricks import assemble_bricks
+from tactgen.fem.piezo.ports import direct_multiport
 from tactgen.geometry.bimorph.bimorph_bricks import bimorph_bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError

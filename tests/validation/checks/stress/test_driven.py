@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.beam import beam
+from tactgen.fem import beam
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient import record
 from tactgen.validation.checks.stress import Asked

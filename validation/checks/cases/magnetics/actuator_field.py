@@ -8,7 +8,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.validation.checks.cases.fineness import cached, counted, degree
 
 if TYPE_CHECKING:
-    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
+    from tactgen.fem.magnetics.axisymmetric import FieldPoint
 
 
 @cached
@@ -16,7 +16,7 @@ def field_point(
     device: Device, current: float, gap: float | None = None, refinement: float = 1.0
 ) -> FieldPoint:
     """Return a normal actuator's field at a current (A) and a gap (m), its own by default."""
-    from tactgen.fem.reluctance.axisymmetric.actuator import ORDER, solve_point
+    from tactgen.fem.magnetics.axisymmetric import ORDER, solve_point
 
     found = solve_point(
         device, current, gap, order=degree(ORDER), refinement=refinement, any_grid=True

@@ -12,7 +12,7 @@ from tactgen.geometry.device.parameters import Coil, Device, Rod, Sleeve
 from tactgen.validation.checks.cases.magnetics.actuator_field import field_point
 
 if TYPE_CHECKING:
-    from tactgen.fem.reluctance.axisymmetric.actuator import FieldPoint
+    from tactgen.fem.magnetics.axisymmetric import FieldPoint
 
 #: The device; its steel is that of TEAM problem 20.
 COLLARED = Device(

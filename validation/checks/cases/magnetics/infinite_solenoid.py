@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.field import MagneticField, solve_field
-from tactgen.fem.reluctance.axisymmetric.space import discretise
+from tactgen.fem.magnetics.axisymmetric_field import MagneticField, solve_field
+from tactgen.fem.magnetics.axisymmetric_space import discretise
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve
 from tactgen.geometry.reluctance.section_grid import Grid, Region

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tactgen.fem.reluctance.three_d.force import eggshell_force, harmonic_weight
-from tactgen.fem.reluctance.three_d.problem import MagneticSolid, sample
+from tactgen.fem.magnetics.force_3d import eggshell_force, harmonic_weight
+from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes

@@ -8,8 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.field import solve_field
-from tactgen.fem.reluctance.axisymmetric.space import discretise
+from tactgen.fem.magnetics.axisymmetric_field import solve_field
+from tactgen.fem.magnetics.axisymmetric_space import discretise
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve
 from tactgen.geometry.reluctance.section_grid import Grid, Region
@@ -67,9 +67,9 @@ def _source(points: Floats) -> Floats:
 @cache
 def cube_error(potential: Literal["A", "phi"], cells: Cells, divisions: int) -> float:
     """Return the relative error of B, in the mean square, in the steel of TEAM problem 20."""
-    from tactgen.fem.reluctance.three_d.problem import MagneticSolid, sample
-    from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
-    from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+    from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
+    from tactgen.fem.magnetics.scalar_potential import ScalarPotential
+    from tactgen.fem.magnetics.vector_potential import VectorPotential
 
     mesh = cube(cells, divisions)
     solid = sample(MagneticSolid(mesh, {"all": TEAM20}, _source, flux_normal=tuple(mesh.faces)))

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from tactgen.fem.reluctance.three_d.problem import MagneticSolid, SampledSolid, sample
-from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
-from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.fem.magnetics.problem_3d import MagneticSolid, SampledSolid, sample
+from tactgen.fem.magnetics.scalar_potential import ScalarPotential
+from tactgen.fem.magnetics.vector_potential import VectorPotential
 from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve, linear
 from tactgen.validation.checks.cases.fineness import counted
 from tactgen.validation.checks.cases.magnetics.sphere_mesh import OUTER, RADIUS, sphere_mesh

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.fem.reluctance.three_d.force import eggshell_force, harmonic_weight
-from tactgen.fem.reluctance.three_d.problem import MagneticField, MagneticSolid, sample
+from tactgen.fem.magnetics.force_3d import eggshell_force, harmonic_weight
+from tactgen.fem.magnetics.problem_3d import MagneticField, MagneticSolid, sample
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.steel_law import TEAM20
 from tactgen.geometry.reluctance.team20 import (

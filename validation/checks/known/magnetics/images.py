@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.field import MagneticField, solve_field
-from tactgen.fem.reluctance.axisymmetric.force import virtual_work_force
-from tactgen.fem.reluctance.axisymmetric.space import discretise
+from tactgen.fem.magnetics.axisymmetric_field import MagneticField, solve_field
+from tactgen.fem.magnetics.axisymmetric_force import virtual_work_force
+from tactgen.fem.magnetics.axisymmetric_space import discretise
 from tactgen.geometry.device.steel_law import linear
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid
 from tactgen.validation.checks.case import Answer, Case, case

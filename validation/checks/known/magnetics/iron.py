@@ -11,8 +11,8 @@ from functools import partial
 
 import numpy as np
 
-from tactgen.fem.reluctance.three_d.problem import MagneticField, MagneticSolid, sample
-from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
+from tactgen.fem.magnetics.problem_3d import MagneticField, MagneticSolid, sample
+from tactgen.fem.magnetics.scalar_potential import ScalarPotential
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.steel_law import MU0, linear
 from tactgen.geometry.meshing.mesh import Mesh

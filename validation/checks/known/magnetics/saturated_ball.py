@@ -14,8 +14,8 @@ from functools import partial
 
 import numpy as np
 
-from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
-from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.fem.magnetics.scalar_potential import ScalarPotential
+from tactgen.fem.magnetics.vector_potential import VectorPotential
 from tactgen.geometry.device.steel_law import MU0, TEAM20
 from tactgen.validation.checks.case import Answer, Case, case
 from tactgen.validation.checks.cases.fineness import cached, counted, intervals

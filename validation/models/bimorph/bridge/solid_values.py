@@ -13,10 +13,10 @@ from functools import cached_property
 
 import numpy as np
 
-from tactgen.fem.bimorph.modes import natural_modes
-from tactgen.fem.bimorph.ports import static_multiport
-from tactgen.fem.bimorph.solid import assemble
-from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.ports import static_multiport
+from tactgen.fem.piezo.solid import assemble
+from tactgen.fem.piezo.system import SolidSystem
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickParts, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks, Held

@@ -13,8 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
-from tactgen.fem.bimorph.modes import natural_modes
-from tactgen.fem.bimorph.ports import direct_multiport
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.ports import direct_multiport
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.tmm.ports.readout import ModalReadout, PortMatrix

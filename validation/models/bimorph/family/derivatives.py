@@ -15,8 +15,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily, tangent_family
+from tactgen.fem.piezo.symmetry import Motion
 from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.bimorph.stretching import LEVELS

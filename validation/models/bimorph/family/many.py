@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.answers import mode_states, static_states
 from tactgen.fem.bimorph.reduction.parametric.compression import compressed
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members
+from tactgen.fem.piezo.symmetry import Motion
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.ports.readout import ModalReadout
 from tactgen.validation.catalogue.quantities import QUANTITIES

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.fem.bimorph.ports import ports_from_blocks
 from tactgen.fem.bimorph.reduction.parametric.answers import family_statics
 from tactgen.fem.bimorph.reduction.parametric.harmonic import family_harmonic
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members
+from tactgen.fem.piezo.ports import ports_from_blocks
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.tmm.ports.port import BIMORPH
@@ -34,7 +34,7 @@ class MixedForm:
     frequencies : (n f,) array
         In Hz.
     held, through, follows, compliance : (n f, 3, 3), (n f, 3, 2), (n f, 2, 3), (n f, 2, 2)
-        See :func:`fem.bimorph.ports.ports_from_blocks`.
+        See :func:`fem.piezo.ports.ports_from_blocks`.
     missing : (n f, 5) array
         Norms whose products bound the errors of the entries.
     """

@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.answers import FamilyModes, family_modes
 from tactgen.fem.bimorph.reduction.parametric.expansion import GROUPS
 from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily, build_family
+from tactgen.fem.piezo.symmetry import Motion
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends

@@ -2,7 +2,7 @@
 
 The middle of the range, and both ends of each key, are judged as a single bimorph is: by what
 polynomials of one degree more make of their residual, at rest and of natural frequencies
-(:mod:`fem.bimorph.error_estimate.brick_surplus`).  As shares of an answer these vary slowly with
+(:mod:`fem.piezo.brick_error`).  As shares of an answer these vary slowly with
 dimensions and constants, so that parabolas of their logarithms along each key say what they are in
 between.
 """
@@ -16,11 +16,11 @@ from functools import cache
 
 import numpy as np
 
-from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
-from tactgen.fem.bimorph.error_estimate.brick_surplus import BrickSurplus
-from tactgen.fem.bimorph.motions import Motion
-from tactgen.fem.bimorph.ports import judged_at_rest
 from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
+from tactgen.fem.piezo.brick_error import BrickSurplus
+from tactgen.fem.piezo.bricks import assemble_bricks
+from tactgen.fem.piezo.ports import judged_at_rest
+from tactgen.fem.piezo.symmetry import Motion
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.bimorph.bricks import Axis, Bricks

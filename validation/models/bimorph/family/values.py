@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.fem.bimorph.motions import Motion
 from tactgen.fem.bimorph.reduction.parametric.answers import family_modes
 from tactgen.fem.bimorph.reduction.parametric.expansion import Coefficients
 from tactgen.fem.bimorph.reduction.parametric.family import ReducedFamily
 from tactgen.fem.bimorph.reduction.parametric.reduced import Members
+from tactgen.fem.piezo.symmetry import Motion
 from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import attach

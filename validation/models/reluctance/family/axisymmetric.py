@@ -37,7 +37,7 @@ BASIS = "a table of fields on a grid that moves with them"
 #: As what families are kept.
 _KIND = "axisymmetric.family"
 #: What makes one.
-_MADE_OF = (__name__, "tactgen.fem.reluctance.axisymmetric.path")
+_MADE_OF = (__name__, "tactgen.fem.magnetics.axisymmetric_path")
 _ROW = MODELS["axisymmetric"]
 #: Most keys: places solved are five each at least.
 _MOST_KEYS = 2

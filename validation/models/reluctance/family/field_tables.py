@@ -206,7 +206,7 @@ class _Solver:
 
     def takes_grid(self, refinement: float) -> bool:
         """Take the grid of the middle or of an end of the range, if one reaches all three."""
-        from tactgen.fem.reluctance.axisymmetric.path import FieldPath
+        from tactgen.fem.magnetics.axisymmetric_path import FieldPath
 
         ends = [self._changed(np.full(len(self.ranges), x)) for x in (0.0, 1.0, -1.0)]
         regions = [actuator_regions(each.device, each.gap) for each in ends]

@@ -35,7 +35,7 @@ from tactgen.validation.scene.keys import with_values
 from tactgen.validation.scene.scene import Scene
 
 _KIND = "axisymmetric.maps"
-_MADE_OF = (__name__, "tactgen.fem.reluctance.axisymmetric.actuator")
+_MADE_OF = (__name__, "tactgen.fem.magnetics.axisymmetric")
 #: What a sample is: by name, and what of it counts as error as a map's fit counts it.
 _SAMPLES = {"flux_linkage": 1.0, "force": 1.0, "coenergy": 1.0, "incremental_inductance": 0.1}
 #: Share of a sample that is left open between the samples of one map, at least.
@@ -258,7 +258,7 @@ def _samples(scene: Scene, currents: Floats, gaps: Floats) -> _SampleValues:
 
 
 def _solved(scene: Scene, currents: Floats, gaps: Floats) -> _SampleValues:
-    from tactgen.fem.reluctance.axisymmetric.actuator import solve_map
+    from tactgen.fem.magnetics.axisymmetric import solve_map
 
     rows = solve_map(scene.device, gaps.tolist(), currents.tolist(), order=MAP_ORDER)
     found: _SampleValues = {}

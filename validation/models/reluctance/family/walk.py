@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.walk import FieldWalk
+from tactgen.fem.magnetics.axisymmetric_path import FieldWalk
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.store.store import is_kept
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap

@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.bricks.assembly import assemble_bricks, quarter_unknowns
-from tactgen.fem.bimorph.bricks.matrices import brick_matrices
 from tactgen.fem.bimorph.reduction.parametric.body import (
     rigid_motions,
     rigid_shapes,
@@ -17,7 +15,9 @@ from tactgen.fem.bimorph.reduction.parametric.expansion import expansion, with_v
 from tactgen.fem.bimorph.reduction.parametric.growing import GrowingBasis
 from tactgen.fem.bimorph.reduction.parametric.products import Shapes, TermProducts
 from tactgen.fem.bimorph.reduction.parametric.sketch import SKETCHES, random_loads
-from tactgen.fem.bimorph.system import materials, volts_per_unit
+from tactgen.fem.piezo.brick_matrices import brick_matrices
+from tactgen.fem.piezo.bricks import assemble_bricks, quarter_unknowns
+from tactgen.fem.piezo.system import materials, volts_per_unit
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.stretching import stretched
 from tactgen.geometry.device.parameters import Device

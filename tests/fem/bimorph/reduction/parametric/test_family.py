@@ -6,9 +6,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
-from tactgen.fem.bimorph.modes import natural_modes
-from tactgen.fem.bimorph.ports import ports_from_blocks, static_multiport
 from tactgen.fem.bimorph.reduction.parametric import builder, compression
 from tactgen.fem.bimorph.reduction.parametric.answers import (
     family_modes,
@@ -22,6 +19,9 @@ from tactgen.fem.bimorph.reduction.parametric.compression import compressed
 from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
 from tactgen.fem.bimorph.reduction.parametric.family import build_family
 from tactgen.fem.bimorph.reduction.parametric.training_set import at_rest
+from tactgen.fem.piezo.bricks import assemble_bricks
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.ports import ports_from_blocks, static_multiport
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.stretching import dividing, stretched

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.bimorph.bricks.assembly import assemble_bricks
-from tactgen.fem.bimorph.ports import direct_multiport
 from tactgen.fem.bimorph.reduction.parametric.expansion import with_values
 from tactgen.fem.bimorph.reduction.parametric.family import build_family
 from tactgen.fem.bimorph.reduction.parametric.harmonic import family_harmonic
+from tactgen.fem.piezo.bricks import assemble_bricks
+from tactgen.fem.piezo.ports import direct_multiport
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.bimorph.stretching import dividing, stretched
 from tactgen.geometry.device.parameters import Device

@@ -1,0 +1,446 @@
+"""Timoshenko beam finite elements with voltage: the discretised twin of the TMM.
+
+Weak form, for all (v, φ):  ∫ EI ψ' φ' + GA (w' + ψ)(v' + φ) − Ω² (m w v + ρI ψ φ) dz
+= U ∫ K φ' dz + end forces.  A taper is known to the elements at every quadrature point.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tactgen.fem.beam_section import gauss, section_constants
+from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
+from tactgen.geometry.bimorph.row_shape import CentreLine
+from tactgen.geometry.device.materials import lossy_modulus
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.tmm.ports.port import BIMORPH
+
+#: Elements along a row whose nodes are its stations.
+ELEMENTS = 64
+
+
+def mode_lines(
+    matrices: BeamMatrices, ends: Ends, count: int, *, open_circuit: bool
+) -> list[CentreLine]:
+    """Return the lowest `count` elastic modes of lossless matrices, of unit tip displacement."""
+    from scipy.linalg import eigh
+
+    coupling, capacitance = matrices.coupling.real, matrices.capacitance.real
+    k, m = (np.array(v.real) for v in (matrices.stiffness, matrices.mass))
+    if open_circuit:
+        k += np.outer(coupling, coupling) / capacitance
+    base, tip = ends.base, ends.conservative_tip
+    w0, psi0, w1, _ = matrices.ports
+    k[w1, w1] += tip.stiffness
+    m[w1, w1] += tip.mass
+    if base is not None:
+        k[w0, w0] += base.lateral_stiffness
+        k[psi0, psi0] += base.rotational_stiffness
+        m[psi0, psi0] += base.rotational_inertia
+    free = np.setdiff1d(np.arange(k.shape[0]), matrices.ports[: 2 if base is None else 0])
+    wanted = ends.rigid_motions + count
+    values, vectors = eigh(
+        k[np.ix_(free, free)], m[np.ix_(free, free)], subset_by_index=[0, wanted - 1]
+    )
+    found = []
+    for value, vector in list(zip(values, vectors.T, strict=True))[ends.rigid_motions :]:
+        motion = np.zeros(k.shape[0])
+        motion[free] = vector
+        motion /= motion[w1]
+        held = float(coupling @ motion)
+        voltage = -held / capacitance if open_circuit else 0.0
+        charge = 0.0 if open_circuit else held
+        found.append(_line(matrices, motion, charge, voltage, np.sqrt(value) / (2.0 * np.pi)))
+    return found
+
+
+def driven_line(
+    matrices: BeamMatrices, ends: Ends, frequency: float, voltage: complex
+) -> CentreLine:
+    """Return the motion at a voltage (V) across each layer."""
+    omega2, at = (2.0 * np.pi * frequency) ** 2, np.array([frequency])
+    dynamic = matrices.stiffness - omega2 * matrices.mass
+    w0, psi0, w1, _ = matrices.ports
+    dynamic[w1, w1] += tip_stiffness(ends.tip, at)[0]
+    if ends.base is not None:
+        for dof, stiffness in zip((w0, psi0), base_stiffness(ends.base, at), strict=True):
+            dynamic[dof, dof] += stiffness[0]
+    held = matrices.ports[: 2 if ends.base is None else 0]
+    free = np.setdiff1d(np.arange(dynamic.shape[0]), held)
+    motion = np.zeros(dynamic.shape[0], dtype=complex)
+    motion[free] = np.linalg.solve(dynamic[np.ix_(free, free)], matrices.coupling[free] * voltage)
+    charge = complex(matrices.coupling @ motion + matrices.capacitance * voltage)
+    return _line(matrices, motion, charge, voltage, frequency)
+
+
+def _line(
+    matrices: BeamMatrices, motion: Numbers, charge: complex, voltage: complex, frequency: float
+) -> CentreLine:
+    z, w, psi = (np.array(column) for column in zip(*matrices.stations, strict=True))
+    return CentreLine(z, motion[w], motion[psi], charge, voltage, frequency)
+
+
+def thinnest(piece: Piece, bimorph: Bimorph) -> float:
+    """Return the least thickness (m) of a piece in the direction in which it bends."""
+    if piece.section == "cylinder":
+        return 2.0 * piece.radius
+    ends = [piece.layers(bimorph, end) for end in (0.0, 1.0)]
+    layers = 2.0 if piece.section == "bimorph" else 0.0
+    return float(min(layers * end.piezo_thickness + end.shim_thickness for end in ends))
+
+
+def row_mesh(
+    pieces: Sequence[Piece],
+    bimorph: Bimorph,
+    elements: int,
+    halvings: int = 0,
+    shift: float = 0.0,
+) -> tuple[Any, Ints, list[tuple[int, float]]]:
+    """Return the line mesh from base to tip, the beam of each element, and the joints.
+
+    Bending waves are the shorter the thinner a piece is: their number goes as its length over
+    the root of its thickness, and so does its share of the elements.
+
+    `elements` are shared out, rounded up in each piece; then each is halved so many times:
+    a mesh and its halved one differ in every piece.  Nodes inside of a piece lie `shift` elements
+    higher than evenly.
+
+    A joint is a node, whose successor lies at the same height and which no element connects
+    to it, and the depth of the slot (m).
+    """
+    from skfem import MeshLine
+
+    waves = [piece.length / math.sqrt(thinnest(piece, bimorph)) for piece in pieces]
+    total = sum(n for n, piece in zip(waves, pieces, strict=True) if piece.section != "bond")
+    nodes, cells, piece_of, joints = [0.0], [], [], []
+    beams = 0
+    for piece, share in zip(pieces, waves, strict=True):
+        last = len(nodes) - 1
+        if piece.section == "bond":
+            joints.append((last, piece.length))
+            nodes.append(nodes[-1])
+            continue
+        count = math.ceil(elements * share / total) * 2**halvings
+        inside = piece.length * (np.arange(1, count) + shift) / count
+        nodes += [*(nodes[-1] + inside), nodes[-1] + piece.length]
+        cells += [(last + i, last + i + 1) for i in range(count)]
+        piece_of += count * [beams]
+        beams += 1
+    mesh = MeshLine(np.array([nodes]), np.array(cells).T, sort_t=False)
+    return mesh, np.array(piece_of), joints
+
+
+#: Polynomial order of w and ψ (equal orders lock only at low order).
+ORDER = 5
+#: Elements of the glued part of the tab, halved with the others.
+_TAB_ELEMENTS = 8
+#: Most elements along a row: beyond, its dense matrices and their condition take minutes.
+MOST_ELEMENTS = 200
+
+
+@dataclass(frozen=True)
+class BeamMatrices:
+    """Assembled beam, all (n, n) or (n,): dofs of w and ψ, then the scalar capacitance.
+
+    `ports` are the dofs of w and ψ at the base, then at the tip; `stations` (k, 3) the height (m)
+    of every node between elements and its dofs of w and ψ, from base to tip.  Forces and charges
+    are counted in 1/`unit` (N, C).
+    """
+
+    stiffness: Complex
+    mass: Floats
+    coupling: Complex
+    capacitance: complex
+    ports: Ints
+    stations: list[tuple[float, int, int]]
+    unit: float = 1.0
+
+
+def multiport(
+    device: Device,
+    support: Support,
+    beam: Beam,
+    frequencies: Floats,
+    *,
+    elements: int = 8,
+    lossy: bool = True,
+) -> Multiport:
+    """Return the beam-element model over its five ports (parallel wiring).
+
+    Parameters
+    ----------
+    elements : int
+        Elements along the whole row.
+    """
+    matrices = assemble(device, support, beam, elements=elements, lossy=lossy)
+    return condense(matrices, np.atleast_1d(np.asarray(frequencies, dtype=float)))
+
+
+def condense(matrices: BeamMatrices, frequencies: Floats) -> Multiport:
+    """Return the matrices over the five ports at frequencies (n,) in Hz."""
+    stiffness = _condense(matrices, 2.0 * np.pi * frequencies) / matrices.unit
+    return Multiport(frequencies, stiffness, BIMORPH)
+
+
+def elements_for(device: Device, highest: float) -> int:
+    """Return a number of elements that resolves waves up to `highest` Hz along the row.
+
+    One radian of the slowest wave per element of order five; even, at least 8.
+
+    Raises
+    ------
+    InputError
+        If that is more than dense matrices bear.
+    """
+    piezo, bimorph = device.piezo, device.bimorph
+    slowest = math.sqrt(min(1.0 / piezo.s55, device.shim.shear_modulus) / piezo.density)
+    modulus = 1.0 / (piezo.s11 * piezo.density)
+    omega = 2.0 * math.pi * highest
+    bending = math.sqrt(omega / math.sqrt(modulus) * math.sqrt(12.0))
+    pieces = beam_pieces(device, Support())
+    radians = sum(
+        piece.length * max(bending / math.sqrt(thinnest(piece, bimorph)), omega / slowest)
+        for piece in pieces
+    )
+    if not radians <= MOST_ELEMENTS:
+        raise InputError(
+            f"frequency = {highest:g} Hz makes waves so short that the model beam would need "
+            f"{radians:.0f} elements along {1e3 * sum(p.length for p in pieces):g} mm of bimorph "
+            f"and tab, and it takes {MOST_ELEMENTS}; ask for lower frequencies, or take the model "
+            "tmm, which is exact"
+        )
+    return int(2 * max(4, math.ceil(radians / 2.0)))
+
+
+def assemble(
+    device: Device,
+    support: Support,
+    beam: Beam,
+    *,
+    elements: int,
+    lossy: bool,
+    halvings: int = 0,
+    unit: float = 1.0,
+    shift: float = 0.0,
+) -> BeamMatrices:
+    """Assemble the row of beams, `elements` shared out by waves, rounded up in each piece.
+
+    Parameters
+    ----------
+    halvings : int
+        How many times all elements are halved then.
+    unit : float
+        How many units of force and charge make a newton and a coulomb.  It goes in before the
+        elements are summed: another one changes nothing but how every sum is rounded.
+    shift : float
+        By what part of an element the nodes inside of a piece lie higher: little of it changes
+        little but what lengths are rounded to, which is alike in all units.
+    """
+    from skfem import Basis, ElementLinePp, LinearForm, asm
+
+    pieces = beam_pieces(device, support)
+    beams = [piece for piece in pieces if piece.section != "bond"]
+    mesh, piece_of, joints = row_mesh(pieces, device.bimorph, elements, halvings, shift)
+    w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
+    shares = _shares(w_space, piece_of)
+    constants = unit * np.concatenate(
+        [
+            section_constants(
+                piece, device, beam, shares[piece_of == k].ravel(), lossy=lossy
+            ).reshape(6, -1, shares.shape[1])
+            for k, piece in enumerate(beams)
+        ],
+        axis=1,
+    )
+    basis = w_space * w_space
+    stiffness = asm(_elastic(*constants[:2]), basis).toarray()
+    for node, depth in joints:
+        dofs = w_space.nodal_dofs[0][[node, node + 1]]
+        ports = np.ix_(*2 * [[*dofs, *(dofs + w_space.N)]])
+        number = _TAB_ELEMENTS * 2**halvings
+        spring = bonded_tab(device, beam, depth, number, lossy=lossy, unit=unit)
+        stiffness[ports] += np.kron(spring, [[1.0, -1.0], [-1.0, 1.0]])
+
+    @LinearForm(dtype=complex)  # type: ignore[untyped-decorator]
+    def moment_per_voltage(v: Any, phi: Any, _: Any) -> Any:
+        return constants[4] * phi.grad[0] + 0.0 * v
+
+    ends = w_space.nodal_dofs[0][[0, -1]]
+    return BeamMatrices(
+        stiffness=stiffness,
+        mass=asm(_inertial(*constants[2:4].real), basis).toarray(),
+        coupling=asm(moment_per_voltage, basis),
+        capacitance=complex(np.sum(constants[5] * w_space.dx)),
+        unit=unit,
+        ports=np.array([ends[0], ends[0] + w_space.N, ends[1], ends[1] + w_space.N]),
+        stations=[
+            (float(z), int(dof), int(dof) + int(w_space.N))
+            for z, dof in zip(mesh.p[0], w_space.nodal_dofs[0], strict=True)
+        ],
+    )
+
+
+def _shares(space: Any, piece_of: Ints) -> Floats:
+    """Return where each quadrature point lies in its beam (n_elements, n_points), 0 to 1."""
+    z = np.asarray(space.global_coordinates())[0]
+    low, high = space.mesh.p[0][space.mesh.t]
+    lower = np.array([low[piece_of == k].min() for k in piece_of])[:, None]
+    upper = np.array([high[piece_of == k].max() for k in piece_of])[:, None]
+    return np.asarray((z - lower) / (upper - lower))
+
+
+def _elastic(ei: Complex, ga: Complex) -> Any:
+    from skfem import BilinearForm
+
+    @BilinearForm(dtype=complex)  # type: ignore[untyped-decorator]
+    def form(w: Any, psi: Any, v: Any, phi: Any, _: Any) -> Any:
+        shear = (w.grad[0] + psi) * (v.grad[0] + phi)
+        return ei * psi.grad[0] * phi.grad[0] + ga * shear
+
+    return form
+
+
+def _inertial(m: Any, rho_i: Any) -> Any:
+    from skfem import BilinearForm
+
+    @BilinearForm  # type: ignore[untyped-decorator]
+    def form(w: Any, psi: Any, v: Any, phi: Any, _: Any) -> Any:
+        return m * w * v + rho_i * psi * phi
+
+    return form
+
+
+def bonded_tab(
+    device: Device,
+    beam: Beam,
+    depth: float,
+    elements: int = _TAB_ELEMENTS,
+    *,
+    lossy: bool = False,
+    unit: float = 1.0,
+) -> Numbers:
+    """Return the stiffness (2, 2) of the tab in the slot at the slot's edge, to the head.
+
+    Weak form of a beam on its bond lines, its end on the glue below it:
+    ∫ EI θ' φ' + GA (v' + θ)(ν' + φ) + k_w v ν + k_r θ φ dz + end springs, with the glue's
+    energy integrated over the tab's perimeter: per area (E' n² + G s²)/(2 t) for
+    displacements n across and s along the bond line.
+    """
+    from skfem import Basis, ElementLinePp, MeshLine, asm
+
+    glue, bimorph = device.glue, device.bimorph
+    half, b, t = 0.5 * bimorph.shim_thickness, bimorph.width, glue.thickness
+    nu = glue.poisson_ratio
+    modulus = unit * lossy_modulus(glue.youngs_modulus, glue.loss_factor, lossy=lossy)
+    lame = modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    shear = modulus / (2.0 * (1.0 + nu))
+    squeezed = lame + 2.0 * shear
+    across = sum(weight for _, weight in gauss(-half, half))
+    turned = sum(weight * x**2 for x, weight in gauss(-half, half))
+    lateral = 2.0 * (b * squeezed + across * shear) / t
+    rotational = 2.0 * (b * shear * half**2 + turned * shear) / t
+    tab = unit * section_constants(Piece("shim", depth), device, beam, np.zeros(1), lossy=lossy)[:2]
+    mesh = MeshLine(np.linspace(0.0, depth, elements + 1))
+    space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
+    # what holds the tab along its length has the form of an inertia
+    per_loss = lossy_modulus(1.0, glue.loss_factor, lossy=lossy)
+    springs = asm(_inertial((lateral / per_loss).real, (rotational / per_loss).real), space * space)
+    k = (asm(_elastic(*tab), space * space) + per_loss * springs).toarray()
+    if not lossy:
+        k = k.real
+    low, high = space.nodal_dofs[0][[0, -1]]
+    k[low, low] += shear * b * across / t
+    k[low + space.N, low + space.N] += squeezed * b * turned / t
+    edge = [high, high + space.N]
+    inner = np.setdiff1d(np.arange(k.shape[0]), edge)
+    solved = np.linalg.solve(k[np.ix_(inner, inner)], k[np.ix_(inner, edge)])
+    return np.asarray(k[np.ix_(edge, edge)] - k[np.ix_(edge, inner)] @ solved)
+
+
+def bending_frequencies(
+    matrices: BeamMatrices, ends: Ends, count: int, *, open_circuit: bool
+) -> Floats:
+    """Return the lowest elastic natural frequencies (count,) in Hz of lossless matrices.
+
+    Damping at the ends is left out.
+    """
+    from scipy.linalg import eigh
+
+    k, m = matrices.stiffness.real / matrices.unit, matrices.mass / matrices.unit
+    w0, psi0, w1, _ = matrices.ports
+    if open_circuit:
+        charge = matrices.coupling.real / matrices.unit
+        k += np.outer(charge, charge) / (matrices.capacitance.real / matrices.unit)
+    base, tip = ends.base, ends.conservative_tip
+    k[w1, w1] += tip.stiffness
+    m[w1, w1] += tip.mass
+    held = matrices.ports[: 2 if base is None else 0]
+    if base is not None:
+        k[w0, w0] += base.lateral_stiffness
+        k[psi0, psi0] += base.rotational_stiffness
+        m[psi0, psi0] += base.rotational_inertia
+    free = np.setdiff1d(np.arange(k.shape[0]), held)
+    k, m = k[np.ix_(free, free)], m[np.ix_(free, free)]
+    rough = eigh(k, m, eigvals_only=True)
+    elastic = rough[rough > 1e-9 * rough[min(count + 2, rough.size) - 1]]
+    # the lowest values of (k, m) carry the rounding of the highest; as the highest of the
+    # inverse pencil they are exact to a few digits of machine precision
+    shift = float(elastic[0])
+    inverse = eigh(
+        m, k + shift * m, eigvals_only=True, subset_by_index=_top(k.shape[0], count + 2)
+    )[::-1]
+    rigid = ends.rigid_motions
+    return np.asarray(np.sqrt(1.0 / inverse[rigid : rigid + count] - shift) / (2.0 * np.pi))
+
+
+def _top(size: int, count: int) -> list[int]:
+    return [max(size - count, 0), size - 1]
+
+
+def _condense(matrices: BeamMatrices, omega: Floats) -> Complex:
+    """Return D (n, 5, 5): interior dofs, a band when numbered along z, eliminated."""
+    from scipy.linalg import solve_banded
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+    ports = matrices.ports
+    inner = np.setdiff1d(np.arange(matrices.mass.shape[0]), ports)
+    pattern = csr_matrix(
+        matrices.mass[np.ix_(inner, inner)] + abs(matrices.stiffness[np.ix_(inner, inner)])
+    )
+    inner = inner[reverse_cuthill_mckee(pattern, symmetric_mode=True)]
+    inside = np.ix_(inner, inner)
+    width, k_band, m_band = _bands(matrices.stiffness[inside], matrices.mass[inside])
+    held = np.concatenate([matrices.stiffness[:, ports], -matrices.coupling[:, None]], axis=1)
+    moving = np.concatenate(
+        [matrices.mass[:, ports], np.zeros((matrices.mass.shape[0], 1))], axis=1
+    )
+    d = np.zeros((omega.size, 5, 5), dtype=complex)
+    for i, o2 in enumerate(omega**2):
+        to_ports = held - o2 * moving
+        solved = solve_banded((width, width), k_band - o2 * m_band, to_ports[inner])
+        d[i, :4] = to_ports[ports]
+        d[i, 4, :4], d[i, 4, 4] = matrices.coupling[ports], matrices.capacitance
+        d[i] -= np.vstack([to_ports[inner, :4].T, matrices.coupling[inner]]) @ solved
+    return d
+
+
+def _bands(k: Complex, m: Floats) -> tuple[int, Complex, Floats]:
+    """Return the half bandwidth and both matrices in LAPACK's band storage."""
+    rows, columns = np.nonzero(abs(k) + abs(m))
+    width = int(np.abs(rows - columns).max())
+    k_band = np.zeros((2 * width + 1, k.shape[0]), dtype=complex)
+    m_band = np.zeros((2 * width + 1, k.shape[0]))
+    k_band[width + rows - columns, columns] = k[rows, columns]
+    m_band[width + rows - columns, columns] = m[rows, columns]
+    return width, k_band, m_band

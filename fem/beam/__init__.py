@@ -1,1 +1,0 @@
-"""Beam elements of the lateral actuator."""

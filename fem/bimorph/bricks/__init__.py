@@ -1,1 +1,0 @@
-"""The solid on bricks of high order."""

@@ -1,0 +1,265 @@
+"""The reconstructed normal actuator by the axisymmetric field: flux, coenergy, force, error bars.
+
+A point is one current at one gap; a map shares one grid between gaps and starts each
+point from the last.  Field theory is in :mod:`fem.magnetics.axisymmetric_field`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from tactgen.fem.magnetics.axisymmetric_field import MagneticField, truncation_error
+from tactgen.fem.magnetics.axisymmetric_force import eggshell_force, virtual_work_force
+from tactgen.fem.magnetics.iron import size_of
+from tactgen.fem.magnetics.two_orders import (
+    Pair,
+    TwoOrders,
+    fitted,
+    from_neighbour,
+    solve_pair,
+    two_orders,
+)
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, actuator_regions
+
+#: Polynomial order that gives the accuracy wanted in the least time on this device.
+ORDER = 4
+#: Relative truncation of the force over that of the coenergy: up to 6 was measured on this
+#: device, most at narrow gaps in saturation (flux linkage: never above 1, 2 is taken).
+_FORCE_TRUNCATION = 8.0
+#: Force's error over its change from the lower order: up to 1.2 was seen (orders 3 to 5 at 2 µm),
+#: where the gap's corners are narrower than any cell and the order alone must resolve them.  A
+#: corner of iron leaves the order p an error of p^(-8/3): the change at order 5 is 0.8 of it.
+_FORCE_CHANGE = 1.25
+#: Co-energy's error bar, relative, above which the next order would change everything: neither
+#: the values nor their bars mean anything then.  The program's grids stay below 2e-2.
+_TOO_COARSE = 0.2
+#: dH/dB has corners at the curve's points and a jump at its end, which quadrature points meet by
+#: chance, at both orders alike.  In saturation up to 1.2 % of scatter in the incremental
+#: inductance was seen over grids and the map; 2 % is taken, less where the steel is linear.
+_INDUCTANCE_SCATTER = 0.02
+
+
+@dataclass(frozen=True)
+class FieldErrors:
+    """Numerical error bars, each in the unit of its quantity."""
+
+    flux_linkage: float
+    coenergy: float
+    force: float
+    incremental_inductance: float
+
+
+@dataclass(frozen=True)
+class FieldPoint:
+    """The actuator at one current and gap.
+
+    Parameters
+    ----------
+    current, gap : float
+        A, m.
+    flux_linkage : float
+        λ (Wb).
+    coenergy : float
+        W' = iλ − W (J).
+    force : float
+        Pull −∂W'/∂g (N); positive closes the gap.  By virtual work, which converges
+        fastest and is the derivative of `coenergy`.
+    force_eggshell : float
+        The same from the stress in the air (N).
+    incremental_inductance : float
+        ∂λ/∂i (H).
+    errors : FieldErrors
+        How far the values may be from the exact field of the same model.
+    iterations, unknowns : int
+        Newton steps at the final order, and its size.
+    beyond_table : float
+        Share of the iron's volume beyond the end of a magnetisation curve that ends early.
+    coarser : dict of str to float
+        The values by the lower order.
+    solution : MagneticField or None
+        The field itself; None in a map.
+    """
+
+    current: float
+    gap: float
+    flux_linkage: float
+    coenergy: float
+    force: float
+    force_eggshell: float
+    incremental_inductance: float
+    errors: FieldErrors
+    iterations: int
+    unknowns: int
+    beyond_table: float
+    coarser: dict[str, float] = field(default_factory=dict, repr=False, compare=False)
+    solution: MagneticField | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def inductance(self) -> float:
+        """Apparent inductance λ/i (H), its limit at zero current."""
+        return self.flux_linkage / self.current if self.current else self.incremental_inductance
+
+
+def solve_point(
+    device: Device,
+    current: float | None = None,
+    gap: float | None = None,
+    *,
+    order: int = ORDER,
+    refinement: float = 1.0,
+    outer_radius: float = OUTER_RADIUS,
+    any_grid: bool = False,
+) -> FieldPoint:
+    """Solve the actuator's field at one current and gap.
+
+    Parameters
+    ----------
+    device : Device
+        What is built; its own current and gap by default.
+    current, gap : float, optional
+        Others (A, m).
+    order : int
+        Polynomial order, at least 2.
+    refinement : float
+        Fineness of the grid, see :func:`geometry.reluctance.section_grid.graded_grid`.
+    outer_radius : float
+        Radius and half height of the air (m).
+    any_grid : bool
+        Answer on a grid too coarse for error bars, too: to see how the error falls.
+
+    Raises
+    ------
+    InputError
+        If the parts do not fit at this gap, or the grid is too coarse for any answer.
+    SolverError
+        If the field does not converge.
+    """
+    current = device.coil.current if current is None else current
+    gap = device.gap if gap is None else gap
+    model = two_orders(device, gap, order, refinement, outer_radius)
+    return field_point(model, solve_pair(model, current), keep=True, any_grid=any_grid)
+
+
+def solve_map(
+    device: Device,
+    gaps: Sequence[float],
+    currents: Sequence[float],
+    *,
+    order: int = ORDER,
+    refinement: float = 1.0,
+    outer_radius: float = OUTER_RADIUS,
+    any_grid: bool = False,
+) -> tuple[tuple[FieldPoint, ...], ...]:
+    """Solve the actuator's field for all gaps (m) and currents (A); rows are gaps, as given.
+
+    The grid made for the widest gap moves with the rod until an edge would pass another
+    or a cell would become too high.  Parameters and errors as in :func:`solve_point`.
+    """
+    for gap in gaps:
+        actuator_regions(device, gap)  # refuses before anything is solved
+    rows: dict[float, tuple[FieldPoint, ...]] = {}
+    home: TwoOrders | None = None
+    last: Pair | None = None
+    for gap in sorted(set(gaps), reverse=True):
+        model = home and fitted(home, device, gap)
+        if model is None:
+            model = home = two_orders(device, gap, order, refinement, outer_radius)
+            last = None
+        found, first = {}, None
+        for current in sorted(set(currents), key=abs):
+            start = from_neighbour(last, current) if last else None
+            last = solve_pair(model, current, start)
+            found[current] = field_point(model, last, any_grid=any_grid)
+            first = first or last
+        last = first
+        rows[gap] = tuple(found[current] for current in currents)
+    return tuple(rows[gap] for gap in gaps)
+
+
+def field_point(
+    model: TwoOrders, pair: Pair, *, keep: bool = False, any_grid: bool = False
+) -> FieldPoint:
+    """Return what a solved field says, with error bars; `keep` keeps the field itself.
+
+    Raises
+    ------
+    InputError
+        If the grid is too coarse for error bars, unless `any_grid`.
+    """
+    fine = pair.fine
+    values, lower = _values(model, fine), _values(model, pair.coarse)
+    errors = _errors(fine, values, lower)
+    if errors.coenergy > _TOO_COARSE * abs(values["coenergy"]) and not any_grid:
+        raise InputError(
+            f"the grid is too coarse at gap = {model.gap * 1e3:g} mm and coil.current = "
+            f"{float(fine.currents[0]) * 1e3:g} mA: the co-energy's error bar is "
+            f"{100.0 * errors.coenergy / abs(values['coenergy']):.0f} % of it; use a larger "
+            "refinement or order"
+        )
+    return FieldPoint(
+        current=float(fine.currents[0]),
+        gap=model.gap,
+        **values,
+        errors=errors,
+        iterations=fine.iterations,
+        unknowns=model.fine.free.size,
+        beyond_table=_beyond_table(fine),
+        coarser=lower,
+        solution=fine if keep else None,
+    )
+
+
+def _beyond_table(field: MagneticField) -> float:
+    """Return the share of the iron's volume beyond the end of a curve that ends early."""
+    d, size = field.discretisation, size_of(field.flux_density)
+    beyond = total = 0.0
+    for cells, curve in d.iron:
+        beyond += curve.volume_beyond(size[cells], d.volumes[cells])
+        total += float(d.volumes[cells].sum())
+    return beyond / total
+
+
+def _errors(fine: MagneticField, values: dict[str, float], lower: dict[str, float]) -> FieldErrors:
+    """Return error bars: the change from the lower order, never less than the coenergy's.
+
+    The coenergy rises with the order towards its exact value, so its change cannot vanish
+    by accident, as that of a force can.  The force counts with no less than what its two routes
+    differ by, which has the same cause.  Truncation is added, and to the incremental inductance
+    the scatter of dH/dB.
+    """
+    total = values["coenergy"]
+    rise = abs(total - lower["coenergy"]) / total if total else 0.0
+    missing = truncation_error(fine) / total if total else 0.0
+
+    def bar(name: str, truncation: float, least: float = 0.0, share: float = 1.0) -> float:
+        value = values[name]
+        change = max(share * abs(value - lower[name]), rise * abs(value), least)
+        return change + truncation * missing * abs(value)
+
+    linear = values["incremental_inductance"] * float(fine.currents[0])
+    saturation = abs(values["flux_linkage"] - linear) / abs(linear) if linear else 0.0
+    scatter = _INDUCTANCE_SCATTER * min(1.0, saturation) * values["incremental_inductance"]
+
+    return FieldErrors(
+        flux_linkage=bar("flux_linkage", 2.0),
+        coenergy=bar("coenergy", 1.0),
+        force=bar(
+            "force", _FORCE_TRUNCATION, abs(values["force"] - values["force_eggshell"]),
+            _FORCE_CHANGE,
+        ),
+        incremental_inductance=bar("incremental_inductance", 2.0) + scatter,
+    )  # fmt: skip
+
+
+def _values(model: TwoOrders, solution: MagneticField) -> dict[str, float]:
+    return {
+        "flux_linkage": float(solution.flux_linkage[0]),
+        "coenergy": solution.coenergy,
+        # the moving parts are above the gap: a pull that closes it points down
+        "force": -virtual_work_force(solution),
+        "force_eggshell": -eggshell_force(solution, model.weight),
+        "incremental_inductance": float(solution.incremental_inductance[0, 0]),
+    }

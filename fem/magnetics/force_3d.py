@@ -1,0 +1,200 @@
+"""Force on a body in a static magnetic field, by stress and by virtual work.
+
+Let g be 1 on the body and 0 on everything else that is iron or carries current, and
+harmonic in the air between, the shell.  Maxwell's stress T = µ0 (H Hᵀ − H²/2) is free
+of divergence there, so
+
+    F = ∮ T·n dS = −∫ T·grad g dV                                    (eggshell)
+
+over any surface in the shell: an average over all of them.  Moving the body by δ, and the
+nodes of the shell by g δ, changes the co-energy at constant current by
+
+    F = dW'/dδ                                                       (virtual work)
+
+The eggshell uses the fields of one solution, the virtual work only the energies of two
+others.  What separates them is discretisation error, but not all of it: on curved cells,
+whose nodes follow g exactly, both are the same derivative of the vector potential's
+co-energy, and only the other potential tells how far off it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tactgen.fem.magnetics.problem_3d import (
+    MagneticField,
+    MagneticSolid,
+    SampledSolid,
+    with_sorted_corners,
+)
+from tactgen.fem.magnetics.scalar_potential import gradient_kernel
+from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.mesh import Mesh
+
+#: Sine of the largest angle between a direction and a face that counts as parallel.
+_PARALLEL = 1e-9
+
+
+@dataclass(frozen=True)
+class MotionWeight:
+    """How far each point goes along when the body moves by 1.
+
+    Attributes
+    ----------
+    nodal : (n_points,) float
+        At the points of the mesh.
+    gradient : (n_cells, n_points, 3) float
+        Gradient (1/m) at the quadrature points.
+    touched : (n_faces, 3) float
+        Unit normals of the outer faces on which the weight is not zero.
+    """
+
+    nodal: Floats
+    gradient: Floats
+    touched: Floats
+
+
+def harmonic_weight(
+    solid: SampledSolid, body: tuple[str, ...], shell: tuple[str, ...]
+) -> MotionWeight:
+    """Return the weight that is 1 on `body`, harmonic in `shell` and 0 elsewhere.
+
+    Parameters
+    ----------
+    solid : SampledSolid
+        The problem.
+    body : tuple of str
+        Regions that move as one, windings among them.
+    shell : tuple of str
+        Regions around the body with neither iron nor current.  They may touch the outer
+        boundary at symmetry planes along which the body moves, and nowhere else.
+
+    Raises
+    ------
+    InputError
+        If the mesh lacks a region, or iron is in the shell.
+    """
+    from skfem import Dofs, ElementTetP2
+
+    mesh = solid.problem.mesh
+    _check(solid, body, shell)
+    numbering = Dofs(solid.domain, ElementTetP2())
+    in_shell = np.concatenate([mesh.cells_of(name) for name in shell])
+    in_body = np.concatenate([mesh.cells_of(name) for name in body])
+    outside = np.setdiff1d(np.arange(mesh.cells.shape[0]), np.concatenate([in_shell, in_body]))
+    dofs = numbering.element_dofs.T
+    value = np.zeros(numbering.N)
+    value[dofs[in_body]] = 1.0
+    free = np.setdiff1d(dofs[in_shell], dofs[np.concatenate([in_body, outside])])
+
+    # elsewhere the weight is constant
+    known = np.unique(dofs[in_shell])
+    gradients = gradient_kernel(solid, dofs, known, in_shell)
+    gradient = np.zeros((*solid.weights.shape, 3))
+    identity = np.broadcast_to(np.eye(3), (*gradient[in_shell].shape, 3))
+    matrix, place = gradients.matrix(identity), np.searchsorted(known, free)
+    right = -(matrix @ value[known])[place]
+    value[free] = factorise(matrix[place][:, place], definite=True).solve(right)
+    gradient[in_shell] = gradients.field(value[known])
+    return MotionWeight(
+        nodal=_at_mesh_points(mesh, value, dofs),
+        gradient=gradient,
+        touched=_touched(solid, numbering, value),
+    )
+
+
+def _check(solid: SampledSolid, body: tuple[str, ...], shell: tuple[str, ...]) -> None:
+    mesh = solid.problem.mesh
+    for name in (*body, *shell):
+        if name not in mesh.regions:
+            raise InputError(
+                f"the mesh has no region '{name}' to take a force from; "
+                f"use some of {', '.join(mesh.regions)}"
+            )
+    for name in shell:
+        if name in solid.problem.materials:
+            raise InputError(f"shell names '{name}', which is iron; use regions of air")
+
+
+def _at_mesh_points(mesh: Mesh, value: Floats, dofs: Ints) -> Floats:
+    """Return quadratic nodal values at the mesh's points, straight cells having corners only."""
+    cells = with_sorted_corners(mesh).cells
+    nodal = np.zeros(mesh.points.shape[0])
+    # corners first, then edges in the order that VTK's mid-edge nodes have too
+    nodal[cells] = value[dofs[:, : cells.shape[1]]]
+    return nodal
+
+
+def _touched(solid: SampledSolid, numbering: Any, value: Floats) -> Floats:
+    """Return unit normals (n, 3) of the outer faces where the quadratic `value` is not zero."""
+    domain = solid.domain
+    faces = domain.boundary_facets()
+    corners = domain.facets[:, faces]
+    vertices, edges = numbering.nodal_dofs[0], numbering.edge_dofs[0]
+    nodes = np.concatenate([vertices[corners], edges[domain.f2e[:, faces]]])
+    a, b, c = domain.p[:, corners[:, np.any(value[nodes] != 0.0, axis=0)]].transpose(1, 2, 0)
+    normal = np.cross(b - a, c - a)
+    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+
+
+def eggshell_force(field: MagneticField, weight: MotionWeight, direction: Floats) -> float:
+    """Return the force (N) on the body along the unit vector `direction` (3,).
+
+    Raises
+    ------
+    InputError
+        If the shell touches an outer face that is not parallel to the direction: stress
+        on that face would be missed.
+    """
+    h, slope = field.field_strength, weight.gradient
+    along = np.asarray(direction, dtype=float)
+    if np.any(np.abs(weight.touched @ along) > _PARALLEL):
+        raise InputError(
+            "the shell touches an outer face of the mesh that is not parallel to the force; "
+            "leave a layer of other air in front of that face"
+        )
+    stress = (h @ along) * np.einsum("cqa,cqa->cq", h, slope)
+    stress -= 0.5 * np.einsum("cqa,cqa->cq", h, h) * (slope @ along)
+    return -MU0 * field.solid.integral(stress)
+
+
+def moved(problem: MagneticSolid, weight: MotionWeight, shift: Floats) -> MagneticSolid:
+    """Return the problem with the body displaced by `shift` (3,) in m, the shell deformed.
+
+    The source stays where it is.  A jump of T0 on the mesh's planes would be torn off
+    them, so in body and shell T0 must be smooth; zero is.
+    """
+    mesh = problem.mesh
+    points = mesh.points + weight.nodal[:, None] * np.asarray(shift, dtype=float)
+    return replace(problem, mesh=replace(mesh, points=points))
+
+
+def virtual_work_force(
+    problem: MagneticSolid,
+    weight: MotionWeight,
+    direction: Floats,
+    step: float,
+    coenergy: Callable[[MagneticSolid], float],
+) -> float:
+    """Return the force (N) along `direction` (3,) from two co-energies.
+
+    Parameters
+    ----------
+    problem, weight, direction
+        As for :func:`eggshell_force`.
+    step : float
+        How far the body is moved either way (m): a small part of the narrowest gap.
+    coenergy : callable
+        Solves a problem and returns its co-energy (J), at the same current each time.
+    """
+    shift = step * np.asarray(direction, dtype=float)
+    ahead = coenergy(moved(problem, weight, shift))
+    behind = coenergy(moved(problem, weight, -shift))
+    return (ahead - behind) / (2.0 * step)

@@ -1,0 +1,1 @@
+"""Piezoelectric solid on a mesh: weak form, elements, modes, reduction to ports."""

@@ -1,0 +1,297 @@
+"""The piezoelectric solid on bricks of high order: a quarter, one class of motion at a time.
+
+Weak form and unknowns are those of :mod:`fem.piezo.solid`, the matrices those of
+:mod:`fem.piezo.brick_matrices`.
+What the quarter stands for says :mod:`fem.piezo.symmetry`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from scipy import sparse
+
+from tactgen.fem.elements.line_basis import line_matrices, line_weights, nodal_values
+from tactgen.fem.piezo.brick_matrices import brick_matrices
+from tactgen.fem.piezo.symmetry import SIGNS, Expansion, Motion, Unknowns, lumped, mirror_signs
+from tactgen.fem.piezo.system import Material, SolidSystem, materials, volts_per_unit
+from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
+from tactgen.geometry.bimorph.bimorph_bricks import between
+from tactgen.geometry.bimorph.bricks import Bricks, mirrored_axis
+from tactgen.geometry.device.materials import Piezoceramic
+from tactgen.geometry.device.parameters import Device
+
+
+def elimination_order(bricks: Bricks) -> Ints:
+    """Return the place (n,) of each of the grid's nodes, z fastest, in the order of elimination."""
+    shape = bricks.shape
+    x, y, z = np.unravel_index(np.arange(int(np.prod(shape))), shape)
+    along_x, along_y, along_z = bricks.degree
+    count = bricks.z.intervals
+    # both end planes separate nothing: they go with the interval that they end
+    separates = (z % along_z == 0) & (z > 0) & (z < shape[2] - 1)
+    interval = np.minimum(z // along_z, count - 1)
+    intervals, planes = _turns(count)
+    turn = np.where(separates, planes[interval], intervals[interval])
+    upper = 2 * interval >= count
+    # of a cross-section's lines and what lies between two, one after the other
+    column, row = _lines(y, along_y), _lines(x, along_x)
+    brick = (x // along_x) * bricks.y.intervals + y // along_y
+    inside = (x % along_x > 0) & (y % along_y > 0)
+    order = np.lexsort((brick, row * ~inside, column * ~inside, ~inside, upper, turn))
+    place = np.empty(order.size, dtype=np.int64)
+    place[order] = np.arange(order.size)
+    return place
+
+
+def _turns(count: int) -> tuple[Ints, Ints]:
+    """Return when each of `count` intervals, and the plane below each, is eliminated."""
+    number = np.arange(count)
+    intervals = 2 * np.minimum(number, count - 1 - number)
+    planes = np.zeros(count, dtype=np.int64)
+    planes[1:] = np.maximum(intervals[1:], intervals[:-1]) + 1
+    return intervals, planes
+
+
+def _lines(number: Ints, degree: int) -> Ints:
+    """Return even numbers of a section's lines, and odd ones of what lies between two."""
+    return 2 * (number // degree) + (number % degree > 0)
+
+
+def stacked_matrices(
+    bricks: Bricks, known: dict[str, Material], unit: float
+) -> tuple[Sparse, Sparse]:
+    """Return stiffness and mass as :func:`fem.piezo.brick_matrices.brick_matrices` does."""
+    n = 4 * int(np.prod(bricks.shape))
+    totals = None
+    for low, high in _stretches(bricks):
+        part, nodes = between(bricks, low, high)
+        found = [_spread(m, nodes, n) for m in brick_matrices(part, known, unit)]
+        totals = found if totals is None else [a + b for a, b in zip(totals, found, strict=True)]
+    assert totals is not None
+    return totals[0], totals[1]
+
+
+def _stretches(bricks: Bricks) -> list[tuple[int, int]]:
+    """Return the break points along z between which the cross-section is the same."""
+    ends = sorted({k for slab in bricks.slabs for k in slab.z})
+    return list(pairwise(ends))
+
+
+def _spread(matrix: Sparse, nodes: Ints, n: int) -> Sparse:
+    """Return a matrix over some nodes as one over all n values."""
+    values = (4 * nodes[:, None] + np.arange(4)).ravel().astype(np.int32)
+    counts = np.zeros(n, dtype=np.int64)
+    counts[values] = np.diff(matrix.indptr)
+    starts = np.concatenate([[0], np.cumsum(counts)])
+    # the nodes ascend, so rows and what is in them stay in their order
+    return sparse.csr_matrix((matrix.data, values[matrix.indices], starts), shape=(n, n))
+
+
+def assemble_bricks(
+    device: Device,
+    bricks: Bricks,
+    *,
+    lossy: bool,
+    ceramic: Piezoceramic | None = None,
+    motion: Motion = "bending_x",
+    uniform_field: bool = False,
+) -> SolidSystem:
+    """Assemble one class of motion of the solid model of `device` on `bricks`.
+
+    Parameters
+    ----------
+    device : Device
+        Materials and poling.
+    lossy : bool
+        Take the ceramic's Q and tan δ into account (complex matrices).
+    ceramic : Piezoceramic, optional
+        Full material to use instead of the device's own, for studies of the tensor.
+    motion : {"bending_x", "bending_y", "torsion", "axial"}
+        Only the first takes part in what the ports do.
+    uniform_field : bool
+        Let the potential be linear through each layer, as beam theories have it.
+    """
+    known = materials(device, bricks.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
+    unit = volts_per_unit(known)
+    quarter = _Quarter(bricks, known, unit, *quarter_matrices(bricks, known, unit), uniform_field)
+    return quarter.system(motion)
+
+
+def quarter_matrices(
+    bricks: Bricks, known: dict[str, Material], unit: float
+) -> tuple[Sparse, Sparse]:
+    """Return stiffness and mass (4 n, 4 n) of the whole body by the values on its quarter."""
+    make = stacked_matrices if is_stepped(bricks) else brick_matrices
+    return make(bricks, known, unit)
+
+
+def is_stepped(bricks: Bricks) -> bool:
+    """Return whether the cross-section changes along z, or is round."""
+    return any(slab.y or np.isfinite(slab.radius) for slab in bricks.slabs)
+
+
+def loss_matrix(bricks: Bricks, lost: dict[str, Material], unit: float) -> Sparse:
+    """Return the imaginary part (4 n, 4 n) of the stiffness, by the regions that lose something.
+
+    Parameters
+    ----------
+    lost : dict of str to Material
+        Imaginary parts, as :func:`fem.piezo.system.loss_tensors` has them.
+    """
+    slabs = tuple(slab for slab in bricks.slabs if slab.region in lost)
+    n = 4 * int(np.prod(bricks.shape))
+    if not slabs:
+        return sparse.csr_matrix((n, n))
+    return quarter_matrices(replace(bricks, slabs=slabs), lost, unit)[0]
+
+
+@dataclass(frozen=True)
+class _Quarter:
+    """The quarter before it is held anywhere: what all classes of motion have in common."""
+
+    bricks: Bricks
+    known: dict[str, Material]
+    unit: float
+    stiffness: Sparse
+    mass: Sparse
+    uniform_field: bool
+
+    @cached_property
+    def nodal_mass(self) -> Floats:
+        """The mass at the nodes (n,)."""
+        if is_stepped(self.bricks):
+            return lumped(self.mass)
+        return nodal_mass(self.bricks, self.known)
+
+    @cached_property
+    def tip(self) -> Floats:
+        """The tip's functionals (4 n, 2)."""
+        return tip_functionals(self.bricks)
+
+    @cached_property
+    def place(self) -> Ints:
+        """The place of each node (n,) in the order of elimination."""
+        return elimination_order(self.bricks)
+
+    def system(self, motion: Motion) -> SolidSystem:
+        """Return the system of one class of motion, of the whole body."""
+        bricks, unit, mass, place = self.bricks, self.unit, self.mass, self.place
+        unknowns = quarter_unknowns(bricks, motion, unit, uniform_field=self.uniform_field)
+        nodes, expand, node_mass = whole_nodes(bricks, unknowns, motion, unit, self.nodal_mass)
+        return SolidSystem(
+            stiffness=unknowns.bordered(self.stiffness),
+            mass=unknowns.bordered(mass),
+            tip=unknowns.seen(self.tip),
+            expand=expand,
+            nodes=nodes,
+            node_mass=node_mass,
+            potentials=int(unknowns.free[:, 3].sum()),
+            volts_per_unit=unit,
+            motion=motion,
+            related=self.system,
+            elimination=np.argsort(4 * place[unknowns.index // 4] + unknowns.index % 4),
+            translation=unknowns.translation(bricks.one().ravel()),
+        )
+
+
+def quarter_unknowns(
+    bricks: Bricks,
+    motion: Motion,
+    unit: float,
+    *,
+    uniform_field: bool = False,
+    has_base: bool = True,
+) -> Unknowns:
+    """Return what is free in one class of motion, and what base and electrodes prescribe.
+
+    Over (u_x, u_y, u_z, φ) node by node, z fastest; `unit` is that of the potential (V).  Without
+    a base the lowest section is free as well.
+    """
+    x, y = bricks.x.nodes, bricks.y.nodes
+    base, piezo = bricks.base() & has_base, bricks.nodes_of("piezo")
+    outer, inner = bricks.electrodes()
+    field = piezo & ~outer & ~inner & (not uniform_field)
+    used = bricks.used() & ~base
+    free = np.stack([used, used, used, field], axis=-1) & bricks.products()[..., None]
+    at_x, at_y = SIGNS[motion]
+    free[x == 0.0, :, :, :] &= np.array(at_x) > 0
+    free[:, y == 0.0, :, :] &= np.array(at_y) > 0
+    ports = np.zeros((*free.shape, 3))
+    if motion == "bending_x":
+        ports[base, 0, 0] = 1.0
+        ports[..., 2, 1][base] = np.broadcast_to(x[:, None, None], base.shape)[base]
+        potential = outer.astype(float)
+        if uniform_field:
+            potential = _linear_potential(bricks, outer, inner, piezo)
+        ports[..., 3, 2] = potential / unit
+        ports *= bricks.one()[..., None, None]
+    return Unknowns(free.reshape(-1, 4), ports.reshape(-1, 3))
+
+
+def _linear_potential(bricks: Bricks, outer: Bools, inner: Bools, piezo: Bools) -> Floats:
+    """Return the potential per volt (nx, ny, nz) that is linear under the outer electrode."""
+    x = bricks.x.nodes
+    low, high = x[inner.any(axis=(1, 2))][0], x[outer.any(axis=(1, 2))][0]
+    share = np.clip((x - low) / (high - low), 0.0, 1.0)
+    return np.where(piezo & outer.any(axis=0), share[:, None, None], 0.0)
+
+
+def tip_functionals(bricks: Bricks) -> Floats:
+    """Return (4 n, 2): mean u_x over the tip face, and mean rotation from u_z = x ψ."""
+    plain, levered = np.zeros((2, bricks.x.nodes.size))
+    for slab in bricks.tip_slabs():
+        more = line_weights(bricks.x, *slab.x)
+        plain, levered = plain + more[0], levered + more[1]
+    across, _ = line_weights(bricks.y, *(bricks.tip_slabs()[0].y or ()))
+    out = np.zeros((*bricks.shape, 4, 2))
+    width = across @ bricks.y.one
+    out[:, :, -1, 0, 0] = np.outer(plain, across) / (plain @ bricks.x.one * width)
+    inertia = levered @ bricks.x.position
+    out[:, :, -1, 2, 1] = np.outer(levered, across) / (inertia * width)
+    return out.reshape(-1, 2)
+
+
+def whole_nodes(
+    bricks: Bricks, unknowns: Unknowns, motion: Motion, unit: float, nodal: Floats
+) -> tuple[Floats, Expansion, Floats]:
+    """Return nodes, expansion and nodal masses of the whole body, mirrored from the quarter.
+
+    The nodes are the points of :meth:`geometry.bimorph.bricks.Bricks.node_mesh`, in its order.
+    """
+    x, from_x, turned_x = mirrored_axis(bricks.x.nodes)
+    y, from_y, turned_y = mirrored_axis(bricks.y.nodes)
+    z = bricks.z.nodes
+    used = bricks.used()[np.ix_(from_x, from_y)]
+    source = np.arange(unknowns.free.shape[0]).reshape(bricks.shape)[np.ix_(from_x, from_y)][used]
+    turned = np.stack(np.broadcast_arrays(turned_x[:, None, None], turned_y[:, None]), axis=-1)
+    turned = np.broadcast_to(turned, (*used.shape, 2))[used]
+    sign = mirror_signs(motion, turned) * np.array([1.0, 1.0, 1.0, unit])
+    nodes = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)[used]
+    copies = np.bincount(source, minlength=unknowns.free.shape[0])
+    lines = None
+    if any(axis.hierarchic for axis in bricks.axes):
+        at_x, at_y, at_z = (nodal_values(axis) for axis in bricks.axes)
+        lines = at_x, at_y, at_z
+    return nodes, unknowns.expansion(source, sign, lines), nodal[source] / copies[source]
+
+
+def nodal_mass(bricks: Bricks, known: dict[str, Material]) -> Floats:
+    """Return the mass of the quarter's body at its nodes (n,), all four quarters counted.
+
+    In proportion to the diagonal of the mass over values at nodes: row sums may be negative.
+    """
+    plain = [replace(axis, hierarchic=False) for axis in bricks.axes]
+    found, total = np.zeros(bricks.shape), 0.0
+    for slab in bricks.slabs:
+        spans = (slab.x, slab.y or (0, bricks.y.intervals), slab.z)
+        lines = [line_matrices(axis, *span) for axis, span in zip(plain, spans, strict=True)]
+        along = [line.integrals[0, 0][line.rows == line.columns] for line in lines]
+        sizes = [axis.breaks[b] - axis.breaks[a] for axis, (a, b) in zip(plain, spans, strict=True)]
+        density = 4.0 * known[slab.region].density
+        found += density * np.multiply.outer(np.outer(along[0], along[1]), along[2])
+        total += density * float(np.prod(sizes))
+    return np.asarray(found * (total / found.sum())).ravel()

@@ -1,0 +1,238 @@
+"""Reduction of a solid to its ports by a rational Krylov basis, with its error estimated.
+
+The basis spans the solutions for unit loads at the ports and their first moments at one or
+more complex shifts, losses included; displacement and potential get a basis each, real, so
+that the small system is symmetric and passive like the large one.  For symmetric systems the
+error at the ports is the square of that of the field (r being the residual, it is rᵀ A⁻¹ r).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tactgen.fem.piezo.port_model import PortModel, extremes, motions, standard_ends
+from tactgen.fem.piezo.projection import project
+from tactgen.fem.piezo.symmetry import PORTS
+from tactgen.fem.piezo.system import SolidSystem, Surplus
+from tactgen.fem.solvers.linear_solver import Factor, factorise
+from tactgen.geometry.arrays import Complex, Floats, Numbers
+from tactgen.geometry.store.values import storable
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.tmm.ports.port import BIMORPH
+
+#: Rows of D that are the tip's efforts.
+_TIP = slice(2, 4)
+#: Sign of each row of D in the symmetric system, the last being minus the charge; the stiffness
+#: of potentials has the other.
+_SIGNS = np.array([1.0, 1.0, 1.0, 1.0, -1.0])
+
+
+def missing_products(states: Numbers, surplus: Surplus) -> Numbers:
+    """Return the products r_iᵀ K_w⁻¹ r_j (2, 2 k + 8, 2 k + 8) of displacements, of potentials.
+
+    Of K x and of M x of every unknown of a reduced solid, then of the tip's two functionals.
+
+    Parameters
+    ----------
+    states : (n, k + 3) array, complex if the solid has losses
+        What the solid's unknowns are per unknown of the reduced one.
+    surplus : Surplus
+        The functions that the solid lacks, with the losses that it has.
+    """
+    return np.stack(surplus.products(np.hstack([*surplus.residuals(states), surplus.tip])))
+
+
+def richer_multiports(
+    model: PortModel, missing: Numbers, frequencies: Floats
+) -> tuple[Multiport, Multiport]:
+    """Return D(Ω) (n, 5, 5) with displacements that the solid lacks; with potentials.
+
+    Parameters
+    ----------
+    model : PortModel
+        The reduced solid.
+    missing : (2, 2 k + 8, 2 k + 8) array
+        See :func:`missing_products`.
+    """
+    own = model.multiport(frequencies)
+    held = np.zeros_like(own.stiffness)
+    held[:, :3] = np.eye(5)[[0, 1, 4]]
+    held[:, 3:] = own.stiffness[:, _TIP]
+    x = model.states(frequencies) @ held
+    omega2 = (2.0 * np.pi * own.frequencies)[:, None, None] ** 2
+    r = np.concatenate([-x, omega2 * x, held[:, 3:]], axis=1)
+    changes = (r.swapaxes(1, 2) @ products @ r for products in missing)
+    moved, charged = (
+        Multiport(own.frequencies, own.stiffness - sign[:, None] * change, BIMORPH)
+        for sign, change in zip((_SIGNS, -_SIGNS), changes, strict=True)
+    )
+    return moved, charged
+
+
+#: Blocks of the Krylov basis that the first shift begins with, and that any shift has at most.
+_FIRST_BLOCKS, _BLOCKS = 3, 5
+#: Most shifts, each a complex factorisation.
+_MOST_SHIFTS = 6
+#: The first shift lies at this share of the highest frequency, but the first and any no lower than
+#: so many Hz: a lower one would tell no more.
+_FIRST_AT, _LOWEST_FIRST, _LOWEST = 0.7, 500.0, 20.0
+
+
+@storable
+@dataclass(frozen=True)
+class ReducedSolid:
+    """A solid projected on a Krylov basis, ports kept: a few dozen unknowns.
+
+    Attributes
+    ----------
+    fine : PortModel
+        The reduced model.
+    coarse : PortModel
+        The same without the last block of every shift, to judge it by: the estimate is
+        the distance between the two, in effect the error of the poorer one.
+    range : tuple of float
+        Lowest and highest frequency (Hz) it was made for.
+    error : float
+        Largest estimate over the frequencies it was checked at, peaks and dips included.
+    unknowns : int
+        Number of unknowns of the solid.
+    missing : (2, 2 k + 8, 2 k + 8) array, optional
+        What functions that the solid lacks have in products, if these were given
+        (:func:`fem.piezo.krylov.missing_products`).
+    """
+
+    fine: PortModel
+    coarse: PortModel
+    range: tuple[float, float]
+    error: float
+    unknowns: int
+    missing: Numbers | None = None
+
+    def multiport(self, frequencies: Floats) -> Multiport:
+        """Return D(Ω) (n, 5, 5)."""
+        return self.fine.multiport(frequencies)
+
+    def coarser_multiport(self, frequencies: Floats) -> Multiport:
+        """Return D(Ω) of the coarser basis, for the error estimate."""
+        return self.coarse.multiport(frequencies)
+
+    def richer_multiports(self, frequencies: Floats) -> tuple[Multiport, Multiport]:
+        """Return D(Ω) with displacements that the solid lacks; with potentials that it lacks."""
+        assert self.missing is not None
+        return richer_multiports(self.fine, self.missing, frequencies)
+
+    def error_estimate(self, frequencies: Floats) -> Floats:
+        """Return the estimated relative error (n,), the larger of two.
+
+        That of D(Ω), entries against the geometric mean of their diagonal neighbours; and,
+        where there are losses, that of tip displacement, tip rotation and charge per volt
+        of the clamped and the sprung actuator, each against itself, so that dips count.
+        """
+        fine, coarse = self.multiport(frequencies), self.coarser_multiport(frequencies)
+        error = port_error(fine, coarse)
+        if np.any(self.fine.stiffness.imag):
+            for end in standard_ends(self.fine):
+                exact, poorer = motions(fine, end), motions(coarse, end)
+                size = np.where(
+                    exact == 0.0, 1.0, np.abs(exact)
+                )  # moved by nothing, off by nothing
+                error = np.maximum(error, (np.abs(exact - poorer) / size).max(axis=0))
+        return error
+
+
+def port_error(port: Multiport, other: Multiport) -> Floats:
+    """Return the distance of two D(Ω) (n,), against the geometric mean of the diagonal."""
+    size = np.sqrt(np.abs(np.einsum("nii->ni", port.stiffness)))
+    difference = np.abs(port.stiffness - other.stiffness)
+    return np.asarray((difference / (size[:, :, None] * size[:, None, :])).max(axis=(1, 2)))
+
+
+def reduce_to_ports(
+    system: SolidSystem,
+    frequencies: Floats,
+    *,
+    tolerance: float = 1e-6,
+    surplus: Surplus | None = None,
+) -> ReducedSolid:
+    """Project a solid on a rational Krylov basis that serves a range of frequencies.
+
+    Parameters
+    ----------
+    system : SolidSystem
+        Lossy or lossless.
+    frequencies : (n,) array
+        Where D(Ω) is wanted (Hz).
+    tolerance : float
+        Estimated relative error (:meth:`ReducedSolid.error_estimate`) at every one of these
+        frequencies and, with losses, at every peak and dip between the lowest and highest.
+        Shifts are added at the worst frequency until it holds or six are used; what was
+        reached stays available as the estimate.
+    surplus : Surplus, optional
+        Functions that the solid lacks, to judge it by.
+
+    Notes
+    -----
+    One complex factorisation per shift.  The shifts Ω² (1 + j) keep clear of all poles.  Three
+    blocks serve a range well below the second resonance to rounding; two more cost less than
+    another shift, so they are tried first.
+    """
+    frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    bounds = float(frequencies.min()), float(frequencies.max())
+    chains = [_Chain(system, max(_FIRST_AT * bounds[1], _LOWEST_FIRST), _FIRST_BLOCKS)]
+    while True:
+        found = project(system, [chain.blocks for chain in chains])
+        fine = found.fine
+        reduced = ReducedSolid(fine, found.coarse, bounds, np.inf, system.size)
+        checked = frequencies
+        if np.any(fine.stiffness.imag):
+            ends = standard_ends(fine)
+            checked = np.concatenate([frequencies, extremes(fine, *bounds, ends)])
+        estimate = reduced.error_estimate(checked)
+        worst = int(np.argmax(estimate))
+        full = len(chains[-1].blocks) == _BLOCKS
+        if estimate[worst] <= tolerance or (full and len(chains) == _MOST_SHIFTS):
+            missing = None if surplus is None else missing_products(found.states, surplus)
+            return replace(reduced, error=float(estimate[worst]), missing=missing)
+        if full:
+            chains.append(_Chain(system, max(float(checked[worst]), _LOWEST), _BLOCKS))
+        else:
+            chains[-1].lengthen(_BLOCKS)
+
+
+class _Chain:
+    """The blocks (n, 5) of one shift: responses to the ports, then their moments."""
+
+    def __init__(self, system: SolidSystem, centre: float, length: int) -> None:
+        stiffness, self._mass = system.stiffness, system.mass
+        shift = (2.0 * np.pi * centre) ** 2 * (1.0 + 1.0j)
+        self._factor: Factor | None = factorise(
+            stiffness.inner - shift * self._mass.inner, order=system.elimination
+        )
+        loads = np.hstack([shift * self._mass.border - stiffness.border, system.tip[:-PORTS]])
+        self.blocks: list[Complex] = [self._factor.solve(loads)]
+        self.lengthen(length)
+
+    def lengthen(self, length: int) -> None:
+        """Append blocks up to this length; a chain of full length lets its factor go."""
+        assert self._factor is not None
+        while len(self.blocks) < length:
+            right = self._mass.inner @ self.blocks[-1]
+            if len(self.blocks) == 1:
+                right[:, :PORTS] += self._mass.border
+            # a voltage that moves nothing (a passive ceramic) has no moments
+            block = self._factor.solve(right[:, right.any(axis=0)])
+            # powers alone turn parallel and lose what is new; the first block has its own load
+            self.blocks.append(_orthogonal(block, self.blocks[1:]))
+        if length == _BLOCKS:
+            self._factor = None
+
+
+def _orthogonal(block: Complex, earlier: list[Complex]) -> Complex:
+    """Return an orthonormal basis of a block, each column scaled alike, less the earlier ones."""
+    block = block / np.linalg.norm(block, axis=0)
+    for _ in range(2):  # twice is enough (Kahan, Parlett)
+        for other in earlier:
+            block = block - other @ (other.conj().T @ block)
+    return np.asarray(np.linalg.qr(block)[0])

@@ -1,0 +1,346 @@
+"""Natural modes of an assembled solid, solved for on its mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from tactgen.fem.piezo.system import SolidSystem
+from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.geometry.arrays import Floats, Numbers, Sparse
+from tactgen.geometry.bimorph.ends import Ends, Springs
+from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
+
+#: Class of a mode; ``mixed`` is none of the others by half.
+ModeClass = Literal["bending_x", "bending_y", "torsion", "axial", "mixed"]
+
+
+#: Shift Ω² (1/s²) of a body that is not held, as far below 0 Hz as 50 Hz is above.
+SHIFT = (2.0 * np.pi * 50.0) ** 2
+
+
+#: Slices along z in which a mode's sections are told apart.
+_SLICES = 40
+
+
+def classify(nodes: Floats, mass: Floats, displacement: Floats) -> tuple[ModeClass, float]:
+    """Name a mode by the rigid section motion that holds most of its kinetic energy.
+
+    Returns the class and its share of the energy (``mixed`` below one half).
+    """
+    motions = section_motions(nodes, mass, displacement[:, :, None])[:, :, 0]
+    return strongest(motions, float((mass[:, None] * displacement**2).sum()))
+
+
+def section_motions(nodes: Floats, mass: Floats, displacement: Floats) -> Floats:
+    """Return the rigid motions of sections, each squared twice its kinetic energy over ω².
+
+    Nodes are gathered in slices along z; in each the displacement is fitted by translations
+    along x, y and z, by rotations in x and y and by twist.
+
+    Parameters
+    ----------
+    nodes : (n, 3) array
+        Where the nodes are (m).
+    mass : (n,) array
+        Of the nodes (kg).
+    displacement : (n, 3, k) array
+        Of k motions.
+
+    Returns
+    -------
+    (6, slices, k) array
+        Linear in the displacement.
+    """
+    z = nodes[:, 2]
+    section = np.minimum((_SLICES * (z - z.min()) / np.ptp(z)).astype(int), _SLICES - 1)
+
+    def gathered(values: Floats) -> Floats:
+        return np.asarray(np.bincount(section, mass * values, minlength=_SLICES), dtype=float)
+
+    weight = np.maximum(gathered(np.ones(z.size)), np.finfo(float).tiny)
+    x, y = (nodes[:, i] - (gathered(nodes[:, i]) / weight)[section] for i in (0, 1))
+    inertia_x, inertia_y = gathered(x**2), gathered(y**2)
+    sizes = (weight, weight, weight, inertia_x, inertia_y, inertia_x + inertia_y)
+    found = np.zeros((len(sizes), _SLICES, displacement.shape[2]))
+    for number, (ux, uy, uz) in enumerate(displacement.transpose(2, 1, 0)):
+        # least squares: what a section motion of this shape takes of u
+        for row, values in enumerate((ux, uy, uz, x * uz, y * uz, x * uy - y * ux)):
+            found[row, :, number] = gathered(values)
+    size = np.array(sizes)
+    return found / np.sqrt(np.where(size > 0.0, size, 1.0))[:, :, None]
+
+
+def strongest(motions: Floats, total: float) -> tuple[ModeClass, float]:
+    """Return the class that holds most of the energy `total`, and its share.
+
+    Parameters
+    ----------
+    motions : (6, slices) array
+        See :func:`section_motions`.
+    """
+    along_x, along_y, along_z, about_y, about_x, twist = (motions**2).sum(axis=1)
+    energy: dict[ModeClass, float] = {
+        "bending_x": along_x + about_y,
+        "bending_y": along_y + about_x,
+        "torsion": twist,
+        "axial": along_z,
+    }
+    best = max(energy, key=lambda name: energy[name])
+    share = float(energy[best] / total)
+    return (best if share >= 0.5 else "mixed"), share
+
+
+#: Residual of a mode against its inverse eigenvalue; the frequency's error is its square.
+_RESIDUAL = 1e-9
+
+
+@dataclass(frozen=True)
+class SolidMode:
+    """A natural mode.
+
+    Attributes
+    ----------
+    frequency : float
+        Natural frequency (Hz).
+    kind : str
+        Class, by the motion that holds most of the kinetic energy.
+    share : float
+        Share of the class in the kinetic energy.
+    displacement : (n_nodes, 3) array
+        Nodal displacements, largest component 1.
+    """
+
+    frequency: float
+    kind: ModeClass
+    share: float
+    displacement: Floats
+
+
+def natural_modes(
+    system: SolidSystem, ends: Ends, count: int, *, open_circuit: bool = False
+) -> list[SolidMode]:
+    """Return the lowest `count` modes of a lossless system, ascending."""
+    pairs = eigenpairs(system, ends, count, open_circuit=open_circuit)
+    return [solid_mode(system, value, vector) for value, vector in zip(*pairs, strict=True)]
+
+
+def eigenpairs(
+    system: SolidSystem, ends: Ends, count: int, *, open_circuit: bool = False
+) -> tuple[list[float], list[Floats]]:
+    """Return ω² of the lowest `count` modes, ascending, and the modes, of unit modal mass.
+
+    Inverse Lanczos at 0 Hz with the factor that statics uses as well; the potential is part of
+    the indefinite operator and has no mass.  A base on springs borders that factor, tip load
+    and open circuit (the electrode's charge stays zero) are updates of rank one.  Where a
+    spring of the base is zero, the shift lies below 0 Hz; rigid motions are left out, and so
+    is all damping at the ends.
+    """
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    if not system.has_ports:  # the mean motion of such a tip is zero
+        ends = Ends()
+    base, load = ends.base, ends.conservative_tip
+    if base is not None and 0.0 in (base.lateral_stiffness, base.rotational_stiffness):
+        shift = SHIFT
+        mass, solve, tip = _shifted(system, base)
+    else:
+        shift = 0.0
+        mass, solve, tip = _attached(system, base)
+    n = mass.shape[0]
+    updates = []
+    resisted = load.stiffness + shift * load.mass
+    if resisted > 0.0:
+        updates.append((tip, resisted))
+    if open_circuit and system.has_ports:
+        charge, capacitance = _electrode(system, n)
+        updates.append((charge, 1.0 / capacitance))
+    solve = _updated(solve, updates)
+
+    def weigh(v: Floats) -> Floats:
+        return np.asarray(mass @ v + load.mass * tip * (tip @ v))
+
+    rng = np.random.default_rng(0)
+    loose = ends.rigid_motions
+    wanted = min(count + loose, n - 2)
+    # in inverse mode the stiffness itself is not asked for
+    values, vectors = eigsh(
+        LinearOperator((n, n), matvec=lambda v: v, dtype=float),
+        k=wanted,
+        M=LinearOperator((n, n), matvec=weigh, dtype=float),
+        sigma=-shift,
+        which="LM",
+        OPinv=LinearOperator((n, n), matvec=solve, dtype=float),
+        v0=solve(mass @ rng.standard_normal(n)),
+        ncv=min(wanted + wanted // 2 + 3, n - 1),
+        tol=_RESIDUAL,
+    )
+    elastic = np.argsort(values)[loose:]
+    return [float(values[i]) for i in elastic], [vectors[:, i] for i in elastic]
+
+
+def _shifted(
+    system: SolidSystem, base: Springs
+) -> tuple[Sparse, Callable[[Floats], Floats], Floats]:
+    """Return mass, inverse of K + shift · M and tip functional, for a base that is not held."""
+    mass = system.mass.with_base(np.diag([0.0, base.rotational_inertia]))
+    springs = np.diag([base.lateral_stiffness, base.rotational_stiffness])
+    stiffness = system.stiffness.with_base(springs)
+    factor = factorise((stiffness + SHIFT * mass).tocsr())
+    return mass, factor.solve, system.tip[:-1, 0]
+
+
+def _attached(
+    system: SolidSystem, base: Springs | None
+) -> tuple[Sparse, Callable[[Floats], Floats], Floats]:
+    """Return mass, inverse stiffness and tip functional at U = 0 with the support attached."""
+    held, factor = system.inner, system.held_factor
+    if base is None:
+        return system.mass.inner, factor.solve, system.tip[:held, 0]
+    mass = system.mass.with_base(np.diag([0.0, base.rotational_inertia]))
+    follows = -factor.solve(system.stiffness.border[:, :2])
+    # a body held by its base alone follows it without force, so only the springs resist
+    springs = np.array([base.lateral_stiffness, base.rotational_stiffness])
+
+    def solve(right: Floats) -> Floats:
+        moved = ((right[held:] + follows.T @ right[:held]).T / springs).T
+        return np.concatenate([factor.solve(right[:held]) + follows @ moved, moved])
+
+    return mass, solve, system.tip[:-1, 0]
+
+
+def _electrode(system: SolidSystem, n: int) -> tuple[Floats, float]:
+    """Return charge per unknown (n,) and the capacitance at U alone."""
+    stiffness = system.stiffness
+    column = np.concatenate([stiffness.border[:, -1], stiffness.corner[:, -1]])
+    return -column[:n], float(-column[-1])
+
+
+def _updated(
+    inverse: Callable[[Floats], Floats], updates: list[tuple[Floats, float]]
+) -> Callable[[Floats], Floats]:
+    """Return v ↦ (A + Σ weight c cᵀ)⁻¹ v by the Woodbury identity."""
+    if not updates:
+        return inverse
+    c = np.column_stack([u for u, _ in updates])
+    z = inverse(c)
+    small = np.linalg.inv(np.diag([1.0 / w for _, w in updates]) + c.T @ z)
+
+    def solve(v: Floats) -> Floats:
+        x = inverse(np.asarray(v).ravel())
+        return np.asarray(x - z @ (small @ (c.T @ x)))
+
+    return solve
+
+
+def solid_mode(system: SolidSystem, value: float, vector: Floats) -> SolidMode:
+    """Return the mode of an eigenpair of :func:`eigenpairs`."""
+    nodal = system.nodal_displacement(vector[:, None])[:, :, 0]
+    nodal = nodal / np.abs(nodal).max()
+    kind, share = classify(system.nodes, system.node_mass, nodal)
+    return SolidMode(float(np.sqrt(value) / (2.0 * np.pi)), kind, share, nodal)
+
+
+@dataclass(frozen=True)
+class SolidState:
+    """One state of motion of the solid, lossless modes real and driven states complex.
+
+    Attributes
+    ----------
+    frequency : float
+        Hz; 0 of a static state.
+    values : (n_nodes, 4) array
+        (u_x, u_y, u_z) in m and φ in V at the system's nodes.
+    tip : complex
+        Mean of u_x over the tip face (m).
+    charge : complex
+        On the outer electrodes (C), layers in parallel.
+    kind : str
+        Class of a mode; "bending_x" of driven states, the only motion that the ports drive.
+    """
+
+    frequency: float
+    values: Numbers
+    tip: complex
+    charge: complex
+    kind: ModeClass = "bending_x"
+
+    def scaled(self, factor: float) -> SolidState:
+        """Return the state times a real factor."""
+        return SolidState(
+            self.frequency, factor * self.values, factor * self.tip, factor * self.charge, self.kind
+        )
+
+
+def mode_states(
+    system: SolidSystem, ends: Ends, count: int, *, open_circuit: bool = False
+) -> list[SolidState]:
+    """Return the lowest `count` modes of a lossless system, ascending, of unit modal mass."""
+    pairs = zip(*eigenpairs(system, ends, count, open_circuit=open_circuit), strict=True)
+    return [_mode(system, value, vector, open_circuit=open_circuit) for value, vector in pairs]
+
+
+def _mode(system: SolidSystem, value: float, vector: Numbers, *, open_circuit: bool) -> SolidState:
+    y = np.zeros(system.size)
+    y[: vector.size] = vector
+    charges = system.stiffness.border[:, -1], system.stiffness.corner[:, -1]
+    minus_charge = np.concatenate(charges)
+    if open_circuit and system.has_ports:
+        # the last row, minus the charge, is empty
+        y[-1] = -(minus_charge[:-1] @ y[:-1]) / minus_charge[-1]
+    state = _state(system, float(np.sqrt(value)) / (2.0 * np.pi), y, -complex(minus_charge @ y))
+    kind, _ = classify(system.nodes, system.node_mass, state.values[:, :3].real)
+    return SolidState(state.frequency, state.values, state.tip, state.charge, kind)
+
+
+def driven_state(system: SolidSystem, ends: Ends, frequency: float, voltage: complex) -> SolidState:
+    """Return the motion at a voltage (V) across each layer, with support and load.
+
+    Base motion and tip force are unknowns beside the voltage: with X the states per unit of
+    each, base reactions and the support's forces cancel, and the tip force is minus the
+    load's stiffness times the tip displacement.
+
+    Parameters
+    ----------
+    system : SolidSystem
+        Lossy for harmonic states; a lossless one at 0 Hz gives a real static state.
+    frequency : float
+        Hz.
+    """
+    omega2 = (2.0 * np.pi * frequency) ** 2
+    n, at = system.inner, np.array([frequency])
+    if omega2 == 0.0:
+        factor = system.held_factor
+    else:
+        inner = system.stiffness.inner - omega2 * system.mass.inner
+        factor = factorise(inner, order=system.elimination)
+    ports = system.stiffness.border - omega2 * system.mass.border
+    # columns: w_base, ψ_base, U, F_tip
+    x = np.zeros((system.size, 4), dtype=np.result_type(ports, system.stiffness.inner.dtype))
+    x[n:, :3] = np.eye(3)
+    x[:n] = -factor.solve(np.hstack([ports, -system.tip[:n, :1]]))
+    reaction = (system.stiffness @ x - omega2 * (system.mass @ x))[n:]
+    reaction[:, 3] -= system.tip[n:, 0]  # what the tip force does there is no reaction
+    seen = system.tip[:, 0] @ x
+    load = tip_stiffness(ends.tip, at)[0]
+    rows = np.vstack([reaction[:2], load * seen]).astype(complex)
+    rows[2, 3] += 1.0
+    free = [0, 1, 3] if ends.base is not None else [3]
+    if ends.base is not None:
+        for row, stiffness in enumerate(base_stiffness(ends.base, at)):
+            rows[row, row] += stiffness[0]
+    else:
+        rows = rows[2:]
+    amplitude = np.zeros(4, dtype=complex)
+    amplitude[2] = voltage
+    amplitude[free] = np.linalg.solve(rows[:, free], -rows[:, 2] * voltage)
+    y = x @ amplitude
+    return _state(system, frequency, y, complex(-reaction[2] @ amplitude))
+
+
+def _state(system: SolidSystem, frequency: float, y: Numbers, charge: complex) -> SolidState:
+    values = (system.expand @ y).reshape(4, -1).T
+    return SolidState(frequency, values, complex(system.tip[:, 0] @ y), complex(charge))

@@ -1,0 +1,174 @@
+"""The 5 x 5 ports of an assembled solid by direct solution, one factorisation per frequency.
+
+The tip is a mean over a face, not an unknown, so a solid first answers base motion, voltage
+and tip *forces*; inverting the tip's compliance gives the stiffness of all five ports.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+
+from tactgen.fem.piezo.system import SolidSystem, Surplus
+from tactgen.fem.solvers.linear_solver import Factor, factorise
+from tactgen.geometry.arrays import Complex, Floats, Numbers
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.tmm.ports.port import BIMORPH
+
+#: The mixed form of D, see :func:`ports_from_blocks`, at one frequency.
+Blocks: TypeAlias = tuple[Numbers, Numbers, Numbers, Numbers]
+
+
+def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
+    """Return D(Ω) (n, 5, 5), each frequency by its own factorisation; real at 0 Hz without losses.
+
+    Accurate enough to judge what is faster: the residual is that of K and M apart, in long
+    double, since rounding K − Ω² M alone moves a peak by a millionth of its width.
+    """
+    frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    found = []
+    for frequency in frequencies:
+        omega2 = (2.0 * np.pi * frequency) ** 2
+        found.append(_blocks(system, omega2, _states(system, omega2)))
+    return Multiport(frequencies, _stiffness(found), BIMORPH)
+
+
+def static_multiports(
+    system: SolidSystem, surplus: Surplus
+) -> tuple[Multiport, Multiport, Multiport]:
+    """Return D(0) of a lossless system, and what functions that it lacks make of it.
+
+    Of these those of displacement alone, and those of potential alone.
+    """
+    blocks, moved, charged = _judged(system, surplus)
+    held, through, follows, compliance = blocks
+    richer = [
+        (
+            held - more[:3, :3],
+            through - more[:3, 3:],
+            follows + more[3:, :3],
+            compliance + more[3:, 3:],
+        )
+        for more in (moved, -charged)
+    ]
+    fine, *better = (Multiport(np.zeros(1), _stiffness([of]), BIMORPH) for of in (blocks, *richer))
+    return fine, better[0], better[1]
+
+
+def judged_at_rest(system: SolidSystem, surplus: Surplus) -> tuple[Floats, Floats]:
+    """Return what a volt, a tip force and a tip moment do, and what lacking functions add.
+
+    Returns
+    -------
+    work : (3,) array
+        Charge per volt, tip motion per force and moment (SI), of a lossless system at rest.
+    gained : (2, 3, 3) array
+        What any of them does to any by displacements that the system lacks, and what by
+        potentials, which is of the other sign.
+    """
+    (held, _, _, compliance), *gained = _judged(system, surplus)
+    work = np.array([-held[2, 2], *np.diagonal(compliance)], dtype=float)
+    return work, np.array([of[2:, 2:] for of in gained])
+
+
+def _judged(system: SolidSystem, surplus: Surplus) -> tuple[Blocks, Numbers, Numbers]:
+    """Return the mixed form at rest, and what lacking functions add (5, 5)."""
+    x = _states(system, 0.0)
+    residuals = -surplus.residuals(x.astype(float))[0]
+    residuals[:, 3:] += surplus.tip
+    return _blocks(system, 0.0, x), *surplus.products(residuals)
+
+
+def _states(system: SolidSystem, omega2: float) -> Numbers:
+    """Return y (n + 3, 5) in long double: per unit w_base, ψ_base, U, and tip force and moment."""
+    wide, plain = (np.clongdouble, complex) if system.lossy else (np.longdouble, float)
+    n, factor = system.inner, _factor(system, omega2)
+    x = np.zeros((system.size, 5), dtype=wide)
+    x[n:, :3] = np.eye(3)
+    last: Floats = np.zeros(5)
+    for _ in range(1 + _REFINEMENTS):
+        missing = _force(system, omega2, x)
+        missing[:, 3:] -= system.tip
+        step = factor.solve(missing[:n].astype(plain))
+        x[:n] -= step
+        size = _norms(step)
+        # the next step is to this one as this one is to the last
+        if (size * size <= _ROUNDING * last * _norms(x[:n])).all():
+            break
+        last = size
+    return x
+
+
+def _blocks(system: SolidSystem, omega2: float, x: Numbers) -> Blocks:
+    force = system.stiffness.at_ports(x) - omega2 * system.mass.at_ports(x)
+    seen = system.tip.T @ x
+    return force[:, :3], force[:, 3:], seen[:, :3], seen[:, 3:]
+
+
+def _stiffness(blocks: Sequence[Blocks]) -> Complex:
+    stacked = (np.array(part, dtype=complex) for part in zip(*blocks, strict=True))
+    return ports_from_blocks(*stacked)
+
+
+def _norms(columns: Numbers) -> Floats:
+    return np.asarray(np.linalg.norm(columns.astype(complex), axis=0))
+
+
+def _force(system: SolidSystem, omega2: float, x: Numbers) -> Numbers:
+    """Return the forces (n + 3, 5) that hold x, in long double."""
+    stiff = system.stiffness.wide_product(x)
+    return stiff if omega2 == 0.0 else stiff - omega2 * system.mass.wide_product(x)
+
+
+def _factor(system: SolidSystem, omega2: float) -> Factor:
+    if omega2 == 0.0:
+        return system.held_factor
+    dynamic = system.stiffness.inner - omega2 * system.mass.inner
+    return factorise(dynamic, order=system.elimination)
+
+
+def static_multiport(system: SolidSystem) -> Multiport:
+    """Return D(0) of a lossless system by one real factorisation."""
+    return direct_multiport(system, np.zeros(1))
+
+
+def ports_from_blocks(
+    held: Complex, through: Complex, follows: Complex, compliance: Complex
+) -> Complex:
+    """Assemble D from its mixed form.
+
+    Parameters
+    ----------
+    held : (n, 3, 3) array
+        Base force, base moment and −charge per unit (w_base, ψ_base, U), tip free.
+    through : (n, 3, 2) array
+        The same per unit tip force and moment.
+    follows : (n, 2, 3) array
+        Tip motion per unit (w_base, ψ_base, U), tip free.
+    compliance : (n, 2, 2) array
+        Tip motion per unit tip force and moment.
+    """
+    stiff = np.linalg.inv(compliance)
+    s = np.zeros((held.shape[0], 5, 5), dtype=complex)
+    s[:, 2:4, 2:4] = stiff
+    tip_by_source = -stiff @ follows
+    source_by_tip = through @ stiff
+    source = held - source_by_tip @ follows
+    for i, at in enumerate(_SOURCE):
+        s[:, 2:4, at] = tip_by_source[:, :, i]
+        s[:, at, 2:4] = source_by_tip[:, i]
+        for j, other in enumerate(_SOURCE):
+            s[:, at, other] = source[:, i, j]
+    s[:, 4] *= -1.0  # the symmetric system's last row is minus the charge
+    return s
+
+
+#: Most steps of iterative refinement; each gains as many digits as the last one: some seven,
+#: or one where the matrix is next to singular.
+_REFINEMENTS = 8
+#: A step of this size, relative to the solution, is rounding.
+_ROUNDING = 1e-13
+#: Positions in D of (w_base, ψ_base, U).
+_SOURCE = (0, 1, 4)

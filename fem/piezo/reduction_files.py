@@ -1,0 +1,161 @@
+"""Reduced solids as files (npz): small matrices that answer for a mesh of any size."""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from tactgen.fem.piezo.krylov import ReducedSolid, reduce_to_ports
+from tactgen.fem.piezo.port_model import PortModel
+from tactgen.fem.piezo.solid import assemble
+from tactgen.fem.piezo.system import SolidSystem, Surplus, materials
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
+from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import written_whole
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.values import fingerprint
+
+#: What the entry `title` says; files that say otherwise are refused.
+TITLE = "piezoelectric solid reduced to its ports"
+#: What the matrices mean, for who opens the file without this package.
+_CONVENTIONS = (
+    "SI; unknowns [q, w_base, psi_base, U]; (stiffness - Omega^2 mass) x = "
+    "[q: 0, base force, base moment, -charge] + tip @ [tip force, tip moment]; "
+    "tip.T @ x = [w_tip, psi_tip]; time factor exp(+j Omega t); losses in stiffness"
+)
+_MATRICES = ("stiffness", "mass", "tip")
+
+
+def write_ports(path: str | Path, reduced: ReducedSolid, *, made_from: str) -> None:
+    """Write a reduced solid, whole or not at all.
+
+    Parameters
+    ----------
+    made_from : str
+        What stands for device and mesh; :func:`read_ports` asks for the same.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    arrays = {
+        f"{level} {name}": getattr(getattr(reduced, level), name)
+        for level in ("fine", "coarse")
+        for name in _MATRICES
+    }
+    with written_whole(path) as temporary:
+        np.savez_compressed(
+            temporary,
+            title=np.array(TITLE),
+            conventions=np.array(_CONVENTIONS),
+            made_from=np.array(made_from),
+            range=np.array(reduced.range),
+            error=np.array(reduced.error),
+            unknowns=np.array(reduced.unknowns),
+            **arrays,
+        )
+
+
+def read_ports(path: str | Path, *, made_from: str | None = None) -> ReducedSolid:
+    """Return the reduced solid of a file.
+
+    Parameters
+    ----------
+    made_from : str, optional
+        What it must have been made from; anything when left out.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is no reduced solid, or was made from something else.
+    """
+    path = Path(path)
+    try:
+        # opened here, since numpy leaves a file open that it cannot read
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as data:
+            if data["title"].item() != TITLE:
+                raise KeyError("title")
+            found = data["made_from"].item()
+            low, high = data["range"].tolist()
+            models = [
+                PortModel(*(data[f"{level} {name}"] for name in _MATRICES))
+                for level in ("fine", "coarse")
+            ]
+            error, unknowns = float(data["error"]), int(data["unknowns"])
+    except OSError as failure:
+        raise _unreadable(path, (failure.strerror or "not a whole npz file").lower()) from None
+    except (ValueError, EOFError, zipfile.BadZipFile, zlib.error):
+        raise _unreadable(path, "not a whole npz file") from None
+    except KeyError as failure:
+        raise _unreadable(path, f"it lacks {failure.args[0]}") from None
+    if made_from is not None and made_from != found:
+        raise InputError(
+            f"{path} was made from another device or mesh ({found}, not {made_from}); "
+            "export the ports of this scene again"
+        )
+    return ReducedSolid(models[0], models[1], (low, high), error, unknowns)
+
+
+def _unreadable(path: Path, reason: str) -> InputError:
+    return InputError(
+        f"{path} cannot be read as the ports of a reduced solid ({reason}); give a file that "
+        "`tactgen export --ports` wrote"
+    )
+
+
+#: What makes a reduction.
+_MADE_OF = (
+    "tactgen.fem.piezo.reduction_files",
+    "tactgen.fem.piezo.brick_error",
+)
+
+
+def reduced_solid(
+    device: Device,
+    mesh: Mesh | Bricks | BrickParts,
+    frequencies: Floats,
+    *,
+    tolerance: float,
+    lossless: SolidSystem | None = None,
+    lacking: Callable[[], Surplus] | None = None,
+) -> ReducedSolid:
+    """Return the lossy solid reduced to its ports, from the store if it was reduced before.
+
+    One that was reduced for these frequency limits serves all frequencies between them, as
+    far as its error estimate holds there too.  Who has the `lossless` system already may save
+    assembling anew what losses do not change.  With what is `lacking` the reduction
+    is judged by it, too.
+    """
+    frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    bounds = float(frequencies.min()), float(frequencies.max())
+
+    def serves(found: ReducedSolid) -> bool:
+        if lacking is not None and found.missing is None:
+            return False
+        # one that did not reach the tolerance would not reach it again
+        return bool(found.error_estimate(frequencies).max() <= max(tolerance, found.error))
+
+    def work() -> ReducedSolid:
+        if lossless is not None and lossless.with_losses is not None:
+            system = lossless.with_losses()
+        else:
+            system = assemble(device, mesh, lossy=True)
+        surplus = None if lacking is None else lacking()
+        return reduce_to_ports(system, frequencies, tolerance=tolerance, surplus=surplus)
+
+    inputs = (made_from(device, mesh), bounds, tolerance)
+    return kept("reduction", inputs, _MADE_OF, work, serves=serves)
+
+
+def made_from(device: Device, mesh: Mesh | Bricks | BrickParts) -> str:
+    """Return what stands for the solid: tensors, poling, all that is in the mesh."""
+    return fingerprint(materials(device, mesh.regions, device.piezo.ceramic(), lossy=True), mesh)

@@ -1,0 +1,69 @@
+"""The piezoelectric solid: displacement and potential on a 3D mesh, seen at five ports.
+
+Strong form: div T = ρ ü, div D = 0 with T = c S − eᵀ E, D = e S + ε E, E = −grad φ.
+Weak form, for all (v, ψ):
+
+    ∫ S(v)ᵀ c S(u) + S(v)ᵀ eᵀ grad φ − Ω² ρ v·u dV   = port forces
+    ∫ grad ψ · e S(u) − grad ψ · ε grad φ dV          = −charge
+
+Electrodes are equipotential: both outer faces at U, both shim faces at 0.  The base
+face moves as a rigid section (w, ψ; no motion along y or z); tip displacement and
+rotation are the means over the tip face that are work-conjugate to a uniform and a
+linear traction.  The potential is carried in units that give it the size of a
+displacement, so that all entries of the system are alike.
+"""
+
+from __future__ import annotations
+
+from tactgen.fem.piezo.bricks import assemble_bricks
+from tactgen.fem.piezo.parts.joined import joined_system
+from tactgen.fem.piezo.system import SolidSystem, materials, volts_per_unit
+from tactgen.fem.piezo.tetrahedra import SkfemBody
+from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
+from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.device.materials import Piezoceramic
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.mirror import is_quarter
+
+
+def assemble(
+    device: Device,
+    mesh: Mesh | Bricks | BrickParts,
+    *,
+    lossy: bool,
+    ceramic: Piezoceramic | None = None,
+    uniform_field: bool = False,
+) -> SolidSystem:
+    """Assemble the solid model of `device` on `mesh`, all that its ports can move.
+
+    Bricks are the business of :mod:`fem.piezo.bricks`; other cells
+    that of :mod:`fem.piezo.tetrahedra`.
+
+    Parameters
+    ----------
+    device : Device
+        Materials and poling.
+    mesh : Mesh, Bricks or BrickParts
+        Regions among piezo_top, piezo_bottom, shim, glue, rod; faces as named there.  A mesh
+        with the faces `MIRRORS` is a quarter: the system is then that of the bending in x that
+        the ports move, the other classes of motion are ``related`` to it.
+    lossy : bool
+        Take the ceramic's Q and tan δ into account (complex matrices).
+    ceramic : Piezoceramic, optional
+        Full material to use instead of the device's own, for studies of the tensor.
+    uniform_field : bool
+        Let the potential be linear through each layer, as beam theories have it.
+    """
+    if isinstance(mesh, BrickParts):
+        if uniform_field:
+            raise ValueError("a bimorph in parts has no uniform field; take its bricks whole")
+        return joined_system(device, mesh, lossy=lossy, ceramic=ceramic)
+    if isinstance(mesh, Bricks):
+        return assemble_bricks(
+            device, mesh, lossy=lossy, ceramic=ceramic, uniform_field=uniform_field
+        )
+    known = materials(device, mesh.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
+    unit = volts_per_unit(known)
+    body = SkfemBody(mesh, known, unit, device.bimorph if uniform_field else None)
+    return body.system("bending_x" if is_quarter(mesh) else "all")

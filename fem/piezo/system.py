@@ -1,0 +1,266 @@
+"""The assembled piezoelectric solid as a value, and the tensors of its regions.
+
+Which elements it came from does not matter to anyone who asks it for ports or modes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from tactgen.fem.piezo.symmetry import PORTS, Bordered, Motion
+from tactgen.fem.solvers.linear_solver import Factor, factorise
+from tactgen.geometry.arrays import Floats, Ints, Numbers, Sparse
+from tactgen.geometry.device.materials import (
+    Piezoceramic,
+    PiezoTensors,
+    isotropic_stiffness,
+    lossy_modulus,
+    orthotropic_stiffness,
+)
+from tactgen.geometry.device.parameters import Device
+
+#: Voigt index of a pair of axes.
+VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+
+#: Where a system keeps its factor once it is asked for.
+_FACTOR = "_held_factor"
+
+
+class Expanding(Protocol):
+    """What gives all values at nodes by its product with unknowns."""
+
+    def __matmul__(self, y: Numbers, /) -> Numbers:
+        """Return the values (4 n_nodes, …) of unknowns (n, …)."""
+        ...
+
+
+class Surplus(Protocol):
+    """Functions (w of them) that a system lacks, to judge what it gives by."""
+
+    @property
+    def tip(self) -> Floats:
+        """What they add to the tip's displacement and rotation (w, 2)."""
+        ...
+
+    def residuals(self, states: Numbers) -> tuple[Numbers, Numbers]:
+        """Return K x and M x (w, k) of states (n, k); at Ω the residual is f − K x + Ω² M x."""
+        ...
+
+    def products(self, residuals: Numbers) -> tuple[Numbers, Numbers]:
+        """Return r_iᵀ K⁻¹ r_j (k, k) of residuals (w, k), K the functions' own stiffness.
+
+        Of displacements, and of potentials, whose K counts as positive.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class SolidSystem:
+    """Assembled solid over y = [free displacements and potentials, w_base, ψ_base, U].
+
+    Attributes
+    ----------
+    stiffness : Bordered
+        Symmetric indefinite; complex when lossy.  Its last row is minus the charge.
+    mass : Bordered
+        Zero in the rows of potentials.
+    tip : (n, 2) array
+        Columns give tip displacement and tip rotation from y, and port forces to y.
+    expand : Expanding
+        ``expand @ y`` are (u_x, u_y, u_z, φ) at the nodes (4 * n_nodes, …), component by
+        component, in metres and volts.
+    nodes : (n_nodes, 3) array
+        Where the nodes are (m).
+    node_mass : (n_nodes,) array
+        Lumped mass (kg), for weighing modes.
+    potentials : int
+        Number of free potential unknowns.
+    volts_per_unit : float
+        Size of the potential's unit (V); U is in volts all the same.
+    motion : str
+        The motions that it can make.  Those that the ports take no part in leave the last
+        three rows empty.
+    related : callable, optional
+        Gives the same body in another class of motion; None for a body taken whole.
+    with_losses : callable, optional
+        Gives the same body with losses where that is less work than to assemble it anew.
+    elimination : (n - 3,) int array, optional
+        A good order in which to eliminate all but the last three unknowns.
+    translation : (n,) array, optional
+        The body moved along x by 1, as far as its motions let it.
+    rounding : float, optional
+        The spurious stiffness where no translation is given.
+    behind : int
+        Values at the nodes of the parts that it was reduced from, which another class of motion
+        may first have to factorise; 0 of a body that was not reduced.
+    """
+
+    stiffness: Bordered
+    mass: Bordered
+    tip: Floats
+    expand: Expanding
+    nodes: Floats
+    node_mass: Floats
+    potentials: int
+    volts_per_unit: float
+    motion: Motion = "all"
+    related: Callable[[Motion], SolidSystem] | None = None
+    with_losses: Callable[[], SolidSystem] | None = None
+    elimination: Ints | None = None
+    translation: Floats | None = None
+    rounding: float | None = None
+    behind: int = 0
+
+    @property
+    def has_ports(self) -> bool:
+        """Whether base, tip and electrodes can act on these motions."""
+        return self.motion in ("all", "bending_x")
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self.inner + PORTS
+
+    @property
+    def inner(self) -> int:
+        """Number of unknowns less the ports."""
+        return int(self.stiffness.inner.shape[0])
+
+    @property
+    def lossy(self) -> bool:
+        """Whether the stiffness is complex."""
+        return np.iscomplexobj(self.stiffness.inner.data)
+
+    @cached_property
+    def spurious_stiffness(self) -> float:
+        """Stiffness (N/m) by which rounding of the matrix may change that of bending.
+
+        A translation in x needs no force; this is the sum of those it seems to need at all
+        unknowns.  In a slender body, (L/h)⁴ times stiffer across than in bending, it counts.
+        """
+        if self.rounding is not None:
+            return self.rounding
+        assert self.translation is not None
+        moved = self.translation.astype(np.longdouble)
+        forces = self.stiffness.wide_product(moved)
+        return float(np.abs(forces.real[moved == 1.0]).sum())
+
+    def nodal_displacement(self, columns: Floats) -> Floats:
+        """Return the displacement of the nodes (n_nodes, 3, k) in k states of y (m, k).
+
+        Of y the first m are given, the others are zero.
+        """
+        others = np.zeros((self.size - columns.shape[0], columns.shape[1]))
+        nodal = self.expand @ np.vstack([columns, others])
+        return np.asarray(nodal.reshape(4, -1, columns.shape[1])[:3].transpose(1, 0, 2))
+
+    @property
+    def held(self) -> Sparse:
+        """The stiffness with base and electrodes held: all but the last three unknowns."""
+        return self.stiffness.inner
+
+    @property
+    def held_factor(self) -> Factor:
+        """The factor of :attr:`held`: statics and all modes come from this one.
+
+        No cached_property: in Python 3.11 that lets one thread at a time factorise.
+        """
+        if _FACTOR not in self.__dict__:
+            self.__dict__[_FACTOR] = factorise(self.held, order=self.elimination)
+        found: Factor = self.__dict__[_FACTOR]
+        return found
+
+    def drop_factor(self) -> None:
+        """Give back the memory of the factor; who asks for it again has it made again."""
+        self.__dict__.pop(_FACTOR, None)
+
+    def take_factor(self, factor: Factor) -> None:
+        """Make the factor of another system, of no use to that afterwards, the factor of this.
+
+        Saves the ordering where both have the same pattern, as members of a family have.
+        """
+        factor.refactorise(self.held)
+        self.__dict__[_FACTOR] = factor
+
+
+@dataclass(frozen=True)
+class Material:
+    """Tensors of one region; `piezo` None where there is no field."""
+
+    c: Numbers
+    density: float
+    piezo: PiezoTensors | None = None
+
+    def flux_tensor(self, unit: float) -> Numbers:
+        """Return C (4, 3, 4, 3): flux (p, a) = C grad (q, b) of (u_x, u_y, u_z, φ / unit)."""
+        tensor = np.zeros((4, 3, 4, 3), dtype=self.c.dtype)
+        tensor[:3, :, :3, :] = self.c[VOIGT[:, :, None, None], VOIGT[None, None]]
+        if self.piezo is not None:
+            tensor = tensor.astype(np.result_type(self.c, self.piezo.e, self.piezo.eps))
+            e = unit * self.piezo.e[:, VOIGT]
+            tensor[:3, :, 3, :] = np.moveaxis(e, 0, 2)
+            tensor[3, :, :3, :] = e
+            tensor[3, :, 3, :] = -(unit**2) * self.piezo.eps
+        return tensor
+
+
+def materials(
+    device: Device, regions: tuple[str, ...], ceramic: Piezoceramic, *, lossy: bool
+) -> dict[str, Material]:
+    """Return the material of each region (SI, in the device's axes, with the device's poling)."""
+    tensors = ceramic.tensors(lossy=lossy)
+    turned = PiezoTensors(tensors.c, device.bimorph.poling_sign * tensors.e, tensors.eps)
+    piezo = Material(tensors.c, ceramic.density, turned)
+    shim, glue, rod = device.shim, device.glue, device.rod
+    across = shim.transverse_modulus or 2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus
+    known = {
+        "piezo": piezo,
+        "piezo_top": piezo,
+        "piezo_bottom": piezo,
+        "shim": Material(
+            lossy_modulus(
+                orthotropic_stiffness(
+                    shim.youngs_modulus, across, shim.shear_modulus, shim.poisson_ratio
+                ),
+                shim.loss_factor,
+                lossy=lossy,
+            ),
+            shim.density,
+        ),
+        **{
+            name: Material(
+                lossy_modulus(
+                    isotropic_stiffness(of.youngs_modulus, of.poisson_ratio),
+                    of.loss_factor,
+                    lossy=lossy,
+                ),
+                of.density,
+            )
+            for name, of in (("glue", glue), ("rod", rod))
+        },
+    }
+    return {region: known[region] for region in regions}
+
+
+def loss_tensors(lossy: dict[str, Material]) -> dict[str, Material]:
+    """Return the imaginary parts of the tensors, of the regions that have any, as materials.
+
+    They are all that losses add: of E (1 + iη), ε (1 − i tan δ) the real parts are the lossless.
+    """
+    lost = {}
+    for region, of in lossy.items():
+        piezo = of.piezo and PiezoTensors(of.piezo.c.imag, of.piezo.e.imag, of.piezo.eps.imag)
+        if of.c.imag.any() or (piezo and piezo.eps.any()):
+            lost[region] = Material(of.c.imag, of.density, piezo)
+    return lost
+
+
+def volts_per_unit(known: dict[str, Material]) -> float:
+    """Return the voltage whose field energy is that of a unit displacement's strain energy."""
+    piezo = next(m.piezo for m in known.values() if m.piezo is not None)
+    return float(np.sqrt(np.abs(piezo.c[0, 0] / piezo.eps[0, 0])))

@@ -1,1 +1,0 @@
-"""The nonlinear magnetic field of the normal actuator."""

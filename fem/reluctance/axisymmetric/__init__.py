@@ -1,1 +1,0 @@
-"""The field in the half section."""

@@ -1,1 +1,0 @@
-"""The field in 3D, by vector and by scalar potential."""

@@ -1,0 +1,286 @@
+"""The field of a normal actuator: convergence, error bars, limits, maps, refusals."""
+
+from __future__ import annotations
+
+import itertools
+from functools import cache
+
+import numpy as np
+import pytest
+
+from tactgen.fem.magnetics.axisymmetric import FieldErrors, solve_map, solve_point
+from tactgen.fem.solvers.linear_solver import SolverError
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.reluctance.section_grid import actuator_regions
+from tactgen.validation.checks.cases.magnetics.collared_actuator import COLLARED, collared
+
+DEVICE = COLLARED
+NAMES = tuple(FieldErrors.__dataclass_fields__)
+
+
+def with_steel(**values):
+    return collared(steel=values)
+
+
+@cache
+def reference(current, gap):
+    """Return a point one order higher than the default.
+
+    At 0.2 mm and 130 mA it has 110.110 mN and 2.27878 µWb per turn; order 6 on twice as many
+    lines (90 000 unknowns) has 110.090 mN and 2.27890 µWb: it is good to 2e-4 and 5e-5.
+    """
+    return solve_point(DEVICE, current, gap, order=5)
+
+
+def test_device_point():
+    """Force within 0.1 %, flux linkage within 0.05 % of the converged field."""
+    point, exact = solve_point(DEVICE), reference(0.13, 0.2e-3)
+    assert point.force == pytest.approx(exact.force, rel=1e-3)
+    assert point.force_eggshell == pytest.approx(exact.force, rel=1e-3)
+    assert point.flux_linkage == pytest.approx(exact.flux_linkage, rel=5e-4)
+
+
+def test_reconstructed_device_pulls_with_the_force_of_the_paper():
+    """560 turns were chosen for it: 110 mN at 130 mA and 0.2 mm, 0.5 mN is its last digit."""
+    point, coarser = solve_point(Device()), solve_point(Device(), order=3)
+    assert point.force == pytest.approx(110e-3, abs=0.5e-3)
+    assert abs(point.force - coarser.force) <= coarser.errors.force
+    assert point.flux_linkage == pytest.approx(coarser.flux_linkage, rel=1e-3)
+
+
+@pytest.mark.heavy
+def test_device_point_is_converged():
+    """The default point against order 6 on twice as many lines, both force routes."""
+    point, exact = solve_point(DEVICE), solve_point(DEVICE, order=6, refinement=2.0)
+    assert exact.force_eggshell == pytest.approx(exact.force, rel=1e-4)
+    assert exact.errors.force < 2e-4 * exact.force
+    assert point.force == pytest.approx(exact.force, rel=1e-3)
+    assert point.flux_linkage == pytest.approx(exact.flux_linkage, rel=5e-4)
+
+
+@pytest.mark.heavy
+def test_error_bars_cover_the_map():
+    """Over gaps and currents of the device each bar of the default holds the finer value."""
+    gaps, currents = (0.02e-3, 0.1e-3, 0.3e-3, 0.5e-3), (0.02, 0.08, 0.13, 0.2, 0.5)
+    default = solve_map(DEVICE, gaps, currents)
+    finer = solve_map(DEVICE, gaps, currents, order=5, refinement=1.5)
+    for row, exact in zip(default, finer, strict=True):
+        for point, better in zip(row, exact, strict=True):
+            for name in NAMES:
+                bar = getattr(point.errors, name) + getattr(better.errors, name)
+                assert abs(getattr(point, name) - getattr(better, name)) <= bar
+
+
+@pytest.mark.parametrize(
+    ("order", "refinement"),
+    [
+        (2, 1.0),
+        (3, 1.0),
+        (4, 1.0),
+        *(pytest.param(*grid, marks=pytest.mark.heavy) for grid in ((2, 2.0), (4, 0.75))),
+    ],
+)
+@pytest.mark.parametrize(
+    ("current", "gap"),
+    [(0.13, 0.2e-3), pytest.param(0.05, 0.1e-3, marks=pytest.mark.heavy)],
+)
+def test_error_bars_cover(order, refinement, current, gap):
+    """On every grid each error bar holds the converged value, and is not empty."""
+    # order 2 at fineness 1 is refused by default at the narrower gap; its bars hold still
+    point = solve_point(DEVICE, current, gap, order=order, refinement=refinement, any_grid=True)
+    exact = reference(current, gap)
+    for name in NAMES:
+        bar = getattr(point.errors, name)
+        assert abs(getattr(point, name) - getattr(exact, name)) <= bar + getattr(exact.errors, name)
+        assert bar > 0.0
+
+
+def test_truncation_is_in_the_error_bars():
+    """Air of a quarter of the radius changes each result by less than the bars say."""
+    near, far = (
+        solve_point(DEVICE, outer_radius=r, order=3, refinement=0.75) for r in (15e-3, 60e-3)
+    )
+    for name in NAMES:
+        assert abs(getattr(near, name) - getattr(far, name)) <= getattr(near.errors, name)
+    assert near.coenergy < far.coenergy
+
+
+def test_without_current_bars_are_those_of_a_small_one():
+    """No flux, energy or force, and no bar on them; the inductance and its bar are the limit.
+
+    Truncation has a share that only a field tells, here 1.5e-5 of the inductance, twice: up to
+    0.01 of a bar that is 0.003 of it.
+    """
+    none, small = (solve_point(DEVICE, current, refinement=0.75) for current in (0.0, 1e-6))
+    for name in NAMES[:3]:
+        assert getattr(none, name) == getattr(none.errors, name) == 0.0
+    assert none.inductance == none.incremental_inductance
+    assert none.inductance == pytest.approx(small.inductance, rel=2e-4)  # the steel's first rise
+    bar, limit = none.errors.incremental_inductance, small.errors.incremental_inductance
+    assert bar == pytest.approx(limit, rel=0.012)
+    assert bar / none.inductance < 0.004
+
+
+@pytest.mark.parametrize("current", [pytest.param(0.02, marks=pytest.mark.heavy), 0.5])
+def test_force_is_the_derivative_of_the_coenergy(current):
+    """−ΔW'/Δg between separate grids is the force, far into saturation too."""
+    step = 5e-6
+    wide, point, narrow = (
+        solve_point(DEVICE, current, 0.2e-3 + s, order=3, refinement=0.75) for s in (step, 0, -step)
+    )
+    slope = (narrow.coenergy - wide.coenergy) / (2.0 * step)
+    # (step / gap)² = 6e-4, and what order 3 leaves of either route, 1.3e-3 here
+    assert slope == pytest.approx(point.force, rel=2e-3)
+    assert point.force_eggshell == pytest.approx(point.force, rel=2e-3)
+
+
+def test_moved_grid_gives_what_a_fresh_one_gives():
+    """A map (warm starts, moved grids) agrees with separate points within the error bars.
+
+    The gaps include one at which the coil's top is level with the collar's lower face and
+    one on each side.
+    """
+    gaps, currents = (0.31e-3, 0.3e-3, 0.29e-3), (0.1, 0.0, -0.1)
+    grid = {"order": 2, "refinement": 0.5, "any_grid": True}
+    rows = solve_map(DEVICE, gaps, currents, **grid)
+    for gap, row in zip(gaps, rows, strict=True):
+        assert [p.gap for p in row] == [gap] * 3
+        assert [p.current for p in row] == list(currents)
+        fresh = solve_point(DEVICE, 0.1, gap, **grid)
+        for name in NAMES:
+            bar = getattr(fresh.errors, name) + getattr(row[0].errors, name)
+            assert abs(getattr(fresh, name) - getattr(row[0], name)) <= bar
+        plus, none, minus = row
+        # the pull does not know the current's sign (paper section 5.1), flux linkage does;
+        # both up to the tolerance of Newton's method, reached from different starts
+        assert minus.force == pytest.approx(plus.force, rel=1e-6)
+        assert minus.flux_linkage == pytest.approx(-plus.flux_linkage, rel=1e-6)
+        assert none.force == none.flux_linkage == none.coenergy == 0.0
+        assert none.inductance == none.incremental_inductance > 0.0
+
+
+def test_warm_starts_save_iterations():
+    """A map needs fewer Newton steps per point than separate points do."""
+    gaps, currents = (0.18e-3, 0.2e-3), (0.12, 0.13)
+    rows = solve_map(DEVICE, gaps, currents, order=2, refinement=0.5, any_grid=True)
+    warm = sum(point.iterations for row in rows for point in row)
+    cold = sum(
+        solve_point(DEVICE, current, gap, order=2, refinement=0.5, any_grid=True).iterations
+        for gap, current in itertools.product(gaps, currents)
+    )
+    assert warm < cold
+
+
+def test_small_signals_are_linear():
+    """At microamperes the steel is linear: flux linkage ∝ i, coenergy and force ∝ i²."""
+    one, ten = (solve_point(DEVICE, current, order=3) for current in (1e-7, 1e-6))
+    assert ten.flux_linkage == pytest.approx(10.0 * one.flux_linkage, rel=1e-3)
+    assert ten.force == pytest.approx(100.0 * one.force, rel=1e-3)
+    assert one.inductance == pytest.approx(one.incremental_inductance, rel=1e-3)
+    assert one.coenergy == pytest.approx(0.5 * one.inductance * one.current**2, rel=1e-3)
+
+
+def test_without_iron_there_is_no_pull():
+    """µr = 1: an air coil, which cannot pull itself; the error bars say so."""
+    point = solve_point(with_steel(curve="linear", relative_permeability=1.0))
+    assert abs(point.force) <= point.errors.force
+    assert abs(point.force_eggshell) <= point.errors.force
+
+
+def test_a_narrow_gap_pulls_as_the_textbook_says():
+    """F = Φ²/(2 µ0 A) with the flux Φ that crosses a narrow gap between perfect poles.
+
+    Collar and sleeve face the head from r = 0.90 to 1.15 mm; linear iron, µr = 1e6.  Φ is the
+    flux into the sleeve's top: the winding's is a little more, since some leaks before.
+    """
+    device = with_steel(curve="linear", relative_permeability=1e6)
+    point = solve_point(device, 1e-4, 1e-6, order=3)
+    area = np.pi * (1.15e-3**2 - 0.90e-3**2)
+    grid = point.solution.discretisation.grid
+    top = int(np.abs(grid.z).argmin())
+    edges = [int(np.abs(grid.r - radius).argmin()) for radius in (0.90e-3, 1.15e-3)]
+    flux = float(np.diff(2.0 * np.pi * point.solution.flux_function[edges, top])[0])
+    # fringing widens the 0.25 mm pole by about one gap at each edge
+    assert point.force == pytest.approx(flux**2 / (2.0 * MU0 * area), rel=2.0 / 250.0)
+
+
+@pytest.mark.parametrize(
+    "permeability",
+    [1.0, *(pytest.param(mu, marks=pytest.mark.heavy) for mu in (30.0, 1e3)), 1e6, None],
+    ids=lambda mu: str(mu or "team20"),
+)
+@pytest.mark.parametrize("gap", [1e-6, pytest.param(0.3e-3, marks=pytest.mark.heavy), 5e-3])
+def test_stress(permeability, gap):
+    """µr 1 to 1e6 and steel, gaps 1 µm to 5 mm, 1 µA to 1 kA (8e5 ampere-turns): it converges.
+
+    The collar is opened so that the flange can leave through it.
+    """
+    straight = {"curve": "linear", "relative_permeability": permeability}
+    steel = straight if permeability else {"curve": "team20"}
+    device = collared(sleeve={"collar_radius": 0.95e-3}, steel=steel)
+    currents = (1e-6, 1e-2, 0.13, 10.0, 1e3)
+    (row,) = solve_map(device, [gap], currents, order=2, refinement=0.5, any_grid=True)
+    for point in row:
+        assert point.coenergy > 0.0
+        assert point.incremental_inductance > 0.0
+        # W' = ∫ λ di lies between the chord and the tangent of an increasing, concave curve
+        assert point.coenergy <= point.current * point.flux_linkage
+        assert abs(point.force - point.force_eggshell) <= point.errors.force
+    if permeability:
+        ratios = [point.coenergy / point.current**2 for point in row]
+        # a linear device is the same at any current, up to rounding in the solver
+        assert ratios == pytest.approx([ratios[0]] * 5, rel=1e-9)
+
+
+def test_current_density_of_the_paper_point():
+    """The winding's mean current density over its section is that of the regions: N i / S."""
+    coil = DEVICE.coil
+    region = next(part for part in actuator_regions(DEVICE, 0.2e-3) if part.turns)
+    section = (coil.outer_radius - coil.inner_radius) * coil.length
+    assert region.turns * coil.current / region.section == pytest.approx(
+        849.0 * 0.13 / section, rel=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("device", "gap", "words"),
+    [
+        (DEVICE, 0.0, "is not open"),
+        (DEVICE, -1e-4, "is not open"),
+        (DEVICE, 2.5e-3, "to pass the collar .* meets at a gap of 2.4 mm"),
+        (DEVICE, 2.4e-3, "gap = 2.4 mm needs the flange"),
+        (DEVICE, 5e-3, "gap = 5 mm needs the flange"),
+        (collared(coil={"outer_radius": 0.93e-3}), 0.4e-3, "drives the coil into the collar"),
+        # its top slides along the collar's bore: contact of faces
+        (collared(coil={"outer_radius": 0.9e-3}), 0.4e-3, "the coil into the collar by 0 mm"),
+        (collared(rod={"length": 3.7e-3}), 2.5e-3, "to pass the collar"),
+        (collared(coil={"position": -1e-3}), 0.2e-3, "the coil runs into the head"),
+        (collared(coil={"length": 2.5e-3}), 0.2e-3, "the coil runs into the flange by 0.26 mm"),
+    ],
+)
+def test_parts_that_collide_are_refused(device, gap, words):
+    """A gap at which moving and fixed parts overlap is refused in one sentence."""
+    with pytest.raises(InputError, match=words) as caught:
+        solve_map(device, [0.2e-3, gap], [0.1])
+    assert "\n" not in str(caught.value)
+
+
+def test_a_grid_too_coarse_for_any_answer_is_refused():
+    """Where the next order would change everything, there is no number: one sentence instead."""
+    with pytest.raises(InputError, match=r"too coarse at gap = 0.002 mm .* larger refinement"):
+        solve_point(DEVICE, gap=2e-6, order=2, refinement=0.25)
+
+
+def test_an_order_without_error_bar_is_refused():
+    """Order 1 has no lower order to compare with."""
+    with pytest.raises(InputError, match="order = 1"):
+        solve_point(DEVICE, order=1)
+
+
+def test_solver_errors_pass_through(monkeypatch):
+    """A field that does not converge is an error of the point, not a value."""
+    monkeypatch.setattr("tactgen.fem.solvers.newton._MAX_STEPS", 1)
+    with pytest.raises(SolverError, match="did not settle in 1 Newton steps"):
+        solve_point(DEVICE, order=2, any_grid=True)

@@ -1,0 +1,259 @@
+"""The axisymmetric field against exact solutions."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tactgen.fem.magnetics.axisymmetric_field import solve_field, truncation_error
+from tactgen.fem.magnetics.axisymmetric_force import (
+    eggshell_force,
+    eggshell_weight,
+    virtual_work_force,
+)
+from tactgen.fem.magnetics.axisymmetric_space import discretise, lowered
+from tactgen.fem.solvers.linear_solver import SolverError
+from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.reluctance.section_grid import Grid, Region, graded_grid
+from tactgen.validation.checks.cases.magnetics import coaxial_coils
+from tactgen.validation.checks.cases.magnetics.coaxial_coils import (
+    HIGH,
+    LOW,
+    between_windings,
+    mutual_inductance,
+    mutual_inductance_slope,
+)
+from tactgen.validation.checks.cases.magnetics.infinite_solenoid import (
+    SOLENOID_ERROR,
+    core_tolerance,
+    exact_profile,
+    flux_density_in_core,
+    infinite_solenoid,
+)
+
+
+def test_thick_solenoid():
+    """B = µ0 J (r2 − r) in the winding, 0.012566 T inside, none outside (J = 1e6 A/m²).
+
+    The profile of ANSYS verification manual VM172 (infinite solenoid by Ampère's law).
+    """
+    field = infinite_solenoid(1e6)
+    b_r, b_z = np.moveaxis(field.flux_density, -1, 0)
+    exact = exact_profile(1e6, field.discretisation.radii)
+    assert np.abs(b_z - exact).max() < SOLENOID_ERROR * exact.max()
+    assert np.abs(b_r).max() < 1e-12 * exact.max()
+    assert exact.max() == pytest.approx(0.012566, abs=5e-7)
+
+
+def test_flux_function():
+    """2π r A_φ is the flux through the circle: B π r² in the bore, and free of z."""
+    field = infinite_solenoid(1e6)
+    r = field.discretisation.grid.r
+    bore = r <= 10e-3
+    exact = 0.5 * MU0 * 1e6 * 10e-3 * r[bore, None] ** 2
+    assert field.flux_function[bore] == pytest.approx(exact + np.zeros(2), rel=SOLENOID_ERROR)
+
+
+@pytest.mark.parametrize(("radius", "height"), [(0.03, 0.02), (0.045, 0.01), (0.045, -0.02)])
+def test_flux_function_between_coils(radius, height):
+    """It is the flux through a circle, by the mutual inductance with a filament there."""
+    d = discretise(graded_grid((LOW, HIGH), 1.6), 4)
+    field = solve_field(d, np.array([1.0, 0.0]))
+    at = np.searchsorted(d.grid.r, radius), np.searchsorted(d.grid.z, height)
+    filament = Region("loop", (radius, radius), (height, height), turns=1.0)
+    flux = between_windings(LOW, filament, mutual_inductance, points=16)
+    # two cells across a winding at order 4 leave 1e-3, the closed boundary (0.05 / 1.6)³ = 3e-5
+    assert 2.0 * np.pi * field.flux_function[at] == pytest.approx(flux, rel=1e-3)
+
+
+@pytest.mark.parametrize("density", [1e2, 1e4, 1e5, 1e7, 1e9])
+@pytest.mark.parametrize(
+    "core", [linear(1.0), linear(1e3), linear(1e6), TEAM20], ids=lambda c: c.name
+)
+def test_iron_core_in_a_solenoid(core, density):
+    """H is uniform in an infinitely long rod, so its B is read off the curve, saturated or not."""
+    field = infinite_solenoid(density, core)
+    exact = float(core.flux_density_at(np.array(density * 10e-3)))
+    assert flux_density_in_core(field) == pytest.approx(exact, rel=core_tolerance(core))
+
+
+def test_mutual_inductance_and_force_of_two_coils():
+    """Maxwell's elliptic integrals, in open space: M, reciprocity and the force by both routes."""
+    mutual = between_windings(LOW, HIGH, mutual_inductance)
+    slope = between_windings(LOW, HIGH, mutual_inductance_slope)
+    field = coaxial_coils.solved()
+    inductance = field.incremental_inductance
+    # 1e-5: the open boundary at 80 coil radii leaves 2e-6
+    assert inductance[0, 1] == pytest.approx(mutual, rel=1e-5)
+    assert inductance[0, 1] == pytest.approx(inductance[1, 0], rel=1e-12)
+    assert virtual_work_force(field) == pytest.approx(6.0 * slope, rel=1e-5)
+    weight = eggshell_weight(field.discretisation)
+    assert eggshell_force(field, weight) == pytest.approx(6.0 * slope, rel=1e-5)
+
+
+def test_truncation_falls_with_the_cube_of_the_radius():
+    """The closed boundary costs as much coenergy as the dipole estimate says, ∝ R⁻³."""
+    found, estimates = [], []
+    for radius in (0.4, 0.8, 1.6, 6.4):
+        d = discretise(graded_grid((LOW, HIGH), radius, refinement=2.0), 4)
+        field = solve_field(d, np.array([2.0, 3.0]))
+        found.append(field.coenergy)
+        estimates.append(truncation_error(field))
+    lost = [found[-1] - value for value in found[:-1]]
+    # next multipole: (coil / R)² ≈ 2 % at the smallest radius, and the same of the reference
+    orders = [math.log2(a / b) for a, b in itertools.pairwise(lost)]
+    assert orders == pytest.approx([3.0, 3.0], abs=0.1)
+    # the cylinder encloses the sphere of the estimate
+    assert all(0.7 * bound < lack < bound for lack, bound in zip(lost, estimates, strict=False))
+
+
+#: A pot-like pair: a winding around a rod over a plate, small and saturable.
+POLE = Region("pole", (0.0, 2e-3), (0.3e-3, 6e-3), TEAM20, moves=True)
+PLATE = Region("plate", (0.0, 5e-3), (-2e-3, 0.0), TEAM20)
+COIL = Region("coil", (2.5e-3, 4e-3), (1e-3, 5e-3), turns=100.0, moves=True)
+
+
+@pytest.mark.parametrize("current", [0.01, 1.0, 30.0])
+def test_energies_and_derivatives_belong_together(current):
+    """W + W' = iλ; ∂W'/∂i = λ; ∂λ/∂i as found; force = ∂W'/∂z, exactly of the discrete field."""
+    parts = (POLE, PLATE, COIL)
+    d = discretise(graded_grid(parts, 0.1), 3)
+
+    def at(i, z=0.0):
+        grid = d.grid.fitted(tuple(part.displaced(z) for part in parts))
+        return solve_field(d.on(grid), np.array([i]))
+
+    field = at(current)
+    linkage = field.flux_linkage[0]
+    magnitude = np.linalg.norm(field.flux_density, axis=-1)
+    coenergy = magnitude**2 / (2.0 * MU0)
+    iron = field.discretisation.cell_labels < 2
+    iron &= field.discretisation.cell_labels >= 0
+    coenergy[iron] = TEAM20.coenergy_density(magnitude[iron])
+    # Galerkin: ∫ H·B dV = iλ up to the tolerance of Newton's method
+    assert np.sum(coenergy * d.volumes) == pytest.approx(field.coenergy, rel=1e-8)
+    step = 1e-3 * current
+    more, less = at(current + step), at(current - step)
+    # central differences: (1e-3)² times a third derivative of order one
+    assert (more.coenergy - less.coenergy) / (2.0 * step) == pytest.approx(linkage, rel=1e-5)
+    slope = (more.flux_linkage[0] - less.flux_linkage[0]) / (2.0 * step)
+    assert slope == pytest.approx(field.incremental_inductance[0, 0], rel=1e-3)
+    shift = 1e-8
+    raised, sunk = at(current, shift), at(current, -shift)
+    force = (raised.coenergy - sunk.coenergy) / (2.0 * shift)
+    # difference of coenergies good to 1e-13 over 2e-8 m / 0.3 mm, about 1e-8 of the force
+    assert force == pytest.approx(virtual_work_force(field), rel=1e-6)
+
+
+def test_lower_order_is_contained():
+    """The tables one order lower give the same problem as a fresh discretisation of that order."""
+    grid = graded_grid((POLE, PLATE, COIL), 0.1)
+    fine = discretise(grid, 4)
+    part, nested = lowered(fine)
+    fresh = discretise(grid, 3)
+    a, b = (solve_field(d, np.ones(1)) for d in (part, fresh))
+    assert part.size == fresh.size == nested.size
+    # the part keeps the finer quadrature, which for a curve with corners is not the same integral
+    assert a.flux_linkage == pytest.approx(b.flux_linkage, rel=1e-5)
+    raised = np.zeros(fine.size)
+    raised[nested] = a.potential
+    warm = solve_field(fine, np.ones(1), raised)
+    cold = solve_field(fine, np.ones(1))
+    assert warm.flux_linkage == pytest.approx(cold.flux_linkage, rel=1e-9)
+    assert warm.iterations < cold.iterations
+    # a larger space holds more coenergy at given current: the minimum of the energy is lower
+    assert cold.coenergy > a.coenergy
+
+
+def test_no_current_no_field():
+    """Zero current gives zero, its inductance included in what is known."""
+    field = solve_field(discretise(graded_grid((POLE, PLATE, COIL), 0.1), 2), np.zeros(1))
+    assert not field.potential.any()
+    assert field.incremental_inductance[0, 0] > 0.0
+
+
+def test_the_two_solvers_agree(monkeypatch):
+    """Pardiso and SuperLU factorisations give one field."""
+    from tactgen.fem.solvers import linear_solver, newton
+
+    d = discretise(graded_grid((POLE, PLATE, COIL), 0.1), 3)
+    first = solve_field(d, np.ones(1))
+    monkeypatch.setattr(
+        newton,
+        "factorise",
+        lambda m, **how: linear_solver.factorise(m, solver="superlu", **how),
+    )
+    second = solve_field(d, np.ones(1))
+    # both stop below 1e-7 of the energy norm, and the last step squares that
+    assert second.flux_linkage == pytest.approx(first.flux_linkage, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("current", "ratio"),
+    [
+        *itertools.product((1e-6, 1e4), (1e-6, 1e6)),
+        (1.0, 1.0),
+        *(
+            pytest.param(*case, marks=pytest.mark.heavy)
+            for case in (*itertools.product((1e-3, 1.0, 1e2), (1e-6, 1e6)), (1e-3, 1.0), (1e2, 1.0))
+        ),
+    ],
+)
+def test_badly_graded_grids(current, ratio):
+    """Cells of any aspect ratio, up to a million ampere-turns: it converges towards one field."""
+    marks_r = [0.0, 2e-3, 2.5e-3, 4e-3, 5e-3, 0.05]
+    marks_z = [-0.05, -2e-3, 0.0, 0.3e-3, 1e-3, 5e-3, 6e-3, 0.05]
+    lines = [
+        np.unique(np.concatenate([marks, np.array(marks[:-1]) + np.diff(marks) / (1.0 + ratio)]))
+        for marks in (marks_r, marks_z)
+    ]
+    regions = (POLE, PLATE, COIL)
+    grid = Grid(*lines, regions)
+    good = graded_grid(regions, 0.05)
+    coenergies = [
+        solve_field(discretise(g, order), np.array([current])).coenergy
+        for g, order in ((grid, 2), (grid, 4), (good, 4))
+    ]
+    # the coenergy of any discretisation is too small, and less so in a larger space
+    assert 0.0 < coenergies[0] < coenergies[1] < coenergies[2]
+    assert coenergies[1] > 0.5 * coenergies[2]
+
+
+def test_no_silent_wrong_answer(monkeypatch):
+    """A field that is not converged is refused with a sentence, never returned."""
+    monkeypatch.setattr("tactgen.fem.solvers.newton._MAX_STEPS", 2)
+    d = discretise(graded_grid((POLE, PLATE, COIL), 0.1), 2)
+    with pytest.raises(SolverError, match="did not settle in 2 Newton steps"):
+        solve_field(d, np.array([30.0]))
+
+
+def test_a_singular_problem_is_refused():
+    """A curve whose energy has no minimum (H falls below zero) ends in an error, not a number."""
+    upside_down = MagnetisationCurve(np.array([0.0, 1.0]), np.array([0.0, -1e6]), -1e6)
+    parts = (replace(POLE, curve=upside_down), replace(PLATE, curve=upside_down), COIL)
+    with pytest.raises(SolverError):
+        solve_field(discretise(graded_grid(parts, 0.1), 2), np.array([1.0]))
+
+
+@pytest.mark.parametrize("current", [0.0, 2.0, -7.0])
+def test_energy_beyond_the_wall_is_that_of_the_moments(current):
+    """µ0 m² / (4π R³) of the iron's moment and the winding's, whose area is a mean over radii."""
+    winding = SimpleNamespace(turns=50, radii=(1e-3, 2e-3))
+    grid = SimpleNamespace(regions=(SimpleNamespace(turns=0), winding), r=np.array([0.0, 0.06]))
+    cells = SimpleNamespace(volumes=np.full((2, 1), 3e-9), grid=grid)
+    flux = np.zeros((2, 1, 2))
+    flux[..., 1] = MU0 * 1e6
+    solution = SimpleNamespace(
+        discretisation=cells, flux_density=flux, field_strength=np.zeros((2, 1, 2)),
+        currents=np.array([current]),
+    )  # fmt: skip
+    r = np.linspace(1e-3, 2e-3, 100_001)
+    moment = 6e-9 * 1e6 + current * 50 * np.pi * (r**2).mean()
+    assert truncation_error(solution) == pytest.approx(
+        MU0 * moment**2 / (4.0 * np.pi * 0.06**3), rel=1e-4
+    )

@@ -1,0 +1,90 @@
+"""The field along a dimension: one grid that moves, no noise of meshes, starts from neighbours."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from tactgen.fem.magnetics.axisymmetric import FieldErrors, solve_point
+from tactgen.fem.magnetics.axisymmetric_path import FieldPath, _weights
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.errors import InputError
+
+NAMES = tuple(FieldErrors.__dataclass_fields__)
+PLACES = np.linspace(-1.0, 1.0, 7)
+THICKNESSES = 0.5e-3 + 0.1e-3 * PLACES
+
+
+def device(thickness):
+    return Device.model_validate({"rod": {"head_thickness": thickness}})
+
+
+@cache
+def along():
+    path = FieldPath(Device(), 0.2e-3, order=3, refinement=0.5)
+    middle_first = sorted(range(7), key=lambda n: abs(n - 3))
+    found = {
+        n: path.at(device(THICKNESSES[n]), 0.13, 0.2e-3, PLACES[n : n + 1]) for n in middle_first
+    }
+    return [found[n] for n in range(7)]
+
+
+@cache
+def apart():
+    return [solve_point(device(t), 0.13, 0.2e-3, order=3, refinement=0.5) for t in THICKNESSES]
+
+
+def test_along_a_dimension_as_on_grids_of_their_own():
+    for moved, fresh in zip(along(), apart(), strict=True):
+        for name in NAMES:
+            bar = getattr(moved.errors, name) + getattr(fresh.errors, name)
+            assert abs(getattr(moved, name) - getattr(fresh, name)) <= bar
+
+
+@pytest.mark.parametrize("name", ["force", "flux_linkage", "coenergy"])
+def test_no_noise_of_the_mesh(name):
+    """What is left of a smooth curve is a thousandth of the bar, and far less than with own grids.
+
+    There the number of lines jumps with the thickness.
+    """
+
+    def noise(points):
+        values = [getattr(point, name) for point in points]
+        smooth = np.polynomial.Chebyshev.fit(PLACES, values, 4)
+        return np.abs(smooth(PLACES) - values).max()
+
+    bar = min(getattr(point.errors, name) for point in along())
+    assert noise(along()) <= 1e-3 * bar
+    assert noise(along()) <= 0.1 * noise(apart())
+
+
+def test_neighbours_make_good_starts():
+    """All but the first few take fewer Newton steps than from nothing."""
+    moved, fresh = (sum(point.iterations for point in points) for points in (along(), apart()))
+    assert moved <= 0.75 * fresh
+
+
+def test_out_of_reach_is_refused():
+    """The flange cannot grow past the coil's outer edge on the same lines."""
+    path = FieldPath(Device(), 0.2e-3, order=2, refinement=0.5)
+    assert path.reaches(Device(), 0.15e-3)
+    thin = Device.model_validate({"rod": {"flange_radius": 0.85e-3}})
+    assert not path.reaches(thin, 0.2e-3)
+    with pytest.raises(InputError, match="does not fit"):
+        path.at(thin, 0.13, 0.2e-3, np.zeros(1))
+
+
+def test_weights_reproduce_polynomials():
+    places = np.array([[0.1, 0.2], [-0.5, 0.3], [0.7, -0.4], [0.0, 0.9], [-0.8, -0.6], [0.5, 0.6]])
+
+    def quadratic(x, y):
+        return 1.0 - 2.0 * x + 3.0 * y + x * y - y**2
+
+    weights = _weights(places, np.array([0.05, 0.1]))
+    assert weights @ quadratic(*places.T) == pytest.approx(quadratic(0.05, 0.1), abs=1e-9)
+
+
+def test_weights_do_not_reach_far():
+    """From one side only, the nearest counts: a polynomial there would be anything."""
+    places = np.array([[0.0], [0.02], [0.04], [0.06]])
+    assert np.abs(_weights(places, np.array([1.0]))).sum() <= 4.0

@@ -1,0 +1,148 @@
+"""Reduced solids on disk: the same bits back, one sentence for every other file; the cache."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tactgen.fem.piezo import reduction_files as port_cache
+from tactgen.fem.piezo.krylov import reduce_to_ports
+from tactgen.fem.piezo.reduction_files import made_from, read_ports, reduced_solid, write_ports
+from tactgen.fem.piezo.solid import assemble
+from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
+from tactgen.geometry.device.parameters import Bimorph, Device, Piezo
+from tactgen.geometry.errors import InputError
+from tactgen.validation.export.files import export
+from tactgen.validation.scene.scene import load_scene
+
+MESHING = BrickMeshing((2, 2, 2), smallest=0.5)
+SWEEP = np.array([10.0, 1000.0, 5000.0])
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return bimorph_bricks(Device(), MESHING)
+
+
+@pytest.fixture(scope="module")
+def reduced(mesh):
+    return reduce_to_ports(assemble(Device(), mesh, lossy=True), SWEEP)
+
+
+def test_round_trip(reduced, tmp_path):
+    """Reloaded, it gives the same D(Ω) and the same estimate, to the last bit."""
+    write_ports(tmp_path / "p.npz", reduced, made_from="mine")
+    again = read_ports(tmp_path / "p.npz", made_from="mine")
+    assert np.array_equal(again.multiport(SWEEP).stiffness, reduced.multiport(SWEEP).stiffness)
+    assert np.array_equal(again.error_estimate(SWEEP), reduced.error_estimate(SWEEP))
+    assert (again.range, again.error, again.unknowns) == (
+        reduced.range, reduced.error, reduced.unknowns
+    )  # fmt: skip
+
+
+def test_other_files_are_refused(reduced, tmp_path):
+    """Half a file, a text, another archive, another device, no file: one sentence each."""
+    whole = tmp_path / "p.npz"
+    write_ports(whole, reduced, made_from="mine")
+    with pytest.raises(InputError, match="made from another device or mesh"):
+        read_ports(whole, made_from="yours")
+    (tmp_path / "half.npz").write_bytes(whole.read_bytes()[:4000])
+    (tmp_path / "text.npz").write_text("B (T), H (A/m)\n")
+    (tmp_path / "empty.npz").write_bytes(b"")
+    np.savez(tmp_path / "other.npz", title=np.array("something else"))
+    for name, words in (
+        ("half", "not a whole npz file"),
+        ("text", "not a whole npz file"),
+        ("empty", "not a whole npz file"),
+        ("other", "lacks title"),
+        ("none", "no such file"),
+    ):
+        with pytest.raises(InputError, match=words) as caught:
+            read_ports(tmp_path / f"{name}.npz")
+        assert "\n" not in str(caught.value)
+
+
+def test_stamp_holds_all_that_matters(mesh):
+    """Materials, poling and mesh change it; coil and width, which the mesh has, need not."""
+    one = made_from(Device(), mesh)
+    assert one == made_from(Device(), bimorph_bricks(Device(), MESHING))
+    assert one != made_from(Device(piezo=Piezo(quality_factor=31.0)), mesh)
+    assert one != made_from(Device(bimorph=Bimorph(poling="+x")), mesh)
+    breaks = mesh.z.breaks.copy()
+    breaks[1] *= 1.0 + 1e-15
+    assert one != made_from(Device(), replace(mesh, z=replace(mesh.z, breaks=breaks)))
+
+
+def test_second_time_factorises_nothing(mesh, tmp_path, monkeypatch):
+    """Kept for its range: other frequencies in it are served, a wider range is reduced anew."""
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "new"))
+    calls = []
+
+    def counted(*arguments, **options):
+        calls.append(1)
+        return reduce_to_ports(*arguments, **options)
+
+    monkeypatch.setattr(port_cache, "reduce_to_ports", counted)
+    first = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-6)
+    denser = np.geomspace(10.0, 5000.0, 50)
+    second = reduced_solid(Device(), mesh, denser, tolerance=1e-6)
+    assert len(calls) == 1
+    assert np.array_equal(first.multiport(denser).stiffness, second.multiport(denser).stiffness)
+    reduced_solid(Device(), mesh, np.array([10.0, 6000.0]), tolerance=1e-6)
+    reduced_solid(Device(piezo=Piezo(quality_factor=31.0)), mesh, SWEEP, tolerance=1e-6)
+    assert len(calls) == 3
+
+
+def test_what_did_not_reach_the_tolerance_is_kept_too(mesh, tmp_path, monkeypatch):
+    """All shifts used and still an estimate above the tolerance: a second try would end there."""
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path))
+    monkeypatch.setattr("tactgen.fem.piezo.krylov._MOST_SHIFTS", 2)
+    calls = []
+
+    def counted(*arguments, **options):
+        calls.append(1)
+        return reduce_to_ports(*arguments, **options)
+
+    monkeypatch.setattr(port_cache, "reduce_to_ports", counted)
+    first = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-16)
+    assert first.error > 1e-16
+    second = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-16)
+    assert (len(calls), second.error) == (1, first.error)
+
+
+@pytest.mark.parametrize("kind", ["ports", "state_space"])
+def test_ports_of_the_normal_actuator_are_refused(tmp_path, kind):
+    """A scene about the normal actuator alone has no bimorph; nothing is written."""
+    with pytest.raises(InputError, match="no bimorph"):
+        export(load_scene("reluctance")[0], {kind: tmp_path / "a.npz"}, lambda _: None)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_who_is_judged_by_what_is_lacking_is_served_by_what_knows_it(mesh, monkeypatch):
+    """Reduced without it before, it is reduced anew; also where the estimate is too large."""
+    monkeypatch.setattr(port_cache, "kept", lambda *_, serves: serves)
+    for missing, lacking, served in (
+        (None, None, True), (None, lambda: None, False), ("known", lambda: None, True),
+    ):  # fmt: skip
+        serves = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-6, lacking=lacking)
+        for estimate, small in ((1e-7, True), (1e-5, False)):
+            found = SimpleNamespace(
+                missing=missing, error=1e-8, error_estimate=lambda f, e=estimate: np.full(f.size, e)
+            )
+            assert serves(found) is (served and small)
+
+
+@pytest.mark.parametrize("can", [True, False])
+def test_a_lossless_system_that_can_take_losses_is_not_assembled_anew(can, mesh, monkeypatch):
+    """What is lacking is found for the reduction, and judged by with it."""
+    monkeypatch.setattr(port_cache, "kept", lambda kind, inputs, code, work, serves: work())
+    monkeypatch.setattr(port_cache, "assemble", lambda *_, lossy: f"anew, lossy {lossy}")
+    monkeypatch.setattr(
+        port_cache, "reduce_to_ports", lambda system, *_, tolerance, surplus: (system, surplus)
+    )
+    lossless = SimpleNamespace(with_losses=(lambda: "with losses") if can else None)
+    for lacking, surplus in ((None, None), (lambda: "surplus", "surplus")):
+        asked = {"tolerance": 1e-6, "lossless": lossless, "lacking": lacking}
+        system = "with losses" if can else "anew, lossy True"
+        assert reduced_solid(Device(), mesh, SWEEP, **asked) == (system, surplus)

@@ -1,0 +1,277 @@
+"""Ten-node tetrahedra by scikit-fem: exact facts, a manufactured solution, quarter and whole.
+
+On a structured mesh and on fTetWild's mesh of the CAD solids.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from skfem import BilinearForm
+from skfem.helpers import grad
+
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.ports import static_multiport
+from tactgen.fem.piezo.solid import assemble
+from tactgen.fem.piezo.system import materials, volts_per_unit
+from tactgen.fem.piezo.tetrahedra import SkfemBody
+from tactgen.fem.piezo.tetrahedra_error import goal_errors
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
+from tactgen.geometry.device.parameters import Bimorph, Device, Shim
+from tactgen.geometry.meshing.mirror import whole_mesh
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
+from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
+from tactgen.validation.checks.cases.manufactured import (
+    cells_space,
+    ceramic,
+    manufactured_errors,
+)
+
+SHORT = Device(bimorph=Bimorph(length=6e-3))
+#: A homogeneous section: shim and ceramic of one modulus.
+ALIKE = SHORT.model_copy(update={"shim": Shim(poisson_ratio=0.0, youngs_modulus=1.0 / 15.8e-12)})
+MOTIONS = ("bending_x", "bending_y", "torsion", "axial")
+
+
+def structured_quarter(device, divisions=6):
+    """A quarter of the bimorph in tetrahedra of six to a box."""
+    b = device.bimorph
+    half, outer = b.shim_thickness / 2, b.thickness / 2
+    planes = (
+        np.array([0.0, half, outer]),
+        np.linspace(0.0, b.width / 2, 3),
+        np.linspace(0.0, b.length, divisions + 1),
+    )
+    region = np.broadcast_to(np.array([1, 0])[:, None, None], (2, 2, divisions))
+    mesh = box_tetrahedra(*planes, region, ("piezo_top", "shim"))
+    every = np.unique(np.sort(mesh.cells[:, TET_FACES].reshape(-1, 3), axis=1), axis=0)
+    inner = every[(np.abs(mesh.points[every, 0] - half) < 1e-9).all(axis=1)]
+    faces = {
+        "base": mesh.faces["z_low"],
+        "tip": mesh.faces["z_high"],
+        "electrode_top_outer": mesh.faces["x_high"],
+        "electrode_top_inner": inner,
+        "mirror_x": mesh.faces["x_low"],
+        "mirror_y": mesh.faces["y_low"],
+    }
+    return replace(mesh, faces=faces)
+
+
+@pytest.fixture(scope="module")
+def tetwild(tmp_path_factory):
+    """A quarter of the CAD solids by fTetWild, meshed anew."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("meshes")))
+        return tetrahedralise(SHORT, "alone", options=TetMeshing(edge_length=0.4e-3, quarter=True))
+
+
+@pytest.fixture(params=["structured", "tetwild"])
+def mesh(request):
+    if request.param == "structured":
+        return structured_quarter(SHORT)
+    return request.getfixturevalue("tetwild")
+
+
+#: The whole has four times the cells: of fTetWild's it is heavy.
+few_and_many = pytest.mark.parametrize(
+    "mesh", ["structured", pytest.param("tetwild", marks=pytest.mark.heavy)], indirect=True
+)
+
+
+def body_of(device, mesh):
+    """Unheld body with its materials and the size of the potential's unit."""
+    known = materials(device, mesh.regions, device.piezo.ceramic(), lossy=False)
+    unit = volts_per_unit(known)
+    return SkfemBody(mesh, known, unit, None), known, unit
+
+
+def ceramic_without(device, *, coupling=True, poisson=True):
+    ceramic = device.piezo.ceramic()
+    d = ceramic.d if coupling else np.zeros((3, 6))
+    s = ceramic.s if poisson else np.diag(np.diag(ceramic.s))
+    return replace(ceramic, d=d, s=s)
+
+
+def all_ceramic(mesh):
+    """The same cells, all of one piezoelectric material."""
+    return replace(mesh, region_of_cell=np.zeros(len(mesh.cells), dtype=int), regions=("piezo",))
+
+
+def test_quarter_of_the_cad_solids_is_exact(tetwild):
+    """Volumes to rounding, cuts in their planes, and nothing of the layer on the other side."""
+    b = SHORT.bimorph
+    whole = whole_mesh(tetwild)
+    assert tetwild.points[:, :2].min() > -1e-12
+    assert set(tetwild.regions) == {"piezo_top", "shim"}
+    for axis, name in enumerate(("mirror_x", "mirror_y")):
+        assert np.abs(tetwild.points[tetwild.faces[name], axis]).max() < 1e-12
+    corners = whole.points[whole.cells]
+    volumes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6.0
+    layer = b.length * b.width * b.piezo_thickness
+    for name in ("piezo_top", "piezo_bottom"):
+        assert volumes[whole.cells_of(name)].sum() == pytest.approx(layer, rel=1e-9)
+
+
+def test_straight_tetrahedra_are_scikit_fems(tetwild):
+    """The one reference element gives what quadrature in every element does, to rounding."""
+    body, known, unit = body_of(SHORT, all_ceramic(tetwild))
+    tensor, density = known["piezo"].flux_tensor(unit), known["piezo"].density
+    stiffness, mass = body.matrices
+    for p, q in ((0, 0), (1, 2), (2, 3), (3, 3)):
+        part = tensor[p, :, q, :]
+        form = BilinearForm(lambda u, v, _, c=part: np.einsum("a...,ab,b...", grad(v), c, grad(u)))
+        expected = 4.0 * form.assemble(body.basis)  # a quarter
+        assert np.abs(stiffness[p::4, q::4] - expected).max() < 1e-12 * np.abs(expected).max()
+    expected = 4.0 * density * BilinearForm(lambda u, v, _: u * v).assemble(body.basis)
+    assert np.abs(mass[1::4, 1::4] - expected).max() < 1e-12 * np.abs(expected).max()
+
+
+def test_constant_strain_and_field_are_exact(mesh):
+    """Patch test: linear displacement and potential need no force inside, and have the energy
+    of constant strain and field, coupling included."""
+    body, known, unit = body_of(SHORT, all_ceramic(mesh))
+    stiffness, _ = body.matrices
+    gradient = np.random.default_rng(7).standard_normal((4, 3))
+    y = body.basis.doflocs.T @ gradient.T
+    force = (stiffness @ y.ravel()).reshape(-1, 4)
+    inside = np.ones(len(y), dtype=bool)
+    inside[body.basis.get_dofs().flatten()] = False
+    assert np.count_nonzero(inside) > 5
+    # rounding of sums over some twenty elements
+    assert np.abs(force[inside]).max() < 1e-11 * np.abs(force[~inside]).max()
+    b = SHORT.bimorph
+    volume = b.length * b.width * b.thickness
+    density = np.einsum("pa,paqb,qb", gradient, known["piezo"].flux_tensor(unit), gradient)
+    assert y.ravel() @ (stiffness @ y.ravel()) == pytest.approx(density * volume, rel=1e-11)
+
+
+def test_rigid_motions_and_constant_potential_need_no_force(mesh):
+    """Six motions and one potential, in layers of different materials, unheld."""
+    body, _, _ = body_of(SHORT, mesh)
+    stiffness, _ = body.matrices
+    x, y, z = body.basis.doflocs
+    one, zero = np.ones_like(x), np.zeros_like(x)
+    motions = [
+        (one, zero, zero, zero), (zero, one, zero, zero), (zero, zero, one, zero),
+        (zero, -z, y, zero), (z, zero, -x, zero), (-y, x, zero, zero), (zero, zero, zero, one),
+    ]  # fmt: skip
+    for motion in motions:
+        given = np.stack(motion, axis=1).ravel()
+        sums = np.asarray(abs(stiffness) @ np.abs(given))
+        assert np.abs(stiffness @ given).max() < 1e-13 * sums.max()
+
+
+def test_mass_is_that_of_the_layers(mesh):
+    """Uniform motion has the kinetic energy of volume times density, the potential none."""
+    body, _, _ = body_of(SHORT, mesh)
+    _, mass = body.matrices
+    b = SHORT.bimorph
+    layers = 2.0 * b.piezo_thickness * SHORT.piezo.density + b.shim_thickness * SHORT.shim.density
+    for component, expected in ((0, 1.0), (1, 1.0), (2, 1.0), (3, 0.0)):
+        moved = np.zeros((body.basis.N, 4))
+        moved[:, component] = 1.0
+        found = moved.ravel() @ (mass @ moved.ravel())
+        assert found == pytest.approx(expected * b.width * b.length * layers, rel=1e-12)
+
+
+def test_pure_bending_is_exact(mesh):
+    """A homogeneous section without Poisson's effect bends under a tip moment as beams do."""
+    ceramic = ceramic_without(ALIKE, coupling=False, poisson=False)
+    system = assemble(ALIKE, mesh, lossy=False, ceramic=ceramic)
+    compliance = np.linalg.inv(static_multiport(system).stiffness[0].real[2:4, 2:4])
+    b = ALIKE.bimorph
+    ei = b.width * b.thickness**3 / 12.0 / 15.8e-12
+    # rounding, which grows as (L/h)⁴
+    assert compliance[1, 1] == pytest.approx(b.length / ei, rel=1e-8)
+    assert compliance[0, 1] == pytest.approx(-(b.length**2) / (2.0 * ei), rel=1e-8)
+
+
+def test_uncoupled_capacitor_is_exact(mesh):
+    """Without coupling the layers are two plate capacitors and nothing moves."""
+    ceramic = ceramic_without(SHORT, coupling=False)
+    d = static_multiport(assemble(SHORT, mesh, lossy=False, ceramic=ceramic)).stiffness[0].real
+    b = SHORT.bimorph
+    plates = 2.0 * ceramic.eps_t[2, 2] * b.width * b.length / b.piezo_thickness
+    assert d[4, 4] == pytest.approx(plates, rel=1e-10)
+    assert np.abs(d[4, :4]).max() == 0.0
+
+
+def test_axial_modes_are_those_of_a_bar():
+    """Without Poisson's effect a clamped bar rings at odd multiples of c / 4L; from above.
+
+    Quadratic elements, two to a quarter wave of the second mode and more: their frequencies are
+    off by (kh)⁴/1440 at most, 2e-4 at kh = 0.79.
+    """
+    device = ALIKE.model_copy(update={"shim": ALIKE.shim.model_copy(update={"density": 7900.0})})
+    assert device.piezo.density == device.shim.density
+    system = assemble(
+        device, structured_quarter(device), lossy=False,
+        ceramic=ceramic_without(device, coupling=False, poisson=False),
+    )  # fmt: skip
+    modes = natural_modes(system.related("axial"), Ends(), 2)
+    first = np.sqrt(1.0 / 15.8e-12 / 7900.0) / (4.0 * device.bimorph.length)
+    for mode, odd in zip(modes, (1, 3), strict=True):
+        kh = odd * np.pi / 12.0
+        assert mode.kind == "axial"
+        assert 0.0 <= mode.frequency / (odd * first) - 1.0 <= kh**4 / 1440.0 + 1e-9
+
+
+@few_and_many
+def test_quarter_and_whole_are_one_body(mesh):
+    """Ports, goals, estimates and all modes of the quarter are those of the whole, mirrored."""
+    part, whole = (assemble(SHORT, m, lossy=False) for m in (mesh, whole_mesh(mesh)))
+    assert part.node_mass.sum() == pytest.approx(whole.node_mass.sum(), rel=1e-12)
+    first, second = (static_multiport(s).stiffness[0].real for s in (part, whole))
+    size = np.sqrt(np.abs(np.diag(second)))
+    # seven digits are lost to the condition of the whole
+    assert np.abs((first - second) / np.outer(size, size)).max() < 1e-8
+    ends = Ends()
+    found = sorted(
+        (mode.frequency, mode.kind)
+        for motion in MOTIONS
+        for mode in natural_modes(part.related(motion), ends, 4)
+    )[:6]
+    modes = natural_modes(whole, ends, 6)
+    assert [kind for _, kind in found] == [mode.kind for mode in modes]
+    assert [f for f, _ in found] == pytest.approx([m.frequency for m in modes], rel=1e-7)
+
+
+@few_and_many
+def test_quarter_and_whole_have_the_same_estimate(mesh):
+    """Goals, signed errors, and the shares of four cells in the one that stands for them."""
+    whole = whole_mesh(mesh)
+    part, all_of_it = (
+        goal_errors(SHORT, m, assemble(SHORT, m, lossy=False)) for m in (mesh, whole)
+    )
+    for name, goal in part.items():
+        assert goal.value == pytest.approx(all_of_it[name].value, rel=1e-7), name
+        assert goal.error == pytest.approx(all_of_it[name].error, rel=1e-5), name
+        shares = all_of_it[name].shares.reshape(4, -1).sum(axis=0)
+        assert goal.shares == pytest.approx(shares, abs=1e-6 * shares.max()), name
+
+
+def test_modes_of_the_quarter_are_even_or_odd(mesh):
+    """Each class has its signs at the planes of symmetry: zero on them, equal beyond them."""
+    system = assemble(SHORT, mesh, lossy=False)
+    x, y, _ = system.nodes.T
+    zero_at_x = {"bending_x": [1, 2], "bending_y": [0], "torsion": [1, 2], "axial": [0]}
+    zero_at_y = {"bending_x": [1], "bending_y": [0, 2], "torsion": [0, 2], "axial": [1]}
+    for motion in MOTIONS:
+        mode = natural_modes(system.related(motion), Ends(), 1)[0]
+        assert mode.kind == motion
+        for on_plane, odd in ((x, zero_at_x[motion]), (y, zero_at_y[motion])):
+            assert np.abs(mode.displacement[np.abs(on_plane) < 1e-12][:, odd]).max() == 0.0
+        for axis in range(3):
+            size = np.abs(mode.displacement[:, axis])
+            left, right = (size[s * x > 1e-12].max() for s in (-1.0, 1.0))
+            assert left == pytest.approx(right, rel=1e-12, abs=1e-12)
+
+
+def test_manufactured_solution_on_the_mesh_of_cad(tetwild):
+    """fTetWild's cells are within a factor two of what cells of their edges give: k h = 0.8."""
+    material = ceramic(lossy=False)
+    space, unit = cells_space(all_ceramic(tetwild), material)
+    gradient, value = manufactured_errors(space, material, unit, 0.0)
+    assert gradient < 2.0 * 0.8**2 / 12.0
+    assert value < 2.0 * 0.8**3 / 60.0
