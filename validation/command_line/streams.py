@@ -9,6 +9,7 @@ import os
 import sys
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from tactgen.geometry.errors import InputError
 
@@ -27,6 +28,15 @@ def say(text: str) -> None:
 
     with contextlib.suppress(OSError):
         print(f"tactgen: {one_line(text)}", file=sys.stderr)
+
+
+def print_json(value: Any) -> None:
+    """Print a record in one line, alone on standard output."""
+    import json
+
+    from tactgen.validation.engine.answers import plain
+
+    print(json.dumps(plain(value), allow_nan=False))
 
 
 def name_files(paths: Iterable[Path]) -> None:

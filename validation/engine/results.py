@@ -1,16 +1,11 @@
-"""One computed quantity with its error bar, and how it is written for other programs."""
+"""Numbers with their errors."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from tactgen.geometry.store.values import storable
-
-Array = NDArray[Any]
 
 
 @storable
@@ -49,30 +44,3 @@ class Quantity(Estimate):
     unit: str
     seconds: float = 0.0
     frequency: tuple[float, ...] | None = None
-
-
-def quantity_json(q: Quantity) -> dict[str, Any]:
-    """Return a quantity as plain JSON values; complex numbers as [re, im], no value as null."""
-    out: dict[str, Any] = {
-        "name": q.name,
-        "model": q.model,
-        "value": _numbers(q.value),
-        "unit": q.unit,
-        "uncertainty": _numbers(q.error),
-        "uncertainty_method": q.method,
-        "seconds": q.seconds,
-    }
-    if q.frequency is not None:
-        out["frequency"] = list(q.frequency)
-    if q.classes is not None:
-        out["classes"] = list(q.classes)
-    return out
-
-
-def _numbers(values: Array) -> Any:
-    if np.iscomplexobj(values):
-        return np.stack([values.real, values.imag], axis=-1).tolist()
-    if np.isfinite(values).all():
-        return values.tolist()
-    known = np.isfinite(values)
-    return np.where(known, values.astype(object), np.array(None)).tolist()

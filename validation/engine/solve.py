@@ -11,6 +11,7 @@ from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MAPS, MODELS, gives
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.answers import quantity_json
 from tactgen.validation.engine.costs import record
 from tactgen.validation.engine.drive_warnings import (
     field_warnings,
@@ -20,7 +21,7 @@ from tactgen.validation.engine.drive_warnings import (
 from tactgen.validation.engine.model import Model, make_model
 from tactgen.validation.engine.plan import Plan, Step, make_plan, stages_for
 from tactgen.validation.engine.reading import read
-from tactgen.validation.engine.results import Quantity, quantity_json
+from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.engine.warnings import (
     accuracy_warnings,

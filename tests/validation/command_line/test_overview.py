@@ -3,16 +3,16 @@
 import json
 import re
 import subprocess
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.command_line import overview, tables
+from tactgen.validation.command_line import overview
 from tactgen.validation.command_line.cli import commands, main
 from tactgen.validation.command_line.overview import print_overview
+from tactgen.validation.engine.answers import format_error, format_value
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.files import built_in_scenes
@@ -181,8 +181,6 @@ def test_what_has_no_value_is_said_so():
     )
     assert overview._cell(nothing, 0) == "no value"
     assert overview._cell(nothing, 1) == overview._cell(None, 0) == ""
-    assert (tables.format_value(np.nan, "Hz"), tables._bar(nothing, 0)) == ("no value", "-")
-    sure = replace(nothing, value=np.array([2.0]), error=np.array([0.5]))
-    assert (tables.format_value(2.0, "Hz"), tables._bar(sure, 0)) == ("2 Hz", "25 %")
-    at_zero = replace(sure, value=np.array([0.0]))
-    assert tables._bar(at_zero, 0) == "500 mHz"
+    assert (format_value(np.nan, "Hz"), format_error(np.nan, np.nan, "Hz")) == ("no value", "-")
+    assert (format_value(2.0, "Hz"), format_error(2.0, 0.5, "Hz")) == ("2 Hz", "25 %")
+    assert format_error(0.0, 0.5, "Hz") == "500 mHz"

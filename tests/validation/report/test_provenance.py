@@ -11,8 +11,9 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import store_folder
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.answers import quantity_from_json, quantity_json
 from tactgen.validation.engine.origin import this_origin
-from tactgen.validation.engine.results import Quantity, quantity_json
+from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report import page as report_page
 from tactgen.validation.report.provenance import record as files
@@ -129,7 +130,7 @@ def test_no_number_is_not_a_number(record):
         method="",
         seconds=0.0,
     )
-    back = files.quantity_of(files._finite(quantity_json(q)))
+    back = quantity_from_json(quantity_json(q))
     assert np.array_equal(back.value, q.value)
     assert np.isnan(back.error[1])
     nothing = replace(q, value=np.array([np.nan, 3.0]), error=np.zeros(2))

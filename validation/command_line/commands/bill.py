@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from tactgen.validation.command_line.commands.common import Commands, scene_options
-from tactgen.validation.command_line.json_output import print_json
+from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.scene.scene import Scene

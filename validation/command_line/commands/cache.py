@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from tactgen.validation.command_line.commands.common import Commands
-from tactgen.validation.command_line.json_output import print_json
+from tactgen.validation.command_line.streams import print_json
 
 #: Units of the table, largest first.
 _UNITS = (("GB", 1e9), ("MB", 1e6), ("kB", 1e3))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import (
@@ -12,7 +12,7 @@ from tactgen.validation.command_line.commands.common import (
     asking_options,
     scene_options,
 )
-from tactgen.validation.command_line.json_output import print_json
+from tactgen.validation.command_line.streams import print_json
 from tactgen.validation.command_line.study_options import (
     AXES,
     axis_options,
@@ -20,6 +20,10 @@ from tactgen.validation.command_line.study_options import (
     stated,
     under_accuracy,
 )
+
+if TYPE_CHECKING:
+    from tactgen.validation.engine.plan import Plan
+    from tactgen.validation.engine.prospects import Prospect
 
 
 def add(commands: Commands) -> None:
@@ -64,12 +68,26 @@ def run(options: argparse.Namespace) -> int:
             found["ladders"] = choice.ladders
         print_json(found)
     else:
-        from tactgen.validation.command_line.tables import print_plan
-
         for sentence in choice.sentences if choice is not None else ():
             print(sentence)
-        print_plan(scene.name, plan, prospects)
+        _print_plan(scene.name, plan, prospects)
     return 0
+
+
+def _print_plan(scene: str, plan: Plan, prospects: dict[str, Prospect]) -> None:
+    """Print what runs, with what it cost when it last ran here, and what is skipped, and why."""
+    from tactgen.validation.engine.prospects import total
+
+    print(f"scene {scene}")
+    print("runs:")
+    for step in plan.run:
+        found = prospects[step.stage]
+        cost = "kept" if found.kept else f"{found.seconds:.2g} s" if found.seconds else ""
+        print(f"  {step.stage:23} {cost:>7}  {step.reason}  [{step.key}]")
+    print(f"  about {total(prospects):.2g} s in all, as far as costs are recorded")
+    print("skipped:")
+    for skip in plan.skipped:
+        print(f"  {skip.stage:23} {skip.reason}")
 
 
 def _refuse_unused(options: argparse.Namespace) -> None:

@@ -11,8 +11,7 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
-from tactgen.validation.command_line.json_output import print_json
-from tactgen.validation.command_line.streams import say
+from tactgen.validation.command_line.streams import print_json, say
 
 
 def add(commands: Commands) -> None:
@@ -59,9 +58,9 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json(as_json(solution))
     elif options.quantity or origins.get("quantities") == ON_COMMAND_LINE:
-        from tactgen.validation.command_line.tables import print_quantities
+        from tactgen.validation.engine.answers import screen_lines
 
-        print_quantities(solution)
+        print("\n".join(screen_lines(solution.quantities)))
     else:
         from tactgen.validation.command_line.overview import print_overview
 

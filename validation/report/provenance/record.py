@@ -5,18 +5,15 @@ from __future__ import annotations
 import datetime as dt
 import hashlib
 import json
-import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import read_text
+from tactgen.validation.engine.answers import quantity_json
 from tactgen.validation.engine.origin import Origin, this_origin
-from tactgen.validation.engine.results import Quantity, quantity_json
 from tactgen.validation.engine.solve import Solution
 from tactgen.validation.scene.scene import Scene
 
@@ -42,7 +39,7 @@ class Record:
     inputs : dict of str to str
         Files that the scene names, with their SHA-256.
     quantities : tuple of dict
-        As :func:`validation.engine.results.quantity_json`; no number is null.
+        As :func:`validation.engine.answers.quantity_json`; no number is null.
     """
 
     made_by: Origin
@@ -67,7 +64,7 @@ def recorded(solution: Solution) -> Record:
         values,
         {key: asdict(tolerance) for key, tolerance in solution.scene.tolerances.items()},
         {name: _digest(Path(name)) for name in _files(values)},
-        tuple(_finite(quantity_json(q)) for q in solution.quantities),
+        tuple(quantity_json(q) for q in solution.quantities),
     )
 
 
@@ -126,26 +123,6 @@ def recorded_scene(record: Record) -> Scene:
     return Scene.model_validate(record.scene)
 
 
-def quantity_of(plain: dict[str, Any]) -> Quantity:
-    """Return a recorded quantity; what has no number is nan."""
-    value = np.array(plain["value"], dtype=float)
-    frequency, classes = plain.get("frequency"), plain.get("classes")
-    uncertainty = np.array(plain["uncertainty"], dtype=float)
-    if value.ndim == uncertainty.ndim + 1:  # complex numbers are pairs
-        value = value[..., 0] + 1j * value[..., 1]
-    return Quantity(
-        name=plain["name"],
-        model=plain["model"],
-        value=value,
-        unit=plain["unit"],
-        error=uncertainty,
-        method=plain["uncertainty_method"],
-        seconds=plain["seconds"],
-        frequency=None if frequency is None else tuple(frequency),
-        classes=None if classes is None else tuple(classes),
-    )
-
-
 def _files(values: dict[str, Any]) -> Iterator[str]:
     """Yield what a scene's groups name that is a file."""
     for group in values.values():
@@ -155,14 +132,3 @@ def _files(values: dict[str, Any]) -> Iterator[str]:
 
 def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def _finite(value: Any) -> Any:
-    """Return plain values with null for what is no number."""
-    if isinstance(value, dict):
-        return {key: _finite(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        if value and isinstance(value[0], float):  # a row of numbers, which may be long
-            return [entry if entry is None or math.isfinite(entry) else None for entry in value]
-        return [_finite(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -13,13 +13,13 @@ from typing import Literal
 import numpy as np
 
 from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.answers import quantity_from_json
 from tactgen.validation.engine.origin import Origin, this_origin
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report.provenance import checksums
 from tactgen.validation.report.provenance.record import (
     Record,
-    quantity_of,
     read_record,
     recorded_scene,
 )
@@ -91,7 +91,7 @@ def reproduce(path: Path, announce: Callable[[str], None]) -> Reproduction:
     scene = recorded_scene(record)
     with _own_store():
         again = solve(scene, announce=announce)
-    then = [quantity_of(plain) for plain in record.quantities]
+    then = [quantity_from_json(plain) for plain in record.quantities]
     return Reproduction(record.name, compared(then, again.quantities), _elsewhere(record, here))
 
 

@@ -14,10 +14,9 @@ from typing import Any
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.sources import source_digest
 from tactgen.geometry.store.store import kept, recalled, store_folder
-from tactgen.geometry.store.values import storable
 from tactgen.validation.catalogue.models import MODELS, gives, reading_reads
+from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.engine.stages import values_read
 from tactgen.validation.scene.scene import Scene, checked_scene
@@ -26,33 +25,6 @@ from tactgen.validation.scene.wording import one_line
 
 class Busy(Exception):
     """Another process is computing the answer, and this one has other work."""
-
-
-@storable
-@dataclass(frozen=True)
-class Answer:
-    """What a model says at a point.
-
-    Attributes
-    ----------
-    status : str
-        ``ok``; ``failed`` if the model could not solve the scene; ``refused`` if the values do
-        not make a scene.
-    reason : str
-        Why there are no quantities, in one sentence.
-    quantities : tuple of Quantity
-        With their error bars.
-    warnings : tuple of str
-        What the reader must be told of them.
-    seconds : float
-        What it cost when it was computed.
-    """
-
-    status: str
-    reason: str
-    quantities: tuple[Quantity, ...] = ()
-    warnings: tuple[str, ...] = ()
-    seconds: float = 0.0
 
 
 @dataclass(frozen=True)

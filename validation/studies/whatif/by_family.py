@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.families import Box, Family, answer_family, find_families
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import request_warnings
 from tactgen.validation.engine.warnings import accuracy_warnings, deflection_warnings
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.whatif.answers import Answer, Question
+from tactgen.validation.studies.whatif.answers import Question
 
 
 def answers_by_family(

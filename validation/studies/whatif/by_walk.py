@@ -12,11 +12,12 @@ from dataclasses import replace
 
 from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.families import Box
 from tactgen.validation.engine.walks import Route, find_routes
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.processes import Workers
-from tactgen.validation.studies.whatif.answers import Answer, Question, keep
+from tactgen.validation.studies.whatif.answers import Question, keep
 from tactgen.validation.studies.whatif.by_family import answer_with_warnings
 
 #: Points of a walk: their numbers and scenes.

@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING, Any
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import library_versions
 from tactgen.geometry.units import quoted
-from tactgen.validation.studies.whatif.answers import Answer, code_of, keep, solved
+from tactgen.validation.engine.answers import Answer
+from tactgen.validation.studies.whatif.answers import code_of, keep, solved
 from tactgen.validation.studies.whatif.schedule import Batch
 from tactgen.validation.studies.whatif.workers import Found, Job
 

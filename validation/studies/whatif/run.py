@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.families import Box
 from tactgen.validation.engine.plan import check_models
-from tactgen.validation.studies.whatif.answers import Answer, recall, refuse_if_no_scene
+from tactgen.validation.studies.whatif.answers import recall, refuse_if_no_scene
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.by_family import answers_by_family
 from tactgen.validation.studies.whatif.by_walk import answers_by_walk

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.families import (
     Box,
     family_prospect,
@@ -16,7 +17,7 @@ from tactgen.validation.engine.families import (
 from tactgen.validation.engine.plan import check_models, make_plan
 from tactgen.validation.engine.prospects import Prospect, stage_prospects, total
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.whatif.answers import Answer, Question, recall, refuse_if_no_scene
+from tactgen.validation.studies.whatif.answers import Question, recall, refuse_if_no_scene
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.by_walk import routes
 from tactgen.validation.studies.whatif.questions import questions, scenes_nearby

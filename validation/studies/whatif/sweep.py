@@ -17,6 +17,7 @@ import numpy as np
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import gives
+from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.families import (
     MOST_KEYS,
     Box,
@@ -30,7 +31,7 @@ from tactgen.validation.engine.plan import check_scene
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.nearby import ScenesNearby
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.whatif.answers import Answer, question, reason
+from tactgen.validation.studies.whatif.answers import question, reason
 from tactgen.validation.studies.whatif.asked.scene_field import as_stated
 from tactgen.validation.studies.whatif.by_family import answer_with_warnings
 

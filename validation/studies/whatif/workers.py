@@ -8,8 +8,9 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from tactgen.validation.engine.answers import Answer
 from tactgen.validation.studies.processes import Workers
-from tactgen.validation.studies.whatif.answers import Answer, Busy, Question, answer
+from tactgen.validation.studies.whatif.answers import Busy, Question, answer
 from tactgen.validation.studies.whatif.schedule import Batch
 
 if TYPE_CHECKING:

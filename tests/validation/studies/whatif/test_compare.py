@@ -8,6 +8,7 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.answers import COLUMNS
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.whatif.asked.statement import Statement
@@ -15,12 +16,12 @@ from tactgen.validation.studies.whatif.compare import page, sides
 from tactgen.validation.studies.whatif.compare.differences import answer_differences
 from tactgen.validation.studies.whatif.compare.sides import Key, Number, Side, read_sides
 from tactgen.validation.studies.whatif.compare.wording import as_values
-from tactgen.validation.studies.whatif.shown import csv_table
+from tactgen.validation.studies.whatif.shown.files import TABLE
 from tactgen.validation.view import pictures
 
 KEY = Key((), "capacitance_free", "solid", "", "")
 SCENE = load_scene("prototype")[0]
-HEAD = ",".join(["gap (m)", *csv_table.COLUMNS])
+HEAD = ",".join(["gap (m)", *COLUMNS])
 
 
 def side(name, **numbers):
@@ -205,10 +206,10 @@ def test_a_study_whose_table_is_lost_or_damaged_is_refused(tmp_path, monkeypatch
     stated = Statement("paper", {}, ("gap=1mm,2mm",), ("tmm",), ())
     monkeypatch.setattr(sides, "read_statement", lambda _: stated)
     if table is not None:
-        (tmp_path / csv_table.FILE).write_text(table)
+        (tmp_path / TABLE).write_text(table)
     with pytest.raises(InputError) as caught:
         sides._study(tmp_path)
-    assert f"{tmp_path / csv_table.FILE} {words}" in str(caught.value)
+    assert f"{tmp_path / TABLE} {words}" in str(caught.value)
     assert str(caught.value).endswith(f"tactgen whatif --resume --out {tmp_path}")
 
 

@@ -11,13 +11,14 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.claim import claimed
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif import answers, schedule, workers
 from tactgen.validation.studies.whatif.answers import Question
 from tactgen.validation.studies.whatif.asked.statement import Statement, read_statement
 from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.shown.dataset import dataset
+from tactgen.validation.studies.whatif.shown.files import dataset
 
 
 def statement(
@@ -337,9 +338,9 @@ def test_a_study_over_frequency_is_a_sweep():
     np.testing.assert_array_equal(found.values[0, :, 0], sweep)
     assert np.isnan(found.values[0, :, 1]).all()
     unanswered = replace(
-        study, answers=tuple({"tmm": answers.Answer("refused", "why")} for _ in study.answers)
+        study, answers=tuple({"tmm": Answer("refused", "why")} for _ in study.answers)
     )
-    assert dataset(unanswered).variables == {}
+    assert set(dataset(unanswered).variables) == {"status", "reason", "seconds"}
 
 
 def test_a_study_that_is_gone_on_with_keeps_what_it_held(tmp_path):

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from tactgen.validation.command_line.commands.common import Commands
-from tactgen.validation.command_line.json_output import print_json
-from tactgen.validation.command_line.streams import name_files
+from tactgen.validation.command_line.streams import name_files, print_json
 
 Part = TypeVar("Part")
 

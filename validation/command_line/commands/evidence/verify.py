@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tactgen.validation.command_line.commands.common import Commands
-from tactgen.validation.command_line.json_output import print_json
-from tactgen.validation.command_line.streams import name_files
+from tactgen.validation.command_line.streams import name_files, print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.checks.verification import Extent, Verified

@@ -14,7 +14,8 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
-from tactgen.validation.command_line.json_output import plain, print_json
+from tactgen.validation.command_line.streams import print_json
+from tactgen.validation.engine.answers import plain
 
 if TYPE_CHECKING:
     from tactgen.validation.models.amplitude.backbone import Backbone, Curve

@@ -6,8 +6,7 @@ import argparse
 from pathlib import Path
 
 from tactgen.validation.command_line.commands.common import Commands
-from tactgen.validation.command_line.json_output import print_json
-from tactgen.validation.command_line.streams import name_files
+from tactgen.validation.command_line.streams import name_files, print_json
 
 
 def add(commands: Commands) -> None:

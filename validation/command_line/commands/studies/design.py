@@ -15,7 +15,7 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
-from tactgen.validation.command_line.json_output import print_json
+from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.scene.scene import Scene

@@ -12,7 +12,7 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
-from tactgen.validation.command_line.json_output import print_json
+from tactgen.validation.command_line.streams import print_json
 
 _ABOUT = """\
 Fit parameters of a scene to a measured frequency response with the transfer-matrix model,

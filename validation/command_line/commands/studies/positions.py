@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
-from tactgen.validation.command_line.json_output import print_json
+from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
     from tactgen.geometry.arrays import Floats

@@ -13,8 +13,7 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
-from tactgen.validation.command_line.json_output import print_json
-from tactgen.validation.command_line.streams import say
+from tactgen.validation.command_line.streams import print_json, say
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
-from tactgen.validation.command_line.json_output import print_json
+from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
     from tactgen.tmm.generator.transient.waveform import Waveform

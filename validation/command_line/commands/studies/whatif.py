@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import Commands, warn
-from tactgen.validation.command_line.json_output import print_json
+from tactgen.validation.command_line.streams import print_json
 from tactgen.validation.command_line.study_options import (
     AXES,
     axis_options,
@@ -181,8 +181,7 @@ def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
 def _write(
     folder: Path, study: Study, found: Verdict | None, announce: Callable[[str], None]
 ) -> None:
-    from tactgen.validation.studies.whatif.shown.csv_table import write_tidy
-    from tactgen.validation.studies.whatif.shown.netcdf import write_netcdf
+    from tactgen.validation.studies.whatif.shown.files import write_netcdf, write_tidy
     from tactgen.validation.studies.whatif.shown.page import write_page
 
     write_tidy(folder, study)
@@ -226,7 +225,7 @@ def _ladders(choice: Choice | None) -> dict[str, Any]:
 
 def _as_json(study: Study) -> dict[str, Any]:
     """Return the study as plain JSON values, SI units."""
-    from tactgen.validation.engine.results import quantity_json
+    from tactgen.validation.engine.answers import answer_json
 
     stated = study.statement
     return {
@@ -237,9 +236,7 @@ def _as_json(study: Study) -> dict[str, Any]:
             for a in stated.axes
         ],
         "points": [
-            {"at": point, "model": model, "status": answer.status, "reason": answer.reason,
-             "seconds": answer.seconds, "quantities": [quantity_json(q) for q in answer.quantities],
-             "warnings": list(answer.warnings)}
+            {"at": point, "model": model, **answer_json(answer)}
             for point, model, answer in study.rows
         ],
         "counts": study.counts,

@@ -11,13 +11,13 @@ from tactgen.geometry.device.parameters import Threshold
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.detection import ThresholdCurve, threshold_of
 from tactgen.validation.catalogue.models import ranked
+from tactgen.validation.engine.answers import Answer
 from tactgen.validation.studies.whatif.aim.expression import (
     THRESHOLD,
     Aim,
     at_threshold,
     parse_aim,
 )
-from tactgen.validation.studies.whatif.answers import Answer
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import Study
 

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.answers import COLUMNS, quantity_rows
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene, checked_scene, load_scene, scene_values
-from tactgen.validation.studies.whatif.answers import Answer
 from tactgen.validation.studies.whatif.asked.choice import chosen
 from tactgen.validation.studies.whatif.asked.statement import FILE, Statement, read_statement
-from tactgen.validation.studies.whatif.shown import csv_table
+from tactgen.validation.studies.whatif.shown.files import TABLE
 
 #: Longest list of frequencies that is shown whole.
 _LISTED = 6
@@ -110,24 +110,22 @@ def _scene(
     scene, origins = load_scene(name, [*overrides, f"models={','.join(which[0])}"])
     announce(f"scene {name}")
     solution = solve(scene, *which, announce)
-    records = (
-        record
-        for q in solution.quantities
-        for record in csv_table.records_of({}, q.model, q.name, Answer("ok", "", (q,)))
+    rows = (row for q in solution.quantities for row in quantity_rows(q))
+    numbers, missing = _numbered(
+        ["" if cell is None else str(cell) for cell in row] for row in rows
     )
-    numbers, missing = _numbered(tuple(_text(cell) for cell in r.cells) for r in records)
     return Side(name, _inputs(scene, origins), numbers, missing, scene, ())
 
 
 def _study(folder: Path) -> Side:
     statement = read_statement(folder)
     scene = checked_scene({**statement.values, "models": list(statement.models)})
-    path = folder / csv_table.FILE
+    path = folder / TABLE
     try:
         with path.open(newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))
         head, axes = rows[0], len(statement.axes)
-        if tuple(head[axes:]) != csv_table.COLUMNS:
+        if tuple(head[axes:]) != COLUMNS:
             raise ValueError("other columns")
         numbers, missing = _numbered(
             (tuple(zip(head[:axes], row[:axes], strict=True)), *row[axes:]) for row in rows[1:]
@@ -146,10 +144,6 @@ def _study(folder: Path) -> Side:
     varied = {f"axis {axis.key}": axis.text for axis in statement.axes}
     inputs = {k: v for k, v in _inputs(scene, {}).items() if f"axis {k}" not in varied}
     return Side(str(folder), inputs | varied, numbers, missing, scene, tuple(head[:axes]))
-
-
-def _text(cell: object) -> str:
-    return "" if cell is None else str(cell)
 
 
 def _inputs(scene: Scene, origins: dict[str, str]) -> dict[str, str]:
@@ -176,7 +170,7 @@ def _numbered(
         point: tuple[tuple[str, str], ...] = ()
         if row and isinstance(row[0], tuple):
             point, row = row[0], row[1:]
-        cells = dict(zip(csv_table.COLUMNS, (str(cell) for cell in row), strict=True))
+        cells = dict(zip(COLUMNS, (str(cell) for cell in row), strict=True))
         key = Key(point, cells["quantity"], cells["model"], cells["frequency"], cells["index"])
         if cells["value"] == "":
             missing[key] = cells["reason"]

@@ -18,16 +18,15 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.answers import Answer, representative
 from tactgen.validation.engine.families import basis
 from tactgen.validation.studies.whatif.aim.best import Verdict
 from tactgen.validation.studies.whatif.aim.wording import sentences
-from tactgen.validation.studies.whatif.answers import Answer
 from tactgen.validation.studies.whatif.asked.axes import Axis
 from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import Study, answers_at
 from tactgen.validation.studies.whatif.shown.aim_picture import aim_picture
 from tactgen.validation.studies.whatif.shown.pictures import study_picture
-from tactgen.validation.studies.whatif.shown.representative import representative
 from tactgen.validation.studies.whatif.shown.text_table import heading, table_lines
 from tactgen.validation.view.plain_page import plain_page
 

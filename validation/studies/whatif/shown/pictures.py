@@ -13,10 +13,10 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.answers import representative
 from tactgen.validation.studies.whatif.asked.axes import Axis
 from tactgen.validation.studies.whatif.asked.scene_field import scene_field
 from tactgen.validation.studies.whatif.run import Study
-from tactgen.validation.studies.whatif.shown.representative import representative
 from tactgen.validation.studies.whatif.shown.text_table import heading
 from tactgen.validation.view.figures import (
     AMBER,

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from tactgen.validation.catalogue.models import gives
-from tactgen.validation.studies.whatif.answers import Answer
+from tactgen.validation.engine.answers import Answer, representative
 from tactgen.validation.studies.whatif.asked.scene_field import scene_field
 from tactgen.validation.studies.whatif.run import Study
-from tactgen.validation.studies.whatif.shown.representative import representative
 
 #: Lines that are shown; of longer studies evenly spaced ones.
 _SHOWN = 60

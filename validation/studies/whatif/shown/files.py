@@ -1,0 +1,86 @@
+"""Files of a study: a tidy table (CSV) and arrays over its axes (netCDF 3)."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.engine import answers
+from tactgen.validation.engine.answers import Dataset, Variable
+from tactgen.validation.studies.whatif.answers import code_of
+from tactgen.validation.studies.whatif.asked.statement import FORMAT
+from tactgen.validation.studies.whatif.run import Study
+
+#: Files in a study's folder.
+TABLE, ARRAYS = "study.csv", "study.nc"
+#: What the global attribute `title` says.
+TITLE = "tactgen what-if study"
+#: Libraries whose versions are written down.
+_LIBRARIES = ("tactgen", "numpy", "scipy", "scikit-fem")
+
+
+def table(study: Study) -> Iterator[tuple[Any, ...]]:
+    """Yield the values of a point's axes and every number there."""
+    for point, model, answer in study.rows:
+        for row in answers.rows(model, study.statement.quantities, answer):
+            yield (*point.values(), *row)
+
+
+def write_tidy(folder: Path, study: Study) -> Path:
+    """Write the table, whole or not at all."""
+    return answers.write_csv(
+        folder / TABLE, (axis.label for axis in study.statement.axes), table(study)
+    )
+
+
+def dataset(study: Study) -> Dataset:
+    """Return the study's arrays."""
+    stated = study.statement
+    axes = {
+        axis.key: Variable(
+            (dimension,), np.array(values, dtype=None if axis.numeric else np.str_), axis.unit,
+            f"scene key {axis.key}",
+        )
+        for axis in stated.axes
+        for dimension, values in (stated.columns[axis.key],)
+    }  # fmt: skip
+    by_model = [{m: at[m] for m in stated.models} for at in study.answers]
+    return answers.dataset(axes, stated.shape, stated.quantities, by_model)
+
+
+def write_netcdf(folder: Path, study: Study) -> Path:
+    """Write the study's arrays with units, errors and provenance, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    return answers.write_netcdf(folder / ARRAYS, dataset(study), _provenance(study))
+
+
+def _provenance(study: Study) -> dict[str, str]:
+    """Return what the numbers were made from and by."""
+    stated = study.statement
+    scene = json.dumps(stated.values, sort_keys=True, default=str)
+    return {
+        "title": TITLE,
+        "format": str(FORMAT),
+        "conventions": "SI units; complex numbers are peak amplitudes, time factor e^(+j Omega t); "
+        "NAME_uncertainty is the numerical error bar of NAME",
+        "scene": stated.scene,
+        "scene_values": scene,
+        "scene_sha256": hashlib.sha256(scene.encode()).hexdigest(),
+        "vary": "\n".join(stated.vary),
+        "seed": str(stated.seed),
+        "models": "\n".join(f"{name}: {MODELS[name].description}" for name in stated.models),
+        "code_sha256": "\n".join(f"{name}: {code_of(name)}" for name in stated.models),
+        "versions": ", ".join(f"{name} {version(name)}" for name in _LIBRARIES),
+    }
