@@ -10,10 +10,10 @@ from typing import Any
 
 from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.files import write_text
+from tactgen.geometry.formats import engineering
 from tactgen.validation.bench.result import Bench, Timing
 from tactgen.validation.view.console import console
 from tactgen.validation.view.figures import ORANGE, panels, plain_numbers, svg
-from tactgen.validation.view.formats import engineering
 
 
 def print_bench(parts: Iterable[Bench]) -> None:

@@ -18,12 +18,12 @@ import numpy as np
 
 from tactgen.fem.magnetics.axisymmetric import FieldPoint, solve_map, solve_point
 from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.formats import engineering
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.validation.bench.one_core import least_time, on_one_core
 from tactgen.validation.bench.result import Bench, Target, Timing
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential
 from tactgen.validation.checks.cases.magnetics.team20 import pole_forces
-from tactgen.validation.view.formats import engineering
 
 #: Errors asked for, relative.
 _FORCE, _LINKAGE = 1e-3, 5e-4

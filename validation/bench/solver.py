@@ -21,9 +21,9 @@ from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.formats import engineering
 from tactgen.validation.bench.one_core import least_time, on_one_core, peak_memory
 from tactgen.validation.bench.result import Bench, Target, Timing
-from tactgen.validation.view.formats import engineering
 
 #: Unknowns asked for.
 _SIZES = (50_000, 200_000, 500_000)

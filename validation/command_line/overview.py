@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tactgen.geometry.formats import engineering, share
 from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution
-from tactgen.validation.view.formats import engineering, share
 
 #: Error bars below this share of their value are not shown.
 _FINE = 1e-5

@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.geometry.files import write_text, written_whole
+from tactgen.geometry.formats import engineering, share, with_bar
 from tactgen.geometry.store.values import storable
 from tactgen.validation.catalogue.models import gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Quantity
-from tactgen.validation.view.formats import engineering, share, with_bar
 
 Array = NDArray[Any]
 

@@ -12,6 +12,7 @@ from tactgen.geometry.arrays import Complex
 from tactgen.geometry.device.layout import MM
 from tactgen.geometry.display.layout import as_built, display_parts, unit_names
 from tactgen.geometry.files import write_text, written_whole
+from tactgen.geometry.formats import engineering
 from tactgen.tmm.display.array import tip_motions
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.engine.model import make_model
@@ -20,7 +21,6 @@ from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.display.crosstalk import display_ports
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.films import check_ffmpeg, save_film
-from tactgen.validation.view.formats import engineering
 from tactgen.validation.view.page.display import DrawnPart, Swing, display_page
 from tactgen.validation.view.page.html import Still
 from tactgen.validation.view.pictures import assembly_picture

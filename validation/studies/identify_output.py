@@ -16,6 +16,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.profile import Profile
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
+from tactgen.geometry.formats import engineering, prefixed
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.files import scene_name
 from tactgen.validation.scene.keys import SYMBOLS, value_of
@@ -24,7 +25,6 @@ from tactgen.validation.scene.scene import FILE_KEYS
 from tactgen.validation.studies.curve_fit import curve_model
 from tactgen.validation.studies.identify import Assumption, FittedParameter, Identification
 from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, svg
-from tactgen.validation.view.formats import engineering, prefixed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.formats import engineering, with_bar
 from tactgen.validation.fields.result import Array, FieldResult, State, at_phase, von_mises
-from tactgen.validation.view.formats import engineering, with_bar
 
 #: A tip whose middle moves by less than this part of the largest displacement is twisted.
 _TWISTS = 0.3

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tactgen.geometry.formats import engineering
 from tactgen.geometry.meshing.mesh import Surface, surface_of
 from tactgen.validation.fields.result import FieldResult, State, at_phase
-from tactgen.validation.view.formats import engineering
 from tactgen.validation.view.palettes import COLOURS, MAGNITUDE, SIGNED
 from tactgen.validation.view.pictures import off_screen
 from tactgen.validation.view.shading import MODELS, REGIONS, Shade, enlargement, words_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import resources
 from typing import TYPE_CHECKING
 
-from tactgen.validation.view.formats import filters
+from tactgen.geometry.formats import filters
 
 if TYPE_CHECKING:
     from jinja2 import Environment

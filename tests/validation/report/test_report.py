@@ -14,6 +14,14 @@ import pytest
 
 from tactgen.geometry.cad import system_libraries
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.formats import (
+    engineering,
+    percent,
+    prefixed,
+    share,
+    signed,
+    with_bar,
+)
 from tactgen.validation import report
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
@@ -24,14 +32,6 @@ from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.design import length_section
 from tactgen.validation.studies.uncertainty import propagation
 from tactgen.validation.view.browser import find_browser, run_browser
-from tactgen.validation.view.formats import (
-    engineering,
-    percent,
-    prefixed,
-    share,
-    signed,
-    with_bar,
-)
 from tactgen.validation.view.pdf_pages import anchor_pages
 
 

@@ -9,6 +9,7 @@ import zlib
 import numpy as np
 import pytest
 
+from tactgen.geometry.formats import with_bar
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.fields.gather import Request, gather
 from tactgen.validation.fields.lengths import length_range
@@ -16,7 +17,6 @@ from tactgen.validation.fields.over_length import LengthRange, ModeOverLength, l
 from tactgen.validation.fields.result import at_phase
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.view.browser import find_browser, run_browser
-from tactgen.validation.view.formats import with_bar
 from tactgen.validation.view.page.html import Still, page
 from tactgen.validation.view.page.shown import Block, payload
 from tactgen.validation.view.shading import SHADES, enlargement, shades_of

@@ -19,6 +19,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Support
+from tactgen.geometry.formats import engineering
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.sections import Section, section
 from tactgen.tmm.beam.span import (
@@ -43,7 +44,6 @@ from tactgen.validation.checks.stress.result import (
     Stress,
     judged,
 )
-from tactgen.validation.view.formats import engineering
 
 _LENGTH = 20e-3
 #: Frequencies above 0 Hz and lengths of the grids, of a quick run and of a full one.

@@ -14,6 +14,7 @@ from tactgen.fem.magnetics.axisymmetric_space import discretise
 from tactgen.fem.magnetics.problem_3d import MagneticSolid
 from tactgen.geometry.device.parameters import Device, Steel
 from tactgen.geometry.device.steel_law import MagnetisationCurve, linear
+from tactgen.geometry.formats import engineering
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid
 from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from tactgen.tmm.reluctance.circuit import ONE_GAP
@@ -21,7 +22,6 @@ from tactgen.tmm.reluctance.network import network_samples, textbook_force
 from tactgen.validation.checks.cases.magnetics.collared_actuator import COLLARED, collared
 from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.result import Row, answered
-from tactgen.validation.view.formats import engineering
 
 _GAPS = (1e-6, 1e-5, 1e-4, 0.4e-3, 1e-3, 5e-3)
 _CURRENTS = np.array([1e-6, 1e-3, 0.13, 10.0, 1e3])

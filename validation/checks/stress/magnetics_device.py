@@ -16,6 +16,7 @@ from tactgen.fem.magnetics.axisymmetric import (
 from tactgen.fem.magnetics.axisymmetric_field import MagneticField
 from tactgen.geometry.device.parameters import Device, Sleeve, Steel
 from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.formats import engineering
 from tactgen.validation.checks.cases.magnetics.infinite_solenoid import (
     INNER,
     OUTER,
@@ -25,7 +26,6 @@ from tactgen.validation.checks.cases.magnetics.infinite_solenoid import (
 )
 from tactgen.validation.checks.stress.answers import REFUSALS, Family, spread
 from tactgen.validation.checks.stress.result import Row, answered
-from tactgen.validation.view.formats import engineering
 
 #: Steels: linear by their µr, and the saturating one.
 _STEELS = {

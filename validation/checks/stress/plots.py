@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.formats import engineering
 from tactgen.tmm.beam.span import error_bound
 from tactgen.validation.checks.stress.result import WANTED, Approach, ErrorMap
 from tactgen.validation.view.figures import ORANGE, new_figure, panels, svg
-from tactgen.validation.view.formats import engineering
 
 #: Decades of relative error that the colours span.
 _DECADES = (-17.0, 0.0)

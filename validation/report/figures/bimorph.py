@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactgen.geometry.formats import percent
 from tactgen.validation.view.figures import AMBER, BLUE, GREEN, GREY, ORANGE, panels, svg
-from tactgen.validation.view.formats import percent
 
 if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge import Rung

@@ -13,6 +13,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.formats import percent
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.switching import (
     balance_current,
@@ -24,7 +25,6 @@ from tactgen.tmm.reluctance.switching import (
 )
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
-from tactgen.validation.view.formats import percent
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.formats import engineering
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.beam.sensitivities import derivatives, values
 from tactgen.tmm.ports.readout import ModalReadout, Readout
@@ -18,7 +19,6 @@ from tactgen.validation.engine.warnings import check_held
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.uncertainty.headline_numbers import actuator
 from tactgen.validation.studies.uncertainty.varied_keys import chosen_keys
-from tactgen.validation.view.formats import engineering
 
 #: Columns that a table for people has at most, if a quantity's frequencies can be thinned.
 _SHOWN = 8

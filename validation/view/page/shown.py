@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.formats import share, with_bar
 from tactgen.geometry.meshing.mesh import Mesh, Surface, surface_of
 from tactgen.validation.fields.over_length import LengthRange, ModeOverLength
 from tactgen.validation.fields.result import Array, FieldResult, State
-from tactgen.validation.view.formats import share, with_bar
 from tactgen.validation.view.palettes import COLOURS, magnitude_stops, signed_stops
 from tactgen.validation.view.shading import (
     MODELS,

@@ -53,8 +53,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _print(rows: list[Verified]) -> None:
+    from tactgen.geometry.formats import engineering, percent
     from tactgen.validation.checks.verification import VERDICTS
-    from tactgen.validation.view.formats import engineering, percent
 
     print(f"{'id':9} {'verdict':10} {'measured':>14} {'deviation':>12}  requirement")
     for row in rows:

@@ -230,10 +230,10 @@ def _draw(file: Path, study: LengthMap, found: Design) -> None:
 
 
 def _print(scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence, ...]) -> None:
+    from tactgen.geometry.formats import signed
     from tactgen.validation.studies.design.length_dependence import decided_lengths
     from tactgen.validation.studies.design.length_section import NEGLIGIBLE, table_rows
     from tactgen.validation.studies.design.wording import sentences
-    from tactgen.validation.view.formats import signed
 
     for sentence in sentences(found):
         print(sentence)

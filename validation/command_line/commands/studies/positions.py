@@ -182,7 +182,7 @@ def _plain(found: RodLoop) -> dict[str, Any]:
 
 
 def _print(found: RodLoop) -> None:
-    from tactgen.validation.view.formats import engineering, with_bar
+    from tactgen.geometry.formats import engineering, with_bar
 
     print(f"{found.model}: position of the rod, 0 at the upper stop, negative down")
     if found.switching is not None:

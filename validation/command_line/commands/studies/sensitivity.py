@@ -269,7 +269,7 @@ def _signed(value: float) -> str:
 def _print_uncertainty(uncertain: Sequence[Uncertainty]) -> None:
     from rich.table import Table
 
-    from tactgen.validation.view.formats import engineering, share, signed
+    from tactgen.geometry.formats import engineering, share, signed
 
     table = Table()
     for name in ("number", "value", "numerical", "95 % of samples", "main contributors"):

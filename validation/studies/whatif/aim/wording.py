@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from tactgen.geometry.formats import with_bar
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.studies.whatif.aim.best import Judged, Verdict, yield_interval
 from tactgen.validation.studies.whatif.aim.expression import Aim
 from tactgen.validation.studies.whatif.asked.scene_field import scene_field
 from tactgen.validation.studies.whatif.run import Study
-from tactgen.validation.view.formats import with_bar
 
 #: Most points that are listed.
 _LISTED = 5

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from tactgen.geometry.formats import percent, with_bar
 from tactgen.validation.studies.whatif.asked.scene_field import scene_field
 from tactgen.validation.studies.whatif.compare.differences import AnswerDifference, InputDifference
 from tactgen.validation.studies.whatif.compare.sides import Key, Number, Side
-from tactgen.validation.view.formats import percent, with_bar
 
 #: Where no quantity of the one is one of the other by the same model.
 NOTHING_SHARED = (

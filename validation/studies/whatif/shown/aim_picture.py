@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.formats import prefixed
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.studies.whatif.aim.best import Judged, Verdict
 from tactgen.validation.studies.whatif.run import Study
 from tactgen.validation.studies.whatif.shown.pictures import along
 from tactgen.validation.view.figures import AMBER, DARK, GREEN, GREY, ORANGE, panels, svg
-from tactgen.validation.view.formats import prefixed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

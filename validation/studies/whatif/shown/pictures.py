@@ -13,6 +13,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.formats import prefixed
 from tactgen.validation.engine.answers import representative
 from tactgen.validation.studies.whatif.asked.axes import Axis
 from tactgen.validation.studies.whatif.asked.scene_field import scene_field
@@ -31,7 +32,6 @@ from tactgen.validation.view.figures import (
     shades,
     svg,
 )
-from tactgen.validation.view.formats import prefixed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
