@@ -11,9 +11,8 @@ import numpy as np
 
 import tactgen
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.design.aim import Aim
-from tactgen.validation.studies.design.length_design import design
-from tactgen.validation.studies.design.length_map import length_map
+from tactgen.validation.studies.design import Aim, design
+from tactgen.validation.studies.length_map import length_map
 
 scene, _ = load_scene("paper")
 found = length_map(scene, np.arange(16, 42, 2) * 1e-3, (10.0, 1000.0))

@@ -1,1 +1,1 @@
-"""Questions of many solutions: design, identification, uncertainty."""
+"""Questions of many solutions: design, identification, sensitivity, runs in time, what if."""

@@ -27,9 +27,9 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
 from tactgen.validation.report.figures.bimorph import response_values
 from tactgen.validation.report.page import _with_pages, print_report, write_report
+from tactgen.validation.report.sections import length as length_section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.design import length_section
 from tactgen.validation.studies.uncertainty import propagation
 from tactgen.validation.view.browser import find_browser, run_browser
 from tactgen.validation.view.pdf_pages import anchor_pages

@@ -16,9 +16,9 @@ from tactgen.validation.catalogue.detection import (
 )
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import as_json, solve
+from tactgen.validation.report.sections.voltage import section
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.design.excitation_voltage import CASES, voltage_study
-from tactgen.validation.studies.design.voltage_section import section
+from tactgen.validation.studies.excitation_voltage import CASES, voltage_study
 
 
 @pytest.mark.parametrize(("frequency", "amplitude"), [(10, 2e-6), (250, 0.2e-6), (1000, 1e-6)])

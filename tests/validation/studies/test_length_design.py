@@ -11,24 +11,28 @@ from tactgen.tmm.ports import finger
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report.page import templates
+from tactgen.validation.report.sections import length as length_section
+from tactgen.validation.report.sections import voltage as voltage_section
+from tactgen.validation.report.sections.length import length_plot, section
 from tactgen.validation.scene.keys import value_of, with_values
 from tactgen.validation.scene.papers_device import is_papers_bimorph
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.design import length_scan, length_section, plots, voltage_section
-from tactgen.validation.studies.design.aim import PAPER_LENGTHS, Aim
-from tactgen.validation.studies.design.length_dependence import decided_lengths, dependences
-from tactgen.validation.studies.design.length_design import design, largest_margin
-from tactgen.validation.studies.design.length_map import (
+from tactgen.validation.studies.design import (
+    PAPER_LENGTHS,
+    Aim,
+    check_range,
+    design,
+    largest_margin,
+    lowest_margin,
+)
+from tactgen.validation.studies.design_statements import changed_setting, dependences, sentences
+from tactgen.validation.studies.identify import fit_parameter
+from tactgen.validation.studies.length_map import (
     actuator,
     length_map,
     local_minima,
     tip_amplitude,
 )
-from tactgen.validation.studies.design.length_scan import lowest_margin
-from tactgen.validation.studies.design.length_section import section
-from tactgen.validation.studies.design.plots import length_plot
-from tactgen.validation.studies.design.wording import changed_setting, sentences
-from tactgen.validation.studies.identify import fit_parameter
 
 BAND = (10.0, 1000.0)
 #: From well below to above the paper's lengths: m is decided by the band's end, then a minimum.
@@ -246,7 +250,7 @@ def test_the_remedies_are_accepted(paper):
     bare, _ = load_scene("paper", ["bimorph.bare_above=12mm"])
     for scene, lengths in ((paper[0], (0.77e-3, 274e-3)), (bare, (12.1e-3, 40e-3))):
         device, aim = actuator(scene), Aim(lengths=lengths)
-        length_scan.check_range(device, aim)
+        check_range(device, aim)
         assert np.isfinite(lowest_margin(device, aim, np.array(lengths))[0]).all()
 
 
@@ -293,22 +297,6 @@ def test_another_device_is_asked_its_own_question():
     assert is_papers_bimorph(load_scene("prototype", ["bimorph.wiring=series"])[0])
     short, _ = load_scene("paper", [*OWN, "bimorph.bare_above=10mm"])
     assert length_section._own_question(short)[1][0].lengths[0] == pytest.approx(15e-3)
-
-
-def test_every_aim_is_asked_in_both_wirings(monkeypatch):
-    """Titles, what is sought, and the device with that wiring; the paper's own question."""
-    monkeypatch.setattr(length_section, "design", lambda scene, aim: (scene.bimorph.wiring, aim))
-    asked, aims = length_section._papers_question(load_scene("prototype")[0])
-    assert (asked.load.kind, asked.drive.voltage) == ("finger", 50.0)
-    assert [aim.kind for aim in aims] == [*length_section._SOUGHT, "margin"]
-    found = length_section._cases(asked, aims)
-    assert found == [
-        (wiring, length_section._SOUGHT[aim.kind], (wiring, aim))
-        for wiring in ("parallel", "series")
-        for aim in aims
-    ]
-    bare, _ = load_scene("prototype", ["bimorph.bare_above=11mm"])
-    assert len(length_section._papers_question(bare)[1]) == len(length_section._SOUGHT)
 
 
 @pytest.mark.parametrize(
@@ -480,7 +468,7 @@ def test_sensitivity_of_the_largest_margin(name, key):
     scene, origins = load_scene(name)
     found = design(scene, Aim(kind="margin", lengths=SHORTER))
     rows = {row.key: row for row in dependences(found, origins)}
-    column = [length for length, _ in decided_lengths(found)].index(found.length)
+    column = [length for length, _ in found.decided].index(found.length)
     around = 0.95 * found.length, 1.05 * found.length
     up, down = (
         largest_margin(
@@ -587,20 +575,3 @@ def test_a_dip_beside_an_end_is_found(at):
     _, where, lowest = local_minima(f, dip(np.zeros(1), f), dip)
     assert where[-1] == pytest.approx(at, rel=1e-7)
     assert lowest[-1] < 1e-6
-
-
-def test_thresholds_are_drawn_in_micrometres_through_their_points():
-    from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
-    from tactgen.validation.view.figures import new_figure
-
-    axis = new_figure(4.0, 3.0).add_subplot()
-    f = np.geomspace(10.0, 1000.0, 50)
-    plots._threshold(axis, f)
-    curve, points = axis.lines
-    assert curve.get_ydata() == pytest.approx(1e6 * DISPLAY_THRESHOLD.at(f))
-    at, known = points.get_data()
-    assert known == pytest.approx(1e6 * DISPLAY_THRESHOLD.at(np.asarray(at)))
-    ((left, right),) = [tuple(s[:, 0]) for s in axis.collections[0].get_segments()]
-    assert left < right == pytest.approx(1000.0)
-    assert axis.get_xlim() == pytest.approx((10.0, 1000.0))
-    assert (axis.get_xlabel(), axis.get_ylabel()) == ("frequency (Hz)", "threshold (µm)")

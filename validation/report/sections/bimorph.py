@@ -13,6 +13,9 @@ from tactgen.validation.models.bimorph.rows import LumpedModel
 from tactgen.validation.models.comparison import UNEXPLAINED
 from tactgen.validation.report.figures.bimorph import response_plot, response_values
 from tactgen.validation.report.sections import gallery
+from tactgen.validation.report.sections import length as length_section
+from tactgen.validation.report.sections import uncertainty as uncertainty_section
+from tactgen.validation.report.sections import voltage as voltage_section
 from tactgen.validation.report.sections.bridge import (
     bridge_section,
     holding_section,
@@ -24,8 +27,6 @@ from tactgen.validation.report.sections.load import load_section
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.papers_device import is_papers_bimorph
-from tactgen.validation.studies.design import length_section, voltage_section
-from tactgen.validation.studies.uncertainty import section as uncertainty_section
 
 
 def _models(study: Study) -> Context:

@@ -19,10 +19,9 @@ from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.scene.scene import Scene
-    from tactgen.validation.studies.design.aim import Aim
-    from tactgen.validation.studies.design.length_dependence import Dependence
-    from tactgen.validation.studies.design.length_design import Design
-    from tactgen.validation.studies.design.length_map import LengthMap
+    from tactgen.validation.studies.design import Aim, Design
+    from tactgen.validation.studies.design_statements import Dependence
+    from tactgen.validation.studies.length_map import LengthMap
 
 
 def add(commands: Commands) -> None:
@@ -132,10 +131,9 @@ def _length_design(options: argparse.Namespace) -> int:
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.drive_warnings import field_warnings
     from tactgen.validation.scene.idle_keys import scene_warnings
-    from tactgen.validation.studies.design.length_dependence import dependences
-    from tactgen.validation.studies.design.length_design import design
-    from tactgen.validation.studies.design.length_map import length_map
-    from tactgen.validation.studies.design.length_section import CURVES
+    from tactgen.validation.studies.design import CURVES, design
+    from tactgen.validation.studies.design_statements import dependences
+    from tactgen.validation.studies.length_map import length_map
 
     scene, origins = lateral_scene(options.scene, options.overrides, "design")
     aim = _aim(scene, options)
@@ -146,39 +144,40 @@ def _length_design(options: argparse.Namespace) -> int:
     warn(scene_warnings(scene, origins))
     with announcer() as announce:
         announce("length design")
-        found = design(scene, aim)
+        result = design(scene, aim)
         study = length_map(scene, np.linspace(*aim.lengths, CURVES), aim.band)
         announce("what the length depends on")
-        rows = dependences(found, origins)
+        rows = dependences(result, origins)
         if options.plot:
-            _draw(Path(options.plot), study, found)
-    warn((*field_warnings(scene, (TIP_DISPLACEMENT.name,)), *found.warnings))
+            from tactgen.geometry.files import write_text
+            from tactgen.validation.report.sections.length import length_plot
+
+            write_text(Path(options.plot), length_plot(study, result))
+    warn((*field_warnings(scene, (TIP_DISPLACEMENT.name,)), *result.warnings))
     if options.json:
-        print_json(_as_json(scene, study, found, rows))
+        print_json(_as_json(study, result, rows))
     else:
-        _print(scene, study, found, rows)
+        _print(study, result, rows)
     return 0
 
 
 def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
-    """Return the aim of a length."""
     from tactgen.validation.catalogue.detection import threshold_of
     from tactgen.validation.scene.frequencies import parse_frequencies
-    from tactgen.validation.studies.design.aim import Aim, AimKind, stated_band
+    from tactgen.validation.studies.design import Aim, AimKind, stated_band
 
     kinds: dict[str, AimKind] = {"shortest": "shortest", "margin": "margin"}
-    asked = options.aim or ["shortest"]
-    unknown = [aim for aim in asked if aim not in kinds]
+    aims = options.aim or ["shortest"]
+    unknown = [aim for aim in aims if aim not in kinds]
     if unknown:
         raise InputError(
             f'--aim "{unknown[0]}" is neither shortest nor margin{nearest(unknown[0], kinds)}, '
             "which are of the length; for an aim of your own name what may change, for example "
             "--vary bimorph.length=14mm:22mm"
         )
-    if len(asked) > 1:
+    if len(aims) > 1:
         raise InputError(
-            f"--aim is given {len(asked)} times, and a length is found for one; leave the others "
-            "out"
+            f"--aim is given {len(aims)} times, and a length is found for one; leave the others out"
         )
     if options.model:
         raise InputError("--model goes with --vary; the length for --aim shortest is found by tmm")
@@ -197,7 +196,7 @@ def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
         first, last = parse_frequencies([low, high], f'--band = "{options.band}"')
         band = first, last
     short, long = _two(options.lengths or "20mm:40mm", "--lengths", "20mm:40mm")
-    return Aim(kinds[asked[0]], margin, band, (_length(short), _length(long)), threshold)
+    return Aim(kinds[aims[0]], margin, band, (_length(short), _length(long)), threshold)
 
 
 def _two(text: str, option: str, example: str) -> tuple[str, str]:
@@ -221,37 +220,27 @@ def _length(text: str) -> float:
         raise InputError(one_line(f"--lengths: {quoted(text)} {reason}")) from None
 
 
-def _draw(file: Path, study: LengthMap, found: Design) -> None:
-    from tactgen.geometry.files import write_text
-    from tactgen.validation.studies.design.plots import length_plot
-
-    picture = length_plot(study, found)
-    write_text(file, picture)
-
-
-def _print(scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence, ...]) -> None:
+def _print(study: LengthMap, result: Design, rows: tuple[Dependence, ...]) -> None:
     from tactgen.geometry.formats import signed
-    from tactgen.validation.studies.design.length_dependence import decided_lengths
-    from tactgen.validation.studies.design.length_section import NEGLIGIBLE, table_rows
-    from tactgen.validation.studies.design.wording import sentences
+    from tactgen.validation.studies.design import length_rows
+    from tactgen.validation.studies.design_statements import NEGLIGIBLE, sentences
 
-    for sentence in sentences(found):
+    for sentence in sentences(result):
         print(sentence)
     print(f"\n{'length':>10} {'|w| at start':>13} {'minimum':>11} {'at':>9} "
           f"{'|w|/threshold':>14} {'at':>9}")  # fmt: skip
-    for row in table_rows(scene, study, found.aim):
+    for row in length_rows(study, result):
         dip = row["minimum"]
         lowest = (
             (f"{1e6 * dip.displacement:.4g} µm", f"{dip.frequency:.4g} Hz") if dip else ("none", "")
         )
         print(f"{1e3 * row['length']:>7.4g} mm {1e6 * row['start']:>10.4g} µm {lowest[0]:>11} "
               f"{lowest[1]:>9} {row['margin']:>14.4g} {row['margin_at']:>6.4g} Hz")  # fmt: skip
-    columns = decided_lengths(found)
-    if not columns:
+    if not result.decided:
         print("\nThe length is at an end of the range and depends on no parameter.")
         return
     print("\npercent by which a length changes per percent of a parameter")
-    heads = " ".join(f"{1e3 * length:>9.5g} mm" for length, _ in columns)
+    heads = " ".join(f"{1e3 * length:>9.5g} mm" for length, _ in result.decided)
     print(f"{'parameter':32} {'value':>22} {heads}  source")
     for line in rows:
         if line.largest >= NEGLIGIBLE:
@@ -262,15 +251,12 @@ def _print(scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence
         print(f"less than {NEGLIGIBLE:g}: {', '.join(idle)}")
 
 
-def _as_json(
-    scene: Scene, study: LengthMap, found: Design, rows: tuple[Dependence, ...]
-) -> dict[str, Any]:
-    """Return the design as plain JSON values, SI units."""
-    from tactgen.validation.studies.design.length_dependence import decided_lengths
-    from tactgen.validation.studies.design.length_section import table_rows
-    from tactgen.validation.studies.design.wording import sentences
+def _as_json(study: LengthMap, result: Design, rows: tuple[Dependence, ...]) -> dict[str, Any]:
+    """Return the design as plain values, SI units."""
+    from tactgen.validation.studies.design import length_rows
+    from tactgen.validation.studies.design_statements import sentences
 
-    aim = found.aim
+    aim, scene = result.aim, result.scene
     return {
         "scene": scene.name,
         "setting": {
@@ -278,44 +264,35 @@ def _as_json(
             "load": scene.load.kind,
         },
         "aim": {
-            "kind": aim.kind, "margin": aim.margin,
-            "band": list(aim.band), "lengths": list(aim.lengths),
-            "threshold": [
-                {"frequency": p.frequency, "amplitude": p.amplitude, "source": p.source}
-                for p in aim.threshold.points
-            ],
+            "kind": aim.kind, "margin": aim.margin, "band": aim.band, "lengths": aim.lengths,
+            "threshold": aim.threshold.points,
         },
-        "length": found.length,
-        "margin": found.margin,
-        "frequency": found.frequency,
-        "limit": found.limit,
-        "feasible": [
-            {"lengths": [i.shortest, i.longest], "frequencies": [i.at_shortest, i.at_longest]}
-            for i in found.intervals
-        ],
+        "length": result.length,
+        "margin": result.margin,
+        "frequency": result.frequency,
+        "limit": result.limit,
+        "feasible": [{"lengths": i[:2], "frequencies": i[2:]} for i in result.intervals],
         "present": {
             "length": scene.bimorph.length,
-            "margin": found.present[0], "frequency": found.present[1],
+            "margin": result.present[0], "frequency": result.present[1],
         },
         "map": [
             {
                 "length": row["length"], "start": row["start"],
-                "minimum": row["minimum"]
-                and {"displacement": row["minimum"].displacement,
-                     "frequency": row["minimum"].frequency},
+                "minimum": row["minimum"] and row["minimum"]._asdict(),
                 "margin": row["margin"], "frequency": row["margin_at"],
             }
-            for row in table_rows(scene, study, aim)
+            for row in length_rows(study, result)
         ],
         "sensitivity": {
-            "lengths": [length for length, _ in decided_lengths(found)],
-            "frequencies": [at for _, at in decided_lengths(found)],
+            "lengths": [length for length, _ in result.decided],
+            "frequencies": [at for _, at in result.decided],
             "parameters": [
                 {"key": row.key, "value": row.text, "source": row.source, "assumed": row.assumed,
-                 "slopes": list(row.slopes)}
+                 "slopes": row.slopes}
                 for row in rows
             ],
         },
-        "statements": list(sentences(found)),
-        "warnings": list(found.warnings),
+        "statements": sentences(result),
+        "warnings": result.warnings,
     }  # fmt: skip

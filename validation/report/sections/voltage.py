@@ -2,34 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
+from tactgen.geometry.arrays import Floats
 from tactgen.validation.catalogue.detection import (
     DISPLAY_THRESHOLD,
     HIGHEST_SUBJECT,
     LITERATURE_BOUND,
+    STATED_VOLTAGES,
 )
+from tactgen.validation.report.sections.length import drawn
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.design.excitation_voltage import (
+from tactgen.validation.studies.design_statements import LOADS
+from tactgen.validation.studies.excitation_voltage import (
     CASES,
     WIRINGS,
+    Case,
     PerVolt,
     VoltageStudy,
     loaded,
     voltage_study,
 )
-from tactgen.validation.studies.design.wording import LOADS
+from tactgen.validation.view.figures import BLUE, GREY, ORANGE, new_figure
+
+#: One style per wiring and load, in every plot of voltages.
+VOLTAGE_STYLE: dict[Case, dict[str, Any]] = {
+    ("parallel", "loaded"): {"color": BLUE, "linestyle": "-"},
+    ("parallel", "free"): {"color": BLUE, "linestyle": "--"},
+    ("series", "loaded"): {"color": ORANGE, "linestyle": "-"},
+    ("series", "free"): {"color": ORANGE, "linestyle": "--"},
+}
 
 
 def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any] | None:
     """Return what the report shows of it; None for an actuator that does not move."""
     if scene.piezo.d31 == 0.0:
         return None
-    from tactgen.validation.studies.design.plots import voltage_plot
-
     announce("excitation voltage")
     study = voltage_study(scene)
     kind = loaded(scene).load.kind
@@ -93,3 +104,54 @@ def _of_load(moved: PerVolt) -> str:
 def _as_large(factor: float) -> str:
     times = f"{factor:.2g}"
     return "just as large" if times == "1" else f"{times} times as large"
+
+
+def voltage_plot(
+    frequencies: Floats, voltages: Mapping[Case, Floats], loads: Mapping[str, str]
+) -> str:
+    """Plot the voltage at the detection threshold beside what the text states.
+
+    Parameters
+    ----------
+    frequencies : (n,) array
+        Hz.
+    voltages : dict of (wiring, "loaded" or "free") to (n,) array
+        V.
+    loads : dict
+        Title of each load.
+    """
+    figure = new_figure(9.0, 6.4)
+    axes = figure.subplot_mosaic([["voltage"], ["threshold"]], height_ratios=(1.7, 1.0))
+    axis = axes["voltage"]
+    for case, values in voltages.items():
+        wiring, load = case
+        axis.plot(frequencies, values, lw=1.8, label=f"{wiring}, {loads[load]}",
+                  **VOLTAGE_STYLE[case])  # fmt: skip
+    for stated in STATED_VOLTAGES:
+        low, high = stated.frequencies
+        if low == high:
+            axis.plot(low, stated.voltages[0], "ks", clip_on=False)
+        else:
+            axis.fill_between([low, high], *stated.voltages, color="black", alpha=0.15)
+    axis.plot([], [], "ks", label="paper, mean of subjects (grey: its range)")
+    axis.plot(HIGHEST_SUBJECT.frequencies[0], HIGHEST_SUBJECT.voltages[0], "k+", ms=9,
+              label="paper, highest of all subjects")  # fmt: skip
+    axis.set(xscale="log", yscale="log", xlim=(frequencies[0], frequencies[-1]))
+    axis.set_ylabel("voltage amplitude (V)")
+    axis.legend(frameon=False, fontsize=8, ncols=2, loc="lower center")
+    _threshold(axes["threshold"], frequencies)
+    return drawn(figure)
+
+
+def _threshold(axis: Any, frequencies: Floats) -> None:
+    axis.plot(frequencies, 1e6 * DISPLAY_THRESHOLD.at(frequencies), "k--", lw=1.4,
+              label="interpolated")  # fmt: skip
+    points = np.array([(p.frequency, p.amplitude) for p in DISPLAY_THRESHOLD.points]).T
+    axis.plot(points[0], 1e6 * points[1], "k^", clip_on=False, label="in the text (display, 50 g)")
+    bound = LITERATURE_BOUND
+    axis.hlines(1e6 * bound.amplitude, bound.frequency, frequencies[-1], color=GREY,
+                label="literature: below this above 100 Hz")  # fmt: skip
+    axis.set(xscale="log", yscale="log", xlim=(frequencies[0], frequencies[-1]))
+    axis.set_xlabel("frequency (Hz)")
+    axis.set_ylabel("threshold (µm)")
+    axis.legend(frameon=False, fontsize=8)

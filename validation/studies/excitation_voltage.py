@@ -1,4 +1,4 @@
-"""The excitation voltage at the detection threshold, beside what the paper reports (Fig 17).
+"""The excitation voltage at the detection threshold, next to what the paper reports (Fig 17).
 
 V(f) = threshold(f) / |w(f) per volt|, by the transfer-matrix model, for both wirings and
 for the loaded and the free tip.  The paper states neither the wiring nor the finger's
@@ -23,7 +23,7 @@ from tactgen.validation.catalogue.detection import (
     StatedVoltage,
 )
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.design.length_map import (
+from tactgen.validation.studies.length_map import (
     actuator,
     band_points,
     local_minima,
@@ -35,8 +35,8 @@ Wiring = Literal["parallel", "series"]
 Case = tuple[Wiring, Literal["loaded", "free"]]
 WIRINGS: tuple[Wiring, ...] = ("parallel", "series")
 CASES: tuple[Case, ...] = tuple((wiring, load) for wiring in WIRINGS for load in ("loaded", "free"))
-
-_PER_VOLT = replace(TIP_DISPLACEMENT.port_readout, unit_voltage=True)
+#: Frequency (Hz) at which a threshold is derived from the stated voltage.
+_IMPLIED_AT = 100.0
 
 
 @dataclass(frozen=True)
@@ -74,6 +74,11 @@ class PerVolt:
     model: dict[Case, float]
     load_factor: dict[str, float | None]
 
+    @property
+    def middle(self) -> float:
+        """Geometric middle of the paper's range."""
+        return math.sqrt(self.paper[0] * self.paper[1])
+
 
 @dataclass(frozen=True)
 class VoltageStudy:
@@ -96,32 +101,42 @@ def voltage_study(scene: Scene) -> VoltageStudy:
 
     Loaded is the scene's load, or the finger if the scene has none.
     """
-    grid = _grid(scene)
+    # the stated frequencies, and close by every extreme of a voltage
+    stated_at = [f for s in STATED_VOLTAGES for f in s.frequencies]
+    grid = np.unique([*band_points(DISPLAY_THRESHOLD.range), *stated_at])
+    extremes = [_extremes(scene, case, grid, sign) for case in CASES for sign in (1.0, -1.0)]
+    grid = with_surroundings(grid, np.concatenate(extremes))
     per_volt = {case: _per_volt(scene, case, grid) for case in CASES}
     threshold = DISPLAY_THRESHOLD.at(grid)
-    voltages: dict[Case, Floats] = {case: threshold / np.abs(w) for case, w in per_volt.items()}
-    moved = tuple(_stated_per_volt(grid, per_volt))
-    implied_at = 100.0
-    return VoltageStudy(
-        frequencies=grid,
-        voltages=voltages,
-        stated=tuple(_stated(s, grid, voltages) for s in STATED_VOLTAGES),
-        moved=moved,
-        implied_at=implied_at,
-        implied=_implied(moved, implied_at),
+    voltages: dict[Case, Floats] = {
+        case: np.asarray(threshold / np.abs(w)) for case, w in per_volt.items()
+    }
+    stated = []
+    for paper in STATED_VOLTAGES:
+        inside = (grid >= paper.frequencies[0]) & (grid <= paper.frequencies[1])
+        ends = {c: (float(v[inside].min()), float(v[inside].max())) for c, v in voltages.items()}
+        stated.append(Stated(paper, ends))
+    moved = tuple(
+        _stated_per_volt(point.frequency, point.amplitude, grid, per_volt)
+        for point in DISPLAY_THRESHOLD.points
     )
+    (here,) = (s for s in STATED_VOLTAGES if s.frequencies == (_IMPLIED_AT, _IMPLIED_AT))
+    f, middle = np.log([(m.frequency, m.middle) for m in moved]).T
+    implied = here.voltages[0] * math.exp(float(np.interp(math.log(_IMPLIED_AT), f, middle)))
+    return VoltageStudy(grid, voltages, tuple(stated), moved, _IMPLIED_AT, implied)
 
 
-def _grid(scene: Scene) -> Floats:
-    """Return the frequencies (Hz): the stated ones, and close by every extreme of a voltage."""
-    own = [f for s in STATED_VOLTAGES for f in s.frequencies]
-    grid = np.unique([*band_points(DISPLAY_THRESHOLD.range), *own])
-    extremes = [_extremes(scene, case, grid, sign) for case in CASES for sign in (1.0, -1.0)]
-    return with_surroundings(grid, np.concatenate(extremes))
+def loaded(scene: Scene) -> Scene:
+    """Return the scene with its own load, or under the finger if it has none."""
+    return scene if scene.load.kind != "none" else _with_load(scene, "finger")
+
+
+def _with_load(scene: Scene, kind: str) -> Scene:
+    return scene.model_copy(update={"load": scene.load.model_copy(update={"kind": kind})})
 
 
 def _extremes(scene: Scene, case: Case, grid: Floats, sign: float) -> Floats:
-    """Return where (Hz) the voltage has its minima (sign 1) or maxima (−1)."""
+    """Where (Hz) the voltage has its minima (sign 1) or maxima (−1)."""
 
     def voltage(_: Ints, f: Floats) -> Floats:
         moved = np.abs(_per_volt(scene, case, f.ravel())).reshape(f.shape)
@@ -130,67 +145,41 @@ def _extremes(scene: Scene, case: Case, grid: Floats, sign: float) -> Floats:
     return local_minima(grid, voltage(np.zeros(1, int), grid)[None], voltage)[1]
 
 
-def loaded(scene: Scene) -> Scene:
-    """Return the scene with its own load, or under the finger if it has none."""
-    if scene.load.kind != "none":
-        return scene
-    return scene.model_copy(update={"load": scene.load.model_copy(update={"kind": "finger"})})
-
-
 def _per_volt(scene: Scene, case: Case, frequencies: Floats) -> Complex:
-    """Return the tip displacement per volt (n,) in m/V."""
+    """Tip displacement per volt (n,) in m/V."""
     wiring, load = case
-    changed = loaded(scene)
-    if load == "free":
-        changed = scene.model_copy(update={"load": scene.load.model_copy(update={"kind": "none"})})
+    changed = loaded(scene) if load == "loaded" else _with_load(scene, "none")
     bimorph = scene.bimorph.model_copy(update={"wiring": wiring})
-    device = actuator(changed.model_copy(update={"bimorph": bimorph}))
-    return evaluate(device, _PER_VOLT, {}, frequencies)
-
-
-def _stated(paper: StatedVoltage, grid: Floats, voltages: dict[Case, Floats]) -> Stated:
-    low, high = paper.frequencies
-    inside = (grid >= low) & (grid <= high)
-    return Stated(
-        paper,
-        {case: (float(v[inside].min()), float(v[inside].max())) for case, v in voltages.items()},
+    read = replace(TIP_DISPLACEMENT.port_readout, unit_voltage=True)
+    return evaluate(
+        actuator(changed.model_copy(update={"bimorph": bimorph})), read, {}, frequencies
     )
 
 
-def _stated_per_volt(grid: Floats, per_volt: dict[Case, Complex]) -> list[PerVolt]:
-    """Return displacement per volt at the frequencies of which the text states both."""
-    found = []
-    for point in DISPLAY_THRESHOLD.points:
-        holding = [s for s in STATED_VOLTAGES if s.frequencies[0] <= point.frequency]
-        # the narrowest statement that covers this frequency
-        here = min(
-            (s for s in holding if point.frequency <= s.frequencies[1]),
-            key=lambda s: s.frequencies[1] - s.frequencies[0],
+def _stated_per_volt(
+    frequency: float, threshold: float, grid: Floats, per_volt: dict[Case, Complex]
+) -> PerVolt:
+    """Displacement per volt at a frequency (Hz) of which the text states the threshold (m)."""
+    # the narrowest statement that covers this frequency
+    here = min(
+        (s for s in STATED_VOLTAGES if s.frequencies[0] <= frequency <= s.frequencies[1]),
+        key=lambda s: s.frequencies[1] - s.frequencies[0],
+    )
+    low, high = here.voltages
+    at = int(np.flatnonzero(grid == frequency)[0])
+    model = {case: complex(w[at]) for case, w in per_volt.items()}
+    paper = threshold / high, threshold / low
+    factors: dict[str, float | None] = {
+        wiring: _load_factor(
+            model[wiring, "free"], model[wiring, "loaded"], math.sqrt(paper[0] * paper[1])
         )
-        low, high = here.voltages
-        at = int(np.flatnonzero(grid == point.frequency)[0])
-        paper = point.amplitude / high, point.amplitude / low
-        target = math.sqrt(paper[0] * paper[1])
-        found.append(
-            PerVolt(
-                point.frequency,
-                paper,
-                {case: float(abs(w[at])) for case, w in per_volt.items()},
-                {
-                    wiring: _load_factor(
-                        complex(per_volt[wiring, "free"][at]),
-                        complex(per_volt[wiring, "loaded"][at]),
-                        target,
-                    )
-                    for wiring in WIRINGS
-                },
-            )
-        )
-    return found
+        for wiring in WIRINGS
+    }
+    return PerVolt(frequency, paper, {case: abs(w) for case, w in model.items()}, factors)
 
 
 def _load_factor(free: complex, loaded: complex, target: float) -> float | None:
-    """Return the factor k > 0 on the load's impedance with which |w| equals the target.
+    """Factor k > 0 on the load's impedance with which |w| equals the target.
 
     With the tip's own dynamic stiffness D and the load's Z, w(k) = w_free / (1 + k Z/D) and
     Z/D = w_free / w_loaded − 1, hence |1 + k Z/D| = |w_free| / target, a quadratic.
@@ -201,11 +190,3 @@ def _load_factor(free: complex, loaded: complex, target: float) -> float | None:
         return None
     half = z.real / abs(z) ** 2
     return -half + math.sqrt(half**2 + excess / abs(z) ** 2)
-
-
-def _implied(moved: tuple[PerVolt, ...], frequency: float) -> float:
-    """Return the threshold (m) that the paper's own voltage and displacement per volt imply."""
-    (here,) = (s for s in STATED_VOLTAGES if s.frequencies == (frequency, frequency))
-    own = [(m.frequency, math.sqrt(m.paper[0] * m.paper[1])) for m in moved]
-    f, per_volt = np.log(own).T
-    return here.voltages[0] * math.exp(float(np.interp(math.log(frequency), f, per_volt)))

@@ -1,12 +1,13 @@
-"""Tip displacement against frequency and length of the actuator: the paper's Fig 9.
+"""Tip displacement over frequency and length of the actuator (the paper's Fig 9).
 
-By the transfer-matrix model, for any support, load and row of pieces that it can hold.
+By the transfer-matrix model, for any support, load and segmented beam that it can hold.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,15 +23,14 @@ _POINTS = 120
 #: Points per round of narrowing, and rounds: the bracket, 8 % of a frequency, shrinks to 2e-7
 #: of it, where rounding hides what is left of a smooth minimum.
 _PROBES, _ROUNDS = 17, 6
-#: Points of a curve beside each of its extremes, at these shares of its frequency: from a
+#: Points of a curve around each of its extremes, at these shares of its frequency: from a
 #: sharp minimum's own width up to the spacing of the other points.
-_BESIDE = 4e-4 * 2.0 ** np.arange(8)
+_AROUND = 4e-4 * 2.0 ** np.arange(8)
 #: Frequencies that a power law misses by more than this (relative) do not follow one.
 _LAWFUL = 0.1
 
 
-@dataclass(frozen=True)
-class Minimum:
+class Minimum(NamedTuple):
     """A minimum over frequency: where (Hz) and how low (m)."""
 
     frequency: float
@@ -64,10 +64,10 @@ class LengthMap:
 
         None below three minima, or where another of them becomes the deepest in between.
         """
-        found = [(l, m.frequency) for l, m in zip(self.lengths, self.minima, strict=True) if m]
-        if len(found) < 3:
+        points = [(l, m.frequency) for l, m in zip(self.lengths, self.minima, strict=True) if m]
+        if len(points) < 3:
             return None
-        l, f = np.log(np.array(found)).T
+        l, f = np.log(np.array(points)).T
         slope, offset = np.polyfit(l, f, 1)
         misfit = float(np.abs(np.expm1(offset + slope * l - f)).max())
         return (float(slope), misfit) if misfit < _LAWFUL else None
@@ -81,16 +81,14 @@ def actuator(scene: Scene) -> Actuator:
 def tip_amplitude(device: Actuator, lengths: Floats, frequencies: Floats) -> Floats:
     """Return |w_tip| (m); lengths (m) and frequencies (Hz) broadcast against each other."""
     l, f = np.broadcast_arrays(np.asarray(lengths, float), np.asarray(frequencies, float))
-    moved = evaluate(
-        device, TIP_DISPLACEMENT.port_readout, {"bimorph.length": l.ravel()}, f.ravel()
-    )
+    read = TIP_DISPLACEMENT.port_readout
+    moved = evaluate(device, read, {"bimorph.length": l.ravel()}, f.ravel())
     return np.asarray(np.abs(moved).reshape(l.shape))
 
 
 def band_points(band: tuple[float, float]) -> Floats:
     """Return log-spaced frequencies (n,) with exact ends."""
-    low, high = band
-    return np.array([low, *np.geomspace(low, high, _POINTS)[1:-1], high])
+    return np.array([band[0], *np.geomspace(*band, _POINTS)[1:-1], band[1]])
 
 
 def length_map(scene: Scene, lengths: Floats, band: tuple[float, float]) -> LengthMap:
@@ -111,10 +109,9 @@ def length_map(scene: Scene, lengths: Floats, band: tuple[float, float]) -> Leng
         return tip_amplitude(device, lengths[which][:, None], frequencies)
 
     which, where, values = local_minima(f, displacement, at)
-    inside = (where > band[0]) & (where < band[1])
     minima: list[Minimum | None] = []
     for number in range(lengths.size):
-        own = inside & (which == number)
+        own = (which == number) & (where > band[0]) & (where < band[1])
         if own.any():
             deepest = int(np.argmin(values[own]))
             minima.append(Minimum(float(where[own][deepest]), float(values[own][deepest])))
@@ -122,18 +119,11 @@ def length_map(scene: Scene, lengths: Floats, band: tuple[float, float]) -> Leng
             minima.append(None)
     peaks = local_minima(f, -displacement, lambda row, x: -at(row, x))[1]
     f = with_surroundings(f, np.concatenate([where, peaks]))
-    displacement = tip_amplitude(device, lengths[:, None], f)
-    return LengthMap(lengths, f, displacement, tuple(minima))
+    return LengthMap(lengths, f, tip_amplitude(device, lengths[:, None], f), tuple(minima))
 
 
 def check_lengths(device: Actuator, lengths: Floats) -> None:
-    """Refuse lengths (n,) in m of which the scene's ceramic cannot be cut.
-
-    Raises
-    ------
-    InputError
-        If a profile is stated for another length, or no electrode is left.
-    """
+    """Refuse lengths (n,) in m under a profile, or that leave no electrode."""
     bimorph, mm = device.device.bimorph, 1e3
     check_length_free(bimorph)
     bare, shortest = bimorph.bare_below + bimorph.bare_above, float(lengths.min())
@@ -145,26 +135,20 @@ def check_lengths(device: Actuator, lengths: Floats) -> None:
         )
 
 
-def with_surroundings(frequencies: Floats, extremes: Floats) -> Floats:
-    """Return the grid (n,) with extremes (k,) and some points around each, ascending (Hz)."""
-    near = np.outer(extremes, [*(1.0 - _BESIDE), 1.0, *(1.0 + _BESIDE)])
-    inside = near[(near > frequencies[0]) & (near < frequencies[-1])]
-    return np.unique([*frequencies, *inside])
-
-
 def check_moves(displacement: Floats) -> None:
-    """Refuse an actuator that does nothing.
-
-    Raises
-    ------
-    InputError
-        If all displacements are zero.
-    """
+    """Refuse an actuator of which all displacements are zero."""
     if not displacement.any():
         raise InputError(
             "drive.voltage or piezo.d31 is 0, so that the tip does not move at any length; "
             "give both a value"
         )
+
+
+def with_surroundings(frequencies: Floats, extremes: Floats) -> Floats:
+    """Return the grid (n,) with extremes (k,) and some points around each, ascending (Hz)."""
+    near = np.outer(extremes, [*(1.0 - _AROUND), 1.0, *(1.0 + _AROUND)])
+    inside = near[(near > frequencies[0]) & (near < frequencies[-1])]
+    return np.unique([*frequencies, *inside])
 
 
 def local_minima(
@@ -185,10 +169,8 @@ def local_minima(
     -------
     rows : (k,) array of int
         Which function each minimum belongs to.
-    where : (k,) array
-        Frequency (Hz).
-    lowest : (k,) array
-        Value.
+    where, lowest : (k,) arrays
+        Frequency (Hz), value.
     """
     # an end lower than its neighbour may hide a dip between the two
     walled = np.pad(values, ((0, 0), (1, 1)), constant_values=np.inf)
@@ -201,11 +183,11 @@ def local_minima(
     for _ in range(_ROUNDS if rows.size else 0):
         probes = low[:, None] * (high / low)[:, None] ** steps
         probes[:, -1] = high  # rounding must not step over the band's end
-        found = evaluate(rows, probes)
-        best = np.argmin(found, axis=1)
-        better = found[each, best] < lowest
+        probed = evaluate(rows, probes)
+        best = np.argmin(probed, axis=1)
+        better = probed[each, best] < lowest
         where = np.where(better, probes[each, best], where)
-        lowest = np.where(better, found[each, best], lowest)
+        lowest = np.where(better, probed[each, best], lowest)
         low = probes[each, np.maximum(best - 1, 0)]
         high = probes[each, np.minimum(best + 1, _PROBES - 1)]
     return rows, where, lowest

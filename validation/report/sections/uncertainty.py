@@ -1,0 +1,120 @@
+"""The report's section on what the ranges of the parameters do to the headline numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from tactgen.validation.catalogue.models import MODELS, gives, ranked
+from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.models.comparison import compare
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.uncertainty.headline_numbers import Target, actuator
+from tactgen.validation.studies.uncertainty.propagation import (
+    Uncertainty,
+    affordable,
+    base_samples,
+    uncertain_parameters,
+)
+from tactgen.validation.studies.uncertainty.varied_keys import left_out
+from tactgen.validation.view.figures import GREY, SKY, panels, svg
+
+#: Contributors shown per number, and panels per row.
+_SHOWN, _COLUMNS = 5, 3
+
+
+def contributors_plot(rows: Sequence[Uncertainty]) -> str:
+    """Plot Sobol's total index of the largest contributors, one panel per headline number.
+
+    The thin line is the 95 % confidence interval of the estimate.
+    """
+    lines = math.ceil(len(rows) / _COLUMNS)
+    figure, grid = panels(
+        10.0, 1.75 * lines, nrows=lines, ncols=_COLUMNS, squeeze=False, sharex=True
+    )
+    axes = grid.ravel()
+    for axis, row in zip(axes, rows, strict=False):
+        largest = row.contributors[:_SHOWN]
+        names = [key.replace("_", " ").replace(".", ": ", 1) for key, _, _ in largest]
+        axis.barh(
+            names,
+            [100.0 * index for _, index, _ in largest],
+            xerr=[100.0 * bar for _, _, bar in largest],
+            color=GREY if row.target.ill_conditioned else SKY,
+            error_kw={"elinewidth": 1.0},
+        )
+        axis.invert_yaxis()
+        axis.set_title(row.target.label, loc="right", fontsize=10)  # longer than the panel
+        axis.tick_params(labelsize=8)
+    for axis in axes[len(rows) :]:
+        axis.set_visible(False)
+    for axis in axes[max(0, len(rows) - _COLUMNS) : len(rows)]:
+        axis.set_xlabel("share of variance (%)")
+        axis.tick_params(labelbottom=True)
+    axes[0].set_xlim(0.0, 100.0)
+    return svg(figure)
+
+
+def detailed_numbers(
+    scene: Scene, solution: Solution, model: str, targets: Sequence[Target]
+) -> dict[str, tuple[float, float]]:
+    """Return magnitude and numerical error bar by label; targets without a number are left out.
+
+    Peaks are not searched for, and a model that takes long is not run again.
+    """
+    scalars = {
+        row.quantity: row.cells[-1] for row in compare(scene, solution.quantities, "bimorph")
+    }
+    responses = _responses(scene, solution, model, targets)
+    found = {}
+    for target in targets:
+        name = target.quantity.name
+        if target.frequency is not None:
+            near = [
+                number
+                for f, number in responses.get(name, {}).items()
+                if np.isclose(f, target.frequency, rtol=1e-9, atol=0.0)
+            ]
+            if near:
+                found[target.label] = near[0]
+        elif name in scalars and not target.peak:
+            cell = scalars[name]
+            found[target.label] = (abs(cell.value), cell.error)
+    return found
+
+
+def _responses(
+    scene: Scene, solution: Solution, model: str, targets: Sequence[Target]
+) -> dict[str, dict[float, tuple[float, float]]]:
+    """Return each response's magnitude and error bar by frequency (Hz)."""
+    wanted = tuple(sorted({t.frequency for t in targets if t.frequency is not None}))
+    names = dict.fromkeys(t.quantity.name for t in targets if t.frequency is not None)
+    given = [name for name in names if gives(model, name)]
+    if MODELS[model].quick and given:
+        at_wanted = scene.model_copy(update={"frequency": wanted})
+        solution = solve(at_wanted, (model,), given)
+    found = {}
+    for q in solution.quantities:
+        if q.model == model and q.name in given and q.frequency is not None:
+            rows = zip(q.frequency, np.abs(q.value), q.error, strict=True)
+            found[q.name] = {f: (float(size), float(bar)) for f, size, bar in rows}
+    return found
+
+
+def section(scene: Scene, solution: Solution, rows: Sequence[Uncertainty]) -> dict[str, Any]:
+    """Return what the report shows of the headline numbers and their uncertainty."""
+    parameters = uncertain_parameters(scene)
+    detailed = ranked(solution.models_of("bimorph"))[-1]
+    omitted = left_out(scene, actuator(scene))
+    return {
+        "uncertainties": rows,
+        "uncertain_parameters": parameters,
+        "contributors_plot": contributors_plot(rows),
+        "evaluations": base_samples(len(parameters), affordable(scene)) * (len(parameters) + 2),
+        "detailed_model": detailed if detailed != "tmm" else None,
+        "detailed": detailed_numbers(scene, solution, detailed, [row.target for row in rows]),
+        "left_out": f"{omitted[0].upper()}{omitted[1:]}." if omitted else "",
+    }

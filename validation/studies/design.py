@@ -1,0 +1,369 @@
+"""The length of the lateral actuator that keeps its tip above the detection threshold.
+
+The paper (section 4, Fig 9) wants the deflection "as close to the threshold as possible or above
+it" over the band, from "an actuator that is as compact as possible".  With the lowest ratio of
+deflection to detection threshold over the band,
+
+    m(l) = min_f |w(f, l)| / threshold(f),
+
+the aims are the shortest l with m(l) >= margin, and the l of largest m.  By the transfer-matrix
+model, for any support, load and segmented beam that it can hold.
+
+m is neither smooth nor monotone: the frequency that decides changes, and dips of |w| pass through
+the band.  A longer actuator repeats the picture of a shorter one at a lower frequency: its minima
+move as a power of the length (about length^-1.57 on the paper's support, length^-2 clamped).
+So m is scanned in steps of a share of the length, extremes that only just keep or miss the margin
+between two steps are added, and every crossing and the highest peak are refined.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.parametric import Actuator
+from tactgen.tmm.beam.sections import section
+from tactgen.tmm.beam.timoshenko import wavenumbers
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
+from tactgen.validation.engine.drive_warnings import SLENDER
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.length_map import (
+    LengthMap,
+    actuator,
+    band_points,
+    check_lengths,
+    check_moves,
+    local_minima,
+    tip_amplitude,
+)
+
+AimKind = Literal["shortest", "margin"]
+#: What decides the length: the margin is just reached, the margin is largest, an end of the
+#: range, or no length reaches the margin and the largest one is given instead.
+Limit = Literal["threshold", "peak", "end", "compromise"]
+
+#: The paper's lengths (m), 20 mm (red) to 40 mm (blue line of Fig 9), and frequencies (Hz).
+PAPER_LENGTHS, PAPER_BAND = (20e-3, 40e-3), (10.0, 1000.0)
+#: Lengths of a table and a plot: from 20 to 40 mm in steps of 2.5 mm.
+CURVES = 9
+#: Largest step of the scan, as a share of the length: the paper's two gaps, 18.40 to 22.64 mm
+#: and 68.19 to 74.53 mm, are 14 and 6 steps wide.
+_STEP = 0.015
+#: Half waves along the actuator at the band's end up to which its minima are separate: with
+#: n of them the next minimum is 1/n further in ln l and 2/n in ln f, then 8 steps of length
+#: and 6 of frequency away.
+_HALF_WAVES = 8
+#: Relative accuracies: of crossings, of peaks, which rounding flattens, and of an extreme of m
+#: before the crossings beside it are refined.
+_ACCURACY, _PEAK_ACCURACY, _LOCATED = 1e-9, 1e-7, 1e-4
+
+
+def stated_band(threshold: ThresholdCurve) -> tuple[float, float]:
+    """Return the paper's band as far as a threshold is stated; all of it if nowhere (Hz)."""
+    low, high = max(PAPER_BAND[0], threshold.range[0]), min(PAPER_BAND[1], threshold.range[1])
+    return (low, high) if low < high else threshold.range
+
+
+@dataclass(frozen=True)
+class Aim:
+    """What is wanted of the length.
+
+    Attributes
+    ----------
+    kind : {"shortest", "margin"}
+        The shortest length that keeps the margin, or the length of the largest margin.
+    margin : float
+        Deflection over detection threshold to keep.
+    band : (float, float)
+        Frequencies over which it is to be kept (Hz).
+    lengths : (float, float)
+        Shortest and longest ceramic length (m).
+    threshold : ThresholdCurve
+        The detection threshold.
+    """
+
+    kind: AimKind = "shortest"
+    margin: float = 1.0
+    band: tuple[float, float] = PAPER_BAND
+    lengths: tuple[float, float] = PAPER_LENGTHS
+    threshold: ThresholdCurve = DISPLAY_THRESHOLD
+
+    def __post_init__(self) -> None:
+        """Refuse an aim that means nothing (InputError, naming the option)."""
+        (low, high), (short, long) = self.band, self.lengths
+        if not (math.isfinite(self.margin) and self.margin > 0.0):
+            raise InputError(
+                f"margin = {self.margin:g} is not a factor above 0; write for example --margin 1.5"
+            )
+        if not low < high:
+            raise InputError(
+                f"band = {low:g} to {high:g} Hz does not rise; write for example --band 10:1000"
+            )
+        if self.threshold.outside(np.array(self.band)).any():
+            first, last = self.threshold.range
+            raise InputError(
+                f"band = {low:g} to {high:g} Hz reaches beyond the detection threshold, which is "
+                f"stated from {first:g} to {last:g} Hz; write for example --band "
+                f"{first:g}:{last:g}"
+            )
+        if not 0.0 < short < long:
+            raise InputError(
+                f"lengths = {1e3 * short:g} mm to {1e3 * long:g} mm must rise and start above "
+                "0 mm; write for example --lengths 20mm:40mm"
+            )
+
+
+def lowest_margin(device: Actuator, aim: Aim, lengths: Floats) -> tuple[Floats, Floats]:
+    """Return m (n,) and the frequency (n,) in Hz that decides it, for lengths (n,) in m."""
+    lengths = np.asarray(lengths, dtype=float)
+    f = band_points(aim.band)
+
+    def ratio(which: Ints, frequencies: Floats) -> Floats:
+        w = tip_amplitude(device, lengths[which][:, None], frequencies)
+        return np.asarray(w / aim.threshold.at(frequencies))
+
+    on_grid = ratio(np.arange(lengths.size), f)
+    at = np.argmin(on_grid, axis=1)
+    lowest, where = on_grid[np.arange(lengths.size), at], f[at]
+    for row, frequency, value in zip(*local_minima(f, on_grid, ratio), strict=True):
+        if value < lowest[row]:
+            lowest[row], where[row] = value, frequency
+    return lowest, where
+
+
+def _scan(device: Actuator, aim: Aim, own: float) -> tuple[Floats, Floats]:
+    """Lengths (n,) in m over the aim's range, `own` among them if inside, and their m (n,)."""
+    check_range(device, aim)
+    low, high = aim.lengths
+    steps = math.ceil(math.log(high / low) / math.log1p(_STEP))
+    inner = np.geomspace(low, high, steps + 1)[1:-1]
+    lengths = np.unique([low, *inner, high, min(max(own, low), high)])
+    margins, _ = lowest_margin(device, aim, lengths)
+    check_moves(margins)
+    added = np.array(_hidden(device, aim, lengths, margins))
+    if added.size:
+        at = np.searchsorted(lengths, added)
+        lengths = np.insert(lengths, at, added)
+        margins = np.insert(margins, at, lowest_margin(device, aim, added)[0])
+    return lengths, margins
+
+
+def _hidden(device: Actuator, aim: Aim, lengths: Floats, margins: Floats) -> list[float]:
+    """Where m has a minimum between lengths that keep the margin, or a maximum between others."""
+    extremes = []
+    for i in range(1, lengths.size - 1):
+        sign = 1.0 if margins[i] >= aim.margin else -1.0
+        before, here, after = sign * margins[i - 1 : i + 2]
+        same_side = sign * (margins[i - 1 : i + 2] - aim.margin) >= 0.0
+        if here < before and here <= after and same_side.all():
+            extreme = _extreme(device, aim, (lengths[i - 1], lengths[i + 1]), sign, _LOCATED)
+            if sign * math.exp(_excess(device, aim, extreme)) * aim.margin < here:
+                extremes.append(extreme)
+    return extremes
+
+
+def _extreme(
+    device: Actuator, aim: Aim, around: tuple[float, float], sign: float, accuracy: float
+) -> float:
+    """Length (m) of the least `sign` · m between two lengths, to a share of them."""
+    from scipy.optimize import minimize_scalar
+
+    return float(
+        minimize_scalar(
+            lambda l: sign * _excess(device, aim, l),
+            bounds=around,
+            method="bounded",
+            options={"xatol": accuracy * around[1]},
+        ).x
+    )
+
+
+def _excess(device: Actuator, aim: Aim, length: float) -> float:
+    """ln(m / margin) of one length; the smallest number stands for no motion at all."""
+    margin = float(lowest_margin(device, aim, np.array([length]))[0][0])
+    return math.log(max(margin, sys.float_info.min)) - math.log(aim.margin)
+
+
+def check_range(device: Actuator, aim: Aim) -> None:
+    """Refuse lengths that cannot be had, are no beam, or have too many minima to separate."""
+    check_lengths(device, np.array(aim.lengths))
+    mm = 1e3
+    (low, high), top = aim.lengths, aim.band[1]
+    thickness = device.device.bimorph.thickness
+    if low < thickness:
+        raise InputError(
+            f"lengths from {mm * low:g} mm are shorter than the actuator is thick, no beam; start "
+            f"at {mm * thickness:g} mm or more"
+        )
+    omega = np.array([2.0 * np.pi * top])
+    wavenumber = max(
+        float(np.max(wavenumbers(section(p, device.device, device.beam, lossy=False), 1.0, omega)))
+        for p in beam_pieces(device.device, device.support)
+        if p.section == "bimorph"
+    )
+    half_waves = wavenumber * high / np.pi
+    if half_waves > _HALF_WAVES:
+        raise InputError(
+            f"lengths to {mm * high:g} mm hold up to {half_waves:.3g} half waves at {top:g} Hz, "
+            f"and beyond {_HALF_WAVES} their minima are not told apart; stop at "
+            f"{mm * _HALF_WAVES * np.pi / wavenumber:.4g} mm or take a narrower --band"
+        )
+
+
+class Interval(NamedTuple):
+    """Lengths (m) that keep the margin, and the frequency (Hz) that decides at each end.
+
+    A frequency is None where the range of lengths ends, not the margin.
+    """
+
+    shortest: float
+    longest: float
+    at_shortest: float | None
+    at_longest: float | None
+
+
+@dataclass(frozen=True)
+class Design:
+    """A length for an aim.
+
+    Attributes
+    ----------
+    length, margin, frequency : float
+        The length (m), its m(l), and the frequency that decides it (Hz).
+    limit : {"threshold", "peak", "end", "compromise"}
+        What decides the length.
+    intervals : tuple of Interval
+        All lengths that keep the margin asked for.
+    lengths, margins : (n,) arrays
+        The scan of m(l).
+    present : (float, float)
+        m and the deciding frequency of the scene's own length.
+    warnings : tuple of str
+        Reasons to doubt the model there.
+    """
+
+    scene: Scene
+    aim: Aim
+    length: float
+    margin: float
+    frequency: float
+    limit: Limit
+    intervals: tuple[Interval, ...]
+    lengths: Floats
+    margins: Floats
+    present: tuple[float, float]
+    warnings: tuple[str, ...]
+
+    @property
+    def crossings(self) -> tuple[tuple[float, float], ...]:
+        """Lengths (m) at which the margin is just reached, each with its frequency (Hz)."""
+        ends = [
+            end
+            for i in self.intervals
+            for end in ((i.shortest, i.at_shortest), (i.longest, i.at_longest))
+        ]
+        return tuple((length, at) for length, at in ends if at is not None)
+
+    @property
+    def decided(self) -> tuple[tuple[float, float], ...]:
+        """Lengths (m) that depend on parameters, each with its frequency (Hz).
+
+        All at which the margin is just reached, and the one of largest margin if that was the
+        aim; an end of the range of lengths depends on nothing.
+        """
+        peak = self.limit in ("peak", "compromise") and self.length not in self.aim.lengths
+        return (*self.crossings, *([(self.length, self.frequency)] if peak else []))
+
+
+def design(scene: Scene, aim: Aim) -> Design:
+    """Return the length for an aim.
+
+    Raises
+    ------
+    InputError
+        If the tip does not move, or the range holds lengths that are not to be had or that
+        no beam model describes.
+    """
+    device, own = actuator(scene), scene.bimorph.length
+    grid, margins = _scan(device, aim, own)
+    intervals = _feasible(device, aim, grid, margins)
+    limit: Limit
+    if aim.kind == "shortest" and intervals:
+        length = intervals[0].shortest
+        limit = "end" if intervals[0].at_shortest is None else "threshold"
+    else:
+        best = int(np.argmax(margins))
+        around = float(grid[max(best - 1, 0)]), float(grid[min(best + 1, grid.size - 1)])
+        length = largest_margin(device, aim, around)
+        limit = "compromise" if not intervals else "end" if length in aim.lengths else "peak"
+    reached, at = lowest_margin(device, aim, np.array([length, own]))
+    slenderness = length / scene.bimorph.thickness
+    doubt = (
+        f"at {1e3 * length:.4g} mm the actuator is {slenderness:.2g} times as long as thick, too "
+        "stubby for a beam model to be trusted; compare with --set models=solid"
+    )
+    return Design(
+        scene=scene,
+        aim=aim,
+        length=length,
+        margin=float(reached[0]),
+        frequency=float(at[0]),
+        limit=limit,
+        intervals=intervals,
+        lengths=grid,
+        margins=margins,
+        present=(float(reached[1]), float(at[1])),
+        warnings=() if slenderness >= SLENDER else (doubt,),
+    )
+
+
+def largest_margin(device: Actuator, aim: Aim, around: tuple[float, float]) -> float:
+    """Return the length (m) of largest m between two lengths that enclose one peak."""
+    inner = _extreme(device, aim, around, -1.0, _PEAK_ACCURACY)
+    # the bounded search never tries the ends themselves
+    return max(*around, inner, key=lambda l: _excess(device, aim, l))
+
+
+def _feasible(device: Actuator, aim: Aim, grid: Floats, margins: Floats) -> tuple[Interval, ...]:
+    from scipy.optimize import brentq
+
+    enough = margins >= aim.margin
+    ends = [
+        float(
+            brentq(
+                lambda l: _excess(device, aim, l),
+                grid[left],
+                grid[left + 1],
+                xtol=_ACCURACY * grid[left],
+            )
+        )
+        for left in np.flatnonzero(enough[1:] != enough[:-1])
+    ]
+    decisive = lowest_margin(device, aim, np.array(ends))[1] if ends else np.zeros(0)
+    marks: list[tuple[float, float | None]] = list(zip(ends, decisive.tolist(), strict=True))
+    if enough[0]:
+        marks.insert(0, (float(grid[0]), None))
+    if enough[-1]:
+        marks.append((float(grid[-1]), None))
+    return tuple(
+        Interval(low, high, f_low, f_high)
+        for (low, f_low), (high, f_high) in zip(marks[::2], marks[1::2], strict=True)
+    )
+
+
+def length_rows(study: LengthMap, result: Design) -> list[dict[str, Any]]:
+    """Return one row per length of a map: start, minimum, lowest margin and where that is."""
+    margins, at = lowest_margin(actuator(result.scene), result.aim, study.lengths)
+    columns = zip(
+        study.lengths.tolist(), study.displacement[:, 0].tolist(), study.minima,
+        margins.tolist(), at.tolist(), strict=True,
+    )  # fmt: skip
+    names = ("length", "start", "minimum", "margin", "margin_at")
+    return [dict(zip(names, row, strict=True)) for row in columns]

@@ -1,1 +1,0 @@
-"""Design questions of the paper: which length, and which voltage is felt."""

@@ -1,0 +1,233 @@
+"""What a designed length rests on, and the design in sentences.
+
+With m(l, p) the lowest margin over the band, at a length where the margin is just reached
+ln m(l, p) = const, and the implicit function theorem gives
+
+    d ln l / d ln p = −S_p / S_l,    S_x = ∂ ln m / ∂ ln x.
+
+At the length of largest margin S_l changes sign, smoothly or, where the deciding frequency
+jumps, with a step; from either side of it (±)
+
+    d ln l / d ln p = −(S_p⁺ − S_p⁻) / (S_l⁺ − S_l⁻).
+
+The S are those of |w| / threshold at the frequency that decides: at a minimum over frequency
+its own shift is of second order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.tmm.beam.parametric import Actuator, parameter_keys
+from tactgen.tmm.beam.sensitivities import logarithmic_sensitivities
+from tactgen.tmm.ports.finger import finger_spring_damper
+from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
+from tactgen.validation.scene.parameter_list import parameter_rows
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.design import Aim, Design, lowest_margin
+from tactgen.validation.studies.length_map import actuator
+
+#: How far on either side of a largest margin the slopes are taken (relative).
+_ASIDE = 1e-3
+_LENGTH = "bimorph.length"
+_FINGER = "paper table 1 (one subject's finger, 2.5 g preload)"
+#: Parameters with smaller slopes are named without their number: 10 % of one then moves the
+#: length by less than 0.005 %.
+NEGLIGIBLE = 5e-4
+#: Most frequencies of a threshold that are named one by one.
+_LISTED = 5
+#: What the tip pushes against, by the scene's ``load.kind``.
+LOADS = {
+    "none": "with a free tip",
+    "finger": "under the finger",
+    "mass": "with the tip mass",
+    "spring_damper": "on spring and damper",
+    "table": "under the measured load",
+    "pad": "under imitation skin and its weight",
+}
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """One parameter: its source, and d ln l / d ln p for each decided length."""
+
+    key: str
+    text: str
+    source: str
+    slopes: tuple[float, ...]
+
+    @property
+    def assumed(self) -> bool:
+        """Whether nobody but this project vouches for the parameter."""
+        return self.source.startswith("assumed")
+
+    @property
+    def largest(self) -> float:
+        """Size of the largest slope."""
+        return max(abs(slope) for slope in self.slopes)
+
+
+def dependences(result: Design, origins: dict[str, str]) -> tuple[Dependence, ...]:
+    """Return what the decided lengths of a design depend on, strongest first.
+
+    All numbers that the transfer-matrix model reads and that are not 0, a factor on the
+    finger's stiffness and one on its damping, and each stated point of the threshold.
+    """
+    device, aim = actuator(result.scene), result.aim
+    columns = []
+    for length, frequency in result.crossings:
+        slopes = _margin_slopes(device, aim, length, frequency)
+        columns.append({key: -slope / slopes[_LENGTH] for key, slope in slopes.items()})
+    if len(result.decided) > len(columns):
+        columns.append(_at_peak(device, aim, result.length))
+    if not columns:
+        return ()
+    rows = [
+        Dependence(key, text, source, tuple(column[key] for column in columns))
+        for key, text, source in _listed(result, origins)
+        if key in columns[0] and key != _LENGTH
+    ]
+    # those of one size, as factors of one product are, stay as listed: their rounding is no order
+    return tuple(sorted(rows, key=lambda row: -float(f"{row.largest:.9g}")))
+
+
+def _at_peak(device: Actuator, aim: Aim, length: float) -> dict[str, float]:
+    """Slopes of the length of largest margin."""
+    aside = length * np.array([1.0 - _ASIDE, 1.0 + _ASIDE])
+    _, decisive = lowest_margin(device, aim, aside)
+    below, above = (
+        _margin_slopes(device, aim, float(l), float(f))
+        for l, f in zip(aside, decisive, strict=True)
+    )
+    by_length = above[_LENGTH] - below[_LENGTH]
+    return {key: -(slope - below[key]) / by_length for key, slope in above.items()}
+
+
+def _margin_slopes(device: Actuator, aim: Aim, length: float, frequency: float) -> dict[str, float]:
+    """D ln m / d ln p of every parameter, the length among them; a factor on 0 says nothing."""
+    at = np.array([frequency])
+    device = device.with_values({_LENGTH: length})
+    slopes = _slopes(device, tuple(k for k in parameter_keys(device) if device.value(k)), at)
+    if device.load.kind == "finger":
+        stiffness, damping = (float(v[0]) for v in finger_spring_damper(at))
+        springs = {"kind": "spring_damper", "stiffness": stiffness, "damping": damping}
+        same = replace(device, load=device.load.model_copy(update=springs))
+        slopes |= _slopes(same, ("load.stiffness", "load.damping"), at)
+    weights = aim.threshold.weights(frequency)
+    return slopes | {_point(aim, i): -float(weight) for i, weight in enumerate(weights)}
+
+
+def _slopes(device: Actuator, keys: tuple[str, ...], at: Floats) -> dict[str, float]:
+    """D ln|w_tip| / d ln p at one frequency."""
+    slopes = logarithmic_sensitivities(device, TIP_DISPLACEMENT.port_readout, keys, at)
+    return {key: float(value[0]) for key, value in slopes.items()}
+
+
+def _point(aim: Aim, number: int) -> str:
+    return f"threshold at {aim.threshold.points[number].frequency:g} Hz"
+
+
+def _listed(result: Design, origins: dict[str, str]) -> Iterator[tuple[str, str, str]]:
+    """Key, value and source of everything that the length may depend on."""
+    finger = result.scene.load.kind == "finger"
+    for row in parameter_rows(result.scene, origins):
+        if not (finger and row.key.startswith("load.")):
+            yield row.key, row.text, row.source
+    if finger:
+        yield "load.stiffness", "finger c(f)", _FINGER
+        yield "load.damping", "finger d(f)", _FINGER
+    for number, point in enumerate(result.aim.threshold.points):
+        yield _point(result.aim, number), f"{1e6 * point.amplitude:g} µm", point.source
+
+
+def sentences(result: Design) -> tuple[str, ...]:
+    """Return how it is driven, what length results, which keep the margin, its own, the limits."""
+    scene = result.scene
+    setting = (
+        f"Driven with {scene.drive.voltage:g} V, wired in {scene.bimorph.wiring}, "
+        f"{LOADS[scene.load.kind]}."
+    )
+    return setting, *statements(result), caveat(result)
+
+
+def statements(result: Design) -> tuple[str, str, str]:
+    """Return what length results, which lengths keep the margin, and how the scene's own stands."""
+
+    def end(length: float, at: float | None) -> str:
+        return f"{_mm(length)} ({'end of the range' if at is None else f'{at:.4g} Hz decides'})"
+
+    ranges = "; ".join(
+        f"{end(i.shortest, i.at_shortest)} to {end(i.longest, i.at_longest)}"
+        for i in result.intervals
+    )
+    margin, at = result.present
+    own, (low, high) = result.scene.bimorph.length, result.aim.lengths
+    outside = "" if low <= own <= high else " outside that range,"
+    present = f"{margin:.4g} at worst, at {at:.4g} Hz"
+    return (
+        _outcome(result),
+        f"Lengths that keep the margin: {ranges}." if ranges else "No length keeps the margin.",
+        f"The scene's own length, {_mm(own)},{outside} has |w| / threshold {present}.",
+    )
+
+
+def _outcome(result: Design) -> str:
+    aim = result.aim
+    band = f"{aim.band[0]:g} to {aim.band[1]:g} Hz"
+    within = f"of {_mm(aim.lengths[0])} to {_mm(aim.lengths[1])}"
+    kept = f"|w| / threshold at {aim.margin:g} or more over {band}"
+    reached = (
+        f"|w| / threshold is at least {result.margin:.4g}, lowest at {result.frequency:.4g} Hz"
+    )
+    if result.limit == "compromise":
+        return (
+            f"No length {within} keeps {kept}; nearest to it is {_mm(result.length)}, where "
+            f"{reached}."
+        )
+    if aim.kind == "margin":
+        end = " (an end of the range: beyond it there may be more)" if result.limit == "end" else ""
+        best = f"{_mm(result.length)}{end}"
+        return f"The largest margin {within} over {band} is that of {best}: {reached}."
+    if result.limit == "end":
+        return (
+            f"The shortest length allowed, {_mm(result.length)}, already keeps {kept}: {reached}. "
+            "The range decides here, not the threshold."
+        )
+    return (
+        f"The shortest length {within} that keeps {kept} is {_mm(result.length)}; "
+        f"{result.frequency:.4g} Hz decides."
+    )
+
+
+def caveat(result: Design) -> str:
+    """Return where the threshold is known."""
+    points = [p.frequency for p in result.aim.threshold.points]
+    if len(points) > _LISTED:
+        listed = f"{len(points)} frequencies from {points[0]:g} to {points[-1]:g} Hz"
+    else:
+        listed = ", ".join(f"{f:g}" for f in points[:-1]) + f" and {points[-1]:g} Hz"
+    between = "" if result.frequency in points else f", as at {result.frequency:.4g} Hz"
+    return (
+        f"The detection threshold is stated at {listed}; between them it is interpolated, a "
+        f"straight line in log-log{between}."
+    )
+
+
+def changed_setting(scene: Scene, other: Scene) -> str:
+    """Return where `other` is driven or loaded otherwise than the scene; nothing if nowhere."""
+    now, own = [], []
+    if other.drive.voltage != scene.drive.voltage:
+        now.append(f"at {other.drive.voltage:g} V")
+        own.append(f"{scene.drive.voltage:g} V")
+    if other.load.kind != scene.load.kind:
+        now.append(LOADS[other.load.kind])
+        own.append(LOADS[scene.load.kind])
+    return f"{' '.join(now)} instead of this scene's {', '.join(own)}" if now else ""
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.5g} mm"
