@@ -6,10 +6,9 @@ import secrets
 import numpy as np
 import pytest
 
-from tactgen.validation.checks.stress import Asked, run_parts
-from tactgen.validation.checks.stress.answers import Family
-from tactgen.validation.checks.stress.driven import at_random
-from tactgen.validation.checks.stress.result import Point
+from tactgen.validation.checks.stress.driven import sweep as at_random
+from tactgen.validation.checks.stress.result import Asked, Family, Point
+from tactgen.validation.checks.stress.run import run_parts
 from tactgen.validation.scene.scene import load_scene
 
 

@@ -20,9 +20,8 @@ from tactgen.validation.bench import reluctance as magnetics
 from tactgen.validation.bench.bimorph import beam
 from tactgen.validation.bench.bimorph.beam import BeamTiming
 from tactgen.validation.bench.one_core import on_one_core, peak_memory
-from tactgen.validation.bench.output import time_error_plot
 from tactgen.validation.bench.reluctance import FieldTiming
-from tactgen.validation.bench.result import Bench, Target
+from tactgen.validation.bench.result import Bench, Target, time_error_plot
 from tactgen.validation.command_line.commands.evidence import bench as command
 
 

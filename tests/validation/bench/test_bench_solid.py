@@ -11,13 +11,21 @@ import pytest
 from tactgen.fem.piezo.system import materials
 from tactgen.geometry.errors import InputError
 from tactgen.validation.bench import PARTS, run_parts
-from tactgen.validation.bench.bimorph import jobs, meshes, peers, solid
-from tactgen.validation.bench.bimorph.peers.grid import LAYERS, SHIM, bricks
-from tactgen.validation.bench.bimorph.peers.job import Clock, answer, lowest_frequencies, tensor
-from tactgen.validation.bench.bimorph.timing import SolidTiming
-from tactgen.validation.bench.bimorph.ways import ways
-from tactgen.validation.bench.output import time_error_plot
-from tactgen.validation.bench.work_precision import front, time_at_error
+from tactgen.validation.bench.bimorph import peers, solid
+from tactgen.validation.bench.bimorph import solid as jobs
+from tactgen.validation.bench.bimorph import solid as meshes
+from tactgen.validation.bench.bimorph.beam import SolidTiming
+from tactgen.validation.bench.bimorph.peers.job import (
+    LAYERS,
+    SHIM,
+    Clock,
+    answer,
+    bricks,
+    lowest_frequencies,
+    tensor,
+)
+from tactgen.validation.bench.bimorph.solid import ways
+from tactgen.validation.bench.result import front, time_at_error, time_error_plot
 from tactgen.validation.command_line.commands.evidence import bench as command
 
 COARSE = {"longest": 3e-3, "first": 2e-4, "through_piezo": 2, "across": 3}

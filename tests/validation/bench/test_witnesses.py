@@ -5,7 +5,8 @@ import secrets
 import numpy as np
 import pytest
 
-from tactgen.validation.bench.bimorph import jobs, peers
+from tactgen.validation.bench.bimorph import peers
+from tactgen.validation.bench.bimorph import solid as jobs
 from tactgen.validation.checks.coverage.scenes import drawn_bimorph
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene

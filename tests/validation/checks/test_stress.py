@@ -10,10 +10,11 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.span import error_bound
-from tactgen.validation.checks.stress import Asked, beam, magnetics
-from tactgen.validation.checks.stress.beam_point import CONDITION_LIMIT
+from tactgen.validation.checks.stress import beam, magnetics
+from tactgen.validation.checks.stress.beam import CONDITION_LIMIT
 from tactgen.validation.checks.stress.result import (
     WANTED,
+    Asked,
     Point,
     Stress,
     answered,

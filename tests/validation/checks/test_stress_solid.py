@@ -2,7 +2,8 @@
 
 import pytest
 
-from tactgen.validation.checks.stress import Asked, solid
+from tactgen.validation.checks.stress import solid
+from tactgen.validation.checks.stress.result import Asked
 
 
 @pytest.mark.heavy

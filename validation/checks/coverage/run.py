@@ -1,68 +1,48 @@
-"""The run behind ``tactgen coverage``: parts, their devices, and what came out."""
+"""The parts of a coverage run, and the run behind ``tactgen coverage``."""
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from functools import partial
 
 import numpy as np
 
-from tactgen.geometry.store.store import kept
-from tactgen.validation.checks.coverage import PARTS
-from tactgen.validation.checks.coverage.result import Judged, Row, rows
-from tactgen.validation.scene.files import built_in_texts
+from tactgen.validation.checks.coverage.result import Judged, Part, judged_once
 
-#: What computes answers and is loaded by names in strings.
-_CODE = ("tactgen.validation.models", "tactgen.fem", "tactgen.tmm")
-
-
-@dataclass(frozen=True)
-class Part:
-    """One model's bars: what was drawn and what came out.
-
-    Attributes
-    ----------
-    name, what : str
-        The part, and what it holds against what.
-    seed, devices : int
-        How to draw the same devices again, and how many.
-    """
-
-    name: str
-    what: str
-    seed: int
-    devices: int
-    answers: tuple[Judged, ...]
-
-    @property
-    def rows(self) -> list[Row]:
-        """One row a quantity, the last of all of them."""
-        return rows(self.answers)
-
-    @property
-    def holds(self) -> bool:
-        """Whether every row does."""
-        return all(row.holds for row in self.rows)
+#: By name how many devices a part has by default, and what it holds against what.
+PARTS: dict[str, tuple[int, str]] = {
+    "tmm": (60, "the transfer matrix against 80 digits; its bars are of rounding and wide"),
+    "beam": (60, "beam elements against exact spans"),
+    "taper": (40, "tapers by the transfer matrix against four times as many segments"),
+    "solid": (16, "bricks against bricks two levels finer"),
+    "cad": (4, "tetrahedra of the CAD solids against much finer bricks"),
+    "reduced": (12, "a member of a family by its reduced basis against bricks two levels finer"),
+    "axisymmetric": (20, "the magnetic field against a finer grid, higher order and farther walls"),
+    "magnetic3d": (20, "the magnetic field on coarse tetrahedra against the half section's"),
+    "map": (60, "the co-energy map against the network itself"),
+    "switching": (30, "switching currents against balances of a network four times as fine"),
+    "generator": (30, "small motions of the machine against those by a network four times as fine"),
+    "time": (30, "runs in time against runs in much finer steps"),
+}  # fmt: skip
 
 
-def judged_once(kind: str, of: tuple[object, ...], module: str, work: Callable[[], Any]) -> Any:
-    """Return what `work` gives, from the store if this code has judged the same before.
+def _judge(name: str) -> Callable[[np.random.Generator], list[Judged]]:
+    """Return what judges one random device of a part; only its own models are imported."""
+    if name in ("tmm", "beam", "taper"):
+        from tactgen.validation.checks.coverage import beam
 
-    A run that was stopped so goes on where it was.
+        return {"tmm": beam.judge_tmm, "beam": beam.judge, "taper": beam.judge_taper}[name]
+    if name in ("solid", "cad", "reduced"):
+        from tactgen.validation.checks.coverage import beam, solid
 
-    Parameters
-    ----------
-    kind : str
-        What the store lists it as.
-    of : tuple
-        What is judged, with the seed that it is drawn by.  The built-in scenes count, too: all is
-        made of them.
-    module : str
-        What judges.
-    """
-    return kept(kind, (*of, built_in_texts()), (module, *_CODE), work)
+        return {"solid": solid.judge, "cad": beam.judge_cad, "reduced": solid.judge_reduced}[name]
+    from tactgen.validation.checks.coverage import axisymmetric as machine
+
+    return {
+        "axisymmetric": machine.judge, "magnetic3d": machine.judge_magnetic3d,
+        "map": machine.judge_map, "switching": machine.judge_switching,
+        "generator": machine.judge_motions, "time": machine.judge_in_time,
+    }[name]  # fmt: skip
 
 
 def run_parts(
@@ -72,18 +52,19 @@ def run_parts(
 
     So more devices of a seed are the same ones and others besides.
     """
+
+    def judged(name: str, number: int) -> tuple[Judged, ...]:
+        return tuple(_judge(name)(np.random.default_rng([seed, number])))
+
     found = []
     for name in names:
-        module, function, usual, what = PARTS[name]
+        usual, what = PARTS[name]
         count = usual if devices is None else devices
+        module = _judge(name).__module__
         answers: list[Judged] = []
         for number in range(count):
             announce(f"{name}: device {number + 1} of {count}")
-
-            def work(module: str = module, function: str = function, number: int = number) -> Any:
-                judge = getattr(importlib.import_module(module), function)
-                return tuple(judge(np.random.default_rng([seed, number])))
-
+            work = partial(judged, name, number)
             answers += judged_once("coverage", (name, seed, number), module, work)
         found.append(Part(name, what, seed, count, tuple(answers)))
     return found

@@ -11,16 +11,17 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
+from typing import Any
 
 import mpmath as mp
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.ends import Ends, Springs
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Support
-from tactgen.geometry.formats import engineering
-from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.modes import bending_frequencies, natural_frequencies
+from tactgen.tmm.beam.mounted_beam import mounted_response
 from tactgen.tmm.beam.sections import Section, section
 from tactgen.tmm.beam.span import (
     EPS,
@@ -30,20 +31,77 @@ from tactgen.tmm.beam.span import (
     error_bound,
     span,
 )
+from tactgen.tmm.beam.timoshenko import condition, dynamic_stiffness
 from tactgen.tmm.beam.transfer_matrix import chain
-from tactgen.tmm.ports.elements import ends_of
+from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
 from tactgen.validation.checks.cases import reference_beam as reference
-from tactgen.validation.checks.stress import Asked, beam_modes
-from tactgen.validation.checks.stress.beam_point import CONDITION_LIMIT, entry_error, point
+from tactgen.validation.checks.cases import textbook_beam
+from tactgen.validation.checks.cases.reference_modes import offset
 from tactgen.validation.checks.stress.result import (
+    REFUSALS,
     WANTED,
     Approach,
+    Asked,
     ErrorMap,
+    Family,
     Point,
     Row,
     Stress,
+    answered,
     judged,
 )
+from tactgen.validation.view.formats import engineering
+
+#: Condition number up to which the wanted accuracy is promised.
+CONDITION_LIMIT = (WANTED - 2.0 * EPS) / (EXTENDED_ROUNDINGS * EXTENDED_EPS)
+
+#: Entries of D that are not zero by symmetry.
+_ENTRIES = tuple(set(product(range(5), repeat=2)) - {(0, 4), (4, 0), (2, 4), (4, 2)})
+#: Magnitude below which a double loses digits, or becomes 0.
+_UNDERFLOW = 1e-290
+
+
+def point(beam: Section, length: float, frequency: float, ends: Ends, where: str) -> Point:
+    """Compare D and the terminated response at one point."""
+    omega = 2.0 * np.pi * frequency
+    exact = reference.dynamic_stiffness(reference.constants(beam), length, omega)
+    f = np.array([frequency])
+    base = None
+    if ends.base is not None:
+        lateral, rotational = base_stiffness(ends.base, f)
+        base = complex(lateral[0]), complex(rotational[0])
+    tip = complex(tip_stiffness(ends.tip, f)[0])
+    w_tip, charge, psi_tip = reference.tip_motion(exact, base, tip)
+    ours = mounted_response(beam, length, omega, base=base, tip=tip)
+    errors = [
+        entry_error(dynamic_stiffness(beam, length, omega), exact),
+        reference.relative_error(ours.w_tip, w_tip),
+        reference.relative_error(ours.charge, charge),
+        reference.relative_error(ours.psi_tip, psi_tip),
+    ]
+    worst = max(float(condition(beam, length, omega).max()), float(ours.condition))
+    naive = math.nan
+    if frequency > 0.0:
+        velocity = textbook_beam.tip_velocity(beam, length, f, base=base, tip=tip)[0]
+        naive = max(
+            entry_error(textbook_beam.dynamic_stiffness(beam, length, f)[0], exact),
+            _finite(reference.relative_error(velocity / (1j * omega), w_tip)),
+        )
+    return Point(where, max(errors), worst, float(error_bound(worst)), naive)
+
+
+def entry_error(got: Any, exact: Any) -> float:
+    """Return the worst relative error of the entries of D (5, 5); infinite for nan."""
+    return max(
+        _finite(reference.relative_error(got[at], exact[at]))
+        for at in _ENTRIES
+        if abs(exact[at]) > _UNDERFLOW
+    )
+
+
+def _finite(error: float) -> float:
+    return math.inf if math.isnan(error) else error
+
 
 _LENGTH = 20e-3
 #: Frequencies above 0 Hz and lengths of the grids, of a quick run and of a full one.
@@ -76,7 +134,7 @@ def _found(
         announce(f"tmm: {family.__name__.strip('_').replace('_', ' ')}")
         rows.append(family(quick))
     announce("tmm: natural frequencies")
-    rows.append(beam_modes.row(quick))
+    rows.append(_natural_frequencies(quick))
     for approach in (_held_resonance, _mounted_resonance):
         announce("tmm: into a resonance")
         line, row = approach(quick)
@@ -264,3 +322,33 @@ def _points(
 
 def _si(value: float, unit: str) -> str:
     return engineering(float(value), unit, 3)
+
+
+_ENDS = {
+    "clamped": Ends(),
+    "on springs": Ends(Springs(3.0, 0.24)),
+    "free": Ends(Springs(0.0, 0.0)),
+}
+_MODES = 3
+
+
+def _natural_frequencies(quick: bool) -> Row:
+    """Vary φ over 28 decades and the rotary inertia over 8, at three kinds of ends."""
+    family = Family()
+    powers = (-12, -4, 4, 8, 16) if quick else range(-12, 17, 2)
+    inertias = (1e-3,) if quick else (1e-8, 1e-3, 1.0)
+    for power, rho_i, (name, ends) in product(powers, inertias, _ENDS.items()):
+        beam = Section(EI=1.0, GA=10.0**-power, m=1.0, rhoI=rho_i)
+        try:
+            found = natural_frequencies([(beam, 1.0)], ends, _MODES, open_circuit=False)
+        except REFUSALS as error:
+            family.refuse(error)
+            continue
+        for frequency, bar in zip(found.frequencies, found.rounding, strict=True):
+            where = f"φ 1e{power}, ρI/ml² {rho_i:g}, {name}"
+            family.add(where, abs(offset([(beam, 1.0)], ends, float(frequency))), float(bar))
+    return answered(
+        "natural frequencies: slenderness",
+        "three modes, EI/(GA l²) 1e-12 to 1e16, clamped, on springs and free, against 80 digits",
+        family.points, family.refusals,
+    )  # fmt: skip

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.device.parameters import Device
-from tactgen.validation.checks.coverage import axisymmetric, beam, machine, solid
+from tactgen.validation.checks.coverage import axisymmetric, beam, solid
+from tactgen.validation.checks.coverage import axisymmetric as machine
 from tactgen.validation.checks.coverage.solid import Answer, Case
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.warnings import load_warnings

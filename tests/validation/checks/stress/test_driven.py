@@ -9,8 +9,10 @@ import pytest
 from tactgen.fem import beam
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient import record
-from tactgen.validation.checks.stress import Asked
-from tactgen.validation.checks.stress.driven import holding, lateral, machine, motion, sweep
+from tactgen.validation.checks.stress.driven import lateral, machine, sweep
+from tactgen.validation.checks.stress.driven import machine as holding
+from tactgen.validation.checks.stress.driven import machine as motion
+from tactgen.validation.checks.stress.result import Asked
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import load_scene
 

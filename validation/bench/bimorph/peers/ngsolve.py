@@ -15,12 +15,14 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.validation.bench.bimorph.peers.grid import LAYERS, Bricks, bricks
 from tactgen.validation.bench.bimorph.peers.job import (
+    LAYERS,
     Answer,
+    Bricks,
     Clock,
     Job,
     answer,
+    bricks,
     lowest_frequencies,
     potential_unit,
     tensor,

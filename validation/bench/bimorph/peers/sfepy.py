@@ -16,13 +16,13 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints, Sparse
 from tactgen.geometry.errors import InputError
-from tactgen.validation.bench.bimorph.peers.grid import bricks
 from tactgen.validation.bench.bimorph.peers.job import (
     Answer,
     Clock,
     Job,
     Material,
     answer,
+    bricks,
     lowest_frequencies,
     potential_unit,
 )

@@ -12,10 +12,16 @@ from functools import partial
 
 import numpy as np
 
-from tactgen.validation.checks.stress import Asked, Families
-from tactgen.validation.checks.stress.answers import REFUSALS, Family
 from tactgen.validation.checks.stress.driven.sweep import Pair, Sweep, decades
-from tactgen.validation.checks.stress.result import Row, Stress, answered
+from tactgen.validation.checks.stress.result import (
+    REFUSALS,
+    Asked,
+    Families,
+    Family,
+    Row,
+    Stress,
+    answered,
+)
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 

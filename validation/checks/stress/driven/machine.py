@@ -3,23 +3,194 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.positions import AxialForces, axial_forces, settled_place
+from tactgen.tmm.generator.transient.march import simulate
+from tactgen.tmm.generator.transient.record import output_at
+from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources, Waveform
 from tactgen.tmm.reluctance.map_range import network_pull
 from tactgen.tmm.reluctance.network import DirectPull, network_samples
-from tactgen.validation.checks.stress import Asked, Families
-from tactgen.validation.checks.stress.answers import REFUSALS, Family
-from tactgen.validation.checks.stress.driven.holding import CIRCUIT_PAIR, DRIVEN, HELD
-from tactgen.validation.checks.stress.driven.motion import motion_rows
 from tactgen.validation.checks.stress.driven.sweep import Pair, Sweep, decades, driven
-from tactgen.validation.checks.stress.result import Row, Stress, answered
+from tactgen.validation.checks.stress.result import (
+    REFUSALS,
+    Asked,
+    Families,
+    Family,
+    Row,
+    Stress,
+    answered,
+)
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.generator.judged_rod import CELLS_AT_REST
-from tactgen.validation.scene.scene import Scene
+from tactgen.validation.models.generator.transient import scene_machine
+from tactgen.validation.scene.scene import Scene, load_scene
+
+_AT_HOLDING = ("load.kind=none", "frequency=10 Hz,500 Hz,2000 Hz")
+_BELOW = (*_AT_HOLDING, "coil.current=50 mA", "coil.history=falling")
+#: A finger presses the tip down; its own law is asked for inside its range.
+_PRESSED = ("frequency=10 Hz,500 Hz,1000 Hz",)
+_TILTED = (*_AT_HOLDING, "spring.eccentricity=0.3 mm")
+
+#: The contact of the lower stop, on a rod held down; the bore's play and springs, the head upright
+#: and tilted; springs down to those that cannot hold the rod up.
+HELD: tuple[Sweep, ...] = (
+    Sweep(
+        "the lower stop's own stiffness", "eight decades of decay length: a ratio of 1e-3 to 1e3 "
+        "of 0.1 um, then of 10 um",
+        (
+            *decades("contact.lower_decay_ratio", "", -3, 3, *_BELOW, "contact.decay_length=0.1um"),
+            *decades("contact.lower_decay_ratio", "", 2, 3, *_BELOW, "contact.decay_length=10um"),
+        ),
+    ),
+    Sweep(
+        "the lower stop's own damping", "ratios of 1e-3 to 1e3, and no damping at all",
+        (
+            *decades("contact.lower_relaxation_ratio", "", -3, 3, *_BELOW, step=2),
+            ("none", (*_BELOW, "contact.relaxation_time=0 s", "guide.axial_damping=0 N*s/m")),
+        ),
+    ),
+    Sweep(
+        "clearance of the bore", "none, 1 nm to 10 m, upright and tilted",
+        (
+            ("none", (*_AT_HOLDING, "guide.clearance=0 m")),
+            *decades("guide.clearance", "m", -9, 1, *_AT_HOLDING, step=5),
+            *decades("guide.clearance", "m", -9, 1, *_TILTED, step=2),
+        ),
+    ),
+    Sweep(
+        "springs of the bore", "1e-12 to 1e9 N m/rad, with play and a tilted head",
+        tuple(decades("guide.rotational_stiffness", "N*m/rad", -12, 9, *_TILTED,
+                      "guide.clearance=0.1 um", step=3)),
+    ),
+    Sweep(
+        "a finger that the spring cannot hold", "1 uN to 1 kN on the tip against 110 mN",
+        tuple(decades("load.normal_force", "N", -6, 3, *_PRESSED)), quick=(0, 5, -1),
+    ),
+    Sweep(
+        "return spring", "0, then 1e-6 to 1e6 N/m",
+        (
+            ("none", (*_AT_HOLDING, "spring.stiffness=0 N/m")),
+            *decades("spring.stiffness", "N/m", -6, 6, *_AT_HOLDING, step=2),
+        ),
+    ),
+)  # fmt: skip
+
+_CIRCUIT = (*_BELOW, "coil.supply=voltage")
+#: The coil's circuit, driven by a voltage: time constants over more than eight decades.
+DRIVEN: tuple[Sweep, ...] = (
+    Sweep(
+        "stiff circuit: resistance", "1e-9 to 1e9 ohm in the leads",
+        tuple(decades("coil.source_resistance", "ohm", -9, 9, *_CIRCUIT, step=3)),
+    ),
+    Sweep(
+        "stiff circuit: turns", "1 to 1e4 turns at the same ampere-turns, which is eight decades "
+        "of inductance",
+        tuple(
+            (f"{10**n} turns", (*_AT_HOLDING, "coil.supply=voltage", f"coil.turns={10**n}",
+                                f"coil.current={28 / 10**n:g} A", "coil.history=falling"))
+            for n in range(5)
+        ),
+    ),
+)  # fmt: skip
+CIRCUIT_PAIR = Pair(
+    "tmm", "beam",
+    ("axial_tip_per_coil_voltage", "coil_impedance", "lateral_tip_per_voltage"), "generator",
+)  # fmt: skip
+
+
+#: Accuracy of the runs that are judged, and what their witness's is of it.
+_ACCURACY, _FINER = 0.05, 0.1
+#: What the energy balance may miss, of all that was exchanged.
+_BALANCE = 1e-10
+_FREE = "load.kind=none"
+_UNDAMPED = (
+    _FREE, "contact.relaxation_time=0 s", "guide.axial_damping=0 N*s/m",
+    "piezo.quality_factor=1e9", "contact.friction=0.001",
+)  # fmt: skip
+_OFF = Constant(0.0)
+
+
+@dataclass(frozen=True)
+class _Run:
+    """One run: where it is, for people; what the scene sets; speed of the rod at the start (m/s).
+
+    `coil` is what drives the winding, by current unless `by_voltage`.
+    """
+
+    where: str
+    overrides: tuple[str, ...]
+    until: float
+    speed: float = 0.0
+    coil: Waveform = _OFF
+    by_voltage: bool = False
+
+
+_BLOWS = tuple(
+    _Run(f"{speed:g} m/s", (_FREE,), 3e-4 / max(speed, 1.0), speed)
+    for speed in (0.01, 0.1, 0.5, 1.0, 2.0)
+)
+_LOSSLESS = tuple(
+    _Run(f"{speed:g} m/s, no damping", _UNDAMPED, 2e-4, speed) for speed in (0.0, 0.05, 0.4)
+)
+#: Circuits whose resistance answers in seconds to fractions of a nanosecond; 50 mA at the end.
+_CIRCUITS = tuple(
+    _Run(
+        f"source of {ohms:g} ohm", (_FREE, f"coil.source_resistance={ohms:g} ohm"), 2e-4,
+        coil=Constant(0.05 * ohms), by_voltage=True,
+    )
+    for ohms in (1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
+)  # fmt: skip
+
+
+def motion_rows(quick: bool) -> list[Row]:
+    """Return the rows: seconds if `quick`, else a minute."""
+    return [
+        _row("machine: blows on its stop", "the rod at 1 cm/s to 2 m/s", _BLOWS, quick),
+        _row("machine: without damping", "no loss in contact, guide, bimorph", _LOSSLESS, quick),
+        _row("machine: stiff circuits", "10 ohm to 1 Mohm in series", _CIRCUITS, quick),
+    ]
+
+
+def _row(name: str, what: str, runs: tuple[_Run, ...], quick: bool) -> Row:
+    family = Family()
+    for run in runs[-1:] if quick else runs:
+        try:
+            _judge(family, run)
+        except REFUSALS as error:
+            family.refuse(error)
+    return answered(name, what, family.points, family.refusals)
+
+
+def _judge(family: Family, run: _Run) -> None:
+    """Compare every output at its worst time, and the energy."""
+    scene, _ = load_scene("generator", list(run.overrides))
+    found = scene_machine(scene, coil="voltage" if run.by_voltage else "current", volts=10.0)
+    velocity = np.zeros(found.rest.size)
+    velocity[0] = run.speed
+    judged, finer = (
+        simulate(
+            found.system, Sources(Sine(10.0, 200.0), run.coil), run.until,
+            position=found.rest, velocity=velocity, accuracy=_ACCURACY * share,
+        )
+        for share in (1.0, _FINER)
+    )  # fmt: skip
+    for name, output in found.system.outputs.items():
+        values, bar = judged.outputs[name], judged.bars[name] + finer.bars[name][-1]
+        off = np.abs(values - output_at(finer.run, output.row, judged.run.time))
+        size = float(np.abs(values).max()) or 1.0
+        at = int(np.argmax(off / np.maximum(bar, np.finfo(float).tiny)))
+        family.add(f"{run.where}, {name}", off[at] / size, bar[at] / size)
+    if run.by_voltage:
+        bar = judged.bars["current"][-1] + finer.bars["current"][-1]
+        last, known = (answer.run.current[-1] for answer in (judged, finer))
+        family.compare(f"{run.where}, current at the end", float(last), float(known), float(bar))
+    family.add(f"{run.where}, energy", judged.run.worst_imbalance, _BALANCE)
+
 
 _STATEMENT = (
     "Responses by the transfer matrix and by beam elements agree within the bars of both, of a "

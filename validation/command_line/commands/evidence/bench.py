@@ -27,7 +27,7 @@ def _known() -> Collection[str]:
 def run(options: argparse.Namespace) -> int:
     """Run the command; a slow machine is no error, so the exit code is 0."""
     from tactgen.validation.bench import PARTS, run_parts
-    from tactgen.validation.bench.output import print_bench, write_bench
+    from tactgen.validation.bench.result import print_bench, write_bench
 
     run_and_show(
         options, PARTS, run_parts, print_bench, write_bench,

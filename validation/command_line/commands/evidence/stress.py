@@ -25,15 +25,15 @@ def add(commands: Commands) -> None:
 
 
 def _known() -> Collection[str]:
-    from tactgen.validation.checks.stress import PARTS
+    from tactgen.validation.checks.stress.run import PARTS
 
     return PARTS
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit code is 1 if a family fails."""
-    from tactgen.validation.checks.stress import PARTS, run_parts
-    from tactgen.validation.checks.stress.output import print_stress, write_stress
+    from tactgen.validation.checks.stress.result import print_stress, write_stress
+    from tactgen.validation.checks.stress.run import PARTS, run_parts
 
     seed = seed_of(options)
 
