@@ -12,9 +12,9 @@ from typing import Any, ClassVar
 
 from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.files import write_text
+from tactgen.geometry.formats import engineering
 from tactgen.validation.view.console import console
 from tactgen.validation.view.figures import ORANGE, panels, plain_numbers, svg
-from tactgen.validation.view.formats import engineering
 
 
 class Timing(ABC):

@@ -73,7 +73,7 @@ def job(
     device: Device | None = None,
 ) -> Job:
     """Return job J1, or another device's, as plain numbers; with frequencies, its damped sweep."""
-    from tactgen.fem.bimorph.system import materials
+    from tactgen.fem.piezo.system import materials
 
     device = device or j1().device
     regions = ("piezo_top", "shim")
@@ -123,12 +123,12 @@ def _plain(exact: Any, lossy: Any) -> Material:
 def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
     """Solve the job (or, with frequencies, its sweep) on a mesh of one of our families."""
     # imported before the clock starts: their time is the process's, not the mesh's
-    from tactgen.fem.bimorph.solid import assemble
+    from tactgen.fem.piezo.solid import assemble
     from tactgen.fem.solvers.linear_solver import available_solver, factorise
 
     later_on = (
         "scipy.sparse.linalg",
-        "tactgen.fem.bimorph.reduction.krylov",
+        "tactgen.fem.piezo.krylov",
         "tactgen.validation.models.bimorph.lowest_modes",
     )
     for later in later_on:
@@ -158,7 +158,7 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
 
 def _static(system: Any) -> tuple[float, float]:
     """Return deflection and capacitance of the clamped, free bimorph."""
-    from tactgen.fem.bimorph.ports import static_multiport
+    from tactgen.fem.piezo.ports import static_multiport
     from tactgen.geometry.bimorph.ends import Ends
     from tactgen.tmm.ports.elements import attach
     from tactgen.tmm.ports.multiport import respond
@@ -169,8 +169,8 @@ def _static(system: Any) -> tuple[float, float]:
 
 def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
     """Return the natural frequencies; a coarse mesh says which classes of motion they are in."""
-    from tactgen.fem.bimorph.modes import natural_modes
-    from tactgen.fem.bimorph.solid import assemble
+    from tactgen.fem.piezo.modes import natural_modes
+    from tactgen.fem.piezo.solid import assemble
     from tactgen.geometry.bimorph.ends import Ends
     from tactgen.validation.models.bimorph.lowest_modes import (
         coarse_modes,
@@ -189,7 +189,7 @@ def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
 
 def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
     """Return the complex deflection by reduction to ports."""
-    from tactgen.fem.bimorph.reduction.krylov import reduce_to_ports
+    from tactgen.fem.piezo.krylov import reduce_to_ports
     from tactgen.geometry.bimorph.ends import Ends
     from tactgen.tmm.ports.elements import attach
     from tactgen.tmm.ports.multiport import respond

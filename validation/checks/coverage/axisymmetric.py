@@ -9,8 +9,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.actuator import solve_point
-from tactgen.fem.reluctance.three_d.actuator import solve_solid
+from tactgen.fem.magnetics.actuator_3d import solve_solid
+from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
 from tactgen.geometry.reluctance.sector_tets import Sector

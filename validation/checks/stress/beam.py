@@ -20,6 +20,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends, Springs
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Support
+from tactgen.geometry.formats import engineering
 from tactgen.tmm.beam.modes import bending_frequencies, natural_frequencies
 from tactgen.tmm.beam.mounted_beam import mounted_response
 from tactgen.tmm.beam.sections import Section, section
@@ -50,7 +51,6 @@ from tactgen.validation.checks.stress.result import (
     answered,
     judged,
 )
-from tactgen.validation.view.formats import engineering
 
 #: Condition number up to which the wanted accuracy is promised.
 CONDITION_LIMIT = (WANTED - 2.0 * EPS) / (EXTENDED_ROUNDINGS * EXTENDED_EPS)

@@ -14,20 +14,16 @@ from itertools import product
 
 import numpy as np
 
-from tactgen.fem.reluctance.axisymmetric.actuator import (
-    FieldErrors,
-    FieldPoint,
-    solve_map,
-    solve_point,
-)
-from tactgen.fem.reluctance.axisymmetric.field import MagneticField, solve_field
-from tactgen.fem.reluctance.axisymmetric.space import discretise
-from tactgen.fem.reluctance.three_d.problem import MagneticField as SolidField
-from tactgen.fem.reluctance.three_d.problem import MagneticSolid, sample
-from tactgen.fem.reluctance.three_d.scalar_potential import ScalarPotential
-from tactgen.fem.reluctance.three_d.vector_potential import VectorPotential
+from tactgen.fem.magnetics.axisymmetric import FieldErrors, FieldPoint, solve_map, solve_point
+from tactgen.fem.magnetics.axisymmetric_field import MagneticField, solve_field
+from tactgen.fem.magnetics.axisymmetric_space import discretise
+from tactgen.fem.magnetics.problem_3d import MagneticField as SolidField
+from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
+from tactgen.fem.magnetics.scalar_potential import ScalarPotential
+from tactgen.fem.magnetics.vector_potential import VectorPotential
 from tactgen.geometry.device.parameters import Device, Sleeve, Steel
 from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.formats import engineering
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid
@@ -53,7 +49,6 @@ from tactgen.validation.checks.stress.result import (
     answered,
     spread,
 )
-from tactgen.validation.view.formats import engineering
 
 _GAPS = (1e-6, 1e-5, 1e-4, 0.4e-3, 1e-3, 5e-3)
 _CURRENTS = np.array([1e-6, 1e-3, 0.13, 10.0, 1e3])

@@ -18,11 +18,11 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
+from tactgen.geometry.formats import engineering
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.beam.span import error_bound
 from tactgen.validation.view.console import console
 from tactgen.validation.view.figures import ORANGE, new_figure, panels, svg
-from tactgen.validation.view.formats import engineering
 
 #: Relative error that is asked for.
 WANTED = 1e-12

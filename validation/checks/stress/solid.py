@@ -13,11 +13,11 @@ from itertools import product
 
 import numpy as np
 
-from tactgen.fem.bimorph.modes import natural_modes
-from tactgen.fem.bimorph.ports import direct_multiport, static_multiport
-from tactgen.fem.bimorph.reduction.krylov import port_error, reduce_to_ports
-from tactgen.fem.bimorph.solid import assemble
-from tactgen.fem.bimorph.system import SolidSystem
+from tactgen.fem.piezo.krylov import port_error, reduce_to_ports
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.ports import direct_multiport, static_multiport
+from tactgen.fem.piezo.solid import assemble
+from tactgen.fem.piezo.system import SolidSystem
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Axis, Bricks
