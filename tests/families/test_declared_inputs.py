@@ -7,9 +7,9 @@ import pytest
 
 from tactgen.geometry.device.parameters import Parameters
 from tactgen.geometry.device.profile import Profile
+from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.engine.stages import values_read
 from tactgen.validation.models.amplitude import states
 from tactgen.validation.models.amplitude.held_head import held_head, in_state
 from tactgen.validation.scene.scene import Scene, load_scene, scene_keys

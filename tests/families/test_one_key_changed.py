@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from tactgen.geometry.device.parameters import Parameters
 from tactgen.validation.catalogue.models import MODELS, stage_reads
+from tactgen.validation.engine.inputs import keys_read
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 
@@ -68,12 +69,9 @@ def check_pair(name, model, quantities, changes, data, tmp_path_factory):
     changed = load_scene(name, ["frequency=100,500", first, second])[0]
     differing = {
         stage
-        for stage, reads in stage_reads().items()
-        if any(
-            (path == key or key.startswith(f"{path}.") or path.startswith(f"{key}."))
-            and values_of(base, path) != values_of(changed, path)
-            for path in reads
-        )
+        for stage, entries in stage_reads().items()
+        if key in keys_read(base, entries) | keys_read(changed, entries)
+        and values_of(base, key) != values_of(changed, key)
     }
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("warm")))

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.inputs import keys_read, stage_keys
 from tactgen.validation.engine.plan import make_plan, stages_for
-from tactgen.validation.engine.stages import stage_keys
 from tactgen.validation.scene.scene import load_scene
 
 SCENES = {
@@ -91,14 +91,12 @@ def test_a_key_is_new_where_something_that_is_read_is(name, change):
     before, after = (stage_keys(stage_reads(), scene) for scene in (base, changed))
     assert len(set(before.values())) == len(before)  # no two stages share one
     key = change.partition("=")[0]
-    group = key.partition(".")[0]
-    for stage, reads in stage_reads().items():
-        reading = {path for path in reads if path in (key, group)}
+    for stage, entries in stage_reads().items():
+        reading = key in keys_read(base, entries) | keys_read(changed, entries)
         new = before[stage] != after[stage]
-        # what holds the base is read as it holds it: of a clamp no spring counts
-        if reading and group != "support" and base.model_dump() != changed.model_dump():
+        # what holds the base is read as it holds it, and other models by the map that they bring
+        if reading and "support" not in entries and base.model_dump() != changed.model_dump():
             assert new, (stage, change)
         if new:
-            # the support of a contact follows from what holds it down; models from their maps
-            assert reading or {"support", "models"} & set(reads), (stage, change)
+            assert reading or "models" in entries, (stage, change)
     assert stage_keys(stage_reads(), load_scene(name)[0]) == before

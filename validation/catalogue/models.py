@@ -10,6 +10,22 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from tactgen.validation.catalogue.inputs import (
+    ARRAY,
+    BEAM,
+    CIRCUIT,
+    CROSSTALK,
+    ENDS,
+    MACHINE,
+    MAGNETIC,
+    READING,
+    REST,
+    SLOT,
+    SOLID,
+    SPREAD,
+    STROKE,
+    plain_keys,
+)
 from tactgen.validation.catalogue.needs import Actuator, Need
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import QuantityRow
@@ -86,42 +102,14 @@ class ModelRow:
         return self.theory == "beam"
 
     def reads(self, key: str) -> bool:
-        """Return whether some stage reads a scene key."""
-        return any(key in read for read in self.stages.values())
+        """Return whether some stage reads a scene key or group."""
+        return any(key in plain_keys(entries) for entries in self.stages.values())
 
     def stages_for(self, quantity: QuantityRow) -> tuple[str, ...]:
         """Return the names of the stages that a quantity needs, in order."""
         own = (f"{self.name}.{stage}" for need in quantity.needs for stage in self.gives[need])
         return tuple(dict.fromkeys(own))
 
-
-_PIECES = ("bimorph", "piezo", "shim", "beam", "support.kind", "glue", "rod")
-_FIXED = ("support", "load")
-# tetrahedra are refined by what is solved on them
-_SOLID = ("bimorph", "support.kind", "glue", "rod", "mesh.level", "accuracy", "piezo", "shim")
-_MAGNETIC = (
-    "rod.radius", "rod.head_radius", "rod.head_thickness", "rod.flange_radius",
-    "rod.flange_thickness", "rod.flange_position", "rod.length", "coil.inner_radius",
-    "coil.outer_radius", "coil.length", "coil.position", "coil.turns", "coil.current", "sleeve",
-    "steel.curve", "gap",
-)  # fmt: skip
-#: The map covers what the spring may ask of it.
-_MAP = (*_MAGNETIC, "spring")
-#: Where the rod rests, on what the map says.
-_REST = (*_MAP, "contact", "coil.history", "load.normal_force")
-#: The machine in small motions about that place: whose map it is, and masses.
-_MACHINE = (
-    "models",
-    "bimorph", "piezo", "shim", "glue", "beam", "rod", "coil", "sleeve", "steel.curve", "gap",
-    "spring", "contact", "guide", "load.normal_force",
-)  # fmt: skip
-#: One unit beside the others: its board and its skin; and units that differ.
-_CROSSTALK = (*_MACHINE, "support.kind", "load", "coil.current", "coil.history", "frequency",
-              "display", "skin")  # fmt: skip
-_SPREAD = (*_MACHINE, "support", "load", "display", "scatter", "modes")
-_SLOT = (
-    "support.kind", "rod.slot_depth", "bimorph.width", "bimorph.shim_thickness", "glue.thickness",
-)  # fmt: skip
 
 _ROW_GIVES: Mapping[Need, tuple[str, ...]] = {
     "static": ("static",), "modes_short": ("modes",), "modes_open": ("modes",),
@@ -136,9 +124,6 @@ _MAGNETIC_GIVES: Mapping[Need, tuple[str, ...]] = {
 _IN_ARRAY_GIVES: Mapping[Need, tuple[str, ...]] = {
     **_MAGNETIC_GIVES, "neighbours": ("neighbours",),
 }  # fmt: skip
-#: One unit among others that are driven, too.
-_NEIGHBOURS = (*(key for key in _MAGNETIC if key != "coil.current"), "display.rows",
-               "display.columns", "display.pitch", "display.coil_current")  # fmt: skip
 _MAGNETIC_KEPT = ("point", "map", "switching", "rest")
 #: The mesher runs in a process that is started by its file.
 _MESHER = ("tactgen.geometry.meshing.tetwild",)
@@ -146,15 +131,15 @@ _MESHER = ("tactgen.geometry.meshing.tetwild",)
 
 _SOLID_KEPT = ("static", "modal", "ports")
 _SOLID_STAGES: Mapping[str, tuple[str, ...]] = {
-    "mesh": _SOLID,
-    "assembly": _SOLID,
-    "static": _SOLID,
-    "modal": (*_SOLID, "modes"),
-    "modes_short": (*_SOLID, *_FIXED, "modes"),
-    "modes_open": (*_SOLID, *_FIXED, "modes"),
-    "ports": (*_SOLID, "frequency"),
-    "machine": _MACHINE,
-    "crosstalk": (*_SOLID, *_CROSSTALK),
+    "mesh": SOLID,
+    "assembly": SOLID,
+    "static": SOLID,
+    "modal": (*SOLID, "modes"),
+    "modes_short": (*SOLID, *ENDS, "modes"),
+    "modes_open": (*SOLID, *ENDS, "modes"),
+    "ports": (*SOLID, "frequency"),
+    "machine": MACHINE,
+    "crosstalk": (*SOLID, *CROSSTALK),
 }
 _SOLID_GIVES: Mapping[Need, tuple[str, ...]] = {
     "static": ("mesh", "assembly", "static"),
@@ -170,13 +155,28 @@ _SOLID_GIVES: Mapping[Need, tuple[str, ...]] = {
 
 def _row_stages(*modes: str) -> dict[str, tuple[str, ...]]:
     return {
-        "ports": (*_PIECES, "frequency"),
-        "static": _PIECES,
-        "modes": (*_PIECES, *_FIXED, *modes),
-        "machine": _MACHINE,
-        "crosstalk": _CROSSTALK,
-        "spread": _SPREAD,
+        "ports": (*BEAM, "frequency"),
+        "static": BEAM,
+        "modes": (*BEAM, *ENDS, *modes),
+        "machine": MACHINE,
+        "crosstalk": CROSSTALK,
+        "spread": SPREAD,
     }
+
+
+def _magnetic_stages(
+    own: tuple[str, ...], *mesh: str, wanted: tuple[str, ...] = ("accuracy",)
+) -> dict[str, tuple[str, ...]]:
+    return {
+        "point": (*own, *wanted, *mesh, *(SLOT if mesh else ())),
+        "map": (*own, *STROKE, *mesh),
+        "switching": (*own, *STROKE, *wanted, *mesh),
+        "rest": (*own, *REST, *wanted, *mesh),
+    }
+
+
+def _in_array(own: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    return {"neighbours": (*(key for key in own if key != "coil.current"), *ARRAY)}
 
 
 _ROWS = (
@@ -215,10 +215,7 @@ _ROWS = (
     ModelRow(
         "network", "lumped reluctance network with fringing, leakage and saturation", "reluctance",
         "tactgen.validation.models.reluctance.model", "NetworkModel", theory="circuit", rank=1,
-        stages={
-            "point": _MAGNETIC, "map": _MAP, "switching": _MAP, "rest": _REST,
-            "neighbours": _NEIGHBOURS,
-        },
+        stages=_magnetic_stages(CIRCUIT, wanted=()) | _in_array(CIRCUIT),
         gives=_IN_ARRAY_GIVES, quick=True, kept=_MAGNETIC_KEPT,
         derivatives="tactgen.validation.models.reluctance.derivatives",
     ),
@@ -226,10 +223,7 @@ _ROWS = (
         "axisymmetric", "nonlinear magnetic field in the half section, finite elements",
         "reluctance", "tactgen.validation.models.reluctance.field", "AxisymmetricModel",
         theory="field", rank=3,
-        stages={
-            "point": (*_MAGNETIC, "accuracy"), "map": _MAP, "switching": (*_MAP, "accuracy"),
-            "rest": (*_REST, "accuracy"),
-        },
+        stages=_magnetic_stages(MAGNETIC),
         gives=_MAGNETIC_GIVES, remedy="its finest grid was used, so accept the bar",
         kept=_MAGNETIC_KEPT, families="tactgen.validation.models.reluctance.family.axisymmetric",
         walks="tactgen.validation.models.reluctance.family.walk",
@@ -239,27 +233,11 @@ _ROWS = (
         "magnetic3d", "nonlinear magnetic field in 3D by vector and scalar potential",
         "reluctance", "tactgen.validation.models.reluctance.field", "Magnetic3dModel",
         theory="field", rank=2,
-        stages={
-            "point": (*_MAGNETIC, "accuracy", "mesh.kind", *_SLOT),
-            "map": (*_MAP, "mesh.kind"),
-            "switching": (*_MAP, "accuracy", "mesh.kind"),
-            "rest": (*_REST, "accuracy", "mesh.kind"),
-            "neighbours": _NEIGHBOURS,
-        },
+        stages=_magnetic_stages(MAGNETIC, "mesh.kind") | _in_array(MAGNETIC),
         gives=_IN_ARRAY_GIVES, remedy="its finest mesh was used, so accept the bar",
         kept=(*_MAGNETIC_KEPT, "neighbours"), loads=_MESHER,
     ),
 )  # fmt: skip
-
-#: Scene keys that count when quantities are read off the answers, or the reader is told what to
-#: mind of them, beside those that the stages read.
-_READING: Mapping[Actuator, tuple[str, ...]] = {
-    "bimorph": (
-        "drive", "support", "load", "threshold", "frequency", "modes", "accuracy", "bimorph.length",
-        "bimorph.wiring",
-    ),
-    "reluctance": ("accuracy",),
-}  # fmt: skip
 
 #: Cheapest first within each actuator.
 MODELS: dict[str, ModelRow] = {row.name: row for row in _ROWS}
@@ -308,7 +286,7 @@ def all_given(models: Iterable[str]) -> tuple[str, ...]:
 
 
 def stage_reads() -> dict[str, tuple[str, ...]]:
-    """Return the scene keys that each stage reads; a changed voltage re-meshes nothing."""
+    """Return the entries of keys that each stage reads; a changed voltage re-meshes nothing."""
     return {
         f"{row.name}.{stage}": reads
         for row in MODELS.values()
@@ -316,9 +294,9 @@ def stage_reads() -> dict[str, tuple[str, ...]]:
     }
 
 
-def reading_reads(model: str) -> tuple[str, ...]:
-    """Return the scene keys that count when a model's answers are read, beside its stages'."""
-    return _READING[MODELS[model].actuator]
+def reading(model: str) -> tuple[str, ...]:
+    """Return the entries of keys that a model's answers are read with, beside its stages'."""
+    return READING[MODELS[model].actuator]
 
 
 def stage_code() -> dict[str, tuple[str, ...]]:

@@ -14,10 +14,10 @@ from typing import Any, Protocol, cast
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.validation.catalogue.models import MODELS, reading_reads
+from tactgen.validation.catalogue.models import MODELS, reading
+from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.engine.prospects import Prospect
 from tactgen.validation.engine.results import Quantity
-from tactgen.validation.engine.stages import values_read
 from tactgen.validation.scene.keys import value_of
 from tactgen.validation.scene.scene import Scene
 
@@ -158,7 +158,7 @@ def alike(
     Own are the keys that vary and of which `is_own` says so, or those of a box.
     """
     row = MODELS[model]
-    reads = {key for stage in row.stages.values() for key in stage} | set(reading_reads(model))
+    reads = {key for stage in row.stages.values() for key in stage} | set(reading(model))
     flat = [_flat(values_read(scene, sorted(reads))) for scene in scenes]
     varied = [key for key in flat[0] if any(one.get(key) != flat[0][key] for one in flat)]
     own = boxed or [key for key in varied if is_own(scenes[0], key)]

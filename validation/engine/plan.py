@@ -10,8 +10,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.needs import NEEDS
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.inputs import stage_keys
 from tactgen.validation.engine.model import model_class
-from tactgen.validation.engine.stages import stage_keys
 from tactgen.validation.scene.scene import Scene
 
 

@@ -20,9 +20,9 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.beam.parametric import check_length_free
+from tactgen.validation.engine.inputs import idle
 from tactgen.validation.engine.plan import check_on_contact
 from tactgen.validation.engine.warnings import load_warnings
-from tactgen.validation.scene.idle_keys import idle
 from tactgen.validation.scene.keys import SYMBOLS, value_of, with_values
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene, scene_keys

@@ -11,8 +11,8 @@ import pytest
 
 from tactgen.geometry.store import entry, store
 from tactgen.geometry.store.entry import Damaged, read_entry
+from tactgen.validation.engine.inputs import stage_key
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.engine.stages import stage_key
 from tactgen.validation.scene.scene import load_scene
 
 #: Scenes whose answers leave entries behind, by what they cost.

@@ -9,9 +9,8 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.inputs import scene_warnings, values_read
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.engine.stages import values_read
-from tactgen.validation.scene.idle_keys import scene_warnings
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.uncertainty.table import sensitivity_columns
 from tactgen.validation.studies.whatif.aim.best import parse_aims, verdict

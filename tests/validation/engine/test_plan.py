@@ -5,10 +5,11 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.inputs import stage_key
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.prospects import Prospect, total
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.engine.stages import Stages, stage_key
+from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.reluctance import field
 from tactgen.validation.scene.scene import load_scene
 
@@ -172,7 +173,7 @@ FIELD_MODES = {f"{model}.modes_{end}" for model in ("solid", "cad") for end in (
         ("coil.length=1.5mm", MAGNETIC | MACHINE | DISPLAY | NEIGHBOURS),
         ("gap=0.15mm", MAGNETIC | MACHINE | DISPLAY | NEIGHBOURS),
         ("steel.curve=linear", MAGNETIC | MACHINE | DISPLAY | NEIGHBOURS),
-        ("rod.density=7800kg/m^3", set(stage_reads()) - MAGNETIC - NEIGHBOURS),
+        ("rod.density=7800kg/m^3", MACHINE | DISPLAY),
         ("load.kind=none", {"lumped.modes", "tmm.modes", "beam.modes"} | FIELD_MODES | DISPLAY),
         ("modes=3", {"tmm.modes", "beam.modes", "solid.modal", "cad.modal", *FIELD_MODES,
                      "lumped.spread", "tmm.spread", "beam.spread"}),

@@ -15,7 +15,7 @@ from tactgen.geometry.store.store import holdings
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.validation.catalogue.models import gives, stage_code, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine import stages
+from tactgen.validation.engine import inputs, stages
 from tactgen.validation.engine.solve import as_json, solve
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.bimorph import solid
@@ -194,9 +194,9 @@ def test_all_of_a_steels_curve_counts(monkeypatch, column):
     for change in (0.0, 0.5):
         one = {**curve, column: curve[column] + change}
         monkeypatch.setattr(
-            stages, "magnetisation_curve", lambda _, one=one: SimpleNamespace(**one)
+            inputs, "magnetisation_curve", lambda _, one=one: SimpleNamespace(**one)
         )
-        keys.append(stages.stage_keys(["network.map"], scene))
+        keys.append(inputs.stage_keys(["network.map"], scene))
     assert keys[0] != keys[1]
 
 
@@ -211,6 +211,6 @@ def test_all_of_a_loads_table_counts(monkeypatch, column):
         one = {**table, column: table[column] + change}
         impedance = SimpleNamespace(real=one["real"], imag=one["imag"])
         made = SimpleNamespace(frequencies=one["frequencies"], impedance=impedance)
-        monkeypatch.setattr(stages, "load_table", lambda _, made=made: made)
-        found.append(stages.values_read(scene, ["load"]))
+        monkeypatch.setattr(inputs, "load_table", lambda _, made=made: made)
+        found.append(inputs.values_read(scene, ["load"]))
     assert found[0] != found[1]

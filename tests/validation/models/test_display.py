@@ -7,13 +7,13 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import quantities_of
+from tactgen.validation.engine.inputs import scene_warnings
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.display.crosstalk import display_ports
 from tactgen.validation.models.display.spread import first_frequency
 from tactgen.validation.models.five_port import five_port
-from tactgen.validation.scene.idle_keys import scene_warnings
 from tactgen.validation.scene.scene import load_scene
 
 CROSSTALK = tuple(q for q in quantities_of("display") if q.startswith("crosstalk"))
@@ -127,7 +127,7 @@ def test_a_scene_of_one_bimorph_touches_no_display():
     stages = [step.stage for step in make_plan(scene, scene.models, scene.quantities).run]
     assert not [stage for stage in stages if stage.endswith(("crosstalk", "spread", "neighbours"))]
     (sentence,) = scene_warnings(scene, {"display.pitch": "set on the command line"})
-    assert "ask for one of the display" in sentence
+    assert "ask for crosstalk_beside" in sentence
 
 
 @pytest.mark.parametrize(

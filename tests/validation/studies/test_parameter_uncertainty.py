@@ -277,7 +277,7 @@ def test_command_tables(capsys):
         (["--key", "bimorph.length", *TAPER], "cannot be varied: bimorph.width_profile"),
         (["--key", "bimorph.width_profile", *TAPER], "is a profile, whose points"),
         (["--model", "tmm", "--quantity", "magnetic_force"], "is computed by network"),
-        (["--model", "beam", "--key", "coil.turns"], "is not read by the model beam"),
+        (["--model", "beam", "--key", "coil.turns"], "has no effect with models = beam"),
         (["--model", "beam", "--key", "bimorph.tab_length"], "is 0, and there is no"),
         (["--model", "solid", "--quantity", "dynamic_stiffness"], "is a matrix"),
         (["--model", "solid", *TAPER], "profile"),

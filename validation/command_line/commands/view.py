@@ -57,8 +57,8 @@ def run(options: argparse.Namespace) -> int:
     options.scene = PAPER if options.scene is None else options.scene
     _refuse_unused(options)
     from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.export.view import Look, harmonic_frequencies, view
-    from tactgen.validation.scene.idle_keys import scene_warnings
     from tactgen.validation.scene.scene import load_scene
 
     asked = [] if options.frequency is None else [f"frequency={options.frequency}"]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept
 from tactgen.geometry.store.values import storable
-from tactgen.validation.engine.stages import values_read
+from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.models.amplitude.backbone import Curve, backbone
 from tactgen.validation.models.amplitude.deflection import LoadedDeflection, loaded_deflection
 from tactgen.validation.models.amplitude.held_head import COILS, State, held_head, in_state

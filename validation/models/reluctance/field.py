@@ -16,9 +16,10 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
+from tactgen.validation.catalogue.inputs import STROKE
 from tactgen.validation.catalogue.models import MODELS, stage_code
+from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.engine.results import Estimate
-from tactgen.validation.engine.stages import values_read
 from tactgen.validation.models.display.field import by_field  # its result may be in the store
 from tactgen.validation.models.reluctance.model import MagneticModel
 from tactgen.validation.models.reluctance.point import MagneticPoint
@@ -47,7 +48,7 @@ MAP_ORDER = 3
 #: As what they are kept.
 SAMPLES = "axisymmetric.samples"
 #: What says how far a map must reach, and nothing else of its samples.
-MAP_RANGE = ("coil.current", "gap", "spring")
+MAP_RANGE = ("coil.current", "gap", *STROKE)
 #: Currents and gaps of a map in 3D, where each costs a second or more, and its fineness.
 _SOLID_MAP = (8, 6)
 _SOLID_MAP_REFINEMENT = 0.7

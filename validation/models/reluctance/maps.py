@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.map_range import network_pull
+from tactgen.validation.engine.inputs import stage_key
 from tactgen.validation.engine.model import make_model
-from tactgen.validation.engine.stages import Stages, stage_key
+from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.reluctance.model import MagneticModel, NetworkModel
 from tactgen.validation.scene.scene import Scene
 

@@ -9,13 +9,13 @@ import numpy as np
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
-from tactgen.validation.catalogue.models import MODELS, gives, reading_reads
+from tactgen.validation.catalogue.models import MODELS, gives, reading
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.derivatives import NEAREST, Changed, Derivatives, derivatives
+from tactgen.validation.engine.inputs import idle, keys_read
 from tactgen.validation.engine.plan import check_models
 from tactgen.validation.engine.solve import check_request
 from tactgen.validation.scene.files import assign
-from tactgen.validation.scene.idle_keys import idle
 from tactgen.validation.scene.keys import value_of
 from tactgen.validation.scene.scene import Scene, checked_scene, scene_keys, scene_values
 from tactgen.validation.studies.uncertainty.table import (
@@ -153,10 +153,10 @@ def _refusal(scene: Scene, model: str, key: str) -> str:
     reason = not_a_number(scene, key)
     if reason:
         return reason
-    if key.partition(".")[0] in _NUMERICAL or not _reads(scene, model, key):
-        return f"is not read by the model {model} for these quantities; leave the key out"
     if idle(scene, key):
         return "has no sensitivity: " + idle(scene, key)
+    if key.partition(".")[0] in _NUMERICAL or not _reads(scene, model, key):
+        return f"is not read by the model {model} for these quantities; leave the key out"
     if value_of(scene, key) == 0.0:
         return "is 0, and there is no percentage of 0; set another value, or leave the key out"
     return ""
@@ -166,10 +166,8 @@ def _reads(scene: Scene, model: str, key: str) -> bool:
     """Return whether a stage that the quantities need reads a key, or the reading of them."""
     row = MODELS[model]
     stages = {s for name in scene.quantities for s in row.stages_for(QUANTITIES[name])}
-    paths = {path for stage in stages for path in row.stages[stage.partition(".")[2]]}
-    paths |= set(reading_reads(model))
-    on_contact = scene.support.kind == "contact" and "support" in paths
-    return on_contact or key in paths or key.partition(".")[0] in paths
+    entries = [entry for stage in stages for entry in row.stages[stage.partition(".")[2]]]
+    return key in keys_read(scene, [*entries, *reading(model)])
 
 
 def _kink(scene: Scene, changed: Changed, key: str) -> str:

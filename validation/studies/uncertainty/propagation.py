@@ -18,7 +18,7 @@ import numpy as np
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.tmm.beam.parametric import parameter_keys
 from tactgen.tmm.beam.transfer_matrix import is_tapered
-from tactgen.validation.scene.idle_keys import idle
+from tactgen.validation.engine.inputs import idle
 from tactgen.validation.scene.parameter_list import show
 from tactgen.validation.scene.ranges import ranges
 from tactgen.validation.scene.scene import Scene

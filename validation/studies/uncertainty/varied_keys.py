@@ -9,7 +9,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted
 from tactgen.tmm.beam.parametric import Actuator, check_keys, parameter_keys
-from tactgen.validation.scene.idle_keys import idle
+from tactgen.validation.engine.inputs import idle
 from tactgen.validation.scene.keys import SYMBOLS, value_of
 from tactgen.validation.scene.scene import Scene, scene_keys
 

@@ -14,11 +14,11 @@ from typing import Any
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.sources import source_digest
 from tactgen.geometry.store.store import kept, recalled, store_folder
-from tactgen.validation.catalogue.models import MODELS, gives, reading_reads
+from tactgen.validation.catalogue.models import MODELS, gives, reading
 from tactgen.validation.engine.answers import Answer
+from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.engine.stages import values_read
 from tactgen.validation.scene.scene import Scene, checked_scene
 from tactgen.validation.scene.wording import one_line
 
@@ -59,7 +59,7 @@ def question(scene: Scene, model: str, quantities: tuple[str, ...]) -> Question:
     """
     wanted = tuple(name for name in quantities if gives(model, name))
     keys = make_plan(scene, (model,), wanted).keys
-    read = values_read(scene, reading_reads(model))
+    read = values_read(scene, reading(model))
     stored = {f"{model}.{stage}" for stage in MODELS[model].kept}
     shared = tuple(f"{stage} {key}" for stage, key in keys.items() if stage in stored)
     return Question(model, wanted, (keys, read, wanted), shared)

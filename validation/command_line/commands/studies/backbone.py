@@ -51,9 +51,9 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.models.amplitude.backbone import backbone
     from tactgen.validation.models.amplitude.held_head import held_head
-    from tactgen.validation.scene.idle_keys import scene_warnings
 
     scene, origins = lateral_scene(options.scene, options.overrides, "backbone")
     voltages = _voltages(options.voltage) if options.voltage else [abs(scene.drive.voltage)]

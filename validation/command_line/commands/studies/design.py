@@ -130,7 +130,7 @@ def _length_design(options: argparse.Namespace) -> int:
     from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.drive_warnings import field_warnings
-    from tactgen.validation.scene.idle_keys import scene_warnings
+    from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.studies.design import CURVES, design
     from tactgen.validation.studies.design_statements import dependences
     from tactgen.validation.studies.length_map import length_map

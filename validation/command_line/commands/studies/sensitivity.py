@@ -71,8 +71,8 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.catalogue.models import models_of
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.drive_warnings import field_warnings, slenderness_warnings
+    from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.engine.warnings import level_warnings, load_warnings
-    from tactgen.validation.scene.idle_keys import scene_warnings
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.studies.uncertainty.by_model import all_columns, changed_scenes
     from tactgen.validation.studies.uncertainty.headline_numbers import actuator

@@ -20,9 +20,9 @@ from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout
 from tactgen.validation.engine.costs import record, recorded
+from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.engine.prospects import Prospect
 from tactgen.validation.engine.results import Estimate, Quantity
-from tactgen.validation.engine.stages import values_read
 from tactgen.validation.models.reluctance.family.field_tables import (
     PointFamily,
     Ranges,

@@ -22,8 +22,8 @@ from tactgen.tmm.reluctance.coenergy_fit import fit, largest_share
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, MapError, Samples
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.costs import record, recorded
+from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.engine.prospects import Prospect
-from tactgen.validation.engine.stages import values_read
 from tactgen.validation.models.reluctance.family.nested_grid import (
     Table,
     Value,

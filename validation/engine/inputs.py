@@ -1,0 +1,302 @@
+"""Inputs of analyses: what a scene's stages read, the keys of results, and keys without effect.
+
+All of it follows from the entries of :mod:`validation.catalogue.inputs`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from typing import Any
+
+from tactgen.geometry.device import parameters as p
+from tactgen.geometry.device.load_table import load_table
+from tactgen.geometry.device.steel_table import magnetisation_curve
+from tactgen.geometry.units import Unit
+from tactgen.validation.catalogue.detection import threshold_of
+from tactgen.validation.catalogue.inputs import (
+    CONDITIONS,
+    HELD,
+    HELD_WITH_CURRENT,
+    PROFILED,
+    SETTINGS,
+)
+from tactgen.validation.catalogue.models import MODELS, gives, models_of, reading, stage_reads
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.scene.keys import value_of
+from tactgen.validation.scene.scene import ON_COMMAND_LINE, Scene, scene_keys
+
+#: Keys that say whose scene it is and what is asked of it.
+_ASKED = ("name", "description", "models", "quantities")
+#: Quantities that a sentence lists.
+_LISTED = 4
+
+
+@lru_cache
+def _leaves(path: str) -> tuple[str, ...]:
+    """Return the scene keys that a key or group stands for."""
+    return tuple(key for key in scene_keys() if key == path or key.startswith(f"{path}."))
+
+
+def _holds(scene: Scene, condition: str) -> bool:
+    """Return whether a condition of an entry holds."""
+    key, unequal, value = condition.partition("!=")
+    if not unequal:
+        key, _, value = condition.partition("=")
+    found = value_of(scene, key)
+    if not value:
+        return bool(found)
+    return (str(found) == value) is not bool(unequal)
+
+
+def _counts(scene: Scene, key: str) -> bool:
+    """Return whether a key counts for anyone, by the conditions of it and its group."""
+    conditions = (CONDITIONS.get(key), CONDITIONS.get(key.partition(".")[0]))
+    return not _profile(scene, key) and all(c is None or _holds(scene, c) for c in conditions)
+
+
+def _profile(scene: Scene, key: str) -> str:
+    """Return the key of the profile that gives a dimension of the ceramic instead, if one does."""
+    profile = f"{key}_profile"
+    if key not in PROFILED or profile.removeprefix("bimorph.") not in scene.bimorph.profiles:
+        return ""
+    # the tab below the ceramic has its width and shim
+    of_tab = key != "bimorph.piezo_thickness" and scene.bimorph.tab_length > 0.0
+    return "" if of_tab else profile
+
+
+def _own_keys(scene: Scene, entries: Iterable[str]) -> dict[str, None]:
+    """Return the keys that entries name and whose conditions hold, in order."""
+    found: dict[str, None] = {}
+    for entry in entries:
+        path, _, condition = entry.partition(" if ")
+        if not condition or _holds(scene, condition):
+            found |= dict.fromkeys(key for key in _leaves(path) if _counts(scene, key))
+    return found
+
+
+def keys_read(scene: Scene, entries: Iterable[str]) -> set[str]:
+    """Return all keys that a scene's entries read, those of a contact and of a map included."""
+    entries = tuple(entries)
+    keys = set(_own_keys(scene, entries))
+    if "support" in entries and scene.support.kind == "contact":
+        keys |= keys_read(scene, HELD_WITH_CURRENT if scene.coil.current else HELD)
+    if "models" in entries:
+        keys |= keys_read(scene, stage_reads()[f"{scene.map_model}.map"])
+    return keys - set(_ASKED)
+
+
+def values_read(scene: Scene, entries: Iterable[str]) -> dict[str, Any]:
+    """Return the values that entries read, as plain values that a hash can be made of."""
+    return _values(scene, scene.model_dump(mode="json"), tuple(entries))
+
+
+def _values(scene: Scene, dump: dict[str, Any], entries: tuple[str, ...]) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for key in _own_keys(scene, entries):
+        group, _, name = key.rpartition(".")
+        values[key] = dump[group][name] if group else dump[key]
+    # of a file counts what is in it
+    if "steel.curve" in values:
+        curve = magnetisation_curve(scene.steel)
+        content = [curve.flux_density.tolist(), curve.field.tolist(), curve.slope_beyond]
+        values["steel.curve"] = content
+    if "load.file" in values:
+        table = load_table(scene.load)
+        impedance = [table.impedance.real.tolist(), table.impedance.imag.tolist()]
+        values["load.file"] = [table.frequencies.tolist(), *impedance]
+    if "threshold.file" in values:
+        points = threshold_of(scene.threshold).points
+        values["threshold.file"] = [[point.frequency, point.amplitude] for point in points]
+    if "models" in entries:  # what counts is whose map pulls at the rod, and that map's inputs
+        stage = f"{scene.map_model}.map"
+        values["models"] = [stage, _values(scene, dump, stage_reads()[stage])]
+    if "support" in entries and scene.support.kind == "contact":
+        # what counts is how its load holds the base; a field's map is not solved to say that
+        by_field = scene.coil.current and MODELS[scene.map_model].theory == "field"
+        values["support"] = (
+            _values(scene, dump, HELD_WITH_CURRENT) if by_field
+            else scene.held.model_dump(mode="json")
+        )  # fmt: skip
+    return values
+
+
+def stage_keys(names: Iterable[str], scene: Scene) -> dict[str, str]:
+    """Return the keys of stages by name: hashes of the scene values that they read."""
+    dump, entries = scene.model_dump(mode="json"), stage_reads()
+    digests: dict[tuple[str, ...], str] = {}
+    for name in names:
+        if entries[name] not in digests:
+            values = _values(scene, dump, entries[name])
+            digests[entries[name]] = json.dumps(values, sort_keys=True)
+    return {
+        name: hashlib.sha256(f"{name} {digests[entries[name]]}".encode()).hexdigest()[:16]
+        for name in names
+    }
+
+
+def stage_key(name: str, scene: Scene) -> str:
+    """Return the key of one stage."""
+    return stage_keys((name,), scene)[name]
+
+
+# ---- keys without effect ----
+
+
+def scene_warnings(
+    scene: Scene, origins: Mapping[str, str], *, report: bool = False
+) -> tuple[str, ...]:
+    """Return one sentence for each key that was set but has no effect.
+
+    Parameters
+    ----------
+    origins : mapping of str to str
+        Where each key was set; "" for a key that is only asked about.
+    report : bool
+        Whether all is shown that the models know, not the scene's quantities only.
+    """
+    found = []
+    for key, origin in origins.items():
+        # a file may describe both actuators, whichever is asked about today
+        asked = origin in (ON_COMMAND_LINE, "")
+        because = _idle(scene, key, report=report, asked=asked)
+        if because:
+            found.append(f"{key} = {_text(scene, key)} has no effect {because}")
+    return (*found, *_weightless(scene.load), *_signs(scene))
+
+
+def idle(scene: Scene, key: str) -> str:
+    """Return why a key has no effect on what a scene asks, or nothing if it may have one."""
+    because = _idle(scene, key, report=False, asked=True)
+    return f"{key} = {_text(scene, key)} has no effect {because}" if because else ""
+
+
+def _idle(scene: Scene, key: str, *, report: bool, asked: bool) -> str:
+    wanted = _sensible(scene, key) if report else scene.quantities
+    if key in _ASKED or key in keys_read(scene, _entries(scene.models, wanted)):
+        return ""
+    profile = _profile(scene, key)
+    if profile:
+        return f"with {profile}, which gives it along the ceramic; leave one of the two out"
+    sensible = _sensible(scene, key)
+    unmet = _unmet(scene, key, scene.models, sensible)
+    shown = report and key.startswith("coil.") and set(scene.models) & set(models_of("reluctance"))
+    if unmet or not asked or shown:
+        return unmet
+    if key in keys_read(scene, _entries(scene.models, sensible)):
+        names = [q for q in sensible if key in keys_read(scene, _of(scene.models, q))]
+        listed = ", ".join(names[:_LISTED]) + (", …" if len(names) > _LISTED else "")
+        return f"with quantities = {', '.join(scene.quantities)}; ask for {listed} to use it"
+    return _by_other_models(scene, key, sensible)
+
+
+def _sensible(scene: Scene, key: str) -> tuple[str, ...]:
+    """Return the quantities that a scene can be asked for: of machines where one stands."""
+    machine = scene.support.kind == "contact" or key.partition(".")[0] in ("display", "skin")
+    return tuple(
+        name for name, row in QUANTITIES.items()
+        if machine or row.actuator in ("bimorph", "reluctance")
+    )  # fmt: skip
+
+
+def _entries(models: Iterable[str], quantities: Iterable[str]) -> tuple[str, ...]:
+    """Return the entries of all that models read for quantities."""
+    models, found = tuple(models), dict[str, None]()
+    for model in models:
+        found |= dict.fromkeys(SETTINGS.get(model, ()))
+        if any(gives(model, q) for q in quantities):
+            found |= dict.fromkeys(entry for entry in reading(model) if entry != "accuracy")
+    for quantity in quantities:
+        found |= dict.fromkeys(_of(models, quantity))
+    return tuple(found)
+
+
+def _of(models: Iterable[str], quantity: str) -> list[str]:
+    """Return the entries of the stages that a quantity needs by models that give it."""
+    rows = [MODELS[model] for model in models if gives(model, quantity)]
+    return [
+        entry
+        for row in rows
+        for stage in row.stages_for(QUANTITIES[quantity])
+        for entry in row.stages[stage.partition(".")[2]]
+    ]
+
+
+def _unmet(scene: Scene, key: str, models: Iterable[str], quantities: Iterable[str]) -> str:
+    """Return the condition without which a key counts for none of the models, in words."""
+    conditions = [CONDITIONS.get(key), CONDITIONS.get(key.partition(".")[0])]
+    if key.partition(".")[0] in ("contact", "guide"):
+        conditions.append("support.kind=contact")
+    conditions += [
+        condition
+        for path, _, condition in (e.partition(" if ") for e in _entries(models, quantities))
+        if condition and key in _leaves(path)
+    ]
+    unmet = (c for c in conditions if c and not _holds(scene, c))
+    return next((_remedy(scene, condition) for condition in unmet), "")
+
+
+def _remedy(scene: Scene, condition: str) -> str:
+    """Return the words for a condition that does not hold."""
+    key, unequal, value = condition.partition("!=")
+    if unequal:
+        return f'with {key} = "{value}"; set another {key} to use it'
+    key, _, value = condition.partition("=")
+    text = _text(scene, key)
+    if not value:
+        return f"with {key} = {text}; set {key} to use it"
+    if value.isdecimal():
+        return f"with {key} = {text}; leave {key} out to use it"
+    return f'with {key} = "{text}"; set {key} = "{value}" to use it'
+
+
+def _by_other_models(scene: Scene, key: str, quantities: tuple[str, ...]) -> str:
+    """Return which models would read a key that none of those asked for reads."""
+    able = [m for m in MODELS if key in keys_read(scene, _entries((m,), quantities))]
+    if not able:
+        nobody = "on any quantity; tactgen report shows the coil's resistance and heat"
+        return _unmet(scene, key, MODELS, quantities) or nobody
+    model = next((m for m in able if not MODELS[m].shortcut), able[0])
+    actuator, use = MODELS[model].actuator, f"with models = {', '.join(scene.models)}; "
+    if set(scene.models) & set(models_of(actuator)) or key.startswith("mesh."):
+        return f"{use}use it with --set models={model}"
+    side = "lateral" if actuator == "bimorph" else "normal"
+    return f"{use}ask for one of the {side} actuator, such as --set models={model}, to use it"
+
+
+def _weightless(load: p.Load) -> list[str]:
+    if load.kind == "mass" and load.mass == 0.0:
+        return ['load.kind = "mass" with load.mass = 0 mg is a free tip; set load.mass']
+    if load.kind == "spring_damper" and load.stiffness == load.damping == 0.0:
+        both = "load.stiffness = 0 N/m and load.damping = 0 N*s/m"
+        return [f'load.kind = "spring_damper" with {both} is a free tip; set one of them']
+    return []
+
+
+def _signs(scene: Scene) -> list[str]:
+    """Return what looks like a size that was taken for a value."""
+    found = []
+    if scene.piezo.d31 > 0.0:
+        found.append(
+            f"piezo.d31 = {_text(scene, 'piezo.d31')} is positive, and that of poled ceramics is "
+            "negative; if a data sheet prints its size, write it with a minus"
+        )
+    found += (
+        f"{key} = {_text(scene, key)} is negative, as hardly any material's is"
+        for key in ("shim.poisson_ratio", "rod.poisson_ratio", "glue.poisson_ratio")
+        if value_of(scene, key) < 0.0
+    )
+    return found
+
+
+def _text(scene: Scene, key: str) -> str:
+    value: Any = scene
+    info: Any = None
+    for name in key.split("."):
+        info, value = type(value).model_fields[name], getattr(value, name)
+    if isinstance(value, tuple):
+        return f"{len(value)} value{'s' if len(value) > 1 else ''}"
+    unit = next((m for m in info.metadata if isinstance(m, Unit)), None)
+    return unit.show(value) if unit else str(value)
