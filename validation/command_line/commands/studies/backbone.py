@@ -15,7 +15,6 @@ from tactgen.validation.command_line.commands.common import (
     warn,
 )
 from tactgen.validation.command_line.streams import print_json
-from tactgen.validation.engine.answers import plain
 
 if TYPE_CHECKING:
     from tactgen.validation.models.amplitude.backbone import Backbone, Curve
@@ -175,5 +174,7 @@ def _as_json(scene: Scene, model: str, found: Backbone) -> dict[str, Any]:
 
 
 def _curve(curve: Curve) -> dict[str, Any]:
+    from tactgen.validation.engine.answers import plain
+
     displacement = [[w.real, w.imag] for w in curve.displacement.tolist()]
     return plain(curve) | {"displacement": displacement}  # type: ignore[no-any-return]
