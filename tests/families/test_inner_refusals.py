@@ -37,7 +37,6 @@ from tactgen.validation.models.display.spread import spread
 from tactgen.validation.models.reluctance.family import field_tables
 from tactgen.validation.scene import frequencies
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.uncertainty import by_model
 from tactgen.validation.studies.whatif import cluster
 from tactgen.validation.studies.whatif.shown.pictures import study_picture
 from tactgen.validation.view import browser, films
@@ -45,11 +44,6 @@ from tactgen.validation.view import browser, films
 
 def scene(name="paper", *overrides):
     return load_scene(name, list(overrides))[0]
-
-
-def a_zero():
-    """Return derivatives of a quantity that is 0."""
-    return Stub(quantity=Stub(value=0.0, frequency=None, name="tip_rotation", model="beam"))
 
 
 UPWARD = Stub(lifts=lambda: np.array([0.0, 1.0]), total=lambda *_: np.ones(2), device=Device())
@@ -98,7 +92,6 @@ FAILED = Stub(rows=[(None, "tmm", Stub(status="failed"))])
             lambda: family_values(scene(), Stub(ranges={}), {}, ["magnetic_force"]),
             InputError, '"magnetic_force" is not read off a family',
         ),
-        (lambda: by_model._columns(scene(), a_zero()), InputError, "tip_rotation is 0 by beam"),
         (lambda: study_picture(FAILED), InputError, "nothing to draw"),
         (
             lambda: section(

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.bridge.causes import Cause
     from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
     from tactgen.validation.report.second_process import Ahead
-    from tactgen.validation.studies.uncertainty.propagation import Uncertainty
+    from tactgen.validation.studies.parameter_uncertainty import Uncertainty
 
 #: Asymmetry and negative dissipation (relative) that condensing a field model may leave by
 #: rounding; a wrong sign or a missing term shows at order one.
@@ -195,7 +195,7 @@ class Study:
     @cached_property
     def parameter_uncertainty(self) -> list[Uncertainty]:
         """What the parameters' ranges do to the headline numbers."""
-        from tactgen.validation.studies.uncertainty.propagation import parameter_uncertainty
+        from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
 
         def here() -> list[Uncertainty]:
             return parameter_uncertainty(self.scene, announce=self.announce)

@@ -17,7 +17,7 @@ from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.scene.template import template
 from tactgen.validation.studies.curve_fit import curve_model
-from tactgen.validation.studies.uncertainty.propagation import parameter_uncertainty
+from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
 
 ACCELERATION = QuantityRow(
     "tip_acceleration",

@@ -7,7 +7,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.derivatives import by_differences, derivatives
 from tactgen.validation.models.reluctance import field, field_derivatives
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.uncertainty.by_model import changed_scenes
+from tactgen.validation.studies.sensitivity import changed_scenes
 
 SETS = ["models=axisymmetric", "accuracy=10%"]
 NAMES = ("coenergy", "flux_linkage", "magnetic_force", "inductance")

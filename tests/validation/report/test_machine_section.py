@@ -16,7 +16,7 @@ from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.sections.machine import MOTIONS, POSITIONS, SUPPORT, _maps_asked
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.uncertainty import propagation
+from tactgen.validation.studies import parameter_uncertainty as propagation
 
 FEW = ("models=tmm,network", "frequency=10,100,439,1000")
 NUMBER = {"support": 3}

@@ -30,7 +30,7 @@ from tactgen.validation.report.page import _with_pages, print_report, write_repo
 from tactgen.validation.report.sections import length as length_section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.uncertainty import propagation
+from tactgen.validation.studies import parameter_uncertainty as propagation
 from tactgen.validation.view.browser import find_browser, run_browser
 from tactgen.validation.view.pdf_pages import anchor_pages
 

@@ -16,7 +16,7 @@ from tactgen.validation.report.second_process import Ahead, ahead
 from tactgen.validation.report.sections.contents import alone, made_alone, made_apart
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.uncertainty.headline_numbers import targets
+from tactgen.validation.studies.parameter_uncertainty import targets
 
 
 def test_parts_come_from_there_or_from_here():

@@ -14,19 +14,14 @@ from tactgen.geometry.units import Unit
 from tactgen.validation.command_line.commands.studies import sensitivity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.uncertainty.headline_numbers import (
+from tactgen.validation.studies.parameter_uncertainty import (
     HeadlineNumbers,
     SampledNumbers,
-    actuator,
-    targets,
-)
-from tactgen.validation.studies.uncertainty.propagation import (
-    base_samples,
     parameter_uncertainty,
+    targets,
     uncertain_parameters,
 )
-from tactgen.validation.studies.uncertainty.table import sensitivity_columns
-from tactgen.validation.studies.uncertainty.varied_keys import _kink, left_out
+from tactgen.validation.studies.sensitivity import left_out, sensitivity_columns
 
 GROUPS = [
     group
@@ -172,9 +167,7 @@ def test_stated_tolerances_come_first():
     assert found["bimorph.shim_thickness"].text_range == "0.21 to 0.29 mm"
     assert found["bimorph.width"].whose == "printed"
     assert "coil.turns" not in found
-    assert "gap, coil.turns" in left_out(scene, actuator(scene)) or "coil.turns, gap" in left_out(
-        scene, actuator(scene)
-    )
+    assert "gap, coil.turns" in left_out(scene) or "coil.turns, gap" in left_out(scene)
 
 
 def test_the_study_is_repeatable():
@@ -215,13 +208,6 @@ def test_slopes_of_the_peak():
         # the peak's frequency is found to some 1e-10, over a step of 1e-4
         slope = (ends[0] - ends[1]) / (2 * step * 0.24)
         assert slopes[key] == pytest.approx(slope, rel=1e-3), target
-
-
-def test_base_samples():
-    """The largest power of two within the budget, two at least."""
-    assert base_samples(19, 6000) == 256
-    assert base_samples(26, 6000) == 128
-    assert base_samples(30, 1) == 2
 
 
 #: Width that falls along the ceramic.
@@ -359,16 +345,3 @@ def test_columns_of_one_scene():
     columns = sensitivity_columns(scene)
     assert [c.frequency for c in columns] == [None, 10.0, 100.0]
     assert len(columns[0].logarithmic) == 20
-
-
-@pytest.mark.parametrize(
-    ("sets", "key", "words"),
-    [
-        ([], "bimorph.length", "a piece of the row of beams"),
-        (["bimorph.width_profile=0mm:2.1mm,14mm:1mm"], "bimorph.length", "bimorph.width_profile w"),
-        (["bimorph.width_profile=0mm:2.1mm,14mm:1mm"], "rod.length", "a piece of the row of beams"),
-    ],
-)
-def test_what_stands_against_a_change_is_the_profile_or_a_piece(sets, key, words):
-    """Profiles end at the ceramic's edge: they stand against another length alone."""
-    assert _kink(load_scene("prototype", sets)[0], key).startswith(words)

@@ -18,7 +18,7 @@ from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import derivatives as of_solid
 from tactgen.validation.scene.keys import value_of
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.uncertainty.by_model import _read_keys, changed_scenes
+from tactgen.validation.studies.sensitivity import changed_scenes, readable_keys
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
@@ -165,7 +165,7 @@ def test_an_extrapolated_difference_knows_its_truncation():
 def test_keys_next_to_whose_values_nothing_fits_are_left_out_and_named():
     """Of all that a model reads; nothing is said where all can be varied."""
     scene, _ = load_scene("prototype", ["models=lumped", "quantities=static_tip_displacement"])
-    every, said = _read_keys(scene, lambda key, value: None, "lumped")
+    every, said = readable_keys(scene, lambda key, value: None, "lumped")
     assert said == ""
     assert {"bimorph.length", "bimorph.piezo_thickness", "piezo.d31"} <= set(every)
     assert not {"modes", "frequency", "mesh.level", "coil.turns"} & set(every)
@@ -174,7 +174,7 @@ def test_keys_next_to_whose_values_nothing_fits_are_left_out_and_named():
         if key == "bimorph.length" and value > scene.bimorph.length:
             raise InputError("too long")
 
-    some, said = _read_keys(scene, changed, "lumped")
+    some, said = readable_keys(scene, changed, "lumped")
     assert some == [key for key in every if key != "bimorph.length"]
     assert said.startswith("left out of the parameters by lumped, ")
     assert said.endswith(": bimorph.length")

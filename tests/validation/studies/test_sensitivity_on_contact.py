@@ -4,10 +4,8 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.uncertainty.by_model import all_columns, changed_scenes
-from tactgen.validation.studies.uncertainty.headline_numbers import actuator
-from tactgen.validation.studies.uncertainty.propagation import uncertain_parameters
-from tactgen.validation.studies.uncertainty.varied_keys import left_out
+from tactgen.validation.studies.parameter_uncertainty import uncertain_parameters
+from tactgen.validation.studies.sensitivity import all_columns, changed_scenes, left_out
 
 OVERRIDES = ("models=tmm", "quantities=short_circuit_frequencies", "modes=1")
 
@@ -37,7 +35,7 @@ def test_a_spring_that_stands_for_the_contact_is_no_key():
 
 def test_what_samples_hold_is_said():
     scene, _ = load_scene("generator")
-    sentence = left_out(scene, actuator(scene))
+    sentence = left_out(scene)
     assert "contact.decay_length" in sentence
     assert "the contact is held as the springs that it is at rest" in sentence
     assert "appears or vanishes" not in sentence

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from tactgen.validation.models.comparison import ComparedRow
     from tactgen.validation.report.study import Study
     from tactgen.validation.scene.parameter_list import ParameterRow
-    from tactgen.validation.studies.uncertainty.propagation import Uncertainty
+    from tactgen.validation.studies.parameter_uncertainty import Uncertainty
 
 #: Whose equations the known answers of a group are solved by: for cases by their id, for the
 #: group's others under "".

@@ -12,14 +12,14 @@ from tactgen.validation.catalogue.models import MODELS, gives, ranked
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.uncertainty.headline_numbers import Target, actuator
-from tactgen.validation.studies.uncertainty.propagation import (
+from tactgen.validation.studies.parameter_uncertainty import (
+    Target,
     Uncertainty,
     affordable,
     base_samples,
     uncertain_parameters,
 )
-from tactgen.validation.studies.uncertainty.varied_keys import left_out
+from tactgen.validation.studies.sensitivity import left_out
 from tactgen.validation.view.figures import GREY, SKY, panels, svg
 
 #: Contributors shown per number, and panels per row.
@@ -71,7 +71,7 @@ def detailed_numbers(
     responses = _responses(scene, solution, model, targets)
     found = {}
     for target in targets:
-        name = target.quantity.name
+        name = target.name
         if target.frequency is not None:
             near = [
                 number
@@ -91,7 +91,7 @@ def _responses(
 ) -> dict[str, dict[float, tuple[float, float]]]:
     """Return each response's magnitude and error bar by frequency (Hz)."""
     wanted = tuple(sorted({t.frequency for t in targets if t.frequency is not None}))
-    names = dict.fromkeys(t.quantity.name for t in targets if t.frequency is not None)
+    names = dict.fromkeys(t.name for t in targets if t.frequency is not None)
     given = [name for name in names if gives(model, name)]
     if MODELS[model].quick and given:
         at_wanted = scene.model_copy(update={"frequency": wanted})
@@ -108,7 +108,7 @@ def section(scene: Scene, solution: Solution, rows: Sequence[Uncertainty]) -> di
     """Return what the report shows of the headline numbers and their uncertainty."""
     parameters = uncertain_parameters(scene)
     detailed = ranked(solution.models_of("bimorph"))[-1]
-    omitted = left_out(scene, actuator(scene))
+    omitted = left_out(scene)
     return {
         "uncertainties": rows,
         "uncertain_parameters": parameters,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
     from tactgen.geometry.device.materials import Spread
     from tactgen.validation.scene.scene import Scene
-    from tactgen.validation.studies.uncertainty.propagation import Uncertainty
-    from tactgen.validation.studies.uncertainty.table import SensitivityColumn
+    from tactgen.validation.studies.parameter_uncertainty import Uncertainty
+    from tactgen.validation.studies.sensitivity import SensitivityColumn
 
     #: A value, and the range in which it may lie.
     KnownRange = tuple[float, Spread | None]
@@ -73,22 +73,26 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.engine.drive_warnings import field_warnings, slenderness_warnings
     from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.engine.warnings import level_warnings, load_warnings
+    from tactgen.validation.scene.keys import value_of
+    from tactgen.validation.scene.ranges import ranges
     from tactgen.validation.scene.scene import load_scene
-    from tactgen.validation.studies.uncertainty.by_model import all_columns, changed_scenes
-    from tactgen.validation.studies.uncertainty.headline_numbers import actuator
-    from tactgen.validation.studies.uncertainty.propagation import parameter_uncertainty
-    from tactgen.validation.studies.uncertainty.table import thinned
-    from tactgen.validation.studies.uncertainty.varied_keys import left_out
+    from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
+    from tactgen.validation.studies.sensitivity import (
+        all_columns,
+        changed_scenes,
+        left_out,
+        thinned,
+    )
 
     overrides = [*options.overrides, *asked_overrides(options)]
     scene, origins = load_scene(options.scene, overrides)
     names = _quantities(options, scene)
     models = _models(options, scene, names)
     overrides += ["quantities=" + ",".join(names), "models=" + ",".join(models)]
-    if options.frequency is None and set(models) & set(models_of("bimorph")):
+    lateral = bool(set(models) & set(models_of("bimorph")))
+    if options.frequency is None and lateral:
         overrides.append(f"frequency={_FREQUENCIES}")
     scene, _ = load_scene(options.scene, overrides)
-    lateral = set(scene.models) & set(models_of("bimorph"))
     if options.sobol and not lateral:
         raise InputError(
             "--sobol is of the lateral actuator's headline numbers; leave it out, or add a --model "
@@ -106,44 +110,29 @@ def run(options: argparse.Namespace) -> int:
     warn(field_warnings(scene, scene.quantities) + slenderness_warnings(scene, scene.models))
     exact = "tmm" in scene.models and scene.support.kind != "contact"
     if options.sobol or (exact and not options.key):
-        omitted = [left_out(scene, actuator(scene)), *omitted]
+        omitted = [left_out(scene), *omitted]
     for sentence in filter(None, omitted):
         say(f"note: {sentence}")
-    known = _ranges(scene, dict.fromkeys(key for column in columns for key in column.logarithmic))
+    spreads = ranges(scene)
+    known: dict[str, KnownRange] = {
+        key: (value_of(scene, key), spreads.get(key))
+        for column in columns
+        for key in column.logarithmic
+    }
     if options.json:
         print_json(_as_json(scene.name, columns, uncertain, known))
-    else:
-        shown = thinned(columns)
-        if len(shown) < len(columns):
-            say(f"note: {len(shown)} of {len(columns)} columns are shown; --json gives all")
-        _print_sensitivities(shown, known)
-        if uncertain:
-            _print_uncertainty(uncertain)
+        return 0
+    shown = thinned(columns)
+    if len(shown) < len(columns):
+        say(f"note: {len(shown)} of {len(columns)} columns are shown; --json gives all")
+    _print_sensitivities(shown, known)
+    if uncertain:
+        _print_uncertainty(uncertain)
     return 0
 
 
-def _ranges(scene: Scene, keys: Iterable[str]) -> dict[str, KnownRange]:
-    """Return the value of each key and the range in which it may lie, if it has one."""
-    from tactgen.validation.scene.keys import value_of
-    from tactgen.validation.scene.ranges import ranges
-
-    known = ranges(scene)
-    return {key: (value_of(scene, key), known.get(key)) for key in keys}
-
-
-def _may_lie(known: KnownRange) -> str:
-    """Return a range in percent of its value, and whose it is."""
-    value, spread = known
-    if spread is None:
-        return "no range"
-    low, high = sorted(100.0 * (end / value - 1.0) for end in (spread.low, spread.high))
-    even = abs(low + high) < 1e-6 * (high - low)
-    percent = f"±{high:.2g}" if even else f"{low:+.2g} to {high:+.2g}"
-    return f"{percent} {spread.whose}"
-
-
 def _models(options: argparse.Namespace, scene: Scene, names: Sequence[str]) -> tuple[str, ...]:
-    """Return the models asked for: without --model the quick exact one of each actuator."""
+    """Models of the request: without --model the quick exact one of each actuator."""
     from tactgen.validation.catalogue.quantities import QUANTITIES
 
     if options.model:
@@ -153,21 +142,23 @@ def _models(options: argparse.Namespace, scene: Scene, names: Sequence[str]) -> 
 
 
 def _quantities(options: argparse.Namespace, scene: Scene) -> tuple[str, ...]:
-    """Return what is asked for: without --quantity the headline numbers of the models."""
+    """Quantities of the request: without --quantity the headline numbers of the models."""
     from tactgen.validation.catalogue import bimorph
     from tactgen.validation.catalogue.models import gives, models_of
     from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 
     if options.quantity:
         return scene.quantities
-    rows = (
-        bimorph.STATIC_TIP_DISPLACEMENT,
-        bimorph.SHORT_CIRCUIT_FREQUENCIES,
-        bimorph.COUPLING_FACTOR,
-        bimorph.CAPACITANCE_FREE,
-        bimorph.TIP_DISPLACEMENT,
+    lateral = tuple(
+        row.name
+        for row in (
+            bimorph.STATIC_TIP_DISPLACEMENT,
+            bimorph.SHORT_CIRCUIT_FREQUENCIES,
+            bimorph.COUPLING_FACTOR,
+            bimorph.CAPACITANCE_FREE,
+            bimorph.TIP_DISPLACEMENT,
+        )
     )
-    lateral = tuple(row.name for row in rows)
     normal = tuple(
         name for name in quantities_of("reluctance")
         if QUANTITIES[name].headline and "magnetic_point" in QUANTITIES[name].needs
@@ -239,6 +230,15 @@ def _print_sensitivities(
 ) -> None:
     from rich.table import Table
 
+    def entry(column: SensitivityColumn, key: str) -> str:
+        """Write a sensitivity, with its error where it shows; nothing if the key is not read."""
+        if key not in column.logarithmic:
+            return ""
+        value, error = column.logarithmic[key], column.bars[key]
+        if error >= _SHOWN:
+            return f"{value:+.3f} ± {error:.1g}"
+        return f"{value:+.3f}" if abs(value) >= _SHOWN else "0"
+
     table = Table()
     table.add_column("parameter", no_wrap=True)
     table.add_column("may lie\nin percent", justify="right", no_wrap=True)
@@ -247,23 +247,23 @@ def _print_sensitivities(
         label = f"{column.label}\n{column.model}" if several else column.label
         table.add_column(label, justify="right")
     table.add_row("value", "", *(column.text for column in columns), end_section=True)
-    for key in dict.fromkeys(key for column in columns for key in column.logarithmic):
-        table.add_row(key, _may_lie(known[key]), *(_entry(column, key) for column in columns))
+    for key, may_lie in known.items():
+        if any(key in column.logarithmic for column in columns):
+            table.add_row(key, _may_lie(may_lie), *(entry(column, key) for column in columns))
     _print("change in percent per percent of parameter", table)
     for model, method in {column.model: column.method for column in columns}.items():
         print(f"{model}: {method}")
 
 
-def _entry(column: SensitivityColumn, key: str) -> str:
-    """Return a sensitivity, with its error bar where it shows; nothing if the key is not read."""
-    if key not in column.logarithmic:
-        return ""
-    value, bar = column.logarithmic[key], column.bars[key]
-    return f"{value:+.3f} ± {bar:.1g}" if bar >= _SHOWN else _signed(value)
-
-
-def _signed(value: float) -> str:
-    return f"{value:+.3f}" if abs(value) >= _SHOWN else "0"
+def _may_lie(known: KnownRange) -> str:
+    """Write a range in percent of its value, and whose it is."""
+    value, spread = known
+    if spread is None:
+        return "no range"
+    low, high = sorted(100.0 * (end / value - 1.0) for end in (spread.low, spread.high))
+    even = abs(low + high) < 1e-6 * (high - low)
+    percent = f"±{high:.2g}" if even else f"{low:+.2g} to {high:+.2g}"
+    return f"{percent} {spread.whose}"
 
 
 def _print_uncertainty(uncertain: Sequence[Uncertainty]) -> None:
@@ -271,18 +271,16 @@ def _print_uncertainty(uncertain: Sequence[Uncertainty]) -> None:
 
     from tactgen.geometry.formats import engineering, share, signed
 
-    table = Table()
-    for name in ("number", "value", "numerical", "95 % of samples", "main contributors"):
-        table.add_column(
-            name, justify="left" if name in ("number", "main contributors") else "right"
-        )
+    table = Table("number")
+    for name in ("value", "numerical", "95 % of samples"):
+        table.add_column(name, justify="right")
+    table.add_column("main contributors")
     for row in uncertain:
-        unit = row.target.unit
         low, high = (100.0 * (end / row.value - 1.0) for end in (row.low, row.high))
         contributors = (f"{key} {100 * index:.0f} %" for key, index, _ in row.contributors[:3])
         table.add_row(
             row.target.label + (" (ill-conditioned)" if row.target.ill_conditioned else ""),
-            engineering(row.value, unit),
+            engineering(row.value, row.target.unit),
             f"±{share(row.numerical / row.value)}",
             f"{signed(low, 1)} … {signed(high, 1)} %",
             ", ".join(contributors),

@@ -1,1 +1,0 @@
-"""How well the numbers are known, given how well the parameters are."""
