@@ -326,10 +326,10 @@ def _refusal(scene: Scene, key: str, *, model: str = "tmm", device: Actuator | N
         return f"has no value of its own in this scene, but follows from others; {out}"
     if not isinstance(value, float):
         return f"is a choice, not a number, and has no sensitivity; {out}"
-    if not device and (key.partition(".")[0] in _NUMERICAL or not _reads(scene, model, key)):
-        return f"is not read by the model {model} for these quantities; {out}"
     if idle(scene, key):
         return "has no sensitivity: " + idle(scene, key)
+    if not device and (key.partition(".")[0] in _NUMERICAL or not _reads(scene, model, key)):
+        return f"is not read by the model {model} for these quantities; {out}"
     if value == 0.0:
         return f"is 0, and there is no percentage of 0; set another value, or {out}"
     if device and (kink := tmm_kink(scene, device, key)):
