@@ -9,7 +9,7 @@ from time import process_time
 
 import tactgen
 from tactgen.geometry.errors import InputError
-from tactgen.validation.models.ladder import choose
+from tactgen.validation.models.comparison import choose
 
 # %% [markdown]
 # ## The solid converges, and its bars know
@@ -30,7 +30,7 @@ for level in (2, 3):
     for name, reference in FOUR_CODES.items():
         found = solved.get(name, "solid")
         errors[name, level] = abs(abs(float(found.value.flat[0])) / reference - 1.0)
-        bars[name, level] = abs(float(found.uncertainty.flat[0] / found.value.flat[0]))
+        bars[name, level] = abs(float(found.error.flat[0] / found.value.flat[0]))
         row = f"{level:5d}  {name:26} {errors[name, level]:9.1e} {bars[name, level]:10.1e}"
         print(f"{row} {spent:10.1f} s")
 

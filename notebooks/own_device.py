@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 import tactgen
-from tactgen.validation.models.bimorph.beam_theory_error import expected_differences
+from tactgen.validation.models.difference import expected_differences
 
 SCENE = """
 description = "data sheet: 18 x 3 mm, PZT-5H 2 x 0.2 mm on 0.1 mm brass"

@@ -20,7 +20,7 @@ from tactgen.geometry.meshing.mesh_check import check_areas, check_volumes
 from tactgen.geometry.store.values import from_bytes, storable, to_bytes
 from tactgen.tmm.generator.transient import step as newton
 from tactgen.validation.command_line.streams import _plainly
-from tactgen.validation.models import ladder
+from tactgen.validation.models import comparison as ladder
 from tactgen.validation.models.bimorph.meshes import cells_of
 from tactgen.validation.studies import measured_data
 from tactgen.validation.studies.transient.film import _film

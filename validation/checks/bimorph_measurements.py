@@ -14,7 +14,7 @@ from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.scene.scene import Scene, load_scene
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.bimorph.bridge import Rung, Steps
+    from tactgen.validation.models.difference import Step
 
 
 def _scene(name: str, *overrides: str) -> Scene:
@@ -163,36 +163,24 @@ def lumped_over_tmm_frequency() -> float:
 
 
 @cached
-def _clamped_bridge() -> list[Rung]:
-    """Rungs of the paper's bimorph on a rigid clamp, where f1 is the bimorph's own."""
-    from tactgen.validation.models.bimorph.bridge import bridge
+def _clamped_steps() -> list[Step]:
+    """Return steps from beam to solid of the paper's bimorph on a clamp, where f1 is its own."""
+    from tactgen.validation.models.difference import beam_to_solid
 
     scene = _scene("paper", "support.kind=clamped")
-    return bridge(scene, lambda _: None, level=level(1, least=0), sections=False)
+    return beam_to_solid(scene, lambda _: None, level=level(1, least=0))
 
 
 def beam_like_solid_over_tmm(quantity: str) -> float:
-    """Return the solid with a beam's constants and a linear potential over TMM."""
-    beam, solid = (rung.values for rung in _clamped_bridge()[1:3])
-    return float(getattr(solid, quantity) / getattr(beam, quantity))
+    """Ratio of the solid with a beam's constants and a linear potential to TMM."""
+    beam, solid = (step.values for step in _clamped_steps()[1:3])
+    return solid[quantity] / beam[quantity]
 
 
 def field_variation(quantity: str) -> float:
-    """Return the measured change by the field's variation over the predicted one, both plus 1."""
-    rung = _clamped_bridge()[3]
-    return float((1.0 + getattr(rung.step, quantity)) / (1.0 + getattr(rung.predicted, quantity)))
-
-
-@cached
-def _ends_rest() -> Steps:
-    from tactgen.validation.models.bimorph.bridge.end_effect import end_effect
-
-    return end_effect(_scene("paper"), level=level(1, least=0)).rest
-
-
-def bridge_rest(quantity: str) -> float:
-    """Return 1 plus what neither the solid's section nor its ends explain."""
-    return 1.0 + float(getattr(_ends_rest(), quantity))
+    """Ratio of measured to predicted change by the field's variation, both plus 1."""
+    step = _clamped_steps()[3]
+    return (1.0 + step.change[quantity]) / (1.0 + step.predicted[quantity])
 
 
 def _deflection(frequency: float, *overrides: str) -> float:

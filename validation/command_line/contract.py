@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.ladder import Choice
+    from tactgen.validation.models.comparison import Choice
     from tactgen.validation.scene.scene import Scene
 
 
@@ -24,7 +24,7 @@ def under_contract(
     """
     if "accuracy" not in origins or "models" in origins:
         return scene, None
-    from tactgen.validation.models.ladder import choose
+    from tactgen.validation.models.comparison import choose
 
     choice = choose(scene, scene.quantities, announce)
     return scene.model_copy(update={"models": choice.models}), choice

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -28,7 +27,7 @@ from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint
-    from tactgen.validation.models.reluctance.network_causes import NetworkCause
+    from tactgen.validation.models.difference import Step
 
 #: Curves of a family: shares of the scene's current.
 _SHARES = (0.25, 0.5, 0.75, 1.0, 1.25)
@@ -36,52 +35,6 @@ _SHARES = (0.25, 0.5, 0.75, 1.0, 1.25)
 _GAPS = 4
 #: Order of the field points that are drawn into the quick version's curves: 0.2 % in force.
 _POINT_ORDER = 3
-
-#: The quantity behind each value that the bridge follows.
-_QUANTITY = {"force": MAGNETIC_FORCE.name, "flux_linkage": FLUX_LINKAGE.name}
-
-#: What each refinement of the network means, by its name there.
-_MEANING = {
-    "one straight gap, perfect iron": "all ampere-turns stand across one gap with a uniform "
-    "field: F = µ0 N² i² A / (2 g²), the textbook's formula",
-    "fringing beside the pole faces": "flux also crosses beside the faces, the more so the wider "
-    "the gap",
-    "parasitic gap at the flange": "the way back from the sleeve into the rod takes its share of "
-    "the ampere-turns",
-    "leakage across the coil": "part of the flux crosses from shaft to sleeve inside the coil; it "
-    "links turns but hardly pulls",
-    "iron at its highest permeability": "the steel takes ampere-turns as well, as few as it ever "
-    "does",
-    "saturation": "the steel's real curve: the shaft carries what it can",
-}
-
-
-@dataclass(frozen=True)
-class BridgeStep:
-    """One step from the one-gap formula to the field.
-
-    Attributes
-    ----------
-    name, meaning : str
-        What it adds.
-    value : dict of str to float
-        Force (N) and flux linkage (Wb) with it.
-    left : dict of str to float
-        Difference from the reference (a fraction of it).
-    step : dict of str to float
-        Change of `left` since the step before, or since the reference in the first.
-    """
-
-    name: str
-    meaning: str
-    value: dict[str, float]
-    left: dict[str, float]
-    step: dict[str, float]
-
-    @property
-    def by_network(self) -> bool:
-        """Whether it is one of the network's own refinements."""
-        return self.name in _MEANING
 
 
 class NormalActuator:
@@ -180,67 +133,19 @@ class NormalActuator:
     @cached_property
     def comparison(self) -> list[ComparedRow]:
         """All quantities by all models; the one they are held against stands last."""
-        return compare(self.scene, self.quantities, "reluctance", self.causes)
+        return compare(self.scene, self.quantities, "reluctance")
 
     @cached_property
-    def causes(self) -> list[NetworkCause]:
-        """Why the network's numbers are not the field's, none without a field or a current."""
-        if not self.has_field or self.current == 0.0:
-            return []
-        from tactgen.validation.models.reluctance.network_causes import (
-            network_causes,
-            stroke_causes,
-            together,
-        )
-        from tactgen.validation.models.reluctance.rest_causes import rest_causes
+    def steps(self) -> list[Step]:
+        """Steps from the one-gap formula over the network to the field, if that was asked for."""
+        from tactgen.validation.models.difference import formula_to_field
 
-        self.announce("why the network is not the field")
-        causes = network_causes(self.device, self.current, self.gap)
-        if self.reference not in self.maps:
-            return causes
-        pull, currents = self.maps[self.reference], self.switching[self.reference]
-        field = self._mapped_models[self.reference]
-        of_rest = rest_causes(field) if field.will_run("rest") else []
-        for more in (stroke_causes(self.device, pull, currents), of_rest):
-            causes = together(causes, more) if more else causes
-        return causes
-
-    @cached_property
-    def bridge(self) -> list[BridgeStep]:
-        """The way from the one-gap formula over the network to the field, if that was asked for."""
-        from tactgen.tmm.reluctance.network import network_bridge
-
-        rows: list[tuple[str, str, dict[str, float]]] = [
-            (
-                row.step,
-                _MEANING[row.step],
-                {"force": row.force, "flux_linkage": row.flux_linkage},
-            )
-            for row in network_bridge(self.device, self.current, self.gap)
-        ]
+        field = None
         if self.has_field:
             point = self.point_by_reference(self.current, self.gap)
-            value = {"force": point.force.value, "flux_linkage": point.flux_linkage.value}
-            rows += self._from_the_network(rows[-1][2], value)
-        reference, before = rows[-1][2], dict.fromkeys(rows[-1][2], 0.0)
-        steps = []
-        for name, meaning, value in rows:
-            left = {key: value[key] / reference[key] - 1.0 for key in value}
-            step = {key: left[key] - before[key] for key in value}
-            steps.append(BridgeStep(name, meaning, value, left, step))
-            before = left
-        return steps
-
-    def _from_the_network(
-        self, network: dict[str, float], field: dict[str, float]
-    ) -> list[tuple[str, str, dict[str, float]]]:
-        """Return the steps from the network to the field: causes taken away, then what is left."""
-        rows, value = [], network
-        for cause in self.causes:
-            value = {key: value[key] - cause.of[_QUANTITY[key]] * field[key] for key in field}
-            rows.append((cause.name, cause.meaning, value))
-        last = "what no cause was measured for" if rows else "what tubes of assumed shape lack"
-        return [*rows, ("the field", last, field)]
+            values = point.force.value, point.flux_linkage.value
+            field = dict(zip((MAGNETIC_FORCE.name, FLUX_LINKAGE.name), values, strict=True))
+        return formula_to_field(self.device, self.current, self.gap, field)
 
     @cached_property
     def switching(self) -> dict[str, SwitchingCurrents]:

@@ -14,8 +14,8 @@ from tactgen.geometry.files import writable_folder, write_text, written_whole
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.warnings import accuracy_warnings
-from tactgen.validation.models.bimorph.beam_theory_error import Band, expected_differences
 from tactgen.validation.models.comparison import ComparedRow
+from tactgen.validation.models.difference import Band, expected_differences
 from tactgen.validation.report.provenance.record import FILE, read_record, recorded
 from tactgen.validation.report.provenance.seal import seal, unseal
 from tactgen.validation.report.request import check_report, is_of_rest, prepared
@@ -184,7 +184,7 @@ def summary(study: Study) -> dict[str, Any]:
         "unlike": sum(o.status == "explained" and not o.check.fitted for o in study.outcomes),
         "failed": sum(o.status == "fail" for o in study.outcomes),
         "parameters": study.parameters,
-        "bridge": study.rungs,
+        "bridge": study.steps,
         "left_out": _left_out(study),
         "asked": study.asked,
         "bars": len(most_detailed),

@@ -35,10 +35,7 @@ if TYPE_CHECKING:
     from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
-    from tactgen.validation.models.bimorph.bridge import Rung
-    from tactgen.validation.models.bimorph.bridge.assumptions import SolidStep
-    from tactgen.validation.models.bimorph.bridge.causes import Cause
-    from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
+    from tactgen.validation.models.difference import Cause, Step
     from tactgen.validation.report.second_process import Ahead
     from tactgen.validation.studies.parameter_uncertainty import Uncertainty
 
@@ -172,25 +169,17 @@ class Study:
         return any(MODELS[name].theory == "solid" for name in self.scene.models)
 
     @cached_property
-    def rungs(self) -> list[Rung] | None:
-        """The bridge from TMM to the solid, for a piezoelectric bimorph on bricks without rod."""
+    def steps(self) -> list[Step] | None:
+        """Steps from the beam to the solid, for a piezoelectric bimorph without rod."""
         scene = self.scene
         if "solid" not in scene.models or scene.support.kind == "rod" or scene.piezo.d31 == 0.0:
             return None
-        from tactgen.validation.models.bimorph.bridge import bridge
+        from tactgen.validation.models.difference import beam_to_solid
 
-        def here() -> list[Rung]:
-            return bridge(self.scene, self.announce, self.solids, sections=not self.quick)
+        def here() -> list[Step]:
+            return beam_to_solid(scene, self.announce, level=0 if self.quick else 1)
 
-        return list(self.alone("rungs", here))
-
-    @cached_property
-    def solids(self) -> list[SolidStep]:
-        """The solids of that bridge, each assembled once for all that is asked of it."""
-        from tactgen.validation.models.bimorph.bridge.assumptions import solid_steps
-
-        # coarse bricks move the shares by 0.1 % of the value at most
-        return solid_steps(self.scene, level=0 if self.quick else None)
+        return list(self.alone("steps", here))
 
     @cached_property
     def parameter_uncertainty(self) -> list[Uncertainty]:
@@ -203,25 +192,16 @@ class Study:
         return list(self.alone("parameter_uncertainty", here))
 
     @cached_property
-    def chain(self) -> GeneratorChain | None:
-        """The way from a clamp to the rod, where there is a solid and the rod takes it."""
-        if not self.asks_field or self.scene.piezo.d31 == 0.0:
-            return None
-        from tactgen.validation.models.bimorph.bridge.generator import GeneratorChain
-
-        return GeneratorChain(self.scene, self.announce)
-
-    @cached_property
     def causes(self) -> list[Cause] | None:
         """Why the beam's numbers are not the solid's; in the rod not in a quick report."""
-        from tactgen.validation.models.bimorph.bridge.causes import in_the_rod, on_a_clamp
+        from tactgen.validation.models.difference import causes, causes_on_rod
 
-        if self.rungs:
-            return on_a_clamp(self.rungs)
-        bare = self.scene.load.kind in ("none", "finger")  # the chain's tip is free
-        if self.scene.support.kind != "rod" or self.quick or self.chain is None or not bare:
-            return None
-        return in_the_rod(self.chain, self.announce)
+        if self.steps:
+            return causes(self.steps)
+        scene = self.scene
+        free = scene.load.kind in ("none", "finger")
+        on_rod = scene.support.kind == "rod" and self.asks_field and scene.piezo.d31 != 0.0
+        return causes_on_rod(scene, self.announce) if on_rod and free and not self.quick else None
 
     @cached_property
     def comparison(self) -> list[ComparedRow]:

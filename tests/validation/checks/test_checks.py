@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS
+from tactgen.geometry.bimorph import bimorph_bricks
 from tactgen.validation.checks import bimorph_measurements
 from tactgen.validation.checks.amplitude import AMPLITUDE_CHECKS
 from tactgen.validation.checks.bimorph import CHECKS
@@ -14,7 +14,6 @@ from tactgen.validation.checks.display import DISPLAY_CHECKS
 from tactgen.validation.checks.motion import MOTION_CHECKS
 from tactgen.validation.checks.reluctance import MAGNETIC_CHECKS
 from tactgen.validation.checks.row import run_check
-from tactgen.validation.models.bimorph.bridge import solid_values
 
 ALL = (*CHECKS, *MAGNETIC_CHECKS, *AMPLITUDE_CHECKS, *MOTION_CHECKS, *DISPLAY_CHECKS)
 
@@ -29,10 +28,10 @@ _ELSEWHERE = ("SOL-1", "SOL-2", "FORCE-2", "FORCE-3", "FORCE-D2", "FORCE-D3", "F
 def coarsest():
     """Take the coarsest bricks for what bridges from a beam to the solid."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(solid_values, "LEVELS", LEVELS[:1] * len(LEVELS))
+        levels = bimorph_bricks.LEVELS
+        patch.setattr(bimorph_bricks, "LEVELS", levels[:1] * len(levels))
         yield
-    for bridged in (bimorph_measurements._clamped_bridge, bimorph_measurements._ends_rest):
-        bridged.cache_clear()
+    bimorph_measurements._clamped_steps.cache_clear()
 
 
 def test_ids_are_unique_and_rows_complete():

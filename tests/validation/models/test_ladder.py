@@ -12,7 +12,7 @@ from tactgen.validation.engine.costs import record, recorded
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.ladder import Rung, _error, choose, ladder
+from tactgen.validation.models.comparison import Rung, _error, choose, ladder
 from tactgen.validation.scene.scene import load_scene
 
 STATIC = ("static_tip_displacement",)

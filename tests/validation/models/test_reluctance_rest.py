@@ -13,9 +13,7 @@ from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import switching
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.reluctance import rest_causes as rest_causes_module
-from tactgen.validation.models.reluctance.network_causes import ToldPull
-from tactgen.validation.models.reluctance.rest import RestingState, resting_state
+from tactgen.validation.models.reluctance.rest import resting_state
 from tactgen.validation.scene.scene import load_scene
 
 NAMES = ("rod_position", "finger_force", "contact_force", "resting_positions")
@@ -109,44 +107,3 @@ def test_beside_pull_in_and_drop_out_points_decide(wide, narrow, history, around
         # a thousandth of the spring: the flawed map's slope over the way that a stop gives
         assert state.finger_force.value == pytest.approx(place.finger_force, abs=1e-4)
     assert {"upper stop", "lower stop"} <= kinds
-
-
-@pytest.mark.parametrize(
-    ("current", "kind"), [(50e-3, "upper stop"), (0.112, "upper stop"), (0.13, "lower stop")]
-)
-def test_shares_of_the_pulls_causes_lead_from_rest_to_rest(monkeypatch, current, kind):
-    """Of a network that pulls a tenth more: up by both, down by it alone at 112 mA, down by both.
-
-    Halfway told it pulls a twentieth more; told all, it is the field, so that nothing is left.
-    """
-    scene, _ = load_scene("reluctance", [f"coil.current={current}A"])
-    exact = network_pull(scene.device)
-    told = ((1.1, "untold"), (1.05, "first"), (1.0, "second"))
-
-    def told_pulls(_, i, gap):
-        pull = float(exact.force(i, gap))
-        return [ToldPull(name, "", times * pull) for times, name in told]
-
-    def places(times):
-        pull = SimpleNamespace(
-            gap_limits=exact.gap_limits,
-            force=lambda i, g: times * exact.force(i, g),
-            force_gradient=lambda i, g: times * exact.force_gradient(i, g),
-        )
-        return resting_place(axial_forces(scene.device, pull), current, "rising")
-
-    monkeypatch.setattr(rest_causes_module, "told_pulls", told_pulls)
-    field = places(1.0)
-    sure = (Estimate(one, 0.0) for one in (field.lift, field.finger_force, field.contact_force))
-    state = RestingState(*sure, None, field.kind, 0.0)
-    model = SimpleNamespace(scene=scene, map=lambda: exact, rest=lambda: state)
-    first, second = rest_causes_module.rest_causes(model)
-    assert (first.name, second.name) == ("first", "second")
-    assert field.kind == kind
-    network, middle = places(1.1), places(1.05)
-    assert (network.kind == "lower stop") == (current > 0.1)
-    for name in ("lift", "finger_force", "contact_force"):
-        a, b, c = (getattr(place, name) for place in (network, middle, field))
-        quantity = "rod_position" if name == "lift" else name
-        assert first.of[quantity] == pytest.approx((a - b) / c, rel=1e-6)
-        assert second.of[quantity] == pytest.approx((b - c) / c, rel=1e-6)

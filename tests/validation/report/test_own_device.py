@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from tactgen.validation.models.bimorph.beam_theory_error import expected_differences
+from tactgen.validation.models.difference import expected_differences
 from tactgen.validation.report.page import write_report
 from tactgen.validation.report.sections import bimorph
 from tactgen.validation.scene.scene import load_scene

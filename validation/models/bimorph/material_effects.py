@@ -1,9 +1,8 @@
-"""What the constants that nobody has published are worth: the full tensor, one choice at a time.
+"""Effect of the ceramic's assumed constants: the full tensor, one choice at a time.
 
-The paper gives three constants of its ceramic, a solid needs ten.  Each row changes one of
-the assumed ones within what soft PZT shows; all rows keep the reduced constants, which the
-one-dimensional models see, unless the row says otherwise.  Sets that no material can have
-are shown with the reason.
+The paper gives three constants of its ceramic, a solid needs ten.  Each row changes one of the
+assumed ones within the scatter of soft PZT and keeps the reduced constants of the one-dimensional
+models, unless it says otherwise.  Sets that no material can have are refused with the reason.
 """
 
 from __future__ import annotations
@@ -14,8 +13,7 @@ from dataclasses import dataclass, replace
 from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.errors import InputError
-from tactgen.validation.models.bimorph.beam_values import Values, beam_values
-from tactgen.validation.models.bimorph.bridge.solid_values import SolidCase, solve_solid
+from tactgen.validation.models.difference import SolidCase, Values, beam_values, solid_values
 from tactgen.validation.scene.scene import Scene
 
 #: Permittivity with which the paper's d31 and s11 give a coupling beyond known ceramics.
@@ -86,10 +84,10 @@ def material_effects(
             rows.append(MaterialRow(name, what, refused=str(error)))
             continue
         announce(f"material: {name}")
-        solved = solve_solid(SolidCase(scene, ceramic, level=level))
+        values = solid_values(SolidCase(scene, ceramic, level=level))
         reduced = scene.piezo.model_copy(update=ceramic.reduced())
         beam = beam_values(scene.model_copy(update={"piezo": reduced}))
-        rows.append(MaterialRow(name, what, solved.values, beam))
+        rows.append(MaterialRow(name, what, values, beam))
     return rows
 
 

@@ -11,15 +11,19 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.row_shape import CentreLine
+from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.catalogue.models import MAPS
 from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.engine.model import Model, Modes, Refined
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.stages import Stages
-from tactgen.validation.models.bimorph.beam_theory_error import check_beam, stubby_warning
+from tactgen.validation.models.difference import end_share
 from tactgen.validation.models.tip_load import MeasuredLoad
 from tactgen.validation.scene.scene import Scene
+
+#: Share of a value from which on an answer by beam theory is given with a warning.
+_STUBBY = 0.1
 
 
 class BimorphModel(Model):
@@ -78,13 +82,28 @@ class BeamTheoryModel(BimorphModel):
 
     @classmethod
     def check(cls, scene: Scene) -> None:
-        """Refuse what is no beam."""
-        check_beam(scene)
+        """Refuse a bimorph shorter than it is thick, about which no beam theory says anything."""
+        bimorph, mm = scene.bimorph, 1e3
+        if bimorph.length < bimorph.thickness:
+            raise InputError(
+                f"bimorph.length = {bimorph.length * mm:g} mm is less than the layers' thickness "
+                f"of {bimorph.thickness * mm:g} mm: that is no beam, and the models lumped, tmm "
+                "and beam have no answer; make it longer or ask for --set models=solid"
+            )
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
         """Say of a stubby bimorph how far beam theory may be off."""
-        sentence = stubby_warning(self.scene)
-        return (sentence,) if sentence else ()
+        bimorph, share = self.scene.bimorph, end_share(self.scene)
+        if share < _STUBBY:
+            return ()
+        sentence = (
+            f"bimorph.length = {1e3 * bimorph.length:g} mm is "
+            f"{bimorph.length / bimorph.thickness:.2g} thicknesses and "
+            f"{bimorph.length / bimorph.width:.2g} widths, which is stubby for the "
+            "one-dimensional models: their deflection, frequency and capacitance may be "
+            f"{100.0 * share:.0f} % off by the ends alone; compare with --set models=solid"
+        )
+        return (sentence,)
 
     def answer(self, need: Need) -> Any:
         """Return what quantities with this need are read from; of many units, each its own beam."""

@@ -13,7 +13,7 @@ from tactgen.geometry.formats import percent
 from tactgen.validation.view.figures import AMBER, BLUE, GREEN, GREY, ORANGE, panels, svg
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.bimorph.bridge import Rung
+    from tactgen.validation.models.difference import Step
 
 Array = NDArray[Any]
 
@@ -101,47 +101,42 @@ def response_values(
     return json.dumps(shown, separators=(",", ":"))
 
 
-def bridge_plot(rungs: Sequence[Rung], whole: str) -> str:
-    """Plot a bridge as a waterfall per quantity: what each step adds, in percent of the start.
+def breakdown_plot(steps: Sequence[Step], titles: Mapping[str, str], reference: str) -> str:
+    """Plot steps between models as a waterfall, in percent of the last one.
 
-    A mark stands where a closed form says that the step ends, a ring where the beam model
-    with the solid's own section does.
+    The first bar is the whole difference, each other one a step; a stroke stands where the closed
+    form or the simple model says that the step ends.
 
     Parameters
     ----------
-    rungs : sequence of Rung
-        The start and the steps.
-    whole : str
-        What the sum of all steps is called.
+    titles : mapping
+        Title of each quantity to be shown.
+    reference : str
+        Name of the last step's model.
     """
-    quantities = {
-        "deflection": "static deflection",
-        "first_frequency": "first frequency",
-        "capacitance": "capacitance",
-    }
-    figure, axes = panels(11.0, 0.42 * len(rungs) + 1.3, ncols=3, sharey=True, squeeze=False)
-    names = [*(rung.name for rung in rungs[1:]), whole]
-    for axis, (quantity, title) in zip(axes[0], quantities.items(), strict=True):
-        values = np.array([getattr(rung, quantity) for rung in rungs])
-        ends = 100.0 * (values / values[0] - 1.0)
-        starts, widths = np.append(ends[:-1], 0.0), np.append(np.diff(ends), ends[-1])
-        colours = [*np.where(np.diff(ends) > 0.0, ORANGE, BLUE), GREY]
-        axis.barh(names, widths, left=starts, color=colours, height=0.62)
-        marks = []
-        for attribute, marker in (("predicted", "|"), ("section", "o")):
-            steps = np.array([getattr(getattr(rung, attribute), quantity) for rung in rungs[1:]])
-            at = (100.0 + ends[:-1]) * (1.0 + steps) - 100.0
-            axis.plot(at, names[:-1], marker, color="black", fillstyle="none", markersize=9)
-            marks += at[np.isfinite(at)].tolist()
+    from tactgen.validation.models.difference import remaining
+
+    figure, axes = panels(
+        11.0, 0.42 * len(steps) + 1.3, ncols=len(titles), sharey=True, squeeze=False
+    )
+    names, left = [step.name for step in steps], remaining(steps)
+    for axis, (quantity, title) in zip(axes[0], titles.items(), strict=True):
+        ends = 100.0 * np.array([one[quantity] for one in left])
+        starts = np.append(0.0, ends[:-1])
+        colours = [GREY, *np.where(np.diff(ends) > 0.0, ORANGE, BLUE)]
+        axis.barh(names, ends - starts, left=starts, color=colours, height=0.62)
+        predicted = np.array([step.predicted[quantity] for step in steps[1:]])
+        marks = (100.0 + ends[:-1]) * (1.0 + predicted) - 100.0
+        axis.plot(marks, names[1:], "|", color="black", markersize=9)
         axis.axvline(0.0, color="black", linewidth=0.9)
-        low, high = min(0.0, *ends, *marks), max(0.0, *ends, *marks)
+        reach = [0.0, *ends, *marks[np.isfinite(marks)]]
+        low, high = min(reach), max(reach)
         span = max(high - low, 0.1)
         axis.set_xlim(low - 0.25 * span, high + 0.6 * span)
-        shown = [*(getattr(rung.step, quantity) for rung in rungs[1:]), 0.01 * ends[-1]]
-        for place, value in enumerate(shown):
-            text = f"{percent(value, 2)} "
+        for place, value in enumerate(ends - starts):
+            text = f"{percent(0.01 * value, 2)} "
             axis.text(high + 0.6 * span, place, text, ha="right", va="center", fontsize=9)
-        axis.set(title=title, xlabel=f"difference from {rungs[0].name} (%)")
+        axis.set(title=title, xlabel=f"difference from {reference} (%)")
     axes[0][0].invert_yaxis()
     return svg(figure)
 

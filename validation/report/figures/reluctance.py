@@ -13,7 +13,6 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.formats import percent
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.switching import (
     balance_current,
@@ -28,7 +27,6 @@ from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, plain_nu
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint
-    from tactgen.validation.report.normal_actuator import BridgeStep
 
 #: Line of each model; colours tell currents or gaps.
 _LINE: dict[str, Any] = {"network": (0, (4, 2)), "axisymmetric": "-", "magnetic3d": ":"}
@@ -185,36 +183,6 @@ def _loop(axis: Any, device: Device, pull: CoenergyMap, found: SwitchingCurrents
     )
     axis.set_ylim(0.0, 1.35 * high)
     axis.legend(frameon=False, fontsize=8, loc="upper right")
-
-
-def bridge_plot(steps: Sequence[BridgeStep], titles: Mapping[str, str], reference: str) -> str:
-    """Plot the bridge as a waterfall: what each step is worth in percent of the reference.
-
-    Parameters
-    ----------
-    steps : sequence of BridgeStep
-        `left` holds, for each quantity, the difference from the reference (a fraction).
-    titles : mapping
-        Title of each quantity.
-    reference : str
-        What the reference is called.
-    """
-    figure, axes = panels(10.0, 0.45 * len(steps) + 1.2, ncols=len(titles), sharey=True)
-    names = [step.name for step in steps]
-    for axis, (quantity, title) in zip(np.ravel(axes), titles.items(), strict=True):
-        ends = 100.0 * np.array([step.left[quantity] for step in steps])
-        starts = np.concatenate([[0.0], ends[:-1]])
-        colours = [GREY, *np.where(np.diff(ends) > 0.0, ORANGE, BLUE)]
-        bars = axis.barh(names, ends - starts, left=starts, color=colours)
-        # as the table beside it: the smallest steps are those that nobody else tells
-        labels = [percent(0.01 * step, 1) for step in (ends[0], *np.diff(ends))]
-        axis.bar_label(bars, labels=labels, padding=4, fontsize=9)
-        axis.axvline(0.0, color="black", linewidth=0.9)
-        span = max(float(np.ptp([0.0, *ends])), 1.0)
-        axis.set_xlim(min(0.0, *ends) - 0.3 * span, max(0.0, *ends) + 0.3 * span)
-        axis.set(title=title, xlabel=f"difference from {reference} (%)")
-    np.ravel(axes)[0].invert_yaxis()
-    return svg(figure)
 
 
 def _over_current(axis: Any, shown: Families, read: Any, label: str) -> None:

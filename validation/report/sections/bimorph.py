@@ -19,7 +19,6 @@ from tactgen.validation.report.sections import voltage as voltage_section
 from tactgen.validation.report.sections.bridge import (
     bridge_section,
     holding_section,
-    is_stepped,
     material_section,
 )
 from tactgen.validation.report.sections.drive_limits import drive_limits_section
@@ -40,7 +39,6 @@ def _models(study: Study) -> Context:
         "models": ranked(study.solution.models_of("bimorph")),
         "methods": methods,
         "unexplained": UNEXPLAINED,
-        "stepped": is_stepped(study),
         "tet": gallery.beside(study),
     }
 

@@ -59,7 +59,7 @@ _LIMITS, _APART = ("drive_limits",), ("holding", "length", "voltage", "stress")
 #: What stands alone beside a model, in the order in which another process makes it: first what
 #: takes the CAD kernel that the model has loaded, and what others need, then what takes longest.
 _ALONE = (
-    "pictures", "run", "rungs", "bridge", "holding", "stress", "material", "length",
+    "pictures", "run", "steps", "bridge", "holding", "stress", "material", "length",
     "parameter_uncertainty", "load", "voltage", "drive_limits", "audit",
 )  # fmt: skip
 #: What the process that puts the report together makes while it waits, in this order.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,8 +15,8 @@ from tactgen.geometry.device.winding import winding
 from tactgen.tmm.reluctance.coil_heat import largest_rms_current, thermal_statement
 from tactgen.tmm.reluctance.switching import Equilibrium, equilibria, finger_force, spring_force
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.reluctance import FLUX_LINKAGE, MAGNETIC_FORCE
 from tactgen.validation.engine.results import Estimate
-from tactgen.validation.models.comparison import UNEXPLAINED
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import NetworkModel
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
@@ -33,11 +34,14 @@ _PICTURE: dict[str, Any] = {"order": 2, "refinement": 3.0}
 
 def _models(actuator: NormalActuator) -> Context:
     """Return the models side by side and the bridge between them."""
-    from tactgen.validation.report.figures.reluctance import bridge_plot
+    from tactgen.validation.models.difference import remaining
+    from tactgen.validation.report.figures.bimorph import breakdown_plot
 
     field = actuator.field_model
-    titles = {"force": "pull", "flux_linkage": "flux linkage"}
+    titles = {MAGNETIC_FORCE.name: "magnetic force", FLUX_LINKAGE.name: "flux linkage"}
     reference = "the field" if actuator.has_field else "the full network"
+    left = remaining(actuator.steps)
+    moved = [{k: b[k] - a[k] for k in b} for a, b in pairwise(left)]
     methods: dict[str, dict[str, list[str]]] = {model: {} for model in actuator.models}
     for q in actuator.quantities:
         judged = methods.setdefault(q.model, {}).setdefault(q.method, [])
@@ -47,12 +51,9 @@ def _models(actuator: NormalActuator) -> Context:
         "models": actuator.models,
         "rows": actuator.comparison,
         "methods": methods,
-        "unexplained": UNEXPLAINED,
         "routes": field.point() if field else None,
-        "steps": actuator.bridge,
-        "causes": actuator.causes,
-        "network_left": next(s.left["force"] for s in reversed(actuator.bridge) if s.by_network),
-        "waterfall": bridge_plot(actuator.bridge, titles, reference),
+        "steps": list(zip(actuator.steps, left, [left[0], *moved], strict=True)),
+        "waterfall": breakdown_plot(actuator.steps, titles, reference),
         "deviations": _deviations(actuator),
     }
 

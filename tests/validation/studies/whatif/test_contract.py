@@ -8,9 +8,9 @@ from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.commands.studies import whatif
-from tactgen.validation.models import ladder as ladders
+from tactgen.validation.models import comparison as ladders
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.ladder import Rung, choose_for
+from tactgen.validation.models.comparison import Rung, choose_for
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif.asked.contract import judged_points, under_contract
 from tactgen.validation.studies.whatif.asked.statement import Statement, read_statement

@@ -22,7 +22,7 @@ from tactgen.validation.command_line.study_options import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from tactgen.validation.models.ladder import Choice
+    from tactgen.validation.models.comparison import Choice
     from tactgen.validation.studies.whatif.aim.best import Verdict
     from tactgen.validation.studies.whatif.aim.expression import Aim
     from tactgen.validation.studies.whatif.asked.statement import Statement

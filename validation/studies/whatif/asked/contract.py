@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.models.ladder import Choice, choose_for
+from tactgen.validation.models.comparison import Choice, choose_for
 from tactgen.validation.scene.scene import Scene, checked_scene
 from tactgen.validation.studies.whatif.asked.statement import Statement
 

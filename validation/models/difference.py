@@ -1,0 +1,535 @@
+"""Why models differ: their assumptions, given up one at a time, and what each is worth.
+
+A breakdown leads from a simple model to a detailed one.  Each step solves the device without one
+assumption more; beside its effect stands what a closed form, or the simple model, predicts.
+
+    beam_to_solid     transfer matrices -> solid: shear factor, field, constants, width
+    clamp_to_rod      all layers clamped -> shim alone -> tab -> glue and rod
+    formula_to_field  one-gap formula -> reluctance network -> field
+
+A difference that no step measures is the remainder; see :mod:`validation.models.comparison`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.device.materials import Piezoceramic
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.profile import UNIFORM
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam import transfer_matrix
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.scattering import Element
+from tactgen.tmm.beam.sections import (
+    Section,
+    energy_shear_correction,
+    laminate_section,
+    without_electrode,
+)
+from tactgen.tmm.ports.elements import attach
+from tactgen.tmm.ports.multiport import Multiport, respond
+from tactgen.tmm.ports.readout import ELECTRICAL, MECHANICAL
+from tactgen.validation.catalogue.bimorph import (
+    CAPACITANCE_BLOCKED,
+    CAPACITANCE_FREE,
+    COUPLING_FACTOR,
+    OPEN_CIRCUIT_FREQUENCIES,
+    SHORT_CIRCUIT_FREQUENCIES,
+    STATIC_TIP_DISPLACEMENT,
+    coupling_factor,
+)
+from tactgen.validation.catalogue.reluctance import FLUX_LINKAGE, MAGNETIC_FORCE
+from tactgen.validation.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from tactgen.fem.piezo.system import SolidSystem
+
+#: Numbers by the name of their quantity, of frequencies the first bending mode in x.
+Values = Mapping[str, float]
+
+DEFLECTION = STATIC_TIP_DISPLACEMENT.name
+FIRST_FREQUENCY = SHORT_CIRCUIT_FREQUENCIES.name
+OPEN_FREQUENCY = OPEN_CIRCUIT_FREQUENCIES.name
+CAPACITANCE = CAPACITANCE_FREE.name
+BLOCKED_CAPACITANCE = CAPACITANCE_BLOCKED.name
+COUPLING = COUPLING_FACTOR.name
+
+Announce = Callable[[str], None]
+
+
+# Steps and causes
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of a breakdown.
+
+    Attributes
+    ----------
+    name, meaning : str
+        The assumption given up: short, and in a sentence.
+    values : Values
+        With this step, by the detailed model.
+    simple : Values
+        The same by the closed form or the simple model; nan where it has none.
+    change, predicted : Values
+        Relative change of both since the step before; nan at the start.
+    theory : str
+        The closed form in words.
+    """
+
+    name: str
+    meaning: str
+    values: Values
+    simple: Values
+    change: Values
+    predicted: Values
+    theory: str = ""
+
+
+@dataclass(frozen=True)
+class Cause:
+    """An assumption, and what it adds to (simple / detailed − 1) of each quantity."""
+
+    name: str
+    shares: Values
+
+
+def change(values: Values, before: Values) -> dict[str, float]:
+    """Relative change of each quantity."""
+    return {name: value / before[name] - 1.0 for name, value in values.items()}
+
+
+def chain(entries: Iterable[tuple[str, str, Values, Values, str]]) -> list[Step]:
+    """Return steps from (name, meaning, values, simple model's values, theory) in order."""
+    steps: list[Step] = []
+    for name, meaning, values, simple, theory in entries:
+        before = steps[-1] if steps else None
+        moved = change(values, before.values) if before else _unknown(values)
+        predicted = change(simple, before.simple) if before else _unknown(values)
+        steps.append(Step(name, meaning, values, simple, moved, predicted, theory))
+    return steps
+
+
+def remaining(steps: Sequence[Step]) -> list[dict[str, float]]:
+    """Difference of each step from the last one, as a fraction of it."""
+    return [change(step.values, steps[-1].values) for step in steps]
+
+
+def causes(steps: Sequence[Step]) -> list[Cause]:
+    """Return what each step adds to (first / last − 1); the shares add up to it."""
+    return [
+        Cause(step.name, {name: before[name] - after[name] for name in after})
+        for step, (before, after) in zip(steps[1:], pairwise(remaining(steps)), strict=True)
+    ]
+
+
+def _unknown(values: Values) -> dict[str, float]:
+    return dict.fromkeys(values, math.nan)
+
+
+# Headline numbers of a bimorph, by transfer matrices and by a solid on bricks
+
+
+def beam_row(scene: Scene, active: Section | None = None) -> list[Element]:
+    """Row of beams of the scene; `active` replaces the section under the electrodes."""
+    row: list[Element] = []
+    for piece in beam_pieces(scene.device, scene.support):
+        if active is not None and piece.section == "bimorph":
+            row.append((active if piece.electrode else without_electrode(active), piece.length))
+        else:
+            row += transfer_matrix.elements(
+                piece, scene.device, scene.beam, lossy=False, segments=transfer_matrix.SEGMENTS
+            )
+    return row
+
+
+def beam_values(scene: Scene, active: Section | None = None) -> Values:
+    """Headline numbers by transfer matrices, on the scene's support and under its load."""
+    return row_values(scene, beam_row(scene, active))
+
+
+def row_values(scene: Scene, row: list[Element]) -> Values:
+    """Headline numbers of a row of beams."""
+    short, opened = (
+        float(bending_frequencies(row, scene.ends, 1, open_circuit=circuit)[0])
+        for circuit in (False, True)
+    )
+    return _values(scene, transfer_matrix.chain(row, np.zeros(1)), short, opened)
+
+
+def _values(scene: Scene, static: Multiport, short: float, opened: float) -> Values:
+    """Headline numbers from D(0) and the first frequencies (Hz) at U = 0 and Q = 0."""
+    port = attach(static, scene.ends.lossless)
+    free = respond(port, {ELECTRICAL: 1.0})
+    fixed = {name: 0.0 for name in MECHANICAL if name in port.names}
+    blocked = respond(port, {ELECTRICAL: 1.0} | fixed)
+    return {
+        DEFLECTION: float(free.motion["w_tip"][0].real),
+        FIRST_FREQUENCY: short,
+        CAPACITANCE: float(free.effort[ELECTRICAL][0].real),
+        OPEN_FREQUENCY: opened,
+        COUPLING: float(coupling_factor(short, opened)),
+        BLOCKED_CAPACITANCE: float(blocked.effort[ELECTRICAL][0].real),
+    }
+
+
+@dataclass(frozen=True)
+class SolidCase:
+    """A bimorph without rod on bricks, and the assumptions made of it.
+
+    Attributes
+    ----------
+    scene : Scene
+        Device, support and load.
+    ceramic : Piezoceramic or None
+        Full material in place of the scene's.
+    uniform_field : bool
+        Potential linear through each layer.
+    held : {"layers", "shim"}
+        Part of the lowest section that the base holds.
+    level : int
+        Index of the division into bricks.
+    """
+
+    scene: Scene
+    ceramic: Piezoceramic | None = None
+    uniform_field: bool = False
+    held: Literal["layers", "shim"] = "layers"
+    level: int = 1
+
+    def assembled(self) -> SolidSystem:
+        """Return the lossless system."""
+        from tactgen.fem.piezo.solid import assemble
+        from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
+
+        device = self.scene.device
+        bricks = bimorph_bricks(device, LEVELS[self.level], self.held)
+        return assemble(
+            device, bricks, lossy=False, ceramic=self.ceramic, uniform_field=self.uniform_field
+        )
+
+
+def solid_values(case: SolidCase) -> Values:
+    """Headline numbers of a solid: statics and the first bending mode in x."""
+    from tactgen.fem.piezo.modes import natural_modes
+    from tactgen.fem.piezo.ports import static_multiport
+
+    scene, system = case.scene, case.assembled()
+    # a whole body also bends the other way, twists and stretches
+    count = 1 if system.motion == "bending_x" else 4
+    short, opened = (
+        next(
+            mode.frequency
+            for mode in natural_modes(system, scene.ends, count, open_circuit=circuit)
+            if mode.kind == "bending_x"
+        )
+        for circuit in (False, True)
+    )
+    return _values(scene, static_multiport(system), short, opened)
+
+
+# From the beam to the solid
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """An assumption of beam theory: name, what giving it up means, closed form of its effect."""
+
+    name: str
+    meaning: str
+    theory: str
+
+
+THREE_DIMENSIONS, FIELD, POLING, D32, POISSON = BEAM_ASSUMPTIONS = (
+    Assumption(
+        "three dimensions",
+        "a solid whose constants couple only along the beam (no Poisson effect, no d32, d33, d15), "
+        "its field uniform through each layer: all that a beam assumes, but for the ends",
+        "beam theory with the energy-consistent shear factor: no change",
+    ),
+    Assumption(
+        "field varies",
+        "the potential is free through each layer, so that the field follows the strain",
+        "layers stiffened about their own middle by 1/(1 - k31^2)",
+    ),
+    Assumption(
+        "d33 and d15",
+        "the piezoelectric constants that act through the thickness and in shear",
+        "no change, as a thin layer has no stress through its thickness",
+    ),
+    Assumption(
+        "d32",
+        "the piezoelectric effect across the width",
+        "laminate theory of a wide plate",
+    ),
+    Assumption(
+        "Poisson's effect",
+        "ceramic and shim contract across, which the free side edges allow in part: now the "
+        "tensors are the scene's",
+        "laminate theory of a wide plate, without side edges",
+    ),
+)
+
+
+def without(scene: Scene, given_up: Sequence[Assumption], level: int = 1) -> SolidCase:
+    """Solid that still makes the beam's assumptions but those given up."""
+    poisson = POISSON in given_up
+    ceramic = scene.piezo.ceramic()
+    d = np.zeros((3, 6))
+    d[2, 0] = ceramic.d[2, 0]
+    if D32 in given_up:
+        d[2, 1] = ceramic.d[2, 1]
+    if POLING in given_up:
+        d[2, 2], d[0, 4], d[1, 3] = ceramic.d[2, 2], ceramic.d[0, 4], ceramic.d[1, 3]
+    s = ceramic.s if poisson else np.diag(np.diag(ceramic.s))
+    if not poisson:
+        shim = scene.shim
+        across = shim.transverse_modulus or 2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus
+        scene = _with(scene, "shim", poisson_ratio=0.0, transverse_modulus=across)
+    uniform = FIELD not in given_up
+    return SolidCase(scene, replace(ceramic, s=s, d=d), uniform_field=uniform, level=level)
+
+
+def _closed_form(scene: Scene, given_up: Sequence[Assumption]) -> Values:
+    """Beam with the section of laminate theory, which knows no glue between layers."""
+    if scene.bimorph.glue_thickness > 0.0:
+        return dict.fromkeys(HEADLINE, math.nan)
+    poisson, d32, varying = (one in given_up for one in (POISSON, D32, FIELD))
+    section = laminate_section(
+        scene.device, scene.beam, poisson=poisson, d32=d32, varying_field=varying
+    )
+    return beam_values(scene, section)
+
+
+#: The quantities of a bimorph that a breakdown follows.
+HEADLINE = (
+    DEFLECTION, FIRST_FREQUENCY, CAPACITANCE, OPEN_FREQUENCY, COUPLING, BLOCKED_CAPACITANCE,
+)  # fmt: skip
+
+
+def beam_to_solid(scene: Scene, announce: Announce, *, level: int = 1) -> list[Step]:
+    """Return steps from transfer matrices to the solid, on the scene's support (not a rod).
+
+    A set of constants that no material could have is passed over: its assumption is given up
+    together with the next.  On coarse bricks the shares move by 0.1 % of the value at most.
+
+    Parameters
+    ----------
+    level : int
+        Index of the division into bricks, one for all steps.
+    """
+    factor = energy_shear_correction(scene.device)
+    consistent = _with(scene, "beam", shear_correction=factor)
+    start, sheared = beam_values(scene), beam_values(consistent)
+    plain = (
+        "exact Timoshenko beam, uniform field in each layer, shear correction "
+        f"{scene.beam.shear_correction:.3f}"
+    )
+    entries = [
+        ("TMM", plain, start, start, ""),
+        (
+            "shear factor",
+            f"the beam's shear correction by the shear energy of its layers, {factor:.3f}",
+            sheared, sheared, "the same formulas, evaluated",
+        ),
+    ]  # fmt: skip
+    passed: list[Assumption] = []
+    for number, assumption in enumerate(BEAM_ASSUMPTIONS, start=1):
+        passed.append(assumption)
+        given_up = BEAM_ASSUMPTIONS[:number]
+        case = without(consistent, given_up, level)
+        if not _admissible(case.ceramic):
+            continue
+        name = " and ".join(one.name for one in passed)
+        announce(f"breakdown: {name}")
+        meaning = "; ".join(one.meaning for one in passed)
+        simple = _closed_form(consistent, given_up)
+        entries.append((name, meaning, solid_values(case), simple, assumption.theory))
+        passed = []
+    return chain(entries)
+
+
+def _admissible(ceramic: Piezoceramic | None) -> bool:
+    try:
+        assert ceramic is not None
+        ceramic.check_admissible()
+    except InputError:
+        return False
+    return True
+
+
+# From a clamp to the rod
+
+#: Tab of a scene that has none (m): that of the built-in scene ``bimorph_on_rod``.
+USUAL_TAB = 2e-3
+
+
+def on_rod(scene: Scene) -> Scene:
+    """Return the scene in its rod, free of load, with a tab."""
+    tab = scene.bimorph.tab_length or USUAL_TAB
+    return _on(_with(scene, "bimorph", tab_length=tab), "rod")
+
+
+def clamped(scene: Scene, tab: float = 0.0) -> Scene:
+    """Return the bimorph alone, free of load, on a tab (m), its lowest section clamped."""
+    return _on(_with(scene, "bimorph", tab_length=tab), "clamped")
+
+
+def clamp_to_rod(
+    scene: Scene, announce: Announce, *, level: int = 2, field: Values | None = None
+) -> list[Step]:
+    """Return steps from a bimorph clamped in all its layers to the one in the rod, tip free.
+
+    Parameters
+    ----------
+    field : Values, optional
+        Those of a field model of the bimorph in its rod, which the last step leads to; without
+        them the chain ends at the tab.
+    """
+    device = on_rod(scene)
+    tab = device.device.ceramic_base
+    alone, on_tab = clamped(scene), clamped(scene, tab)
+    by_beam = beam_values(alone)
+    announce("breakdown: clamped by all layers, by the shim, by its tab")
+    entries = [
+        ("all layers clamped", "", solid_values(SolidCase(alone, level=level)), by_beam, ""),
+        (
+            "the shim alone clamped",
+            "the ceramic's lower end is free; the shim must pass the moment on by shear",
+            solid_values(SolidCase(alone, held="shim", level=level)),
+            by_beam, "beam model",
+        ),
+        (
+            f"a tab of {1e3 * tab:.2f} mm",
+            "the shim goes on below the ceramic, its lower section clamped",
+            solid_values(SolidCase(on_tab, level=level)),
+            beam_values(on_tab), "beam model",
+        ),
+    ]  # fmt: skip
+    if field is not None:
+        entries.append((
+            "slot, glue and rod",
+            "the tab is held by its faces in soft glue, and the rod bends",
+            field, beam_values(device), "beam model",
+        ))  # fmt: skip
+    return chain(entries)
+
+
+def causes_on_rod(scene: Scene, announce: Announce) -> list[Cause]:
+    """Why a beam in the rod is not the solid: on a clamp, and held by the shim and its tab.
+
+    The rest of the difference is the joint's: slot, glue and head.
+    """
+    found = causes(beam_to_solid(clamped(scene), announce))
+    steps = clamp_to_rod(scene, announce)
+    ratios = [change(step.simple, step.values) for step in steps]
+    found += [
+        Cause(step.name, {name: now[name] - before[name] for name in now})
+        for step, (before, now) in zip(steps[1:], pairwise(ratios), strict=True)
+    ]
+    return found
+
+
+def _with(scene: Scene, group: str, **changed: float) -> Scene:
+    return scene.model_copy(update={group: getattr(scene, group).model_copy(update=changed)})
+
+
+def _on(scene: Scene, kind: str) -> Scene:
+    support = scene.support.model_copy(update={"kind": kind})
+    load = scene.load.model_copy(update={"kind": "none"})
+    return scene.model_copy(update={"support": support, "load": load})
+
+
+# How far a beam is expected from the solid, without solving one
+
+#: Share of a value that the ends may move, over (width + 1.5 thickness) / length: found by
+#: comparing tmm with solid for sixty random clamped bimorphs, 0.5 to 10 thicknesses wide and 2 to
+#: 40 long, of three ceramics and two shims; 0.132 bounds them all, most by far.
+_ENDS, _THICKNESSES = 0.15, 1.5
+
+
+@dataclass(frozen=True)
+class Band:
+    """Bounds of an expected relative difference (tmm / solid − 1)."""
+
+    low: float
+    high: float
+
+
+def end_share(scene: Scene) -> float:
+    """Share of deflection, first frequency or capacitance that the ends may move."""
+    bimorph = scene.bimorph
+    width = max((w for _, w in bimorph.width_profile), default=bimorph.width)
+    return float(_ENDS * (width + _THICKNESSES * bimorph.thickness) / bimorph.length)
+
+
+def expected_differences(scene: Scene) -> dict[str, Band]:
+    """Return expected difference of beam theory from the solid by quantity; empty on a rod.
+
+    From nothing (a narrow strip) to laminate theory of the scene's layers (a wide plate), and the
+    ends' share on both sides.  A taper counts by its nominal layers, glue between them not at all.
+    """
+    if scene.support.kind == "rod":
+        return {}
+    plain = {**dict.fromkeys(scene.bimorph.profiles, UNIFORM), "glue_thickness": 0.0}
+    uniform = scene.model_copy(update={"bimorph": scene.bimorph.model_copy(update=plain)})
+    strip = beam_values(uniform)
+    plate = beam_values(uniform, laminate_section(uniform.device, uniform.beam))
+    ends = end_share(scene)
+    bands = {}
+    for name in (DEFLECTION, FIRST_FREQUENCY, CAPACITANCE):
+        if plate[name] != 0.0 and np.isfinite(strip[name] / plate[name]):
+            width = strip[name] / plate[name] - 1.0
+            bands[name] = Band(min(0.0, width) - ends, max(0.0, width) + ends)
+    return bands
+
+
+# From the one-gap formula to the field
+
+#: The network's assumptions by the name of the step that gives them up.
+NETWORK_ASSUMPTIONS = {
+    "one straight gap, perfect iron": "all ampere-turns stand across one gap with a uniform "
+    "field: F = µ0 N² i² A / (2 g²), the textbook's formula",
+    "fringing beside the pole faces": "flux also crosses beside the faces, the more so the wider "
+    "the gap",
+    "parasitic gap at the flange": "the way back from the sleeve into the rod takes its share of "
+    "the ampere-turns",
+    "leakage across the coil": "part of the flux crosses from shaft to sleeve inside the coil; it "
+    "links turns but hardly pulls",
+    "iron at its highest permeability": "the steel takes ampere-turns as well, as few as it ever "
+    "does",
+    "saturation": "the steel's real curve: the shaft carries what it can",
+}
+#: What is left between network and field.
+_TUBES = (
+    "flux takes its own way in air and spreads unevenly over the iron; the network has tubes of "
+    "assumed shape and full sections"
+)
+
+
+def formula_to_field(
+    device: Device, current: float, gap: float, field: Values | None = None
+) -> list[Step]:
+    """Return steps from the one-gap formula over the network to the field's values, where given."""
+    from tactgen.tmm.reluctance.network import network_bridge
+
+    rows: list[tuple[str, str, Values]] = [
+        (
+            row.step,
+            NETWORK_ASSUMPTIONS[row.step],
+            {MAGNETIC_FORCE.name: row.force, FLUX_LINKAGE.name: row.flux_linkage},
+        )
+        for row in network_bridge(device, current, gap)
+    ]
+    if field is not None:
+        rows.append(("the field", _TUBES, field))
+    return chain((name, meaning, values, _unknown(values), "") for name, meaning, values in rows)
