@@ -1,43 +1,51 @@
 """The store: what is expensive is computed once, by whichever process needs it first.
 
-A value goes by the hash of what it is computed from: its inputs, the code, the versions of
-the numerical libraries.  Nothing here is a reason to fail: what cannot be trusted is computed
+A value goes by the hash of what it is computed from: its inputs, the code, the versions of the
+numerical libraries.  Each is a file with a checksum, written whole; a locked file keeps two
+processes from the same work.  Nothing here is a reason to fail: what cannot be trusted is computed
 anew, what cannot be written is not kept, and each is said once.
 """
 
 from __future__ import annotations
 
 import contextlib
+import fcntl
+import hashlib
 import os
 import re
 import sys
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.files import NotWritten
-from tactgen.geometry.store.claim import claimed, sweep_claims
-from tactgen.geometry.store.entry import SUFFIX, Damaged, read_entry, sealed, write_entry
+from tactgen.geometry.files import NotWritten, special, written_whole
 from tactgen.geometry.store.sources import source_digest
-from tactgen.geometry.store.values import fingerprint
+from tactgen.geometry.store.values import fingerprint, from_bytes, to_bytes
 
 T = TypeVar("T")
 
+#: First bytes of every file: what it is, and the version of the format.
+MAGIC = b"tactgen kept 1\n"
+_CHECKSUM = hashlib.sha256().digest_size
+#: Endings of entries and of locks.
+SUFFIX, LOCK = ".kept", ".claim"
 #: Libraries whose other version may give other numbers.
 _LIBRARIES = ("numpy", "scipy", "scikit-fem", "pytetwild", "cadquery", "mkl")
-#: Ending of claims.
-_CLAIM = ".claim"
 #: Most bytes in the store if nothing else is said.
 _LIMIT = 5_000_000_000
 _UNITS = {"B": 1, "kB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12}
-#: Age (s) from which on a draft was left behind by a process that was killed.
-_ABANDONED = 3600.0
 
 _said: set[str] = set()
+
+
+class Damaged(Exception):
+    """A file that is not what was written under its name; says why."""
+
+
+# ---- values by what they are computed from ----
 
 
 def kept(
@@ -64,7 +72,7 @@ def kept(
     serves : callable
         Whether a stored value will do; one that will not is replaced.
     announce : callable
-        Told when another process is at it and this one waits.
+        Called when another process is at it and this one waits.
 
     Raises
     ------
@@ -73,15 +81,13 @@ def kept(
     """
     path = _place(kind, inputs, made_of)
     found = _recalled(path, serves)
-    if found is not None:
-        return found[0]
-    with claimed(path.with_suffix(_CLAIM), lambda: announce(f"{kind}: waiting for another run")):
-        found = _recalled(path, serves)
-        if found is not None:
-            return found[0]
-        value = work()
-        _keep(path, sealed(path.name.removesuffix(SUFFIX), value))
-    return value
+    if found is None:
+        with locked(path.with_suffix(LOCK), lambda: announce(f"{kind}: waiting for another run")):
+            found = _recalled(path, serves)
+            if found is None:
+                found = (work(),)
+                _keep(path, found[0])
+    return found[0]
 
 
 def recalled(
@@ -102,9 +108,175 @@ def is_kept(kind: str, inputs: tuple[object, ...], made_of: tuple[str, ...]) -> 
 
 def _place(kind: str, inputs: tuple[object, ...], made_of: tuple[str, ...]) -> Path:
     """Return the file of a value."""
-    folder = store_folder()
-    code = source_digest(made_of, folder)
-    return folder / f"{kind}-{fingerprint(kind, inputs, code, library_versions())}{SUFFIX}"
+    digest = fingerprint(kind, inputs, source_digest(made_of), library_versions())
+    return store_folder() / f"{kind}-{digest}{SUFFIX}"
+
+
+def _recalled(path: Path, serves: Callable[[T], bool]) -> tuple[T] | None:
+    """Return the stored value, None if there is none that can be trusted and will do."""
+    try:
+        value: T = read_entry(path)
+    except FileNotFoundError:
+        return None
+    except Damaged as error:
+        _say_once(f"{path} is not used ({error}): what was stored there is computed again")
+        return None
+    if not serves(value):
+        return None
+    with contextlib.suppress(OSError):
+        os.utime(path)  # the time of the last use
+    return (value,)
+
+
+def _keep(path: Path, value: object) -> None:
+    content = sealed(path, value)
+    try:
+        limit = size_limit()
+        if len(content) > limit:
+            _say_once("results larger than TACTGEN_CACHE_LIMIT are not kept for the next run")
+            return
+        _make_room(limit, len(content), path)
+        write_entry(path, content)
+    except (OSError, InputError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        if isinstance(error, NotWritten):
+            reason = error.reason
+        _say_once(
+            f"results are not kept for the next run ({reason}); set TACTGEN_CACHE to a folder that "
+            "can be written and has room",
+            about="keep",
+        )
+
+
+def _say_once(text: str, *, about: str = "") -> None:
+    if (about or text) not in _said:
+        _said.add(about or text)
+        with contextlib.suppress(OSError):
+            print(f"tactgen: warning: {text}", file=sys.stderr)
+
+
+@cache
+def library_versions() -> tuple[str, ...]:
+    """Return the versions of the libraries that may give other numbers.
+
+    Read off the folders ``name-version.dist-info`` of the PyPA's specification "Recording installed
+    projects": to load importlib.metadata and parse what is in them takes 30 ms of each command.
+    """
+    found: dict[str, str] = {}
+    for place in sys.path:
+        with contextlib.suppress(OSError):
+            for entry in Path(place).glob("*.dist-info"):
+                name, _, version = entry.stem.partition("-")
+                if version:
+                    found.setdefault(re.sub("[-_.]+", "-", name).lower(), version)
+    return tuple(f"{n} {found[n]}" if n in found else f"no {n}" for n in _LIBRARIES)
+
+
+# ---- files ----
+
+
+def sealed(path: Path, value: object) -> bytes:
+    """Return a file's content: what it is, the checksum of the rest, name and value."""
+    content = to_bytes((path.name.removesuffix(SUFFIX), value))
+    return MAGIC + hashlib.sha256(content).digest() + content
+
+
+def write_entry(path: Path, content: bytes) -> None:
+    """Write what :func:`sealed` gave, whole or not at all.
+
+    Raises
+    ------
+    InputError, OSError
+        If it cannot be written.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if special(path) and not path.is_dir():  # a pipe under a name of ours is nobody's
+        path.unlink()
+    with written_whole(path) as draft:
+        draft.write_bytes(content)
+
+
+def read_entry(path: Path) -> Any:
+    """Return the value of a file, whose name without suffix is also written in it.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is none.
+    Damaged
+        If it cannot be read or is not what was written under this name.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)  # a pipe would wait for a writer
+        with os.fdopen(descriptor, "rb") as file:
+            content = file.read()
+    except (FileNotFoundError, NotADirectoryError):
+        raise FileNotFoundError(path) from None
+    except OSError as error:
+        raise Damaged((error.strerror or str(error)).lower()) from error
+    head, rest = content[: len(MAGIC)], content[len(MAGIC) :]
+    if head != MAGIC:
+        raise Damaged("no file of this version of the store")
+    if hashlib.sha256(rest[_CHECKSUM:]).digest() != rest[:_CHECKSUM]:
+        raise Damaged("its checksum is another")
+    try:
+        name, value = from_bytes(rest[_CHECKSUM:])
+    except (ValueError, TypeError) as error:
+        raise Damaged(f"not what is stored here: {error}") from error
+    if name != path.name.removesuffix(SUFFIX):
+        raise Damaged("written under another name")
+    return value
+
+
+# ---- locks ----
+
+
+@contextlib.contextmanager
+def locked(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
+    """Hold the lock `path`, against threads as well; if another has it, call `waiting` and wait.
+
+    The system takes a lock away from a process that dies, however it dies.  Where no file can be
+    made or locked, there is none: work done twice is no harm.
+    """
+    descriptor = None
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        descriptor = _acquire(path, waiting)
+    try:
+        yield
+    finally:
+        if descriptor is not None:
+            with contextlib.suppress(OSError):
+                path.unlink()
+            # a child that was forked meanwhile shares the lock: closing alone would not end it
+            fcntl.flock(descriptor, fcntl.LOCK_UN)
+            os.close(descriptor)
+
+
+def _acquire(path: Path, waiting: Callable[[], None]) -> int:
+    """Return the descriptor of the locked file."""
+    said = False
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                if not said:
+                    waiting()
+                    said = True
+                fcntl.flock(descriptor, fcntl.LOCK_EX)
+            # who had it before may have taken the file away
+            with contextlib.suppress(FileNotFoundError):
+                if os.path.samestat(os.fstat(descriptor), path.stat()):
+                    return descriptor
+        except BaseException:
+            os.close(descriptor)
+            raise
+        os.close(descriptor)
+
+
+# ---- the folder ----
 
 
 def store_folder() -> Path:
@@ -165,86 +337,16 @@ def clear() -> Holding:
 
     Work that is in progress may then be done twice.
     """
-    entries = _entries()
-    for path in (*(path for path, _ in entries), *store_folder().glob(f"*{_CLAIM}")):
+    entries, folder = _entries(), store_folder()
+    left = (path for ending in (f".*{SUFFIX}", f"*{LOCK}") for path in folder.glob(ending))
+    for path in (*(path for path, _ in entries), *left):
         _remove(path)
-    _remove_drafts(0.0)
     return Holding(len(entries), sum(state.st_size for _, state in entries))
 
 
-@cache
-def library_versions() -> tuple[str, ...]:
-    """Return the versions of the libraries that may give other numbers."""
-    installed = _installed()
-    return tuple(
-        f"{library} {installed[library]}" if library in installed else f"no {library}"
-        for library in _LIBRARIES
-    )
-
-
-def _installed() -> dict[str, str]:
-    """Return versions of what is installed, by name, the first found on the path.
-
-    Read off the folders ``name-version.dist-info`` of the PyPA's specification "Recording installed
-    projects": to load importlib.metadata and parse what is in them takes 30 ms of each command.
-    """
-    found: dict[str, str] = {}
-    for place in sys.path:
-        with contextlib.suppress(OSError):
-            for entry in Path(place).glob("*.dist-info"):
-                name, _, version = entry.stem.partition("-")
-                if version:
-                    found.setdefault(re.sub("[-_.]+", "-", name).lower(), version)
-    return found
-
-
-def _recalled(path: Path, serves: Callable[[T], bool]) -> tuple[T] | None:
-    """Return the stored value, None if there is none that can be trusted and will do."""
-    try:
-        value: T = read_entry(path)
-    except FileNotFoundError:
-        return None
-    except Damaged as error:
-        _say_once(f"{path} is not used ({error}): what was stored there is computed again")
-        return None
-    if not serves(value):
-        return None
-    with contextlib.suppress(OSError):
-        os.utime(path)  # the time of the last use
-    return (value,)
-
-
-def _keep(path: Path, content: bytes) -> None:
-    try:
-        limit = size_limit()
-        if len(content) > limit:
-            _say_once("results larger than TACTGEN_CACHE_LIMIT are not kept for the next run")
-            return
-        _make_room(limit, len(content), path)
-        write_entry(path, content)
-    except (OSError, InputError) as error:
-        if isinstance(error, NotWritten):
-            reason = error.reason
-        else:
-            reason = getattr(error, "strerror", None) or str(error)
-        _say_once(
-            f"results are not kept for the next run ({reason}); set TACTGEN_CACHE to a folder that "
-            "can be written and has room",
-            about="keep",
-        )
-
-
-@dataclass
-class _Size:
-    """What the store held when it was last looked through, and what was added since."""
-
-    size: int
-    writes: int = 0
-
-
-#: By folder.  To look through ten thousand files for each new one would take longer than most
-#: of what is kept.
-_sizes: dict[Path, _Size] = {}
+#: Bytes of each folder when it was last looked through and writes since: to look through ten
+#: thousand files for each new one would take longer than most of what is kept.
+_sizes: dict[Path, tuple[int, int]] = {}
 #: Writes after which the store is looked through again, for what other processes added.
 _WRITES = 200
 #: Share of the limit below which the store is far from full.
@@ -253,28 +355,16 @@ _FAR = 0.8
 
 def _make_room(limit: int, content: int, new: Path) -> None:
     """Remove what was not used for longest until all takes at most `limit` bytes."""
-    last = _sizes.get(new.parent)
-    if last is not None and last.writes < _WRITES and last.size + content < _FAR * limit:
-        last.size, last.writes = last.size + content, last.writes + 1
-        return
-    _sizes[new.parent] = _Size(_shrink(limit - content, new) + content)
-
-
-def _shrink(limit: int, new: Path) -> int:
-    """Remove what was not used for longest until the others take at most `limit` bytes.
-
-    Returns the bytes that are left, without those of `new`.
-    """
-    entries = [entry for entry in _entries() if entry[0] != new]
-    size = sum(state.st_size for _, state in entries)
-    for path, state in sorted(entries, key=lambda entry: entry[1].st_mtime_ns):
-        if size <= limit:
-            break
-        _remove(path)
-        size -= state.st_size
-    _remove_drafts(_ABANDONED)
-    sweep_claims(store_folder(), _CLAIM)
-    return size
+    size, writes = _sizes.get(new.parent, (0, _WRITES))
+    if writes >= _WRITES or size + content >= _FAR * limit:
+        entries = [entry for entry in _entries() if entry[0] != new]
+        size, writes = sum(state.st_size for _, state in entries), 0
+        for path, state in sorted(entries, key=lambda entry: entry[1].st_mtime_ns):
+            if size + content <= limit:
+                break
+            _remove(path)
+            size -= state.st_size
+    _sizes[new.parent] = size + content, writes + 1
 
 
 def _entries() -> list[tuple[Path, os.stat_result]]:
@@ -286,22 +376,6 @@ def _entries() -> list[tuple[Path, os.stat_result]]:
     return found
 
 
-def _remove_drafts(age: float) -> None:
-    """Remove what a killed process was writing."""
-    with contextlib.suppress(OSError):
-        for path in store_folder().glob(f".*{SUFFIX}"):
-            with contextlib.suppress(OSError):
-                if path.stat().st_mtime <= time.time() - age:
-                    path.unlink()
-
-
 def _remove(path: Path) -> None:
     with contextlib.suppress(OSError):
         path.unlink()
-
-
-def _say_once(text: str, *, about: str = "") -> None:
-    if (about or text) not in _said:
-        _said.add(about or text)
-        with contextlib.suppress(OSError):
-            print(f"tactgen: warning: {text}", file=sys.stderr)

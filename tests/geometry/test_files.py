@@ -14,8 +14,7 @@ from tactgen import geometry
 from tactgen.geometry import files
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import read_text, written_whole
-from tactgen.geometry.store.claim import claimed, sweep_claims
-from tactgen.geometry.store.entry import read_entry, sealed, write_entry
+from tactgen.geometry.store.store import locked, read_entry, sealed, write_entry
 
 PRODUCT = Path(geometry.__file__).parents[1]
 
@@ -42,7 +41,7 @@ def test_the_old_file_stays_until_the_new_one_is_whole(tmp_path):
 
 
 def test_nothing_stays_open(tmp_path):
-    """Of files, entries and claims: a study makes more than may be open at once."""
+    """Of files, entries and locks: a study makes more than may be open at once."""
 
     def use():
         with written_whole(tmp_path / "a.csv") as draft:
@@ -50,11 +49,10 @@ def test_nothing_stays_open(tmp_path):
         assert read_text(tmp_path / "a.csv") == "1"
         with pytest.raises(OSError, match="a folder"):
             read_text(tmp_path)
-        write_entry(tmp_path / "one.kept", sealed("one", 1))
+        write_entry(tmp_path / "one.kept", sealed(tmp_path / "one.kept", 1))
         read_entry(tmp_path / "one.kept")
-        (tmp_path / "left.claim").touch()
-        with claimed(tmp_path / "held.claim", print):
-            sweep_claims(tmp_path, ".claim")
+        with locked(tmp_path / "held.claim", print):
+            pass
 
     use()  # what stays open once may
     before = sorted(Path("/dev/fd").iterdir())

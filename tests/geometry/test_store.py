@@ -1,6 +1,6 @@
 """The store: what comes back is what was put in, or it is computed anew; nothing in between."""
 
-import contextlib
+import hashlib
 import importlib.metadata
 import os
 import random
@@ -16,9 +16,8 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store import entry, sources, store
-from tactgen.geometry.store.claim import claimed
-from tactgen.geometry.store.entry import Damaged, read_entry, sealed, write_entry
+from tactgen.geometry.store import sources, store
+from tactgen.geometry.store.store import Damaged, read_entry, sealed, write_entry
 from tactgen.geometry.store.values import fingerprint, from_bytes, storable, to_bytes
 
 #: Some module to be made of.
@@ -161,7 +160,7 @@ def rewritten(change):
 
 def resealed(value):
     """A whole file, checksum and all, whose value is another."""
-    return lambda path: path.write_bytes(sealed("sample-of another name", value))
+    return lambda path: path.write_bytes(sealed(Path("sample-of another name"), value))
 
 
 def with_header(text):
@@ -169,8 +168,8 @@ def with_header(text):
 
     def damage(path):
         content = len(text).to_bytes(8, "little") + text
-        digest = entry.hashlib.sha256(content).digest()
-        path.write_bytes(entry.MAGIC + digest + content)
+        digest = hashlib.sha256(content).digest()
+        path.write_bytes(store.MAGIC + digest + content)
 
     return damage
 
@@ -184,7 +183,7 @@ DAMAGES = {
     "last byte missing": rewritten(lambda c: c[:-1]),
     "a byte more": rewritten(lambda c: c + b"\0"),
     "first bit flipped": rewritten(lambda c: swapped(c, 0)),
-    "bit of the checksum flipped": rewritten(lambda c: swapped(c, len(entry.MAGIC))),
+    "bit of the checksum flipped": rewritten(lambda c: swapped(c, len(store.MAGIC))),
     "bit of the description flipped": rewritten(lambda c: swapped(c, 70)),
     "last bit flipped": rewritten(lambda c: swapped(c, len(c) - 1)),
     "zeros after a power cut": rewritten(lambda c: bytes(len(c))),
@@ -225,7 +224,7 @@ def test_damaged_file_is_never_trusted(folder, damage, capsys):
 def test_every_single_bit_counts(folder):
     """No flipped bit of a file is read as a value."""
     path = folder / "sample-1.kept"
-    write_entry(path, sealed("sample-1", (1, "a", np.ones(1))))
+    write_entry(path, sealed(path, (1, "a", np.ones(1))))
     content = path.read_bytes()
     for at in range(len(content)):
         path.write_bytes(swapped(content, at))
@@ -300,22 +299,17 @@ def test_without_a_home_nothing_is_kept(home, tmp_path, monkeypatch, capsys):
 
 
 def test_least_recently_used_goes_first(folder, monkeypatch):
-    """Over the limit, what was not read for longest is removed; a draft left behind as well."""
+    """Over the limit, what was not read for longest is removed."""
     value = np.zeros(1000)
-    monkeypatch.setenv("TACTGEN_CACHE_LIMIT", "110 kB")  # ten of 8 kB, and the sources' hashes
+    monkeypatch.setenv("TACTGEN_CACHE_LIMIT", "110 kB")  # thirteen of 8 kB
     store.kept("sample", (-1,), CODE, lambda: value)
-    room = 110_000 - sum(h.size for kind, h in store.holdings().items() if kind == "sources")
-    fits = room // next(folder.glob("sample-*")).stat().st_size
-    left = folder / ".abandoned.kept"
-    left.write_bytes(b"")
-    os.utime(left, (0, 0))
+    fits = 110_000 // next(folder.glob("sample-*")).stat().st_size
     for number in range(fits - 1):
         store.kept("sample", (number,), CODE, lambda: value)
         time.sleep(0.002)
     calls = []
     store.kept("sample", (-1,), CODE, counted(calls))  # read again: now the youngest
     store.kept("sample", ("one more",), CODE, lambda: value)
-    assert not left.exists()
     store.kept("sample", (-1,), CODE, counted(calls))
     assert calls == []
     store.kept("sample", (0,), CODE, counted(calls))
@@ -353,7 +347,7 @@ def test_clear_leaves_nothing_of_ours(folder):
     store.kept("sample", (1,), CODE, lambda: VALUE)
     for name in (".draft.kept", "sample-1.claim", "notes.txt"):
         (folder / name).write_text("")
-    assert store.clear().entries == 2  # with the sources' hashes
+    assert store.clear().entries == 1
     assert [path.name for path in folder.iterdir()] == ["notes.txt"]
 
 
@@ -399,18 +393,6 @@ def test_failed_work_leaves_no_claim(folder):
     with pytest.raises(ZeroDivisionError):
         store.kept("sample", (1,), CODE, failing)
     assert same(store.kept("sample", (1,), CODE, lambda: VALUE), VALUE)
-
-
-def test_claims_of_dead_processes_are_swept(folder):
-    """The first write of a process takes away what nobody holds, and no claim that is held."""
-    folder.mkdir()
-    dead, held = folder / "sample-dead.claim", folder / "sample-held.claim"
-    dead.write_bytes(b"")
-    with claimed(held, lambda: None):
-        store._sizes.pop(folder, None)
-        store.kept("sample", (1,), CODE, lambda: VALUE)
-        assert held.exists()
-        assert not dead.exists()
 
 
 #: Computes values that need one another, slowly, and notes each computation.
@@ -484,21 +466,22 @@ def project(tmp_path, monkeypatch):
         (tmp_path / package / "__init__.py").write_text("")
     monkeypatch.setattr(sources, "_PACKAGES", {"geometry", "fem"})
     monkeypatch.setattr(sources, "_place", lambda package: tmp_path / package)
-    for cached in (sources._source, sources._imported):
-        cached.cache_clear()
     yield tmp_path
-    for cached in (sources._source, sources._imported):
+    forget()
+
+
+def forget():
+    for cached in (sources._source, sources._imported, sources._read, sources.source_digest):
         cached.cache_clear()
 
 
-def digest(project, *names):
-    for cached in (sources._source, sources._imported):
-        cached.cache_clear()
-    return sources.Sources(project / "kept").digest(names)
+def digest(*names):
+    forget()
+    return sources.source_digest(names)
 
 
 def test_code_counts_with_all_that_it_imports(project):
-    """Through functions and packages; not what only types need, nor what is not imported."""
+    """Through functions and packages; not what is not imported."""
     place = project / "fem"
     (place / "solid.py").write_text(
         "from __future__ import annotations\nfrom typing import TYPE_CHECKING\n"
@@ -508,42 +491,32 @@ def test_code_counts_with_all_that_it_imports(project):
     (place / "near.py").write_text("import fem.far as far\n")
     for name in ("far", "types_only", "stranger"):
         (place / f"{name}.py").write_text("x = 1\n")
-    before = digest(project, "fem.solid")
-    assert digest(project, "fem.solid") == before
+    before = digest("fem.solid")
+    assert digest("fem.solid") == before
     for name, counts in (
         ("solid", True), ("near", True), ("far", True), ("__init__", True),
-        ("types_only", False), ("stranger", False),
+        ("types_only", True), ("stranger", False),
     ):  # fmt: skip
         path = place / f"{name}.py"
         text = path.read_text()
         path.write_text(text + "# changed\n")
-        assert (digest(project, "fem.solid") != before) is counts, name
-        assert digest(project, "fem") != digest(project, "fem.solid")
+        assert (digest("fem.solid") != before) is counts, name
+        assert digest("fem") != digest("fem.solid")
         path.write_text(text)
-        assert digest(project, "fem.solid") == before
+        assert digest("fem.solid") == before
 
 
 def test_a_module_that_moved_is_not_hashed_as_nothing(project):
     """A name without a source is a defect, and so is a package without one."""
     for name in ("fem.gone", "fem.gone.too", "numpy", "nowhere"):
         with pytest.raises(LookupError, match="no source"):
-            digest(project, name)
-
-
-def test_damaged_index_of_sources_changes_nothing(project):
-    """Hashes are then taken from the files."""
-    before = digest(project, "fem")
-    (index,) = (project / "kept").iterdir()
-    index.write_bytes(swapped(index.read_bytes(), 100))
-    assert digest(project, "fem") == before
-    with contextlib.suppress(Damaged):
-        read_entry(index)
+            digest(name)
 
 
 def test_this_code_is_found():
     """Every module that the store's own key names is hashed from its file."""
     found = sources._files_of("tactgen.geometry.store")
-    assert {path.name for path in found} >= {"store.py", "values.py", "entry.py", "claim.py"}
+    assert {path.name for path in found} >= {"store.py", "values.py", "sources.py"}
 
 
 def test_versions_are_those_that_the_metadata_say():

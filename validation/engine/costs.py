@@ -6,8 +6,14 @@ import contextlib
 from collections.abc import Mapping
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.entry import SUFFIX, Damaged, read_entry, sealed, write_entry
-from tactgen.geometry.store.store import store_folder
+from tactgen.geometry.store.store import (
+    SUFFIX,
+    Damaged,
+    read_entry,
+    sealed,
+    store_folder,
+    write_entry,
+)
 
 _NAME = "costs"
 #: Stages that take less (s) are not worth a line in a file.
@@ -40,4 +46,4 @@ def record(seconds: Mapping[str, float]) -> None:
     if news:
         with contextlib.suppress(OSError, InputError):
             path = store_folder() / (_NAME + SUFFIX)
-            write_entry(path, sealed(_NAME, {**before, **news}))
+            write_entry(path, sealed(path, {**before, **news}))

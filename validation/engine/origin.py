@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tactgen.geometry.store.sources import source_digest
-from tactgen.geometry.store.store import store_folder
 
 #: Libraries that numbers, meshes and pictures come from.
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "cadquery", "pytetwild", "pyvista", "mkl")
@@ -55,7 +54,7 @@ def this_origin() -> Origin:
     return Origin(
         program="tactgen",
         version=_version("tactgen"),
-        code=source_digest(_CODE, store_folder()),
+        code=source_digest(_CODE),
         commit=_commit(),
         libraries={name: _version(name) for name in LIBRARIES},
         solver=available_solver(),

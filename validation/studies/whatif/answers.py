@@ -13,7 +13,7 @@ from typing import Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.sources import source_digest
-from tactgen.geometry.store.store import kept, recalled, store_folder
+from tactgen.geometry.store.store import kept, recalled
 from tactgen.validation.catalogue.models import MODELS, gives, reading
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.inputs import values_read
@@ -161,7 +161,7 @@ def reason(error: Exception) -> str:
 
 def code_of(model: str) -> str:
     """Return the hash of the code that a model's answers are made by."""
-    return source_digest(_made_of(model), store_folder())
+    return source_digest(_made_of(model))
 
 
 def _kind(asked: Question) -> str:

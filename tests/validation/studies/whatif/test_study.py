@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.claim import claimed
+from tactgen.geometry.store.store import locked
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import solve
@@ -152,7 +152,7 @@ def test_a_point_that_another_process_is_at_is_left_for_last(solved, own_store):
         file.unlink()
     solved.clear()
     with contextlib.ExitStack() as elsewhere:
-        elsewhere.enter_context(claimed(taken.with_suffix(".claim"), lambda: None))
+        elsewhere.enter_context(locked(taken.with_suffix(".claim"), lambda: None))
 
         def done_elsewhere(text):
             if "waiting" in text:
