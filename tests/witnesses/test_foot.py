@@ -8,8 +8,8 @@ import pytest
 
 from tactgen.fem.piezo.system import materials
 from tactgen.geometry.device.layout import Turned, layout
-from tactgen.validation.checks.coverage.scenes import between
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.random_devices import between
 from tactgen.validation.scene.scene import load_scene
 
 #: Solids by their name here, and in the device; a quarter has one of the two ceramics.

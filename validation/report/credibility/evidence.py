@@ -11,7 +11,7 @@ from tactgen.validation.checks.verification import Verified, recalled_rows, veri
 
 if TYPE_CHECKING:
     from tactgen.validation.checks.row import Outcome
-    from tactgen.validation.checks.stress.result import Row as StressRow
+    from tactgen.validation.evidence.stress import Row as StressRow
     from tactgen.validation.models.comparison import ComparedRow
     from tactgen.validation.report.study import Study
     from tactgen.validation.scene.parameter_list import ParameterRow

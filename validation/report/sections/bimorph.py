@@ -8,7 +8,7 @@ from tactgen.validation.catalogue.bimorph import OPEN_CIRCUIT_FREQUENCIES, SHORT
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.checks.paper import audit
-from tactgen.validation.checks.stress import run as stress_output
+from tactgen.validation.evidence import stress as stress_output
 from tactgen.validation.models.bimorph.rows import LumpedModel
 from tactgen.validation.models.comparison import UNEXPLAINED
 from tactgen.validation.report.figures.bimorph import response_plot, response_values

@@ -10,9 +10,11 @@ from functools import partial
 import numpy as np
 
 from tactgen.tmm.ports.finger import FINGER_RANGE
-from tactgen.validation.checks.coverage.result import PROMISED
-from tactgen.validation.checks.coverage.scenes import between
-from tactgen.validation.checks.stress.result import (
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.coverage import PROMISED
+from tactgen.validation.evidence.random_devices import between
+from tactgen.validation.evidence.stress import (
     FAR,
     REFUSALS,
     Asked,
@@ -22,8 +24,6 @@ from tactgen.validation.checks.stress.result import (
     Stress,
     answered,
 )
-from tactgen.validation.engine.results import Quantity
-from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import Scene, load_scene
 
 #: Overrides of one point of a sweep, with its name for people.

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from tactgen.geometry.store.store import kept, recalled
-from tactgen.validation.checks.stress.result import Asked, Family, Row, Stress, answered
+from tactgen.validation.evidence.stress import Asked, Family, Row, Stress, answered
 
 #: Seconds after which a process is taken for endless.
 ENDLESS = 300.0

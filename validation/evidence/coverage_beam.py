@@ -17,11 +17,10 @@ from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
 from tactgen.tmm.ports.elements import base_stiffness
 from tactgen.validation.checks.cases import reference_beam as reference
 from tactgen.validation.checks.cases.reference_modes import Row, natural_frequency
-from tactgen.validation.checks.coverage.result import Judged
-from tactgen.validation.checks.coverage.scenes import accepted, between, compared, drawn_bimorph
-from tactgen.validation.checks.coverage.solid import cad_cases, judged
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.coverage import Judged
+from tactgen.validation.evidence.random_devices import accepted, between, compared, drawn_bimorph
 from tactgen.validation.scene.scene import Scene, load_scene
 
 _QUANTITIES = (
@@ -173,9 +172,3 @@ def judge_taper(rng: np.random.Generator) -> list[Judged]:
 def _reference(scene: Scene, count: int) -> Floats:
     row = sections(scene.device, scene.support, scene.beam, lossy=False, segments=_FINER * SEGMENTS)
     return bending_frequencies(row, scene.ends.lossless, count, open_circuit=False)
-
-
-def judge_cad(rng: np.random.Generator) -> list[Judged]:
-    """Return the answers of one device, drawn by `rng`."""
-    (case,) = cad_cases(int(rng.integers(2**31)), 1)
-    return judged(case)

@@ -38,7 +38,7 @@ from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
 from tactgen.validation.checks.cases import reference_beam as reference
 from tactgen.validation.checks.cases import textbook_beam
 from tactgen.validation.checks.cases.reference_modes import offset
-from tactgen.validation.checks.stress.result import (
+from tactgen.validation.evidence.stress import (
     REFUSALS,
     WANTED,
     Approach,

@@ -39,7 +39,7 @@ from tactgen.validation.checks.cases.magnetics.infinite_solenoid import (
     infinite_solenoid,
 )
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import ball_error
-from tactgen.validation.checks.stress.result import (
+from tactgen.validation.evidence.stress import (
     REFUSALS,
     Asked,
     Families,

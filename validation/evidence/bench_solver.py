@@ -11,9 +11,7 @@ import platform
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
 
 import numpy as np
 
@@ -21,9 +19,8 @@ from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.formats import engineering
-from tactgen.validation.bench.one_core import least_time, on_one_core, peak_memory
-from tactgen.validation.bench.result import Bench, Target, Timing
+from tactgen.validation.evidence.bench import Bench, Target, Timing
+from tactgen.validation.evidence.one_core import least_time, on_one_core, peak_memory
 
 #: Unknowns asked for.
 _SIZES = (50_000, 200_000, 500_000)
@@ -35,69 +32,8 @@ _NEAR = 0.05
 _FIRST, _AGAIN, _SOLVE = "order and factorise", "factorise again", f"{_RIGHT_SIDES} right sides"
 
 
-@dataclass(frozen=True)
-class SolverTiming(Timing):
-    """One step of a sparse solver with one matrix.
-
-    Attributes
-    ----------
-    path, case : str
-        Library and kind of number; what was done.
-    unknowns, entries : int
-        Size of the matrix, and stored entries.
-    seconds : float
-        Processor time.
-    memory : float
-        Peak of the whole process (bytes), the matrix included.
-    error : float
-        Largest error of a known solution, relative to its largest entry; not refined.
-    """
-
-    path: str
-    case: str
-    unknowns: int
-    entries: int
-    seconds: float
-    memory: float
-    error: float
-
-    columns: ClassVar[tuple[str, ...]] = (
-        "way",
-        "result",
-        "unknowns",
-        "entries",
-        "time",
-        "peak memory",
-        "error",
-    )
-    fields: ClassVar[tuple[str, ...]] = (
-        "way",
-        "step",
-        "unknowns",
-        "entries",
-        "seconds",
-        "bytes",
-        "error",
-    )
-    #: Error asked for: a condition of 1e9 leaves seven digits, a large matrix one less.
-    wanted: float = 1e-6
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """The row of the table, as `columns`."""
-        return (
-            self.path, self.case, f"{self.unknowns:,}", f"{self.entries:,}",
-            engineering(self.seconds, "s", 3), engineering(self.memory, "B", 3),
-            f"{self.error:.1e}",
-        )  # fmt: skip
-
-    @property
-    def values(self) -> tuple[str | float, ...]:
-        """The row of the file, as `fields`."""
-        return (
-            self.path, self.case, self.unknowns, self.entries, self.seconds, self.memory,
-            self.error,
-        )  # fmt: skip
+#: Error asked for: a condition of 1e9 leaves seven digits, a large matrix one less.
+_WANTED = 1e-6
 
 
 def run(quick: bool, announce: Callable[[str], None]) -> Bench:
@@ -124,10 +60,11 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
     if not found:
         raise InputError(left_out[0])
     timings = tuple(
-        SolverTiming(
-            f"{solver}, {kind}", step, int(at["unknowns"]), int(at["entries"]), at[step],
-            at["memory"], at["error"],
-        )
+        Timing(f"{solver}, {kind}", step, at[step], at["error"], {
+            "way": f"{solver}, {kind}", "step": step, "unknowns": int(at["unknowns"]),
+            "entries": int(at["entries"]), "seconds": at[step], "peak_memory": at["memory"],
+            "error": at["error"],
+        }, _WANTED)
         for (solver, kind, _), at in found.items()
         for step in (_FIRST, _AGAIN, _SOLVE)
     )  # fmt: skip
@@ -154,16 +91,8 @@ _CONDITIONS = (
 
 def _targets(found: dict[tuple[str, str, int], dict[str, float]]) -> tuple[Target, ...]:
     errors = max(at["error"] for at in found.values())
-    targets = [
-        Target(
-            "error of a known solution",
-            SolverTiming.wanted,
-            errors,
-            "",
-            True,
-            "worst of all, not refined",
-        )
-    ]
+    what, how = "error of a known solution", "worst of all, not refined"
+    targets = [Target(what, _WANTED, errors, "", True, how)]
     counted = [at for at in found.values() if at["negative"] >= 0.0]
     if counted:
         off = max(abs(at["negative"] - at["potentials"]) for at in counted)

@@ -13,9 +13,9 @@ import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
-from tactgen.validation.bench.result import Bench, Target, Timing
+from tactgen.validation.evidence.bench import Bench, Target, Timing
 
 #: Heavy libraries (pyvista brings matplotlib along), and the rooms of the other actuator and of
 #: the fields.
@@ -125,51 +125,10 @@ def cases() -> tuple[Case, ...]:
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class SkipTiming(Timing):
-    """One scene, cold or warm."""
-
-    columns: ClassVar[tuple[str, ...]] = (
-        "job", "way", "processor time", "modules", "imported of those watched", "computed",
-        "reused", "skipped", "answers as cold",
-    )  # fmt: skip
-    fields: ClassVar[tuple[str, ...]] = (
-        "scene", "store", "processor_s", "modules", "watched", "computed", "reused", "skipped",
-        "error",
-    )  # fmt: skip
-    path: str
-    case: str
-    seconds: float
-    error: float
-    wanted: float
-    modules: int
-    watched: tuple[str, ...]
-    computed: tuple[str, ...]
-    reused: tuple[str, ...]
-    skipped: int
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """The row of the table."""
-        return (
-            self.case, self.path, f"{self.seconds:.2f} s", str(self.modules),
-            " ".join(self.watched), " ".join(self.computed), " ".join(self.reused),
-            str(self.skipped), "bit for bit" if self.error == 0.0 else "they differ",
-        )  # fmt: skip
-
-    @property
-    def values(self) -> tuple[str | float, ...]:
-        """The row of the file."""
-        return (
-            self.case, self.path, self.seconds, self.modules, " ".join(self.watched),
-            " ".join(self.computed), " ".join(self.reused), self.skipped, self.error,
-        )  # fmt: skip
-
-
 def run(quick: bool, announce: Callable[[str], None]) -> Bench:
     """Measure all scenes; quick: those without a field solution."""
     picked = [c for c in cases() if not quick or not (c.scene == "j1" or c.picture)]
-    timings: list[SkipTiming] = []
+    timings: list[Timing] = []
     faults: list[str] = []
     with tempfile.TemporaryDirectory() as folder:
         for case in picked:
@@ -180,8 +139,12 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
             for path, found in (("cold", alone), ("warm", again)):
                 timings.append(_timing(case, path, found, alone))
             faults += _faults(case, alone, again)
-    warm = [t.seconds for t in timings if t.path == "warm" and t.reused and not t.computed]
-    closed = next(t.seconds for t in timings if t.path == "cold")
+    warm = [
+        t.cost
+        for t in timings
+        if t.path == "warm" and t.values["reused"] and not t.values["computed"]
+    ]
+    closed = next(t.cost for t in timings if t.path == "cold")
     targets = [
         Target("scenes that do what they need not, or answer otherwise when warm", 0.0,
                float(len(faults)), "", True, "; ".join(faults) or "each in a process of its own"),
@@ -192,7 +155,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
                               "imports and all"))  # fmt: skip
     conditions = "processor time of the whole process, imports and all; cold: an empty store"
     return Bench("skip", conditions, tuple(timings), tuple(targets),
-                 sum(t.seconds for t in timings))  # fmt: skip
+                 sum(t.cost for t in timings))  # fmt: skip
 
 
 def solved(case: Case, store: Path) -> dict[str, Any]:
@@ -210,13 +173,17 @@ def solved(case: Case, store: Path) -> dict[str, Any]:
     return found
 
 
-def _timing(case: Case, path: str, found: Mapping[str, Any], cold: Mapping[str, Any]) -> SkipTiming:
+def _timing(case: Case, path: str, found: Mapping[str, Any], cold: Mapping[str, Any]) -> Timing:
+    """Return the timing of one scene, cold or warm."""
     reused = sorted(set(found["asked"]) - set(found["computed"]))
-    same = found["answers"] == cold["answers"]
-    return SkipTiming(
-        path, case.name, found["seconds"], 0.0 if same else 1.0, float("nan"), found["modules"],
-        tuple(found["watched"]), tuple(found["computed"]), tuple(reused), found["skipped"],
-    )  # fmt: skip
+    error = float(found["answers"] != cold["answers"])
+    values: dict[str, str | float] = {
+        "scene": case.name, "store": path, "processor_seconds": found["seconds"],
+        "modules": found["modules"], "watched": " ".join(found["watched"]),
+        "computed": " ".join(found["computed"]), "reused": " ".join(reused),
+        "skipped": found["skipped"], "error": error,
+    }  # fmt: skip
+    return Timing(path, case.name, found["seconds"], error, values)
 
 
 def _faults(case: Case, cold: Mapping[str, Any], warm: Mapping[str, Any]) -> list[str]:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.validation.bench.bimorph.peers.job import (
+from tactgen.validation.evidence.peers.job import (
     LAYERS,
     Answer,
     Bricks,

@@ -10,20 +10,18 @@ from __future__ import annotations
 import math
 import platform
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
 from tactgen.fem.magnetics.axisymmetric import FieldPoint, solve_map, solve_point
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.formats import engineering
 from tactgen.tmm.reluctance.map_range import map_grid
-from tactgen.validation.bench.one_core import least_time, on_one_core
-from tactgen.validation.bench.result import Bench, Target, Timing
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential
 from tactgen.validation.checks.cases.magnetics.team20 import pole_forces
+from tactgen.validation.evidence.bench import Bench, Target, Timing
+from tactgen.validation.evidence.one_core import least_time, on_one_core
 
 #: Errors asked for, relative.
 _FORCE, _LINKAGE = 1e-3, 5e-4
@@ -36,67 +34,16 @@ _LINKAGE_CASE, _WORK, _STRESS = "flux linkage", "force by virtual work", "force 
 _TEAM_FORCE, _TEAM_COENERGY = "TEAM 20: force", "TEAM 20: co-energy"
 
 
-@dataclass(frozen=True)
-class FieldTiming(Timing):
-    """One result of one field solution.
-
-    Attributes
-    ----------
-    path, level : str
-        The formulation, and how fine.
-    case : str
-        The result that was compared.
-    unknowns : int
-        Size of the system.
-    seconds : float
-        Least of several runs, everything included.
-    value : float
-        The result, in `unit`.
-    error : float
-        Relative, against the reference of the run.
-    wanted : float
-        Error asked for; nan if none is.
-    """
-
-    path: str
-    level: str
-    case: str
-    unknowns: int
-    seconds: float
-    value: float
-    unit: str
-    error: float
-    wanted: float = math.nan
-
-    columns: ClassVar[tuple[str, ...]] = (
-        "way",
-        "fineness",
-        "result",
-        "unknowns",
-        "time",
-        "value",
-        "error",
-    )
-    fields: ClassVar[tuple[str, ...]] = (
-        "way", "fineness", "result", "unknowns", "seconds", "value", "unit", "error",
-    )  # fmt: skip
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """The row of the table, as `columns`."""
-        return (
-            self.path, self.level, self.case, f"{self.unknowns:,}",
-            engineering(self.seconds, "s", 3), engineering(self.value, self.unit),
-            f"{self.error:.1e}",
-        )  # fmt: skip
-
-    @property
-    def values(self) -> tuple[str | float, ...]:
-        """The row of the file, as `fields`."""
-        return (
-            self.path, self.level, self.case, self.unknowns, self.seconds, self.value, self.unit,
-            self.error,
-        )  # fmt: skip
+def timing_of(
+    path: str, level: str, case: str, at: Mapping[str, float], value: float, unit: str,
+    error: float, wanted: float = math.nan,
+) -> Timing:  # fmt: skip
+    """Return the timing of one result (in `unit`) of one field solution."""
+    values: dict[str, str | float] = {
+        "way": path, "fineness": level, "result": case, "unknowns": int(at["unknowns"]),
+        "seconds": at["seconds"], "value": value, "unit": unit, "error": error,
+    }  # fmt: skip
+    return Timing(path, case, at["seconds"], error, values, wanted)
 
 
 def run(quick: bool, announce: Callable[[str], None]) -> Bench:
@@ -131,7 +78,7 @@ def _conditions(reference: dict[str, Any], finest: float, apart: float) -> str:
 
 def _half_section(
     quick: bool, reference: dict[str, Any], announce: Callable[[str], None]
-) -> Iterator[FieldTiming]:
+) -> Iterator[Timing]:
     for order in (2, 3, 4):
         for fineness in (0.75, 1.0) if quick else (0.5, 0.75, 1.0, 1.5, 2.0):
             announce(f"magnetics: order {order}, fineness {fineness:g}")
@@ -141,10 +88,10 @@ def _half_section(
                 (_WORK, "force", "force", "N", _FORCE),
                 (_STRESS, "force_eggshell", "force", "N", _FORCE),
             ):
-                yield FieldTiming(
-                    f"order {order}", f"{fineness:g}", case, found["unknowns"], found["seconds"],
-                    found[name], unit, abs(found[name] / reference[exact] - 1.0), wanted,
-                )  # fmt: skip
+                error = abs(found[name] / reference[exact] - 1.0)
+                yield timing_of(
+                    f"order {order}", f"{fineness:g}", case, found, found[name], unit, error, wanted
+                )
 
 
 def _team20(scale: float, announce: Callable[[str], None]) -> dict[str, dict[str, float]]:
@@ -156,7 +103,7 @@ def _team20(scale: float, announce: Callable[[str], None]) -> dict[str, dict[str
     return found
 
 
-def _solid(quick: bool, exact: float, announce: Callable[[str], None]) -> Iterator[FieldTiming]:
+def _solid(quick: bool, exact: float, announce: Callable[[str], None]) -> Iterator[Timing]:
     for scale in (3.0, 2.0) if quick else (3.0, 2.0, 1.4, 1.0):
         found = _team20(scale, announce)
         low, high = (found[name]["coenergy"] for name in ("A", "φ"))
@@ -165,28 +112,29 @@ def _solid(quick: bool, exact: float, announce: Callable[[str], None]) -> Iterat
                 (_TEAM_FORCE, at["force"], "N", abs(at["force"] / exact - 1.0)),
                 (_TEAM_COENERGY, at["coenergy"], "J", (high - low) / (high + low)),
             ):
-                yield FieldTiming(
-                    name, f"1/{scale:g}", case, int(at["unknowns"]), at["seconds"], value, unit,
-                    error,
-                )  # fmt: skip
+                yield timing_of(name, f"1/{scale:g}", case, at, value, unit, error)
 
 
 def _targets(
-    timings: list[FieldTiming], reference: dict[str, Any], map_time: float
+    timings: list[Timing], reference: dict[str, Any], map_time: float
 ) -> tuple[Target, ...]:
     """Judge the cheapest grid within both errors, the reference's own bar added."""
-    good: dict[tuple[str, str], list[FieldTiming]] = {}
+    good: dict[tuple[str, str | float], list[Timing]] = {}
     bars = {_LINKAGE_CASE: reference["flux_linkage_bar"], _WORK: reference["force_bar"]}
     for timing in timings:
         if timing.case in bars and timing.error + bars[timing.case] <= timing.wanted:
-            good.setdefault((timing.path, timing.level), []).append(timing)
+            good.setdefault((timing.path, timing.values["fineness"]), []).append(timing)
     both = [rows[0] for rows in good.values() if len(rows) == len(bars)]
-    best = min(both, key=lambda row: row.seconds, default=None)
-    way = f"{best.path}, fineness {best.level}" if best else "no grid of this run is near enough"
+    best = min(both, key=lambda row: row.cost, default=None)
+    way = (
+        f"{best.path}, fineness {best.values['fineness']}"
+        if best
+        else "no grid of this run is near enough"
+    )
     return (
         Target(
             "force within 0.1 % and flux linkage within 0.05 % of converged", 2.0,
-            best.seconds if best else math.inf, "s", True, way,
+            best.cost if best else math.inf, "s", True, way,
         ),
         Target(
             "map of 10 gaps by 10 currents", 60.0, map_time, "s", True,

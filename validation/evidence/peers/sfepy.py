@@ -16,7 +16,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints, Sparse
 from tactgen.geometry.errors import InputError
-from tactgen.validation.bench.bimorph.peers.job import (
+from tactgen.validation.evidence.peers.job import (
     Answer,
     Clock,
     Job,

@@ -8,8 +8,8 @@ from typing import TypeVar
 import numpy as np
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.checks.coverage.result import Judged
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.coverage import Judged
 from tactgen.validation.scene.scene import Scene
 
 #: Draws after which no device is looked for any more: of those drawn here no more than one in two

@@ -27,9 +27,18 @@ from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.validation.bench.bimorph.beam import SolidTiming
-from tactgen.validation.bench.bimorph.peers import PEERS, missing, solve
-from tactgen.validation.bench.bimorph.peers.job import (
+from tactgen.validation.engine.error_bars import BRICK_FACTOR
+from tactgen.validation.evidence.bench import (
+    Bench,
+    Point,
+    Target,
+    Timing,
+    front,
+    time_at_error,
+)
+from tactgen.validation.evidence.one_core import on_one_core
+from tactgen.validation.evidence.peers import PEERS, missing, solve
+from tactgen.validation.evidence.peers.job import (
     LAYERS,
     Answer,
     Clock,
@@ -38,9 +47,6 @@ from tactgen.validation.bench.bimorph.peers.job import (
     answer,
     bricks,
 )
-from tactgen.validation.bench.one_core import on_one_core
-from tactgen.validation.bench.result import Bench, Point, Target, front, time_at_error
-from tactgen.validation.engine.error_bars import BRICK_FACTOR
 from tactgen.validation.scene.scene import Scene, load_scene
 
 #: Natural frequencies that are compared.
@@ -317,6 +323,8 @@ def _bricks(grid: _Grid, order: int) -> Job:
 #: to f4 in Hz), and to how much (relative).
 PUBLISHED = np.array([-6.7582e-7, 1065.96, 3329.10, 6642.85, 16267.0])
 PUBLISHED_BARS = np.array([1e-5, 3e-5, 3e-5, 3e-5, 3e-5])
+#: Phases of a solution.
+STEPS = ("mesh", "assembly", "factor", "solve", "eigen", "sweep")
 #: Names of a solution's values.
 VALUES = ("deflection", "f1", "f2", "f3", "f4", "capacitance")
 #: Levels of our bricks that make the reference, the finer first.
@@ -342,14 +350,14 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
     for sentence in absent:
         announce(f"piezo: {sentence}")
     reference = _reference(quick, announce)
-    timings: list[SolidTiming] = []
+    timings: list[Timing] = []
     with _no_kept_meshes():
         for level in ways(quick=quick):
             announce(f"piezo: {level.path}, fineness {level.level}")
             timings.extend(_timings(level, reference, 4 if quick else 12))
-    conditions = _conditions(reference, absent)
-    targets = targets_of(timings)
-    return Bench("piezo", conditions, tuple(timings), targets, time.perf_counter() - started)
+    conditions, targets = _conditions(reference, absent), targets_of(timings)
+    seconds = time.perf_counter() - started
+    return Bench("piezo", conditions, tuple(timings), targets, seconds, "compute time (s)")
 
 
 def _reference(quick: bool, announce: Callable[[str], None]) -> Reference:
@@ -375,7 +383,7 @@ def _sweep_of(answer: Answer) -> Complex:
     return np.array([complex(*pair) for pair in answer["sweep"]])
 
 
-def _timings(level: Level, reference: Reference, sampled: int) -> Iterator[SolidTiming]:
+def _timings(level: Level, reference: Reference, sampled: int) -> Iterator[Timing]:
     """Run J1, and J2 where it is asked for.
 
     Peers factorise at every frequency, so they solve a sample, and its time is scaled up.
@@ -406,18 +414,42 @@ def sample(reference: Reference, number: int) -> Ints:
     return np.unique(np.concatenate([steepest, spread]))
 
 
-def _timing(level: Level, case: str, found: Answer, errors: dict[str, float]) -> SolidTiming:
-    return SolidTiming(
-        path=level.path,
-        level=level.level,
-        case=case,
-        own=level.own,
-        unknowns=found["unknowns"],
-        phases=found["seconds"],
-        process_seconds=found["process_seconds"],
-        peak_memory=found["peak_memory"],
-        errors=errors,
-    )
+def _timing(level: Level, case: str, found: Answer, errors: dict[str, float]) -> Timing:
+    return timing_of(
+        level.path, level.level, case, found["unknowns"], found["seconds"], errors, own=level.own,
+        process=found["process_seconds"], memory=found["peak_memory"],
+    )  # fmt: skip
+
+
+def timing_of(
+    path: str, level: str, case: str, unknowns: int, phases: dict[str, float],
+    errors: dict[str, float], *, own: bool, process: float = math.nan, memory: float = math.nan,
+) -> Timing:  # fmt: skip
+    """Return the timing of one solution of one job.
+
+    Parameters
+    ----------
+    phases : dict of str to float
+        Processor time (s) of :data:`STEPS`, as far as they occur.
+    errors : dict of str to float
+        Relative, by value; all but the capacitance are judged.
+    process, memory : float
+        Processor time (s) and peak memory (bytes) of the whole process.
+    """
+    cost = sum(phases.values())
+    worst = max(error for name, error in errors.items() if name != "capacitance")
+    if "sweep" in errors:
+        curves = {"J2: damped sweep": worst}
+    else:
+        natural = max(errors[name] for name in VALUES if name.startswith("f"))
+        curves = {"J1: deflection": errors["deflection"], "J1: worst of f1…f4": natural}
+    values: dict[str, str | float] = {
+        "way": path, "fineness": level, "job": case, "unknowns": unknowns,
+        **{f"{step}_seconds": phases.get(step, "") for step in STEPS},
+        "compute_seconds": cost, "process_seconds": process, "peak_memory": float(memory),
+        **{f"error_{name}": errors.get(name, "") for name in (*VALUES, "sweep")},
+    }  # fmt: skip
+    return Timing(path, case, cost, worst, values, 1e-3, curves, own)
 
 
 @contextlib.contextmanager
@@ -434,7 +466,7 @@ def _no_kept_meshes() -> Iterator[None]:
                 os.environ["TACTGEN_CACHE"] = before
 
 
-def targets_of(timings: Iterable[SolidTiming]) -> tuple[Target, ...]:
+def targets_of(timings: Iterable[Timing]) -> tuple[Target, ...]:
     """Judge times at an error, read off each way's curve, and ratios to the best peer."""
     timings = list(timings)
     j1 = [timing for timing in timings if timing.case == "J1"]
@@ -456,12 +488,12 @@ def targets_of(timings: Iterable[SolidTiming]) -> tuple[Target, ...]:
     return tuple(targets)
 
 
-def _best(timings: list[SolidTiming], wanted: float, *, own: bool) -> tuple[float, str]:
+def _best(timings: list[Timing], wanted: float, *, own: bool) -> tuple[float, str]:
     """Return the least time at an error, and the way that has it."""
     curves: dict[str, list[Point]] = {}
     for timing in timings:
         if timing.own == own:
-            curves.setdefault(timing.path, []).append((timing.cost, timing.worst))
+            curves.setdefault(timing.path, []).append((timing.cost, timing.error))
     times = {path: time_at_error(points, wanted) for path, points in curves.items()}
     best = min(times, key=lambda path: times[path], default="")
     if not best or math.isinf(times[best]):
@@ -469,17 +501,17 @@ def _best(timings: list[SolidTiming], wanted: float, *, own: bool) -> tuple[floa
     return times[best], best
 
 
-def _sweep_target(timings: list[SolidTiming]) -> Target:
+def _sweep_target(timings: list[Timing]) -> Target:
     """Compare at the peers' own errors, where the distance is least."""
     theirs = [timing for timing in timings if not timing.own]
-    good = front((timing.cost, timing.worst) for timing in theirs)
-    ours = [(timing.cost, timing.worst) for timing in timings if timing.own]
+    good = front((timing.cost, timing.error) for timing in theirs)
+    ours = [(timing.cost, timing.error) for timing in timings if timing.own]
     least, how = math.nan, "no peer swept"
     for seconds, error in good:
         at = time_at_error(ours, error)
         # also true while there is no least yet
         if not seconds / at >= least:
-            peer = next(t.path for t in theirs if (t.cost, t.worst) == (seconds, error))
+            peer = next(t.path for t in theirs if (t.cost, t.error) == (seconds, error))
             least = seconds / at
             how = f"at {error:.1e}: {peer} {seconds:.3g} s, ours {at:.3g} s"
     return Target("J2: a peer's time over ours at its error", 50.0, least, "", False, how)

@@ -6,8 +6,6 @@ import math
 import platform
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -21,10 +19,10 @@ from tactgen.tmm.beam.span import BLOCK
 from tactgen.tmm.beam.transfer_matrix import chain
 from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
 from tactgen.tmm.ports.multiport import respond, terminate
-from tactgen.validation.bench.one_core import least_time, on_one_core, peak_memory
-from tactgen.validation.bench.result import Bench, Target, Timing
 from tactgen.validation.checks.cases import reference_beam as reference
 from tactgen.validation.checks.cases import textbook_beam
+from tactgen.validation.evidence.bench import Bench, Target, Timing
+from tactgen.validation.evidence.one_core import least_time, on_one_core, peak_memory
 
 #: Ranges of frequency (Hz): the paper's, and one that asks for more.
 CASES = {"10 Hz to 2 kHz": (10.0, 2e3), "1 mHz to 1 MHz": (1e-3, 1e6)}
@@ -40,72 +38,17 @@ _ENDS = ends_of(Support(), Load())
 _SAMPLES = 15
 
 
-@dataclass(frozen=True)
-class BeamTiming(Timing):
-    """One way of computing, over one range of frequencies.
+#: Error asked for.
+_WANTED = 1e-12
 
-    Attributes
-    ----------
-    path : str
-        The way.
-    case : str
-        The range.
-    points : int
-        Frequency points timed.
-    seconds : float
-        Least of several runs.
-    error : float
-        Worst relative error of the tip velocity on a sample; infinite where it overflows.
-    """
 
-    path: str
-    case: str
-    points: int
-    seconds: float
-    error: float
-
-    columns: ClassVar[tuple[str, ...]] = (
-        "way",
-        "range",
-        "points",
-        "points per second",
-        "ns per point",
-        "worst error",
-    )
-    fields: ClassVar[tuple[str, ...]] = (
-        "way",
-        "range",
-        "points",
-        "seconds",
-        "points_per_second",
-        "error",
-    )
-    cost_label: ClassVar[str] = "time per point (ns)"
-    #: Error asked for.
-    wanted: float = 1e-12
-
-    @property
-    def rate(self) -> float:
-        """Points per second."""
-        return self.points / self.seconds
-
-    @property
-    def cost(self) -> float:
-        """What is plotted along x."""
-        return 1e9 / self.rate
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """The row of the table, as `columns`."""
-        return (
-            self.path, self.case, f"{self.points:,}", f"{self.rate:,.0f}", f"{self.cost:.0f}",
-            f"{self.error:.1e}",
-        )  # fmt: skip
-
-    @property
-    def values(self) -> tuple[str | float, ...]:
-        """The row of the file, as `fields`."""
-        return self.path, self.case, self.points, self.seconds, self.rate, self.error
+def timing_of(path: str, case: str, points: int, seconds: float, error: float) -> Timing:
+    """Return the timing of one way over one range of frequencies."""
+    values: dict[str, str | float] = {
+        "way": path, "range": case, "points": points, "seconds": seconds,
+        "points_per_second": points / seconds, "error": error,
+    }  # fmt: skip
+    return Timing(path, case, 1e9 * seconds / points, error, values, _WANTED)
 
 
 def run(quick: bool, announce: Callable[[str], None]) -> Bench:
@@ -117,14 +60,14 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
             announce(f"tmm: {path}, {case}")
             points = (100_000 if quick else 1_000_000) // (1 if path in _PATHS else 20)
             seconds = on_one_core(__name__, "seconds_of", path, case, points)
-            timings.append(BeamTiming(path, case, points, seconds, error_of(path, case)))
+            timings.append(timing_of(path, case, points, seconds, error_of(path, case)))
     announce("tmm: design map")
     shape = [200, 2000, 3]
     map_seconds = on_one_core(__name__, "map_seconds", *shape)
     announce("tmm: memory")
     points = 1_000_000 if quick else 10_000_000
     memory = on_one_core(__name__, "memory_of", points)
-    rate = next(t.rate for t in timings if t.path == _CLOSED)
+    rate = next(1e9 / t.cost for t in timings if t.path == _CLOSED)
     targets = (
         Target("terminated points per second", 1.5e6, rate, "points/s", False, _CLOSED),
         Target(
@@ -141,7 +84,8 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
         "thread (OMP_NUM_THREADS=1 and its like), processor time, best of three runs; "
         f"numpy {np.__version__}, {platform.machine()}"
     )
-    return Bench("tmm", conditions, tuple(timings), targets, time.perf_counter() - started)
+    seconds = time.perf_counter() - started
+    return Bench("tmm", conditions, tuple(timings), targets, seconds, "time per point (ns)")
 
 
 def seconds_of(path: str, case: str, points: int) -> float:
@@ -213,101 +157,3 @@ def _velocity(path: str, f: Floats, base: tuple[Complex, Complex], tip: Complex)
 def _spaced(case: str, points: int) -> Floats:
     low, high = CASES[case]
     return (np.geomspace if high > 1e3 * low else np.linspace)(low, high, points)
-
-
-@dataclass(frozen=True)
-class SolidTiming(Timing):
-    """One solution of one job by one way of the piezoelectric solid.
-
-    Attributes
-    ----------
-    path, level : str
-        The way, and how fine.
-    case : str
-        The job, J1 or J2.
-    own : bool
-        Whether it is ours or a peer's.
-    unknowns : int
-        Size of the system.
-    phases : dict of str to float
-        Processor time (s) of mesh, assembly, factor, solve, eigen, sweep, as far as they
-        occur.
-    process_seconds, peak_memory : float, int
-        Processor time of the whole process (s), its largest resident size (bytes).
-    errors : dict of str to float
-        Relative, by value.
-    """
-
-    path: str
-    level: str
-    case: str
-    own: bool
-    unknowns: int
-    phases: dict[str, float]
-    process_seconds: float
-    peak_memory: int
-    errors: dict[str, float]
-
-    steps: ClassVar = ("mesh", "assembly", "factor", "solve", "eigen", "sweep")
-    columns: ClassVar[tuple[str, ...]] = (
-        "way", "fineness", "job", "unknowns", *steps, "compute", "process", "memory",
-        "deflection", "f1…f4", "capacitance", "sweep error",
-    )  # fmt: skip
-    fields: ClassVar[tuple[str, ...]] = (
-        "way", "fineness", "job", "unknowns", *(f"{step}_seconds" for step in steps),
-        "compute_seconds", "process_seconds", "peak_memory", "error_deflection", "error_f1",
-        "error_f2", "error_f3", "error_f4", "error_capacitance", "error_sweep",
-    )  # fmt: skip
-    cost_label: ClassVar[str] = "compute time (s)"
-    wanted: float = 1e-3
-
-    @property
-    def cost(self) -> float:
-        """Processor time (s) of all phases."""
-        return sum(self.phases.values())
-
-    @property
-    def frequency_error(self) -> float:
-        """Worst error of the natural frequencies; nan in a sweep."""
-        return max((e for name, e in self.errors.items() if name[0] == "f"), default=math.nan)
-
-    @property
-    def worst(self) -> float:
-        """What is judged: deflection and natural frequencies, or the sweep."""
-        return max(error for name, error in self.errors.items() if name != "capacitance")
-
-    @property
-    def curves(self) -> dict[str, float]:
-        """Errors to plot, one panel each."""
-        if "sweep" in self.errors:
-            return {"J2: damped sweep": self.errors["sweep"]}
-        return {
-            "J1: deflection": self.errors["deflection"],
-            "J1: worst of f1…f4": self.frequency_error,
-        }
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """The row of the table, as `columns`."""
-
-        def shown(name: str) -> str:
-            return f"{self.errors[name]:.1e}" if name in self.errors else ""
-
-        worst = self.frequency_error
-        return (
-            self.path, self.level, self.case, f"{self.unknowns:,}",
-            *(f"{self.phases[step]:.2f}" if step in self.phases else "" for step in self.steps),
-            f"{self.cost:.2f}", f"{self.process_seconds:.1f}", f"{self.peak_memory / 1e9:.2f}",
-            shown("deflection"), "" if math.isnan(worst) else f"{worst:.1e}",
-            shown("capacitance"), shown("sweep"),
-        )  # fmt: skip
-
-    @property
-    def values(self) -> tuple[str | float, ...]:
-        """The row of the file, as `fields`."""
-        names = ("deflection", "f1", "f2", "f3", "f4", "capacitance", "sweep")
-        return (
-            self.path, self.level, self.case, self.unknowns,
-            *(self.phases.get(step, "") for step in self.steps), self.cost, self.process_seconds,
-            self.peak_memory, *(self.errors.get(name, "") for name in names),
-        )  # fmt: skip

@@ -1,14 +1,14 @@
-"""What a benchmark brings back, as plain values for the table, the file and the plot."""
+"""Run time against error: timings and requirements, with table, file and plot."""
 
 from __future__ import annotations
 
+import importlib
 import itertools
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.files import write_text
@@ -16,54 +16,46 @@ from tactgen.geometry.formats import engineering
 from tactgen.validation.view.console import console
 from tactgen.validation.view.figures import ORANGE, panels, plain_numbers, svg
 
+#: Modules of the parts; each has ``run(quick, announce) -> Bench``.
+PARTS = {
+    "tmm": "bench_beam",
+    "magnetics": "bench_reluctance",
+    "piezo": "bench_solid",
+    "solver": "bench_solver",
+    "skip": "bench_skip",
+}
 
-class Timing(ABC):
-    """One run of one way of computing; all rows of one part are of one kind.
+
+@dataclass(frozen=True)
+class Timing:
+    """One run of one way of computing.
 
     Attributes
     ----------
-    columns, fields : tuple of str
-        Heads of the table and of the file.
-    cost_label : str
-        What is plotted along x.
     path, case : str
-        The way, and what was computed.
-    seconds : float
-        Processor time.
+        The way, and the problem.
+    cost : float
+        Processor time, as plotted along x.
     error : float
         Relative; infinite where no digit is right.
+    values : mapping
+        Row of the table and of the file, by column; all rows of one part have the same.
     wanted : float
         Error asked for; nan if none is.
+    curves : mapping of str to float
+        Errors to plot, one panel each; by default that of the case.
+    own : bool
+        Whether it is this program's way or a peer's.
     """
 
-    columns: ClassVar[tuple[str, ...]]
-    fields: ClassVar[tuple[str, ...]]
-    cost_label: ClassVar[str] = "time (s)"
     path: str
     case: str
-    seconds: float
+    cost: float
     error: float
-    wanted: float
-
-    @property
-    def cost(self) -> float:
-        """What is plotted along x."""
-        return self.seconds
-
-    @property
-    def curves(self) -> dict[str, float]:
-        """Errors to plot, one panel each."""
-        return {self.case: self.error}
-
-    @property
-    @abstractmethod
-    def cells(self) -> tuple[str, ...]:
-        """The row of the table, as `columns`."""
-
-    @property
-    @abstractmethod
-    def values(self) -> tuple[str | float, ...]:
-        """The row of the file, as `fields`."""
+    values: Mapping[str, str | float]
+    wanted: float = math.nan
+    curves: Mapping[str, float] = field(default_factory=dict)
+    own: bool = True
 
 
 @dataclass(frozen=True)
@@ -92,6 +84,13 @@ class Bench:
     timings: tuple[Timing, ...]
     targets: tuple[Target, ...]
     seconds: float
+    cost_label: str = "time (s)"
+
+
+def run_parts(names: Iterable[str], quick: bool, announce: Callable[[str], None]) -> list[Bench]:
+    """Measure the named parts (keys of :data:`PARTS`) in order."""
+    modules = (importlib.import_module(f"{__package__}.{PARTS[name]}") for name in names)
+    return [module.run(quick, announce) for module in modules]
 
 
 #: Of a run: time (s) and error.
@@ -134,11 +133,11 @@ def print_bench(parts: Iterable[Bench]) -> None:
     screen = console(170)
     for part in parts:
         ways = Table(title=f"{part.part}: time against error ({part.seconds:.0f} s)")
-        columns = part.timings[0].columns
-        for name in columns:
-            ways.add_column(name, justify="left" if name in _WORDS else "right")
+        for name, value in part.timings[0].values.items():
+            heading = name.removesuffix("_seconds").replace("_", " ")
+            ways.add_column(heading, justify="left" if isinstance(value, str) else "right")
         for timing in part.timings:
-            ways.add_row(*timing.cells)
+            ways.add_row(*(_cell(name, value) for name, value in timing.values.items()))
         screen.print(ways)
         wanted = Table(title=f"{part.part}: requirements")
         for name in ("requirement", "wanted", "measured", "", "how"):
@@ -154,16 +153,26 @@ def print_bench(parts: Iterable[Bench]) -> None:
         screen.print(part.conditions)
 
 
-_WORDS = ("way", "range", "fineness", "result", "job")
+def _cell(name: str, value: str | float) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, int):
+        return f"{value:,}"
+    if name.startswith("error"):
+        return f"{value:.1e}"
+    if name.endswith(("seconds", "memory")):
+        return engineering(value, "s" if name.endswith("seconds") else "B", 3)
+    return f"{value:,.0f}" if abs(value) >= 1e3 else f"{value:.4g}"
 
 
 def write_bench(parts: Iterable[Bench], out: Path) -> list[Path]:
     """Write a CSV and the time-against-error plot of every part, and return the paths."""
     written = []
     for part in parts:
-        stem, rows = f"bench-{part.part}", (timing.values for timing in part.timings)
-        written.append(write_csv(out / f"{stem}.csv", part.timings[0].fields, rows))
-        written.append(write_text(out / f"{stem}.svg", time_error_plot(part.timings)))
+        stem, rows = f"bench-{part.part}", (t.values.values() for t in part.timings)
+        written.append(write_csv(out / f"{stem}.csv", tuple(part.timings[0].values), rows))
+        plot = time_error_plot(part.timings, part.cost_label)
+        written.append(write_text(out / f"{stem}.svg", plot))
     return written
 
 
@@ -178,11 +187,11 @@ _LOOKS = [
 ]
 
 
-def time_error_plot(timings: Iterable[Timing]) -> str:
+def time_error_plot(timings: Iterable[Timing], cost_label: str = "time (s)") -> str:
     """Plot error against time, one panel per case and one line per way, as inline SVG."""
     cases: dict[str, list[tuple[Timing, float]]] = {}
     for timing in timings:
-        for case, error in timing.curves.items():
+        for case, error in (timing.curves or {timing.case: timing.error}).items():
             cases.setdefault(case, []).append((timing, error))
     ways = list(dict.fromkeys(row.path for rows in cases.values() for row, _ in rows))
     across = min(len(cases), _ACROSS)
@@ -192,6 +201,7 @@ def time_error_plot(timings: Iterable[Timing]) -> str:
     for axis, (case, rows) in zip(axes, cases.items(), strict=False):
         _panel(axis, rows, ways)
         axis.set_title(case, fontsize="medium")
+        axis.set_xlabel(cost_label)
     for axis in axes[len(cases) :]:
         axis.set_axis_off()
     if len(ways) > _FEW:
@@ -216,7 +226,6 @@ def _panel(axis: Any, pairs: list[tuple[Timing, float]], ways: list[str]) -> Non
     if not math.isnan(rows[0].wanted):
         axis.axhline(rows[0].wanted, color=ORANGE, linestyle="--", linewidth=1.0)
     plain_numbers(axis.xaxis)
-    axis.set_xlabel(rows[0].cost_label)
     axis.set_ylabel("relative error")
     if len(ways) <= _FEW:
         axis.legend(frameon=False, fontsize="small")

@@ -26,7 +26,8 @@ from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Bimorph, Device, Glue, Shim
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
-from tactgen.validation.checks.stress.result import (
+from tactgen.validation.engine.error_bars import BRICK_FACTOR, least_difference
+from tactgen.validation.evidence.stress import (
     REFUSALS,
     Asked,
     Families,
@@ -35,7 +36,6 @@ from tactgen.validation.checks.stress.result import (
     Stress,
     answered,
 )
-from tactgen.validation.engine.error_bars import BRICK_FACTOR, least_difference
 
 _TWO_LEVELS = 1.25
 _ONE_ELEMENT = BrickMeshing((2, 2, 2), smallest=0.5)

@@ -25,12 +25,12 @@ from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.tmm.ports.port import BIMORPH
-from tactgen.validation.checks.coverage.result import Judged
-from tactgen.validation.checks.coverage.scenes import between
 from tactgen.validation.engine.model import Model, make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import evaluate, solve
 from tactgen.validation.engine.stages import Stages
+from tactgen.validation.evidence.coverage import Judged
+from tactgen.validation.evidence.random_devices import between
 from tactgen.validation.models.bimorph.family.solid_family import solid_family
 from tactgen.validation.models.bimorph.family.values import family_values
 from tactgen.validation.models.bimorph.solid import BrickPair, SolidModel
@@ -348,3 +348,9 @@ def judge_reduced(rng: np.random.Generator) -> list[Judged]:
         value, bar = (np.ravel(of)[0] for of in (found[name].value, found[name].error))
         judged.append(Judged(where, name, abs(value / known - 1.0), float(bar) / abs(known)))
     return judged
+
+
+def judge_cad(rng: np.random.Generator) -> list[Judged]:
+    """Return the answers of one device, drawn by `rng`."""
+    (case,) = cad_cases(int(rng.integers(2**31)), 1)
+    return judged(case)

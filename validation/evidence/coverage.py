@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import csv
-import io
+import importlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.files import write_text
 from tactgen.geometry.store.store import kept
 from tactgen.geometry.store.values import storable
@@ -200,32 +200,21 @@ def table(parts: Sequence[Part]) -> str:
 
 def write(parts: Sequence[Part], out: Path) -> list[Path]:
     """Write verdicts and all answers as CSV, the calibration curves as SVG; return the files."""
-    verdicts: list[Sequence[object]] = [
-        ["part", "seed", "quantity", "devices", "inside", "answers", "median bar/error", "verdict"]
-    ]
-    answers: list[Sequence[object]] = [
-        ["part", "seed", "device", "quantity", "relative error", "relative bar"]
-    ]
-    for part in parts:
-        verdicts += [
-            [part.name, part.seed, r.quantity, r.devices, r.inside, r.count, r.width, r.verdict]
-            for r in part.rows
-        ]
-        answers += [
-            [part.name, part.seed, one.where, one.quantity, float(one.error), float(one.bar)]
-            for one in part.answers
-        ]
+    verdicts = [
+        (part.name, part.seed, r.quantity, r.devices, r.inside, r.count, r.width, r.verdict)
+        for part in parts for r in part.rows
+    ]  # fmt: skip
+    answers = [
+        (part.name, part.seed, one.where, one.quantity, float(one.error), float(one.bar))
+        for part in parts for one in part.answers
+    ]  # fmt: skip
     return [
-        write_text(out / "verdicts.csv", _csv(verdicts)),
-        write_text(out / "coverage.csv", _csv(answers)),
+        write_csv(out / "verdicts.csv", ("part", "seed", "quantity", "devices", "inside",
+                  "answers", "median bar/error", "verdict"), verdicts),
+        write_csv(out / "coverage.csv", ("part", "seed", "device", "quantity", "relative error",
+                  "relative bar"), answers),
         write_text(out / "calibration.svg", calibration_plot(parts)),
-    ]
-
-
-def _csv(lines: Sequence[Sequence[object]]) -> str:
-    buffer = io.StringIO()
-    csv.writer(buffer, lineterminator="\n").writerows(lines)
-    return buffer.getvalue()
+    ]  # fmt: skip
 
 
 def calibration_plot(parts: Sequence[Part]) -> str:
@@ -239,3 +228,70 @@ def calibration_plot(parts: Sequence[Part]) -> str:
     axis.set_ylabel("errors within it (%)")
     axis.legend(fontsize=9)
     return svg(figure)
+
+
+class PartRow(NamedTuple):
+    """A part: devices by default, what is held against what, and what judges a random device."""
+
+    devices: int
+    what: str
+    module: str
+    judge: str
+
+
+def _row_of(devices: int, what: str, code: str) -> PartRow:
+    module, _, function = code.partition(".")
+    return PartRow(devices, what, f"{__package__}.{module}", function)
+
+
+#: The parts of a run by name; only the modules of those that are run are imported.
+PARTS: dict[str, PartRow] = {
+    "tmm": _row_of(60, "the transfer matrix against 80 digits; its bars are of rounding and wide",
+                   "coverage_beam.judge_tmm"),
+    "beam": _row_of(60, "beam elements against exact spans", "coverage_beam.judge"),
+    "taper": _row_of(40, "tapers by the transfer matrix against four times as many segments",
+                     "coverage_beam.judge_taper"),
+    "solid": _row_of(16, "bricks against bricks two levels finer", "coverage_solid.judge"),
+    "cad": _row_of(4, "tetrahedra of the CAD solids against much finer bricks",
+                   "coverage_solid.judge_cad"),
+    "reduced": _row_of(12, "a member of a family by its reduced basis against bricks two levels "
+                       "finer", "coverage_solid.judge_reduced"),
+    "axisymmetric": _row_of(20, "the magnetic field against a finer grid, higher order and farther "
+                            "walls", "coverage_actuator.judge"),
+    "magnetic3d": _row_of(20, "the magnetic field on coarse tetrahedra against the half section's",
+                          "coverage_actuator.judge_magnetic3d"),
+    "map": _row_of(60, "the co-energy map against the network itself",
+                   "coverage_actuator.judge_map"),
+    "switching": _row_of(30, "switching currents against balances of a network four times as fine",
+                         "coverage_actuator.judge_switching"),
+    "generator": _row_of(30, "small motions of the machine against those by a network four times "
+                         "as fine", "coverage_actuator.judge_motions"),
+    "time": _row_of(30, "runs in time against runs in much finer steps",
+                    "coverage_actuator.judge_in_time"),
+}  # fmt: skip
+
+
+def run_parts(
+    names: Sequence[str], devices: int | None, seed: int, announce: Callable[[str], None]
+) -> list[Part]:
+    """Judge as many random devices for each part; each device has a stream of its own.
+
+    So more devices of a seed are the same ones and others besides.
+    """
+    parts = []
+    for name in names:
+        row = PARTS[name]
+        judge = getattr(importlib.import_module(row.module), row.judge)
+        count = row.devices if devices is None else devices
+        answers: list[Judged] = []
+        for number in range(count):
+            announce(f"{name}: device {number + 1} of {count}")
+            rng = np.random.default_rng([seed, number])
+            answers += judged_once(
+                "coverage",
+                (name, seed, number),
+                row.module,
+                lambda: tuple(judge(rng)),  # noqa: B023
+            )
+        parts.append(Part(name, row.what, seed, count, tuple(answers)))
+    return parts

@@ -25,12 +25,12 @@ from tactgen.tmm.reluctance.network import DirectPull, network_samples
 from tactgen.tmm.reluctance.switching import between_stops, spring_force
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout
-from tactgen.validation.checks.coverage.result import Judged
-from tactgen.validation.checks.coverage.scenes import accepted, between
 from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.stages import Stages
+from tactgen.validation.evidence.coverage import Judged
+from tactgen.validation.evidence.random_devices import accepted, between
 from tactgen.validation.models.generator.judged_rod import JudgedRod, rod_by_network
 from tactgen.validation.models.generator.small_signal import SmallSignal
 from tactgen.validation.models.generator.transient import scene_machine

@@ -11,13 +11,13 @@ import subprocess
 import sys
 from typing import cast
 
-from tactgen.validation.bench.bimorph.peers.job import Answer, Job
-from tactgen.validation.bench.one_core import on_one_core
+from tactgen.validation.evidence.one_core import on_one_core
+from tactgen.validation.evidence.peers.job import Answer, Job
 
 #: Name of each peer, the package it needs and the adapter.
 PEERS = {
-    "NGSolve": ("ngsolve", "tactgen.validation.bench.bimorph.peers.ngsolve"),
-    "SfePy": ("sfepy", "tactgen.validation.bench.bimorph.peers.sfepy"),
+    "NGSolve": ("ngsolve", "tactgen.validation.evidence.peers.ngsolve"),
+    "SfePy": ("sfepy", "tactgen.validation.evidence.peers.sfepy"),
 }
 #: Environment variable that names the Python with the peers, if that is another one.
 PYTHON = "TACTGEN_PEERS"

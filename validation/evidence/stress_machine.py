@@ -15,8 +15,8 @@ from tactgen.tmm.generator.transient.record import output_at
 from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources, Waveform
 from tactgen.tmm.reluctance.map_range import network_pull
 from tactgen.tmm.reluctance.network import DirectPull, network_samples
-from tactgen.validation.checks.stress.driven.sweep import Pair, Sweep, decades, driven
-from tactgen.validation.checks.stress.result import (
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.stress import (
     REFUSALS,
     Asked,
     Families,
@@ -25,7 +25,7 @@ from tactgen.validation.checks.stress.result import (
     Stress,
     answered,
 )
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.stress_driven import Pair, Sweep, decades, driven
 from tactgen.validation.models.generator.judged_rod import CELLS_AT_REST
 from tactgen.validation.models.generator.transient import scene_machine
 from tactgen.validation.scene.scene import Scene, load_scene

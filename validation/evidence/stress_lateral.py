@@ -12,8 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from tactgen.validation.checks.stress.driven.sweep import Pair, Sweep, decades
-from tactgen.validation.checks.stress.result import (
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.stress import (
     REFUSALS,
     Asked,
     Families,
@@ -22,7 +22,7 @@ from tactgen.validation.checks.stress.result import (
     Stress,
     answered,
 )
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.stress_driven import Pair, Sweep, decades
 from tactgen.validation.scene.scene import load_scene
 
 _STATEMENT = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -21,6 +22,7 @@ from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.beam.span import error_bound
+from tactgen.validation.evidence.coverage import judged_once
 from tactgen.validation.view.console import console
 from tactgen.validation.view.figures import ORANGE, new_figure, panels, svg
 
@@ -423,3 +425,52 @@ class Asked:
             found = self.keep((name, self.quick), partial(family, self.quick))
             rows += found if isinstance(found, list) else [found]
         return tuple(rows)
+
+
+#: Modules of the parts, in order; each has ``run(asked) -> Stress``.
+PARTS = {
+    "tmm": "stress_beam",
+    "lateral": "stress_lateral",
+    "solid": "stress_solid",
+    "magnetics": "stress_magnetics",
+    "machine": "stress_machine",
+    "random": "stress_driven",
+    "faults": "faults",
+}
+
+
+def _part(name: str) -> Any:
+    """Return the module of a part; only its own models are imported."""
+    return importlib.import_module(f"{__package__}.{PARTS[name]}")
+
+
+def run_parts(
+    names: Iterable[str], quick: bool, seed: int, announce: Callable[[str], None]
+) -> list[Stress]:
+    """Run the named parts of :data:`PARTS` in order.
+
+    Each family and each random scene is kept in the store: a run that was stopped goes on with its
+    seed where it was.
+    """
+    found = []
+    for name in names:
+        module = _part(name)
+
+        def keep(
+            of: tuple[object, ...], work: Callable[[], Any],
+            name: str = name, module: str = module.__name__,
+        ) -> Any:  # fmt: skip
+            return judged_once("stress", (name, *of, seed), module, work)
+
+        found.append(module.run(Asked(quick, seed, announce, keep)))
+    return found
+
+
+def section(announce: Callable[[str], None]) -> dict[str, Any]:
+    """Run the transfer matrix's part on few points: what ``stress.html`` shows."""
+    part = _part("tmm").run(Asked(quick=True, announce=announce))
+    return {
+        "stress": [part],
+        "stress_maps": [map_plot(table) for table in part.maps],
+        "stress_approaches": [approach_plot(part.approaches)],
+    }
