@@ -30,12 +30,6 @@ def shown_model(scene: Scene) -> str | None:
     return next((name for name in shown if name in scene.models), None)
 
 
-def model_apart(scene: Scene) -> str | None:
-    """Return the field model that stands beside the one that is shown: only its numbers count."""
-    others = {"solid", "cad"} & set(scene.models) - {shown_model(scene)}
-    return min(others) if shown_model(scene) and others else None
-
-
 def check_report(scene: Scene, *, quick: bool) -> None:
     """Refuse at once, before anything is computed or written, what cannot be reported on.
 

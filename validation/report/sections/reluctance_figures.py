@@ -1,6 +1,6 @@
 """Plots of the normal actuator: force and flux families, switching, the bridge to the field.
 
-The field itself is drawn by :mod:`validation.report.figures.magnetic_field`.
+The field itself is drawn by :mod:`validation.report.sections.magnetic_field`.
 """
 
 from __future__ import annotations
