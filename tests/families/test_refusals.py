@@ -23,7 +23,7 @@ from tactgen.validation.command_line.streams import _plainly
 from tactgen.validation.models import comparison as ladder
 from tactgen.validation.models.bimorph.meshes import cells_of
 from tactgen.validation.studies import measured_data
-from tactgen.validation.studies.transient.film import _film
+from tactgen.validation.studies.simulate import _film
 from tactgen.validation.view import browser
 
 #: A straight tetrahedron of ten nodes, its volume 1/6 and its slanted face.

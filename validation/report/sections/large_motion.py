@@ -231,8 +231,7 @@ def _time(study: Study) -> Context:
     from tactgen.validation.checks.motion_measurements import SOURCES
     from tactgen.validation.export.run_motion import still_of_run
     from tactgen.validation.models.generator.phases import phases
-    from tactgen.validation.studies.transient.film import film_of
-    from tactgen.validation.studies.transient.plot import time_plot
+    from tactgen.validation.studies.simulate import film_of, time_plot
 
     scene = study.scene
     run = run_in_time(study)

@@ -22,7 +22,7 @@ from tactgen.validation.models.reluctance.model import NetworkModel
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.report.normal_actuator import NormalActuator
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.studies.reconstruction import stated
+from tactgen.validation.studies import reconstruction as stated
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint

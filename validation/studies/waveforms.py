@@ -17,7 +17,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from tactgen.geometry.csv_tables import check_widths, csv_rows, plain_number
+from tactgen.geometry.csv_tables import check_widths, csv_rows, heading, plain_number
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.generator.transient.waveform import (
@@ -101,15 +101,15 @@ def parsed(text: str, option: str, units: tuple[Unit, ...]) -> Written:
 
 
 def _made(kind: str, level: float, given: dict[str, float], option: str, text: str) -> Waveform:
+    delay = given.get("delay", 0.0)
     match kind:
         case "constant":
             return Constant(level)
         case "sine":
-            phase, delay = given.get("phase", 0.0), given.get("delay", 0.0)
-            return Sine(level, given["frequency"], phase, delay)
+            return Sine(level, given["frequency"], given.get("phase", 0.0), delay)
         case "square":
             low, duty = given.get("low", 0.0), given.get("duty", 0.5)
-            return Square(level, given["frequency"], low, duty, given.get("delay", 0.0))
+            return Square(level, given["frequency"], low, duty, delay)
         case "step":
             start, stop = given.get("at", 0.0), given.get("until", math.inf)
             if stop <= start:
@@ -127,37 +127,32 @@ def _made(kind: str, level: float, given: dict[str, float], option: str, text: s
 
 
 def _level(piece: str, option: str, text: str, units: tuple[Unit, ...]) -> tuple[float, Unit]:
+    reason = ""
     for unit in units:
         try:
-            value = unit.parse(piece.strip())
+            unit.parse(piece.strip())
         except ValueError as error:
-            last = str(error)
+            reason = str(error)
         else:
-            return _within(value, unit, option, text, "the level"), unit
+            return _value(piece.strip(), unit, option, text, "the level"), unit
     if len(units) > 1:
-        last = "is no level in volts or amperes"
-    such_as = ", or a waveform such as " if "; " in last else "; write a waveform such as "
-    raise InputError(f"{option} {quoted(text)}: {quoted(piece.strip())} {last}{such_as}{_EXAMPLES}")
+        reason = "is no level in volts or amperes"
+    such_as = ", or a waveform such as " if "; " in reason else "; write a waveform such as "
+    raise InputError(
+        f"{option} {quoted(text)}: {quoted(piece.strip())} {reason}{such_as}{_EXAMPLES}"
+    )
 
 
 def _value(piece: str, unit: Unit, option: str, text: str, name: str) -> float:
+    """Read a number with its unit, within the unit's bounds."""
+    shown = f"{name} {quoted(piece)}"
     try:
         value = unit.parse(piece)
-    except ValueError as error:
-        raise InputError(f"{option} {quoted(text)}: {name} {quoted(piece)} {error}") from None
-    return _within(value, unit, option, text, name)
-
-
-def _within(value: float, unit: Unit, option: str, text: str, name: str) -> float:
-    """Refuse what the unit's bounds exclude."""
-    try:
+        shown = f"{name} = {unit.show(value)}"
         unit.check(value)
     except ValueError as error:
-        raise InputError(f"{option} {quoted(text)}: {name} = {unit.show(value)} {error}") from None
+        raise InputError(f"{option} {quoted(text)}: {shown} {error}") from None
     return value
-
-
-_HEADER = re.compile(r"(time|voltage|current)\s*\(([^)]+)\)")
 
 
 def _sampled(path: str, option: str, units: tuple[Unit, ...]) -> Written:
@@ -166,33 +161,32 @@ def _sampled(path: str, option: str, units: tuple[Unit, ...]) -> Written:
     name = f"{option} {path}"
     rows = csv_rows(path, name, remedy)
     check_widths(rows, name)
-    headers = [_HEADER.fullmatch(cell) for cell in rows[0][1]]
-    named = [match[1] if match else "" for match in headers]
     known = {("current" if unit is AMPERES else "voltage"): unit for unit in units}
-    if len(named) != 2 or named[0] != "time" or named[1] not in known:
+    heads = [heading(cell) for cell in rows[0][1]]
+    if len(heads) != 2 or heads[0].name != "time" or heads[1].name not in known:
         raise InputError(
             f"{name} has the columns {', '.join(rows[0][1])}; give the columns time (s) and "
             + " or ".join(f"{what} ({unit.si})" for what, unit in known.items())
         )
     scales = []
-    for match, unit in zip(headers, (SECONDS, known[named[1]]), strict=True):
-        assert match is not None
+    for cell, head, unit in zip(rows[0][1], heads, (SECONDS, known[heads[1].name]), strict=True):
         try:
-            scales.append(unit.parse(f"1 {match[2]}"))
+            scales.append(unit.parse(f"1 {head.unit}"))
         except ValueError as error:
-            raise InputError(f"{name}: the column {match[0]} {error}") from None
+            raise InputError(f"{name}: the column {cell} {error}") from None
     times, values = [], []
     for line, cells in rows[1:]:
-        numbers = [plain_number(cell) for cell in cells]
-        if len(numbers) != 2 or numbers[0] is None or numbers[1] is None:
+        time, value = (plain_number(cell) for cell in cells)
+        if time is None or value is None:
             raise InputError(f"{name} line {line} does not hold two numbers; mend it")
-        times.append(numbers[0] * scales[0])
-        values.append(numbers[1] * scales[1])
+        times.append(time * scales[0])
+        values.append(value * scales[1])
         if times[-1] < 0.0 or (len(times) > 1 and times[-1] < times[-2]):
             raise InputError(
-                f"{name} line {line}: time = {numbers[0]:g} {headers[0][2]} is negative or before "  # type: ignore[index]
+                f"{name} line {line}: time = {time:g} {heads[0].unit} is negative or before "
                 "the line above; sort the rows from 0 on"
             )
     if not times:
         raise InputError(f"{name} has no rows; {remedy}")
-    return Written(Sampled(tuple(times), tuple(values)), named[1])  # type: ignore[arg-type]
+    of: Literal["voltage", "current"] = "current" if heads[1].name == "current" else "voltage"
+    return Written(Sampled(tuple(times), tuple(values)), of)
