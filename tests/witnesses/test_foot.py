@@ -72,7 +72,7 @@ def test_fresh_feet(witness):
             witness("ngsolve", "ngsolve_foot", job(scene.device, *sizes)) for sizes in FINENESS
         )
         quantities = ("static_tip_displacement", "short_circuit_frequencies")
-        own = {q.name: q for q in solve(scene, ["solid"], quantities).quantities}
+        own = {q.name: q for q in solve(scene, ["cad"], quantities).quantities}
         for name, key in zip(quantities, ("deflection", "frequency"), strict=True):
             value, bar = np.ravel(own[name].value)[0], np.ravel(own[name].error)[0]
             apart, other = abs(value - finer[key]), abs(finer[key] - coarse[key])

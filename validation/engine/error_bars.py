@@ -16,9 +16,6 @@ ASSUMED_ORDER = 1.5
 #: the safety factor, 19 of 20 errors of varied bimorphs are within their bars
 #: (validation/evidence/coverage_solid.py).
 ASSUMED_GAIN = 1.6
-#: The same of the bimorph on its rod, where the slot's edges slow it down: from its level 4 to 5
-#: the error of the first frequency falls by 1.43 (tests/validation/models/test_solid_on_rod.py).
-ROD_GAIN = 1.4
 #: Least gain in error of halved elements that is counted with.  Less is seen where rounding is all
 #: that separates two meshes; then what does separate them is the bar, with the safety factor.
 LEAST_HALVED = 2.0
@@ -42,8 +39,6 @@ SURPLUS_FACTOR, SURPLUS_FACTOR_AT_EDGES = 2.5, 5.0
 #: and of natural frequencies 19 of 20 errors are below 1.6 differences, half below 0.8.  Of 20
 #: bimorphs drawn after it all of these were covered, half of them by bars of at most 2.4 errors.
 FAMILY_FACTOR = 2.0
-#: Error bar on the rod per difference from the next coarser level.
-ROD_FACTOR = SAFETY / (ROD_GAIN - 1.0)
 
 
 def observed_factor(before: Floats, last: Floats, order: float) -> Floats:

@@ -27,7 +27,6 @@ from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
     from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
@@ -111,7 +110,7 @@ class Study:
         return model if isinstance(model, TwoMeshModel) else None
 
     @property
-    def shown_mesh(self) -> Mesh | Bricks | BrickParts | None:
+    def shown_mesh(self) -> Mesh | Bricks | None:
         """The mesh to be shown; of bricks known before anything is solved."""
         if shown_model(self.scene) != "solid":
             return self.field.meshes()[0] if self.field else None

@@ -77,7 +77,7 @@ def test_files_get_the_whole_body():
 @pytest.mark.parametrize(
     ("name", "override", "model", "words"),
     [
-        ("bimorph_on_rod", "bimorph.bare_below=1mm", "solid", ("bare_below", "CAD", "solid")),
+        ("bimorph_on_rod", "bimorph.length=18mm", "solid", ("support.kind", "--model cad")),
         ("paper", "bimorph.bare_below=1mm", "cad", ("bare_below", "CAD", "solid")),
         ("paper", "bimorph.width_profile=0mm:2mm,20mm:1mm", "cad", ("width_profile", "beam")),
     ],

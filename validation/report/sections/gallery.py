@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
@@ -137,7 +136,7 @@ def _stills(result: FieldResult, announce: Callable[[str], None]) -> list[dict[s
     return found
 
 
-def _kind(solved: Mesh | Bricks | BrickParts, shown: Mesh) -> str:
+def _kind(solved: Mesh | Bricks, shown: Mesh) -> str:
     """Return the cells of a mesh that is solved on, and shown by its cells, in words."""
     if not isinstance(solved, Bricks):
         return _KIND[shown.kind]
