@@ -26,9 +26,8 @@ from tactgen.validation.catalogue.inputs import (
     STROKE,
     plain_keys,
 )
-from tactgen.validation.catalogue.needs import Actuator, Need
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.row import QuantityRow
+from tactgen.validation.catalogue.row import Actuator, Need, QuantityRow
 
 #: Equations that a model solves: two of one theory differ by no more than their error bars.
 Theory = Literal["beam", "solid", "circuit", "field"]

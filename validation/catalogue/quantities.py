@@ -2,12 +2,339 @@
 
 from __future__ import annotations
 
-from tactgen.validation.catalogue import bimorph, display, generator, reluctance
-from tactgen.validation.catalogue.needs import Actuator
-from tactgen.validation.catalogue.row import QuantityRow
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Limits
+from tactgen.geometry.units import Unit
+from tactgen.tmm.ports.readout import ELECTRICAL, MECHANICAL, ModalReadout, PortMatrix, Readout
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
+from tactgen.validation.catalogue.row import (
+    Actuator,
+    AnswerReadout,
+    DrivenReadout,
+    LoadReadout,
+    QuantityRow,
+)
+
+if TYPE_CHECKING:
+    from tactgen.tmm.beam.port_quantities import DrivenCeramic
+
+#: What limits the voltage, in the order of :func:`voltage_limits`.
+REASONS = ("the ceramic's strength", "the field against the poling", "the amplifier's current")
+
+
+def voltage_limits(driven: DrivenCeramic, limits: Limits) -> Floats:
+    """Return the voltage (3, n) at which each of :data:`REASONS` is reached (V).
+
+    Infinite where nothing is strained or drawn, or where the stress is not known.
+    """
+    share = limits.amplifier_current / limits.amplifier_channels
+    with np.errstate(divide="ignore"):
+        found = np.broadcast_arrays(
+            limits.ceramic_strength / np.abs(driven.stress),
+            limits.depoling_field / driven.field,
+            np.abs(share) / driven.current,
+        )
+    return np.asarray(np.where(np.isnan(found), np.inf, found))
+
+
+#: Largest plausible magnitude of any measured curve (SI).
+_LARGEST = 1e3
+
+
+def coupling_factor(short: Any, opened: Any) -> Any:
+    """Return the electromechanical coupling factor of a mode from its two frequencies."""
+    return np.sqrt(np.maximum(1.0 - (short / opened) ** 2, 0.0))
+
+
+def coupling_rounding(value: float, of: float) -> float:
+    """Return what relative rounding of both frequencies together does to a coupling factor.
+
+    k² is the difference of nearly equal numbers, and k its root, also where nothing is left of it.
+    """
+    square, off = value**2, 2.0 * (1.0 - value**2) * of
+    return float(max(np.sqrt(square + off) - value, value - np.sqrt(max(square - off, 0.0))))
+
+
+TIP_DISPLACEMENT = QuantityRow(
+    "tip_displacement", "m", "lateral displacement of the tip under the drive voltage",
+    Readout("w_tip", "motion"), varied=True,
+    curve=Unit("m", "displacement", "12.3 um", limits=(1e-15, _LARGEST)),
+)  # fmt: skip
+TIP_VELOCITY = QuantityRow(
+    "tip_velocity", "m/s", "lateral velocity of the tip under the drive voltage",
+    Readout("w_tip", "motion", rate=1),
+    curve=Unit("m/s", "velocity", "12.3 mm/s", limits=(1e-12, _LARGEST)),
+)  # fmt: skip
+TIP_ROTATION = QuantityRow(
+    "tip_rotation", "rad", "section rotation psi of the tip (about -dw/dz)",
+    Readout("psi_tip", "motion"),
+)  # fmt: skip
+INPUT_CURRENT = QuantityRow(
+    "input_current", "A", "current drawn at the drive voltage",
+    Readout(ELECTRICAL, "effort", rate=1),
+    curve=Unit("A", "current", "12.3 uA", limits=(1e-15, _LARGEST)),
+)  # fmt: skip
+ADMITTANCE = QuantityRow(
+    "admittance", "S", "input current per drive voltage",
+    Readout(ELECTRICAL, "effort", rate=1, unit_voltage=True),
+    curve=Unit("S", "admittance", "12.3 uS", limits=(1e-15, _LARGEST)),
+)  # fmt: skip
+BLOCKED_FORCE = QuantityRow(
+    "blocked_force", "N", "force that holds the tip at rest (rotation free)",
+    Readout("w_tip", "effort", held=("w_tip",)),
+)  # fmt: skip
+THRESHOLD_VOLTAGE = QuantityRow(
+    "threshold_voltage", "V", "drive voltage at which the tip reaches the detection threshold",
+    Readout("w_tip", "motion", unit_voltage=True, level=DISPLAY_THRESHOLD.at),
+)  # fmt: skip
+DETECTION_RATIO = QuantityRow(
+    "detection_ratio", "1", "tip displacement at the drive voltage over the detection threshold",
+    Readout("w_tip", "motion", level=DISPLAY_THRESHOLD.at),
+)  # fmt: skip
+STATIC_TIP_DISPLACEMENT = QuantityRow(
+    "static_tip_displacement", "m", "tip displacement at 0 Hz, lossless, no finger",
+    Readout("w_tip", "motion", static=True), headline=True, varied=True,
+)  # fmt: skip
+SHORT_CIRCUIT_FREQUENCIES = QuantityRow(
+    "short_circuit_frequencies", "Hz", "natural frequencies at U = 0, lossless, no finger",
+    ModalReadout(("short",)), label="first frequency, short circuit", headline=True, varied=True,
+)  # fmt: skip
+OPEN_CIRCUIT_FREQUENCIES = QuantityRow(
+    "open_circuit_frequencies", "Hz", "natural frequencies at Q = 0, lossless, no finger",
+    ModalReadout(("open",)), label="first frequency, open circuit", varied=True,
+)  # fmt: skip
+COUPLING_FACTOR = QuantityRow(
+    "coupling_factor", "1", "sqrt(1 - (f_short/f_open)^2) of the first bending mode in x",
+    ModalReadout(("short", "open"), coupling_factor, coupling_rounding), varied=True,
+)  # fmt: skip
+CAPACITANCE_FREE = QuantityRow(
+    "capacitance_free", "F", "static charge per voltage, tip free, lossless",
+    Readout(ELECTRICAL, "effort", static=True, unit_voltage=True),
+    label="free capacitance", headline=True, varied=True,
+)  # fmt: skip
+CAPACITANCE_BLOCKED = QuantityRow(
+    "capacitance_blocked", "F", "static charge per voltage, base and tip held, lossless",
+    Readout(ELECTRICAL, "effort", static=True, unit_voltage=True, held=MECHANICAL),
+    label="blocked capacitance",
+)  # fmt: skip
+DYNAMIC_STIFFNESS = QuantityRow(
+    "dynamic_stiffness", "SI",
+    "5x5 matrix [F_base, M_base, F_tip, M_tip, Q] per [w_base, psi_base, w_tip, psi_tip, U]",
+    PortMatrix(),
+)  # fmt: skip
+
+CERAMIC_STRESS = QuantityRow(
+    "ceramic_stress", "Pa", "largest stress amplitude along the ceramic at the drive voltage",
+    DrivenReadout(lambda driven, _, voltage: driven.stress * abs(voltage)),
+)  # fmt: skip
+VOLTAGE_LIMIT = QuantityRow(
+    "voltage_limit", "V", "largest drive voltage by strength, depoling field and amplifier current",
+    DrivenReadout(lambda driven, limits, _: np.min(voltage_limits(driven, limits), axis=0)),
+)  # fmt: skip
+
+LOAD_IMPEDANCE = QuantityRow(
+    "load_impedance", "N*s/m", "force per velocity of what the tip touches, laterally",
+    AnswerReadout("load", lambda load: load.impedance),
+)  # fmt: skip
+LOAD_FORCE = QuantityRow(
+    "load_force", "N", "force of the tip on what it touches, at the drive voltage",
+    LoadReadout(lambda stiffness, tip, _: stiffness * tip),
+)  # fmt: skip
+LOAD_POWER = QuantityRow(
+    "load_power", "W", "mean power that what the tip touches takes, at the drive voltage",
+    LoadReadout(lambda stiffness, tip, omega: 0.5 * omega * stiffness.imag * np.abs(tip) ** 2),
+)  # fmt: skip
+
+_BIMORPH = (
+    TIP_DISPLACEMENT, TIP_VELOCITY, TIP_ROTATION, INPUT_CURRENT, ADMITTANCE, BLOCKED_FORCE,
+    THRESHOLD_VOLTAGE, DETECTION_RATIO, STATIC_TIP_DISPLACEMENT, SHORT_CIRCUIT_FREQUENCIES,
+    OPEN_CIRCUIT_FREQUENCIES, COUPLING_FACTOR, CAPACITANCE_FREE, CAPACITANCE_BLOCKED,
+    DYNAMIC_STIFFNESS, CERAMIC_STRESS, VOLTAGE_LIMIT, LOAD_IMPEDANCE, LOAD_FORCE, LOAD_POWER,
+)  # fmt: skip
+
+
+MAGNETIC_FORCE = QuantityRow(
+    "magnetic_force", "N", "pull between rod and sleeve at the coil's current and the gap",
+    AnswerReadout("magnetic_point", lambda point: point.force), label="pull", headline=True,
+)  # fmt: skip
+FLUX_LINKAGE = QuantityRow(
+    "flux_linkage", "Wb", "flux linkage of the winding, all turns",
+    AnswerReadout("magnetic_point", lambda point: point.flux_linkage),
+)  # fmt: skip
+INCREMENTAL_INDUCTANCE = QuantityRow(
+    "incremental_inductance", "H", "d flux linkage / d current, gap held",
+    AnswerReadout("magnetic_point", lambda point: point.incremental_inductance),
+)  # fmt: skip
+PULL_IN_CURRENT = QuantityRow(
+    "pull_in_current", "A", "current that draws the rod to its lower stop",
+    AnswerReadout("magnetic_map", lambda currents: currents.pull_in),
+    label="pull-in current", headline=True,
+)  # fmt: skip
+DROP_OUT_CURRENT = QuantityRow(
+    "drop_out_current", "A", "current below which the rod is back at its upper stop",
+    AnswerReadout("magnetic_map", lambda currents: currents.drop_out), label="drop-out current",
+)  # fmt: skip
+
+_RELUCTANCE = (
+    MAGNETIC_FORCE,
+    FLUX_LINKAGE,
+    QuantityRow(
+        "coenergy", "J", "magnetic co-energy",
+        AnswerReadout("magnetic_point", lambda point: point.coenergy),
+        label="co-energy",
+    ),
+    QuantityRow(
+        "inductance", "H", "apparent inductance, flux linkage / current",
+        AnswerReadout("magnetic_point", lambda point: point.inductance), headline=True,
+    ),
+    INCREMENTAL_INDUCTANCE,
+    PULL_IN_CURRENT,
+    QuantityRow(
+        "holding_current", "A", "least current that holds the rod at its lower stop",
+        AnswerReadout("magnetic_map", lambda currents: currents.holding),
+    ),
+    DROP_OUT_CURRENT,
+    QuantityRow(
+        "rod_position", "m",
+        "where the rod rests at the coil's current and history: 0 at the upper stop, negative down",
+        AnswerReadout("rest", lambda state: state.position), headline=True,
+    ),
+    QuantityRow(
+        "finger_force", "N",
+        "force with which the rod there would push a finger: spring less pull, negative if held",
+        AnswerReadout("rest", lambda state: state.finger_force), headline=True,
+    ),
+    QuantityRow(
+        "contact_force", "N", "force that presses the rod's head on its stop there, 0 if it floats",
+        AnswerReadout("rest", lambda state: state.contact_force),
+    ),
+    QuantityRow(
+        "resting_positions", "m",
+        "all places where the rod can rest at the coil's current, stable or not, from the top",
+        AnswerReadout("rest", lambda state: state.places),
+    ),
+)  # fmt: skip
+
+
+_GENERATOR = (
+    QuantityRow(
+        "lateral_tip_per_voltage", "m/V",
+        "lateral motion of the tip per volt at the bimorph, the coil at its supply",
+        AnswerReadout("small_signal", lambda machine: machine.by_voltage("w_tip")),
+    ),
+    QuantityRow(
+        "axial_tip_per_voltage", "m/V",
+        "axial motion of the tip per volt at the bimorph: 0 while the head stands upright",
+        AnswerReadout("small_signal", lambda machine: machine.by_voltage("u")),
+    ),
+    QuantityRow(
+        "axial_tip_per_current", "m/A",
+        "axial motion of the tip per ampere added in the coil, the bimorph's voltage held",
+        AnswerReadout("small_signal", lambda machine: machine.by_current("u")),
+    ),
+    QuantityRow(
+        "lateral_tip_per_current", "m/A",
+        "lateral motion of the tip per ampere added to the coil's current: 0 on an upright head",
+        AnswerReadout("small_signal", lambda machine: machine.by_current("w_tip")),
+    ),
+    QuantityRow(
+        "axial_tip_per_coil_voltage", "m/V",
+        "axial motion of the tip per volt added at the coil, through its resistance and inductance",
+        AnswerReadout("small_signal", lambda machine: machine.by_coil_voltage("u")),
+    ),
+    QuantityRow(
+        "coil_impedance", "ohm",
+        "voltage per current of the coil with its supply's resistance, what the motion induces too",
+        AnswerReadout("small_signal", lambda machine: machine.impedance()),
+        curve=Unit("ohm", "impedance", "12.3 ohm", limits=(1e-9, 1e12)),
+    ),
+    QuantityRow(
+        "axial_poles", "rad/s",
+        "poles of axial motion and coil with its supply, the head not rocking",
+        AnswerReadout("machine_poles", lambda poles: poles.listed),
+    ),
+)  # fmt: skip
+
+
+CROSSTALK_LARGEST = QuantityRow(
+    "crosstalk_largest", "1",
+    "largest lateral motion of another tip over the driven one's, through board and skin",
+    AnswerReadout("crosstalk", lambda display: display.largest()),
+)  # fmt: skip
+
+_DISPLAY = (
+    QuantityRow(
+        "crosstalk_beside", "1",
+        "lateral motion of the next tip along x over the driven one's, through board and skin",
+        AnswerReadout("crosstalk", lambda display: display.beside()),
+    ),
+    QuantityRow(
+        "crosstalk_behind", "1",
+        "lateral motion of the next tip along y over the driven one's, through board and skin",
+        AnswerReadout("crosstalk", lambda display: display.behind()),
+    ),
+    CROSSTALK_LARGEST,
+    QuantityRow(
+        "crosstalk_by_board", "1",
+        "the same with no skin on the tips: what the upper board alone passes on",
+        AnswerReadout("crosstalk", lambda display: display.by_board()),
+    ),
+    QuantityRow(
+        "unit_frequencies", "Hz",
+        "first natural frequency of each unit as drawn from the scatter, row by row",
+        AnswerReadout("spread", lambda units: units.asAnswerReadout("spread", )),
+    ),
+    QuantityRow(
+        "frequency_spread", "Hz", "highest less lowest of the units' first natural frequencies",
+        AnswerReadout("spread", lambda units: units.apart()),
+    ),
+    QuantityRow(
+        "screw_turns", "1",
+        "turns of each unit's grub screw that bring it to the units' median, positive tightens",
+        AnswerReadout("spread", lambda units: units.screws()),
+    ),
+    QuantityRow(
+        "tuned_spread", "Hz", "highest less lowest after the screws were turned",
+        AnswerReadout("spread", lambda units: units.left_apart()),
+    ),
+    QuantityRow(
+        "tuning_range", "Hz",
+        "what a grub screw can do to the nominal unit's first natural frequency, from end to end",
+        AnswerReadout("spread", lambda units: units.reach()),
+    ),
+    QuantityRow(
+        "pull_all_driven", "N",
+        "pull of a unit in an endless array, every coil at display.coil_current, one polarity",
+        AnswerReadout("neighbours", lambda field: field.same),
+    ),
+    QuantityRow(
+        "pull_alternating", "N",
+        "the same with polarities that alternate as on a chessboard",
+        AnswerReadout("neighbours", lambda field: field.alternating),
+    ),
+    QuantityRow(
+        "magnetic_crosstalk", "N/A",
+        "change of a unit's pull per ampere in each nearest neighbour, if all four change alike",
+        AnswerReadout("neighbours", lambda field: field.per_neighbour()),
+    ),
+    QuantityRow(
+        "pull_one_driven", "N",
+        "pull of a single driven unit among others without current, at display.coil_current",
+        AnswerReadout("neighbours", lambda field: field.single),
+    ),
+    QuantityRow(
+        "passive_pull", "N",
+        "pull of an undriven unit beside a single driven one, by the field; below 0: it is lifted",
+        AnswerReadout("neighbours", lambda field: field.passive),
+    ),
+)  # fmt: skip
 
 QUANTITIES: dict[str, QuantityRow] = {
-    q.name: q for q in (*bimorph.ROWS, *reluctance.ROWS, *generator.ROWS, *display.ROWS)
+    q.name: q for q in (*_BIMORPH, *_RELUCTANCE, *_GENERATOR, *_DISPLAY)
 }
 
 

@@ -11,8 +11,7 @@ from tactgen.geometry.display.layout import drawn_units, levels
 from tactgen.geometry.reluctance.sector_tets import UNITS
 from tactgen.tmm.display.field import between_heads, network_forces
 from tactgen.tmm.ports.multiport import Multiport, passivity_margin, reciprocity_error
-from tactgen.validation.catalogue.bimorph import SHORT_CIRCUIT_FREQUENCIES
-from tactgen.validation.catalogue.display import CROSSTALK_LARGEST
+from tactgen.validation.catalogue.quantities import CROSSTALK_LARGEST, SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.checks.cases.fineness import cached
 from tactgen.validation.checks.row import Check
 from tactgen.validation.engine.model import make_model

@@ -10,8 +10,8 @@ import numpy as np
 
 from tactgen.geometry.formats import engineering, share
 from tactgen.validation.catalogue.models import ranked
-from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import Actuator
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution
 

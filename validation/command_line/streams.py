@@ -24,7 +24,7 @@ _NAME = "tactgen.plain"
 
 def say(text: str) -> None:
     """Print one line to stderr, if that can be written."""
-    from tactgen.validation.scene.wording import one_line
+    from tactgen.validation.scene.files import one_line
 
     with contextlib.suppress(OSError):
         print(f"tactgen: {one_line(text)}", file=sys.stderr)

@@ -19,7 +19,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.scene.keys import value_of
+from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import Scene
 
 #: Where a quantity is asked for a difference, in units of the largest distance.

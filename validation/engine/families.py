@@ -18,7 +18,7 @@ from tactgen.validation.catalogue.models import MODELS, reading
 from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.engine.prospects import Prospect
 from tactgen.validation.engine.results import Quantity
-from tactgen.validation.scene.keys import value_of
+from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import Scene
 
 #: Most numbers that vary in a family: its range has 2^n corners.

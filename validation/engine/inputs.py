@@ -25,7 +25,7 @@ from tactgen.validation.catalogue.inputs import (
 )
 from tactgen.validation.catalogue.models import MODELS, gives, models_of, reading, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.scene.keys import value_of
+from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import ON_COMMAND_LINE, Scene, scene_keys
 
 #: Keys that say whose scene it is and what is asked of it.

@@ -17,7 +17,7 @@ from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Response
 from tactgen.validation.catalogue.models import MODELS
-from tactgen.validation.catalogue.needs import Need
+from tactgen.validation.catalogue.row import Need
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.scene.scene import Scene
 

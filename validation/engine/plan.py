@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from tactgen.geometry.display.clearances import check_display
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
-from tactgen.validation.catalogue.needs import NEEDS
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import NEEDS
 from tactgen.validation.engine.inputs import stage_keys
 from tactgen.validation.engine.model import model_class
 from tactgen.validation.scene.scene import Scene

@@ -9,15 +9,10 @@ from typing import Any
 
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MAPS, MODELS, gives
-from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import Actuator
 from tactgen.validation.engine.answers import quantity_json
 from tactgen.validation.engine.costs import record
-from tactgen.validation.engine.drive_warnings import (
-    field_warnings,
-    slenderness_warnings,
-    stress_warnings,
-)
 from tactgen.validation.engine.model import Model, make_model
 from tactgen.validation.engine.plan import Plan, Step, make_plan, stages_for
 from tactgen.validation.engine.reading import read
@@ -27,9 +22,12 @@ from tactgen.validation.engine.warnings import (
     accuracy_warnings,
     check_held,
     deflection_warnings,
+    field_warnings,
     held_warnings,
     level_warnings,
     load_warnings,
+    slenderness_warnings,
+    stress_warnings,
 )
 from tactgen.validation.scene.scene import Scene
 

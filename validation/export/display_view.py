@@ -156,7 +156,7 @@ def swing(scene: Scene) -> Swing:
 
 def _whole(scene: Scene) -> Multiport:
     """Return the display over each unit's tip and voltage, by transfer matrices."""
-    from tactgen.validation.catalogue.display import CROSSTALK_LARGEST
+    from tactgen.validation.catalogue.quantities import CROSSTALK_LARGEST
 
     plan = make_plan(scene, (_MODEL,), (CROSSTALK_LARGEST.name,))
     ports = make_model(_MODEL, scene, Stages(plan.keys)).answer("crosstalk").ports

@@ -10,8 +10,11 @@ import numpy as np
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.validation.catalogue.bimorph import OPEN_CIRCUIT_FREQUENCIES, SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.catalogue.models import MODELS, models_of
+from tactgen.validation.catalogue.quantities import (
+    OPEN_CIRCUIT_FREQUENCIES,
+    SHORT_CIRCUIT_FREQUENCIES,
+)
 from tactgen.validation.engine.model import Model
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution, solve

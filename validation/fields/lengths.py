@@ -14,8 +14,11 @@ import numpy as np
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.validation.catalogue.bimorph import OPEN_CIRCUIT_FREQUENCIES, SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.catalogue.quantities import (
+    OPEN_CIRCUIT_FREQUENCIES,
+    SHORT_CIRCUIT_FREQUENCIES,
+)
 from tactgen.validation.engine.families import answer_family, find_families
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve

@@ -18,9 +18,8 @@ import numpy as np
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.readout import ModalReadout
 from tactgen.validation.catalogue.models import MODELS, ModelRow, gives, ranked
-from tactgen.validation.catalogue.needs import Actuator
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
-from tactgen.validation.catalogue.row import QuantityRow
+from tactgen.validation.catalogue.row import Actuator, QuantityRow
 from tactgen.validation.engine.costs import recorded
 from tactgen.validation.engine.model import model_class
 from tactgen.validation.engine.results import Quantity

@@ -37,16 +37,17 @@ from tactgen.tmm.beam.sections import (
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.tmm.ports.readout import ELECTRICAL, MECHANICAL
-from tactgen.validation.catalogue.bimorph import (
+from tactgen.validation.catalogue.quantities import (
     CAPACITANCE_BLOCKED,
     CAPACITANCE_FREE,
     COUPLING_FACTOR,
+    FLUX_LINKAGE,
+    MAGNETIC_FORCE,
     OPEN_CIRCUIT_FREQUENCIES,
     SHORT_CIRCUIT_FREQUENCIES,
     STATIC_TIP_DISPLACEMENT,
     coupling_factor,
 )
-from tactgen.validation.catalogue.reluctance import FLUX_LINKAGE, MAGNETIC_FORCE
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-import numpy as np
-
-if TYPE_CHECKING:
-    pass
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from tactgen.geometry.arrays import Complex
 from tactgen.tmm.ports.elements import outside_known_range
-from tactgen.validation.catalogue.bimorph import (
-    TIP_DISPLACEMENT,
-)
+from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.engine.solve import Solution, solve
 
 #: What a figure says of each load.

@@ -12,8 +12,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS, ranked
-from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.reluctance import FLUX_LINKAGE, MAGNETIC_FORCE
+from tactgen.validation.catalogue.quantities import FLUX_LINKAGE, MAGNETIC_FORCE, QUANTITIES
 from tactgen.validation.engine.model import Model
 from tactgen.validation.engine.plan import Plan
 from tactgen.validation.engine.results import Quantity

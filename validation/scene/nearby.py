@@ -1,7 +1,7 @@
-"""Scenes that differ from one in a few keys: only the groups of these are read again.
+"""Values of a scene by dotted key, and scenes that differ from it in a few.
 
-What :func:`validation.scene.scene.checked_scene` gives, several times faster where thousands of
-points of a study ask.
+Only the groups of these are read again: several times faster than
+:func:`validation.scene.scene.checked_scene` where thousands of points of a study ask.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from tactgen.geometry.device.parameters import Bimorph, Piezo, Shim
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.files import assign
 from tactgen.validation.scene.scene import Scene, check_together, checked_scene
@@ -81,3 +82,44 @@ class ScenesNearby:
         scene._tolerances = tolerances
         check_together(scene, changed=groups)
         return scene
+
+
+#: Symbols of the paper that stand for scene keys.
+SYMBOLS = {
+    "c_s": "support.rotational_stiffness",
+    "c_sl": "support.lateral_stiffness",
+    "d_s": "support.rotational_damping",
+    "theta": "support.rotational_inertia",
+    "rho_p": "piezo.density",
+}
+
+
+def value_of(scene: Scene, key: str) -> Any:
+    """Return the value of a dotted key."""
+    value: Any = scene
+    for name in key.split("."):
+        value = getattr(value, name)
+    return value
+
+
+def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """Return the scene with other values (SI) at some dotted keys, without checking them."""
+    update: dict[str, Any] = {}
+    for key, value in values.items():
+        group, _, last = key.rpartition(".")
+        if group:
+            inner = update.get(group, getattr(scene, group))
+            update[group] = inner.model_copy(update={last: value})
+        else:
+            update[last] = value
+    return scene.model_copy(update=update)
+
+
+#: What the paper varies or does not say: its two lengths, and how the layers are wired.
+_FREE = {"length", "wiring", "poling", "tab_length"}
+
+
+def is_papers_bimorph(scene: Scene) -> bool:
+    """Return whether layers, section and materials are the paper's; the length may be any."""
+    own, papers = (b.model_dump(exclude=_FREE) for b in (scene.bimorph, Bimorph()))
+    return own == papers and (scene.piezo, scene.shim) == (Piezo(), Shim())

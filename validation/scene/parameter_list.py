@@ -1,16 +1,22 @@
-"""Every scalar of a scene with its unit, source and meaning, for people to read."""
+"""Every scalar of a scene with unit, source, meaning and range; and a file with all of them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from tactgen.geometry.device.parameters import Parameters, sources
+from tactgen.geometry.device.materials import Spread
+from tactgen.geometry.device.parameters import Parameters, sources, spreads
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import write_text
 from tactgen.geometry.units import Unit
-from tactgen.validation.scene.scene import Scene
+from tactgen.validation.catalogue.models import MODELS, models_of
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.scene.scene import Scene, load_scene
 from tactgen.validation.scene.tolerances import Tolerance
 
 #: Digits of a number that somebody has written, at most; more come from a calculation, of which
@@ -87,3 +93,98 @@ def _readable(value: float) -> float:
     written = float(f"{value:.{_WRITTEN}g}")
     # of SI units: 0.26 mm is 2.6e-4 but for rounding
     return value if abs(written - value) <= 1e-14 * abs(value) else float(f"{value:.{_SHOWN}g}")
+
+
+def ranges(scene: Scene) -> dict[str, Spread]:
+    """Return the range of every number of the device that has one, by key in the scene's order.
+
+    What the scene states comes first; the reason of any other says whose it is, or that it is
+    assumed.  A value that was changed since takes its tolerance along.
+    """
+    return dict(_ranges(scene))
+
+
+def _ranges(scene: Scene) -> Iterator[tuple[str, Spread]]:
+    for name in type(scene).model_fields:
+        group = getattr(scene, name)
+        usual = spreads(group) if isinstance(group, Parameters) else {}
+        fields = type(group).model_fields if isinstance(group, Parameters) else (name,)
+        for field in fields:
+            key = f"{name}.{field}" if isinstance(group, Parameters) else name
+            stated = scene.tolerances.get(key)
+            if stated is not None:
+                value = getattr(group, field) if isinstance(group, Parameters) else group
+                yield key, stated.spread.moved(stated.value, value)
+            elif field in usual:
+                yield key, usual[field]
+
+
+_HEAD = """\
+# A tactgen scene.  Every key is shown with the paper's value, commented out; take the
+# leading "# " away from what you change.  Quantities with a unit must be written with it.
+# A number of the device may carry its tolerance: "0.26 ± 0.01 mm", "60 (50..80)", "50 V ± 2 %".
+# Run:  tactgen solve THIS_FILE      tactgen report THIS_FILE      tactgen plan THIS_FILE
+
+description = "my what-if"
+"""
+_SKIPPED = ("name", "description")
+
+
+def write_template(path: Path) -> Path:
+    """Write the template.
+
+    Raises
+    ------
+    InputError
+        If the file exists already, is named as another format, or cannot be written.
+    """
+    if path.suffix != ".toml":
+        raise InputError(f"{path} must end in .toml, the format of scenes; name the file so")
+    if path.exists():
+        raise InputError(f"{path} exists already; choose another file name or remove it first")
+    return write_text(path, template())
+
+
+def template() -> str:
+    """Return the template's text: valid TOML, equal to the paper's scene."""
+    scene, _ = load_scene("paper")
+    rows = [row for row in parameter_rows(scene, {}) if row.key not in _SKIPPED]
+    lines = [_HEAD]
+    lines += [_line(row, row.key) for row in rows if "." not in row.key]
+    group = ""
+    for row in rows:
+        head, _, name = row.key.rpartition(".")
+        if not head:
+            continue
+        if head != group:
+            lines += ["", f"[{head}]"]
+            group = head
+        lines.append(_line(row, name))
+    return "\n".join(lines) + "\n"
+
+
+def _lists() -> dict[str, tuple[str, str]]:
+    """Return the keys whose TOML value is a list or text of another form, with what to add."""
+    usual = ", ".join(f'"{name}"' for name in models_of("bimorph"))
+    return {
+        "frequency": ('"10 Hz:1000 Hz:100:log"', ""),
+        "models": (f"[{usual}]", f": all, or of {', '.join(MODELS)}"),
+        "quantities": ('["all"]', f": all, or of {', '.join(QUANTITIES)}"),
+    }
+
+
+def _line(row: ParameterRow, name: str) -> str:
+    written, choices = _lists().get(row.key, ("", ""))
+    value = written or (row.written if _is_number(row.written) else f'"{row.written}"')
+    if row.written == "derived":
+        value = '"13 GPa"'
+    source = f"  [{row.source}]" if row.source else ""
+    return f"# {name} = {value}    # {row.meaning}{choices}{source}"
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

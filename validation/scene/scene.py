@@ -38,14 +38,15 @@ from tactgen.validation.scene.files import (
     assign,
     beside_scene,
     checked_name,
+    choices,
     leaves,
     read_scene,
     scene_name,
+    sentence,
     split_override,
 )
 from tactgen.validation.scene.frequencies import parse_frequencies
 from tactgen.validation.scene.tolerances import Tolerance, split_tolerances
-from tactgen.validation.scene.wording import choices, sentence
 
 if TYPE_CHECKING:
     from tactgen.tmm.generator.positions import RestingPlace

@@ -32,7 +32,7 @@ from tactgen.tmm.beam.parametric import Actuator
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.timoshenko import wavenumbers
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
-from tactgen.validation.engine.drive_warnings import SLENDER
+from tactgen.validation.engine.warnings import SLENDER
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.length_map import (
     LengthMap,

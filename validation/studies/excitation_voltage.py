@@ -16,12 +16,12 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.tmm.beam.port_quantities import evaluate
-from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
 from tactgen.validation.catalogue.detection import (
     DISPLAY_THRESHOLD,
     STATED_VOLTAGES,
     StatedVoltage,
 )
+from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.length_map import (
     actuator,

@@ -23,10 +23,10 @@ from tactgen.tmm.beam.parametric import check_length_free
 from tactgen.validation.engine.inputs import idle
 from tactgen.validation.engine.plan import check_on_contact
 from tactgen.validation.engine.warnings import load_warnings
-from tactgen.validation.scene.keys import SYMBOLS, value_of, with_values
+from tactgen.validation.scene.files import one_line
+from tactgen.validation.scene.nearby import SYMBOLS, value_of, with_values
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene, scene_keys
-from tactgen.validation.scene.wording import one_line
 from tactgen.validation.studies.curve_fit import (
     CONFIDENCE,
     RANK,

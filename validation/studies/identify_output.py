@@ -19,7 +19,7 @@ from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.formats import engineering, prefixed
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.files import scene_name
-from tactgen.validation.scene.keys import SYMBOLS, value_of
+from tactgen.validation.scene.nearby import SYMBOLS, value_of
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import FILE_KEYS
 from tactgen.validation.studies.curve_fit import curve_model

@@ -15,7 +15,7 @@ from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.parametric import Actuator, check_length_free
 from tactgen.tmm.beam.port_quantities import evaluate
-from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
+from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.scene.scene import Scene
 
 #: Frequencies of the map over the band; minima between them are located by narrowing.

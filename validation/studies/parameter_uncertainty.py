@@ -24,14 +24,12 @@ from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonanc
 from tactgen.tmm.beam.sensitivities import derivatives, values
 from tactgen.tmm.beam.transfer_matrix import is_tapered
 from tactgen.tmm.ports.readout import Circuit, ModalReadout, Readout
-from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT, TIP_VELOCITY
-from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.quantities import QUANTITIES, TIP_DISPLACEMENT, TIP_VELOCITY
 from tactgen.validation.catalogue.row import QuantityRow
 from tactgen.validation.engine.inputs import idle
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.scene.keys import value_of
-from tactgen.validation.scene.parameter_list import show
-from tactgen.validation.scene.ranges import ranges
+from tactgen.validation.scene.nearby import value_of
+from tactgen.validation.scene.parameter_list import ranges, show
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.length_map import actuator
 

@@ -14,8 +14,8 @@ from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.comparison import compare
+from tactgen.validation.scene.parameter_list import template
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.scene.template import template
 from tactgen.validation.studies.curve_fit import curve_model
 from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
 

@@ -9,7 +9,7 @@ from tactgen.geometry.device.parameters import Device, Limits
 from tactgen.geometry.device.winding import winding
 from tactgen.tmm.beam.port_quantities import DrivenCeramic
 from tactgen.tmm.reluctance.coil_heat import largest_rms_current
-from tactgen.validation.catalogue.safe_drive import voltage_limits
+from tactgen.validation.catalogue.quantities import voltage_limits
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 

@@ -9,7 +9,7 @@ from tactgen.validation.engine.families import find_families
 from tactgen.validation.models.reluctance import field
 from tactgen.validation.models.reluctance.family import axisymmetric as family
 from tactgen.validation.models.reluctance.family import field_tables
-from tactgen.validation.scene.keys import value_of, with_values
+from tactgen.validation.scene.nearby import value_of, with_values
 from tactgen.validation.scene.scene import load_scene
 
 NAMES = ("magnetic_force", "flux_linkage", "coenergy", "inductance", "incremental_inductance")

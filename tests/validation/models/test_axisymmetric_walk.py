@@ -17,7 +17,7 @@ from tactgen.validation.engine.families import find_families
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.reluctance import field
 from tactgen.validation.models.reluctance.family import map_table, walk
-from tactgen.validation.scene.keys import value_of, with_values
+from tactgen.validation.scene.nearby import value_of, with_values
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif import answers
 from tactgen.validation.studies.whatif.asked.statement import Statement

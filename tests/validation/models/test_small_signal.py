@@ -10,7 +10,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.generator.small_signal import machine
 from tactgen.tmm.ports.multiport import respond
-from tactgen.validation.catalogue.generator import ROWS
+from tactgen.validation.catalogue.quantities import quantities_of
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.generator.judged_rod import machine_of
@@ -18,7 +18,7 @@ from tactgen.validation.scene.scene import load_scene
 
 UP = ("support.kind=contact", "coil.current=0mA", "frequency=10,100,446,800,1000")
 HELD = ("support.kind=contact", "coil.current=50mA", "coil.history=falling", *UP[2:])
-NAMES = tuple(row.name for row in ROWS)
+NAMES = quantities_of("generator")
 
 
 @cache

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.validation.catalogue.needs import Actuator
+from tactgen.validation.catalogue.row import Actuator
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.comparison import compare

@@ -12,9 +12,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.inputs import idle, scene_warnings
 from tactgen.validation.scene.files import built_in_scenes
 from tactgen.validation.scene.frequencies import parse_frequencies
-from tactgen.validation.scene.parameter_list import parameter_rows
+from tactgen.validation.scene.parameter_list import parameter_rows, template
 from tactgen.validation.scene.scene import Scene, load_scene, scene_keys
-from tactgen.validation.scene.template import template
 
 CONTRACT = [
     "bimorph.length",

@@ -6,7 +6,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import measurable
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.keys import value_of
+from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.curve_fit import curve_model
 from tactgen.validation.studies.identify import identify

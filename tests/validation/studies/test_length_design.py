@@ -14,8 +14,7 @@ from tactgen.validation.report.page import templates
 from tactgen.validation.report.sections import length as length_section
 from tactgen.validation.report.sections import voltage as voltage_section
 from tactgen.validation.report.sections.length import length_plot, section
-from tactgen.validation.scene.keys import value_of, with_values
-from tactgen.validation.scene.papers_device import is_papers_bimorph
+from tactgen.validation.scene.nearby import is_papers_bimorph, value_of, with_values
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.design import (
     PAPER_LENGTHS,

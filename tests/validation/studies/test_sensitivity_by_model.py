@@ -16,7 +16,7 @@ from tactgen.validation.engine.derivatives import by_differences, derivatives, e
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import derivatives as of_solid
-from tactgen.validation.scene.keys import value_of
+from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.sensitivity import changed_scenes, readable_keys
 

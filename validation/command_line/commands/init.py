@@ -17,7 +17,7 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.validation.scene.template import write_template
+    from tactgen.validation.scene.parameter_list import write_template
 
     print(write_template(Path(options.file)))
     return 0

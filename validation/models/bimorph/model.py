@@ -14,7 +14,7 @@ from tactgen.geometry.bimorph.row_shape import CentreLine
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.catalogue.models import MAPS
-from tactgen.validation.catalogue.needs import Need
+from tactgen.validation.catalogue.row import Need
 from tactgen.validation.engine.model import Model, Modes, Refined
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.stages import Stages

@@ -28,7 +28,7 @@ from tactgen.validation.engine.derivatives import (
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.reluctance.point import MagneticPoint
-from tactgen.validation.scene.keys import value_of
+from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import Scene
 
 #: Cells of the ladders, in units of those that a value is computed with.

@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Numbers
-from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.reluctance import INCREMENTAL_INDUCTANCE
+from tactgen.validation.catalogue.quantities import INCREMENTAL_INDUCTANCE, QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout
 from tactgen.validation.engine.derivatives import (
     PLACES,
@@ -33,7 +32,7 @@ from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.reluctance.field import REFINEMENTS
 from tactgen.validation.models.reluctance.point import MagneticPoint
-from tactgen.validation.scene.keys import value_of
+from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ import numpy as np
 
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS
-from tactgen.validation.catalogue.needs import Need
+from tactgen.validation.catalogue.row import Need
 from tactgen.validation.engine.model import Model
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.reluctance.point import MagneticPoint

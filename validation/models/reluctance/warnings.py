@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.row import AnswerReadout
+from tactgen.validation.catalogue.row import AnswerReadout, Need
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.scene.scene import Scene
 

@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-if TYPE_CHECKING:
-    pass
-from tactgen.validation.catalogue.bimorph import (
+from tactgen.validation.catalogue.models import MODELS, ranked
+from tactgen.validation.catalogue.quantities import (
     OPEN_CIRCUIT_FREQUENCIES,
+    QUANTITIES,
     SHORT_CIRCUIT_FREQUENCIES,
 )
-from tactgen.validation.catalogue.models import MODELS, ranked
-from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.checks.paper import audit
-from tactgen.validation.evidence import stress as stress_output
+from tactgen.validation.checks.stress import run as stress_output
 from tactgen.validation.models.bimorph.rows import LumpedModel
 from tactgen.validation.models.comparison import UNEXPLAINED
+from tactgen.validation.report.figures.bimorph import response_plot, response_values
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections import length as length_section
 from tactgen.validation.report.sections import uncertainty as uncertainty_section
 from tactgen.validation.report.sections import voltage as voltage_section
-from tactgen.validation.report.sections.bimorph_figures import response_plot, response_values
 from tactgen.validation.report.sections.bridge import (
     bridge_section,
     holding_section,
@@ -32,7 +28,7 @@ from tactgen.validation.report.sections.drive_limits import drive_limits_section
 from tactgen.validation.report.sections.load import load_section
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
-from tactgen.validation.scene.papers_device import is_papers_bimorph
+from tactgen.validation.scene.nearby import is_papers_bimorph
 
 
 def _models(study: Study) -> Context:
@@ -61,7 +57,7 @@ def _modes(study: Study) -> Context:
     return {
         "frequencies": both,
         "circuit": circuit,
-        **gallery.moving(study),
+        **study.alone("moving", lambda: gallery.moving(study)),
     }
 
 
@@ -107,16 +103,16 @@ def _audit(study: Study) -> Context | None:
 LATERAL: tuple[Section, ...] = (
     Section("models", "Models side by side", _models),
     Section("modes", "Natural modes", _modes),
-    Section("bridge", "From the beam to the solid", bridge_section),
-    Section("holding", "What holds the bimorph", holding_section),
-    Section("material", "What the assumed constants are worth", material_section),
-    Section("load", "What the tip touches", load_section),
+    Section("bridge", "From the beam to the solid", bridge_section, alone=True),
+    Section("holding", "What holds the bimorph", holding_section, alone=True),
+    Section("material", "What the assumed constants are worth", material_section, alone=True),
+    Section("load", "What the tip touches", load_section, alone=True),
     Section("response", "Frequency response", _response),
-    Section("drive_limits", "What it may be driven with", drive_limits_section),
-    Section("length", "Length design", _length),
-    Section("voltage", "Voltage at the detection threshold", _voltage),
+    Section("drive_limits", "What it may be driven with", drive_limits_section, alone=True),
+    Section("length", "Length design", _length, alone=True),
+    Section("voltage", "Voltage at the detection threshold", _voltage, alone=True),
     Section("uncertainty", "Numerical and parameter uncertainty", _uncertainty),
-    Section("stress", "Numerical limits of the beam model", _stress),
+    Section("stress", "Numerical limits of the beam model", _stress, alone=True),
 )
 #: Shown after the checks.
-PRINTED_FORMULAS = Section("audit", "The printed formulas", _audit)
+PRINTED_FORMULAS = Section("audit", "The printed formulas", _audit, alone=True)

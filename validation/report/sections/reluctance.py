@@ -14,15 +14,14 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.winding import winding
 from tactgen.tmm.reluctance.coil_heat import largest_rms_current, thermal_statement
 from tactgen.tmm.reluctance.switching import Equilibrium, equilibria, finger_force, spring_force
-from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.reluctance import FLUX_LINKAGE, MAGNETIC_FORCE
+from tactgen.validation.catalogue.quantities import FLUX_LINKAGE, MAGNETIC_FORCE, QUANTITIES
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import NetworkModel
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.report.normal_actuator import NormalActuator
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.studies import reconstruction as stated
+from tactgen.validation.studies.reconstruction import stated
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint
@@ -35,7 +34,7 @@ _PICTURE: dict[str, Any] = {"order": 2, "refinement": 3.0}
 def _models(actuator: NormalActuator) -> Context:
     """Return the models side by side and the bridge between them."""
     from tactgen.validation.models.difference import remaining
-    from tactgen.validation.report.sections.bimorph_figures import breakdown_plot
+    from tactgen.validation.report.figures.bimorph import breakdown_plot
 
     field = actuator.field_model
     titles = {MAGNETIC_FORCE.name: "magnetic force", FLUX_LINKAGE.name: "flux linkage"}
@@ -74,7 +73,7 @@ def _field(actuator: NormalActuator) -> Context | None:
     if actuator.field_model is None:
         return None
     from tactgen.fem.magnetics.axisymmetric import solve_point
-    from tactgen.validation.report.sections.magnetic_field import field_plot
+    from tactgen.validation.report.figures.magnetic_field import field_plot
 
     device, current = actuator.device, actuator.current
     stop = device.spring.stop_gap
@@ -128,7 +127,7 @@ class ElectricalRow:
 
 def _characteristics(actuator: NormalActuator) -> Context:
     """Return families, switching, finger force and the coil's electrical and thermal values."""
-    from tactgen.validation.report.sections.reluctance_figures import (
+    from tactgen.validation.report.figures.reluctance import (
         Families,
         flux_families,
         force_families,

@@ -16,9 +16,11 @@ Context = dict[str, Any]
 class Section:
     """One section: its anchor (also the template's name), its title, its contents.
 
-    A section whose function returns None is left out; numbers and contents follow.
+    A section whose function returns None is left out; numbers and contents follow.  One that is
+    `alone` needs no solution of the study, so that another process may make it.
     """
 
     id: str
     title: str
     context: Callable[[Study], Context | None]
+    alone: bool = False

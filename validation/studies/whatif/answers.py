@@ -19,8 +19,8 @@ from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.scene.files import one_line
 from tactgen.validation.scene.scene import Scene, checked_scene
-from tactgen.validation.scene.wording import one_line
 
 
 class Busy(Exception):

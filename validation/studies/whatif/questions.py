@@ -9,9 +9,9 @@ from typing import Any
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.engine.answers import Answer
+from tactgen.validation.scene.files import choices
 from tactgen.validation.scene.nearby import ScenesNearby
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.scene.wording import choices
 from tactgen.validation.studies.whatif.answers import Question, question, reason
 from tactgen.validation.studies.whatif.asked.scene_field import as_stated
 from tactgen.validation.studies.whatif.asked.statement import Statement

@@ -15,7 +15,7 @@ from __future__ import annotations
 from tactgen.geometry.device.parameters import NOMINAL_GAP
 from tactgen.validation.checks.cases.fineness import cached
 from tactgen.validation.engine.derivatives import derivatives
-from tactgen.validation.scene.keys import value_of, with_values
+from tactgen.validation.scene.nearby import value_of, with_values
 from tactgen.validation.scene.scene import load_scene
 
 #: Stated from the nominal gap.

@@ -53,7 +53,7 @@ def run_and_show(
     """
     from tactgen.geometry.files import writable_folder
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.scene.wording import choices
+    from tactgen.validation.scene.files import choices
 
     names = choices(",".join(options.only or known), tuple(known), "part", "--only")
     out = writable_folder(Path(options.out)) if options.out is not None else None

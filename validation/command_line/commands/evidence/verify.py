@@ -33,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.geometry.files import writable_folder
     from tactgen.validation.checks.verification import GROUPS, verify
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.scene.wording import choices
+    from tactgen.validation.scene.files import choices
 
     groups = choices(",".join(options.only or GROUPS), tuple(GROUPS), "group", "--only")
     extent: Extent = "heavy" if options.heavy else "quick" if options.quick else "light"

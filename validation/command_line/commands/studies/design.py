@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
 def _search(options: argparse.Namespace) -> int:
     """Search the values of any keys."""
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.scene.keys import value_of
+    from tactgen.validation.scene.nearby import value_of
     from tactgen.validation.scene.scene import checked_scene, scene_values
     from tactgen.validation.studies.whatif.aim.best import parse_aims
     from tactgen.validation.studies.whatif.asked.choice import chosen
@@ -127,10 +127,10 @@ def _length_design(options: argparse.Namespace) -> int:
     """Find the length for the paper's aim."""
     import numpy as np
 
-    from tactgen.validation.catalogue.bimorph import TIP_DISPLACEMENT
+    from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.engine.drive_warnings import field_warnings
     from tactgen.validation.engine.inputs import scene_warnings
+    from tactgen.validation.engine.warnings import field_warnings
     from tactgen.validation.studies.design import CURVES, design
     from tactgen.validation.studies.design_statements import dependences
     from tactgen.validation.studies.length_map import length_map
@@ -210,7 +210,7 @@ def _length(text: str) -> float:
     from pydantic import TypeAdapter, ValidationError
 
     from tactgen.geometry.units import Length, quoted
-    from tactgen.validation.scene.wording import one_line
+    from tactgen.validation.scene.files import one_line
 
     reader: TypeAdapter[float] = TypeAdapter(Length)
     try:

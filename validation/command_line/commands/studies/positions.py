@@ -46,7 +46,7 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.validation.catalogue.reluctance import DROP_OUT_CURRENT, PULL_IN_CURRENT
+    from tactgen.validation.catalogue.quantities import DROP_OUT_CURRENT, PULL_IN_CURRENT
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.solve import solve
     from tactgen.validation.models.generator.rod_loop import rod_loop
@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _models(asked: list[str] | None, of_scene: tuple[str, ...]) -> tuple[str, ...]:
     from tactgen.validation.catalogue.models import MODELS, models_of
-    from tactgen.validation.scene.wording import choices
+    from tactgen.validation.scene.files import choices
 
     known = models_of("reluctance")
     if asked:
@@ -137,7 +137,7 @@ def _write(options: argparse.Namespace, loops: list[RodLoop], current: float) ->
     from tactgen.geometry.files import write_text
 
     if options.plot:
-        from tactgen.validation.report.sections.machine import position_plot
+        from tactgen.validation.report.figures.machine import position_plot
 
         write_text(Path(options.plot), position_plot(loops, current))
     if options.csv:

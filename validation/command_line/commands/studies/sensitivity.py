@@ -70,11 +70,15 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.catalogue.models import models_of
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.engine.drive_warnings import field_warnings, slenderness_warnings
     from tactgen.validation.engine.inputs import scene_warnings
-    from tactgen.validation.engine.warnings import level_warnings, load_warnings
-    from tactgen.validation.scene.keys import value_of
-    from tactgen.validation.scene.ranges import ranges
+    from tactgen.validation.engine.warnings import (
+        field_warnings,
+        level_warnings,
+        load_warnings,
+        slenderness_warnings,
+    )
+    from tactgen.validation.scene.nearby import value_of
+    from tactgen.validation.scene.parameter_list import ranges
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
     from tactgen.validation.studies.sensitivity import (
@@ -143,7 +147,7 @@ def _models(options: argparse.Namespace, scene: Scene, names: Sequence[str]) -> 
 
 def _quantities(options: argparse.Namespace, scene: Scene) -> tuple[str, ...]:
     """Quantities of the request: without --quantity the headline numbers of the models."""
-    from tactgen.validation.catalogue import bimorph
+    from tactgen.validation.catalogue import quantities as all_quantities
     from tactgen.validation.catalogue.models import gives, models_of
     from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 
@@ -152,11 +156,11 @@ def _quantities(options: argparse.Namespace, scene: Scene) -> tuple[str, ...]:
     lateral = tuple(
         row.name
         for row in (
-            bimorph.STATIC_TIP_DISPLACEMENT,
-            bimorph.SHORT_CIRCUIT_FREQUENCIES,
-            bimorph.COUPLING_FACTOR,
-            bimorph.CAPACITANCE_FREE,
-            bimorph.TIP_DISPLACEMENT,
+            all_quantities.STATIC_TIP_DISPLACEMENT,
+            all_quantities.SHORT_CIRCUIT_FREQUENCIES,
+            all_quantities.COUPLING_FACTOR,
+            all_quantities.CAPACITANCE_FREE,
+            all_quantities.TIP_DISPLACEMENT,
         )
     )
     normal = tuple(

@@ -45,7 +45,7 @@ from tactgen.validation.models.bimorph.family.values import (
     joined,
 )
 from tactgen.validation.models.bimorph.solid import SolidModel, level_for
-from tactgen.validation.scene.keys import value_of
+from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import Scene
 
 #: Relative distance of the values of the small systems: truncation and rounding, about 1e-9 of a

@@ -29,7 +29,7 @@ from tactgen.validation.models.reluctance.family.field_tables import (
     field_tables,
 )
 from tactgen.validation.models.reluctance.point import MagneticPoint
-from tactgen.validation.scene.keys import value_of, with_values
+from tactgen.validation.scene.nearby import value_of, with_values
 from tactgen.validation.scene.scene import Scene
 
 #: What the points are read off, in words.

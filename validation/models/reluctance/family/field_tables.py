@@ -21,7 +21,7 @@ from tactgen.geometry.store.values import storable
 from tactgen.validation.models.reluctance.family.nested_grid import Table, nested_table
 from tactgen.validation.models.reluctance.field import REFINEMENTS
 from tactgen.validation.models.reluctance.warnings import WORTH_A_WORD
-from tactgen.validation.scene.keys import with_values
+from tactgen.validation.scene.nearby import with_values
 from tactgen.validation.scene.scene import Scene
 
 #: Names of what a point says.

@@ -31,7 +31,7 @@ from tactgen.validation.models.reluctance.family.nested_grid import (
     nested_table,
 )
 from tactgen.validation.models.reluctance.field import MAP_ORDER, MAP_RANGE
-from tactgen.validation.scene.keys import with_values
+from tactgen.validation.scene.nearby import with_values
 from tactgen.validation.scene.scene import Scene
 
 _KIND = "axisymmetric.maps"

@@ -17,8 +17,8 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.store.store import is_kept
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS, stage_code
-from tactgen.validation.catalogue.needs import Need
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import Need
 from tactgen.validation.engine.costs import recorded
 from tactgen.validation.engine.families import Box
 from tactgen.validation.engine.plan import make_plan
@@ -45,7 +45,7 @@ from tactgen.validation.models.reluctance.field import (
 )
 from tactgen.validation.models.reluctance.point import MagneticPoint
 from tactgen.validation.models.reluctance.switching import Balances, Learned
-from tactgen.validation.scene.keys import value_of
+from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import Scene
 
 _NAME = AxisymmetricModel.name

@@ -8,7 +8,7 @@ from typing import Any
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, all_given, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
-from tactgen.validation.scene.wording import choices
+from tactgen.validation.scene.files import choices
 from tactgen.validation.studies.whatif.asked.statement import Statement
 
 #: Quick, and exact within their theories: of what the first gives it, of the rest the second.

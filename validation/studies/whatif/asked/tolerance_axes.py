@@ -10,7 +10,7 @@ from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.files import assign
-from tactgen.validation.scene.ranges import ranges
+from tactgen.validation.scene.parameter_list import ranges
 from tactgen.validation.scene.scene import check_key, checked_scene
 from tactgen.validation.studies.whatif.asked.scene_field import as_stated, scene_field
 

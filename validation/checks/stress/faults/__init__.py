@@ -1,0 +1,1 @@
+"""Commands under bad circumstances: killed, out of room, out of memory, two at once, no home."""

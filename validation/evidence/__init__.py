@@ -1,1 +1,0 @@
-"""Evidence: known answers, random devices, extremes, faults and run time against error."""

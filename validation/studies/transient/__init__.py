@@ -1,0 +1,1 @@
+"""The generator in time: waveforms, a run, its phases, its file and its picture."""
